@@ -1,0 +1,50 @@
+"""Writing files whole or not at all, and naming bytes by their digest."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+from hysgen.errors import HysgenError
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Replace `path` by `content` in one step: readers see the old file or the new one, never a part.
+
+    The bytes go to a temporary file in the same folder, are flushed to the disk, and are renamed over `path`.
+    Text is encoded as UTF-8 with '\\n' line ends on every system.
+    Raises HysgenError, with the old file untouched, if the folder cannot be written.
+    """
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    scratch: str | None = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, scratch = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(scratch, 0o666 & ~_umask())
+        os.replace(scratch, path)
+        scratch = None
+    except OSError as fault:
+        raise HysgenError(f"{path}: cannot be written ({fault.strerror}); choose another folder") from fault
+    finally:
+        if scratch is not None:
+            with contextlib.suppress(OSError):
+                os.unlink(scratch)
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 of `data` as 64 hexadecimal digits."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def _umask() -> int:
+    """The process's file mode mask, which the system only tells while setting it."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
