@@ -1,0 +1,40 @@
+# `make run` and `make test` each make the environment they need; everything lives in .venv and goes with `make clean`.
+
+SHELL := /bin/sh
+VENV := .venv
+PY := $(VENV)/bin/python
+# The newest Python that is at least 3.11, or whatever PYTHON=... names.
+PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3 python; do \
+	command -v $$p >/dev/null 2>&1 && $$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null \
+	&& { echo $$p; break; }; done)
+CC_FOUND := $(shell for c in "$(CC)" cc gcc clang; do command -v $$c >/dev/null 2>&1 && { echo $$c; break; }; done)
+OUT ?= hysgen-demo
+
+.PHONY: run test check bench clean
+
+run: $(VENV)/.installed  ## the main job on the bundled record: fit, score, C, equivalence, cost, plots
+	$(PY) -m hysgen demo -o $(OUT)
+
+test: $(VENV)/.tested check  ## style, types, and the whole test suite
+	$(PY) -m pytest -n auto --dist worksteal
+
+check: $(VENV)/.tested
+	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
+	$(PY) -m mypy
+
+$(VENV)/.installed: pyproject.toml
+	@test -n "$(PYTHON)" || { echo "hysgen needs Python 3.11 or newer: install it, or name it: make PYTHON=/path/to/python3"; exit 1; }
+	@test -n "$(CC_FOUND)" || { echo "hysgen needs a C compiler: install gcc or clang, or name it: make CC=/path/to/cc"; exit 1; }
+	@test -x $(PY) || $(PYTHON) -m venv $(VENV) || { \
+		echo "$(PYTHON) cannot make virtual environments: install its venv module (on Debian: apt install python3-venv)"; \
+		rm -rf $(VENV); exit 1; }
+	$(PY) -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/.tested: $(VENV)/.installed
+	$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .hypothesis

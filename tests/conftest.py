@@ -1,0 +1,30 @@
+"""What every test may lean on: the reference models, the measured records, and how a missing tool is told."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--update-golden", action="store_true", help="write golden files instead of comparing with them")
+
+
+@pytest.fixture(scope="session")
+def measured() -> Path:
+    """Folder of the measured records, from the environment variable HYSGEN_DATA."""
+    folder = os.environ.get("HYSGEN_DATA")
+    if not folder:
+        pytest.skip("measured records: set HYSGEN_DATA to their folder to run this test")
+    return Path(folder)
+
+
+def need(tool: str) -> None:
+    """Skip, loudly, where `tool` is not installed; where HYSGEN_REQUIRE_TOOLS is set (CI), fail instead."""
+    if shutil.which(tool) is None:
+        if os.environ.get("HYSGEN_REQUIRE_TOOLS"):
+            pytest.fail(f"{tool} is not installed, and HYSGEN_REQUIRE_TOOLS is set")
+        pytest.skip(f"{tool} is not installed: this check did not run")
