@@ -1,0 +1,247 @@
+"""What a measured record is: segments of voltage and displacement at one sampling period."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hysgen.errors import RecordError
+from hysgen.record.checks import Channels, check_values
+
+SAME_PERIOD = 1e-4
+"""Relative difference of two sampling periods below which they count as the same clock."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """One unbroken run of samples with its own, unknown, initial state.
+
+    name: label of the run, for messages.
+    u_V, y_um: (n,) applied voltage in V and measured displacement in um, float64, read-only.
+    aux: further channels by name, each (n,), in the units of the file.
+    start_s: time stamp of the first sample in s.
+
+    Raises RecordError if a channel is not one-dimensional or the lengths differ.
+    """
+
+    name: str
+    u_V: NDArray[np.float64]
+    y_um: NDArray[np.float64]
+    aux: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    start_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        u_V = _channel(self.u_V, "voltage", self.name)
+        object.__setattr__(self, "u_V", u_V)
+        object.__setattr__(self, "y_um", _channel(self.y_um, "displacement", self.name))
+        object.__setattr__(self, "aux", {key: _channel(values, key, self.name) for key, values in self.aux.items()})
+        for key, values in chain([("displacement", self.y_um)], self.aux.items()):
+            if values.size != u_V.size:
+                raise RecordError(
+                    f"segment {self.name}: {key} has {values.size} samples, voltage has {u_V.size}; "
+                    "give every channel one value per sample"
+                )
+
+    @property
+    def samples(self) -> int:
+        """Number of samples n."""
+        return int(self.u_V.size)
+
+    def rows(self, start: int, stop: int, Ts_s: float) -> Segment:
+        """Samples start..stop-1 as a segment of its own; views, not copies."""
+        return Segment(
+            name=self.name,
+            u_V=self.u_V[start:stop],
+            y_um=self.y_um[start:stop],
+            aux={key: values[start:stop] for key, values in self.aux.items()},
+            start_s=self.start_s + start * Ts_s,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A measured record: one or more segments sampled at one period.
+
+    segments: in the order of the file, or of the files.
+    Ts_s: sampling period in s.
+    source: file name(s) without folder, or "arrays".
+    digest: SHA-256 of channels, segment lengths and Ts_s; the same whatever file format the numbers came from.
+    warnings: what looked odd but did not stop the reading, one line each.
+    """
+
+    segments: tuple[Segment, ...]
+    Ts_s: float
+    source: str
+    digest: str
+    warnings: tuple[str, ...] = ()
+
+    @classmethod
+    def from_segments(
+        cls, segments: Sequence[Segment], Ts_s: float, source: str = "arrays", warnings: Sequence[str] = ()
+    ) -> Record:
+        """A record of these segments, with its digest.
+
+        Values are not checked (a part of a record may rest at one voltage). Channels that some segments lack are left
+        out of all, with a warning. Raises RecordError for no segment at all or a sampling period that is not positive.
+        """
+        if not segments:
+            raise RecordError(f"{source}: holds no samples; record at least one segment")
+        if not (math.isfinite(Ts_s) and Ts_s > 0.0):
+            raise RecordError(f"{source}: sampling period Ts_s = {Ts_s:g} s; give a positive number of seconds")
+        kept, dropped = _common_aux(segments)
+        return cls(
+            segments=kept,
+            Ts_s=float(Ts_s),
+            source=source,
+            digest=_digest(kept, Ts_s),
+            warnings=(*warnings, *(f"{source}: {line}" for line in dropped)),
+        )
+
+    @classmethod
+    def from_arrays(
+        cls,
+        u_V: ArrayLike,
+        y_um: ArrayLike,
+        Ts_s: float,
+        aux: Mapping[str, ArrayLike] | None = None,
+        source: str = "arrays",
+        name: str = "0",
+        start_s: float = 0.0,
+        accept: Collection[str] = (),
+    ) -> Record:
+        """A record of one segment from arrays, after the same checks of values as a file gets.
+
+        u_V, y_um: (n,) in V and um. aux: further channels, each (n,). `accept` turns the refusals it names
+        ("constant", "saturation", "swapped") into warnings.
+        Raises RecordError with one line: source, index, channel, fault and cure.
+        """
+        if not (math.isfinite(Ts_s) and Ts_s > 0.0):
+            raise RecordError(f"{source}: sampling period Ts_s = {Ts_s:g} s; give a positive number of seconds")
+        channels = Channels.of_arrays(source, u_V, y_um, aux or {})
+        warnings = check_values(channels, accept)
+        segment = Segment(name, channels.u_V, channels.y_um, channels.aux, start_s)
+        return cls.from_segments([segment], Ts_s, source, warnings)
+
+    @staticmethod
+    def joined(*records: Record) -> Record:
+        """Several records as one: all segments in order, each with its own initial state.
+
+        Raises RecordError if the sampling periods differ by more than 1e-4 of their value.
+        """
+        if not records:
+            raise RecordError("no record given; name at least one")
+        first = records[0]
+        for other in records[1:]:
+            if abs(other.Ts_s - first.Ts_s) > SAME_PERIOD * first.Ts_s:
+                raise RecordError(
+                    f"{other.source}: sampled every {other.Ts_s:g} s, but {first.source} every {first.Ts_s:g} s; "
+                    "resample one of them before joining"
+                )
+        return Record.from_segments(
+            [segment for record in records for segment in record.segments],
+            first.Ts_s,
+            ", ".join(dict.fromkeys(record.source for record in records)),
+            tuple(dict.fromkeys(line for record in records for line in record.warnings)),
+        )
+
+    @property
+    def samples(self) -> int:
+        """Number of samples in all segments."""
+        return sum(segment.samples for segment in self.segments)
+
+    @property
+    def u_range_V(self) -> tuple[float, float]:
+        """Smallest and largest voltage in V."""
+        return _range(segment.u_V for segment in self.segments)
+
+    @property
+    def y_range_um(self) -> tuple[float, float]:
+        """Smallest and largest displacement in um."""
+        return _range(segment.y_um for segment in self.segments)
+
+    @property
+    def aux_names(self) -> tuple[str, ...]:
+        """Names of the further channels; every segment has all of them."""
+        return tuple(self.segments[0].aux)
+
+    def rows(self, start: int, stop: int) -> Record:
+        """Rows start..stop-1 of the joined record. Segments are cut where they must be and kept in order.
+
+        Raises RecordError if no row is left or a bound lies outside 0..samples.
+        """
+        if not 0 <= start < stop <= self.samples:
+            raise RecordError(
+                f"{self.source}: rows {start}..{stop} asked for, the record has {self.samples}; "
+                "choose 0 <= start < stop <= samples"
+            )
+        parts = []
+        first = 0
+        for segment in self.segments:
+            low, high = max(start - first, 0), min(stop - first, segment.samples)
+            if low < high:
+                parts.append(segment.rows(low, high, self.Ts_s))
+            first += segment.samples
+        return Record.from_segments(parts, self.Ts_s, f"{self.source}[{start}:{stop}]", self.warnings)
+
+    def split_at(self, row: int) -> tuple[Record, Record]:
+        """The rows before `row` and the rows from `row` on. Raises RecordError if one of the parts would be empty."""
+        return self.rows(0, row), self.rows(row, self.samples)
+
+    def split(self, fraction: float) -> tuple[Record, Record]:
+        """The first `fraction` (0..1) of the rows, and the rest. Raises RecordError if a part would be empty."""
+        if not 0.0 < fraction < 1.0:
+            raise RecordError(f"{self.source}: cannot be split at {fraction:g}; choose a fraction between 0 and 1")
+        return self.split_at(round(fraction * self.samples))
+
+
+def _channel(values: ArrayLike, field_name: str, segment: str) -> NDArray[np.float64]:
+    array = np.ascontiguousarray(values, dtype=np.float64)
+    if array.ndim != 1:
+        raise RecordError(f"segment {segment}: {field_name} has shape {array.shape}; give a one-dimensional array")
+    if array.flags.writeable:
+        # The caller may go on writing to this array; the record must not change with it.
+        array = array.copy()
+        array.setflags(write=False)
+    return array
+
+
+def _range(channels: Iterator[NDArray[np.float64]]) -> tuple[float, float]:
+    ends = [(float(values.min()), float(values.max())) for values in channels]
+    return min(low for low, _ in ends), max(high for _, high in ends)
+
+
+def _common_aux(segments: Sequence[Segment]) -> tuple[tuple[Segment, ...], list[str]]:
+    """The segments with only those further channels that all have, and a line for each channel left out."""
+    shared = [key for key in segments[0].aux if all(key in segment.aux for segment in segments)]
+    if all(len(segment.aux) == len(shared) for segment in segments):
+        return tuple(segments), []
+    everything = dict.fromkeys(key for segment in segments for key in segment.aux)
+    lines = []
+    for key in everything:
+        if key not in shared:
+            lacking = next(segment.name for segment in segments if key not in segment.aux)
+            lines.append(f"channel {key} is left out because segment {lacking} lacks it; add it there to use it")
+    kept = (Segment(s.name, s.u_V, s.y_um, {key: s.aux[key] for key in shared}, s.start_s) for s in segments)
+    return tuple(kept), lines
+
+
+def _digest(segments: Sequence[Segment], Ts_s: float) -> str:
+    """SHA-256 over names and little-endian float64 bytes of all channels, segment by segment, and Ts.
+
+    Ts enters with 9 digits, because a period read back from rounded time stamps is not exact beyond that.
+    """
+    state = hashlib.sha256(f"hysgen record 1\nTs_s {Ts_s:.9g}\n".encode())
+    for segment in segments:
+        channels = {"u_V": segment.u_V, "y_um": segment.y_um}
+        channels.update((f"aux {key}", segment.aux[key]) for key in sorted(segment.aux))
+        for key, values in channels.items():
+            state.update(f"{key} {values.size}\n".encode())
+            # Adding zero turns -0.0, which text formats may lose, into 0.0.
+            state.update((values + 0.0).astype("<f8").tobytes())
+    return state.hexdigest()
