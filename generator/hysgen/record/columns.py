@@ -1,0 +1,148 @@
+"""Which columns of a file are time, voltage and displacement, in which units, and how the text is separated."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+
+# Each unit as (multiply by, divide by), so that 1500 nm becomes exactly 1.5 um and not 1500 * 0.001.
+UNITS: dict[str, dict[str, tuple[float, float]]] = {
+    "time": {"s": (1.0, 1.0), "ms": (1.0, 1e3), "us": (1.0, 1e6), "ns": (1.0, 1e9), "min": (60.0, 1.0)},
+    "voltage": {"V": (1.0, 1.0), "mV": (1.0, 1e3), "uV": (1.0, 1e6), "kV": (1e3, 1.0)},
+    "displacement": {"um": (1.0, 1.0), "nm": (1.0, 1e3), "pm": (1.0, 1e6), "mm": (1e3, 1.0), "m": (1e6, 1.0)},
+}
+BASE = {"time": "s", "voltage": "V", "displacement": "um"}
+SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Names, units and separators of a file.
+
+    time, voltage, displacement: names of the columns (CSV) or arrays (NPZ, MAT, HDF5; there also a path "group/name",
+        and a selection "u[:,0,:,:]": the first ':' counts samples, every further ':' makes segments, a number picks).
+        time = "" ignores any time column; then Ts_s must be given.
+    time_unit, voltage_unit, displacement_unit: None takes the unit that ends the name ("x_nm" is nm), else s, V, um.
+    segment: column or array whose value numbers the unbroken runs; used if it is there.
+    aux: further channels to read, each "name" or "new_name=name"; None reads every other numeric column, () reads none.
+    separator: one character, or comma, semicolon, tab, space; None finds it in the header.
+    decimal: "." or ","; None takes a comma if the columns are not separated by commas and the first numbers hold one.
+    Ts_s: sampling period in s, for files without time; with a time column it must agree with it.
+
+    Raises RecordError for an unknown unit, a separator that is not one character, or a period that is not positive.
+    """
+
+    time: str = "time_s"
+    voltage: str = "voltage_V"
+    displacement: str = "displacement_um"
+    time_unit: str | None = None
+    voltage_unit: str | None = None
+    displacement_unit: str | None = None
+    segment: str = "segment"
+    aux: tuple[str, ...] | None = None
+    separator: str | None = None
+    decimal: str | None = None
+    Ts_s: float | None = None
+
+    def __post_init__(self) -> None:
+        for role in UNITS:
+            unit = getattr(self, f"{role}_unit")
+            if unit is not None and _plain(unit) not in UNITS[role]:
+                raise RecordError(f"{role}_unit: '{unit}' is not known; choose from {', '.join(UNITS[role])}")
+        if self.separator is not None and len(SEPARATORS.get(self.separator, self.separator)) != 1:
+            raise RecordError(
+                f"separator: '{self.separator}' is not one character; choose from {', '.join(SEPARATORS)}, or give one"
+            )
+        if self.decimal not in (None, ".", ","):
+            raise RecordError(f"decimal: '{self.decimal}' is not known; choose '.' or ','")
+        if self.Ts_s is not None and not (math.isfinite(self.Ts_s) and self.Ts_s > 0.0):
+            raise RecordError(f"Ts_s: {self.Ts_s:g} s is no sampling period; give a positive number of seconds")
+
+    @classmethod
+    def from_text(cls, text: str) -> Columns:
+        """Columns from "key=value,key=value", the keys being the fields of this class; `aux` may come several times.
+
+        Commas inside square brackets do not separate: "voltage=u[:,0],displacement=y[:,0],Ts_s=1e-4" has three pairs.
+        Raises RecordError for an unknown key or a number that cannot be read.
+        """
+        known = [one.name for one in fields(cls)]
+        given: dict[str, Any] = {}
+        for pair in re.findall(r"(?:\[[^\]]*\]|[^,\[])+", text):
+            key, equals, value = (part.strip() for part in pair.partition("="))
+            if key not in known or not equals:
+                raise RecordError(
+                    f"columns: '{pair.strip()}' is not understood{nearest(key, known)}; "
+                    f"write key=value with a key out of {', '.join(known)}"
+                )
+            if key == "aux":
+                given["aux"] = given.get("aux", ()) + ((value,) if value else ())
+            elif key == "Ts_s":
+                try:
+                    given[key] = float(value)
+                except ValueError:
+                    raise RecordError(f"columns: Ts_s '{value}' is not a number; give seconds, as 2e-5") from None
+            else:
+                given[key] = value
+        return cls(**given)
+
+    def unit(self, role: str) -> str:
+        """Unit of `role` ("time", "voltage", "displacement"): as given, else as its name ends, else s, V, um."""
+        given = getattr(self, f"{role}_unit")
+        if given is not None:
+            return _plain(given)
+        return self.unit_in_name(role) or BASE[role]
+
+    def unit_in_name(self, role: str) -> str | None:
+        """Unit that the column's name ends in, as "x_nm", "x [nm]" or "x (nm)"; None if it ends in no known unit."""
+        name = re.sub(r"\[[^\]]*[:,][^\]]*\]$", "", getattr(self, role))
+        ending = re.search(r"(?:_|\s|\[|\()([a-zA-Zµμ]+)[\])]?$", name.strip())
+        unit = _plain(ending.group(1)) if ending else ""
+        return unit if unit in UNITS[role] else None
+
+    def in_base_unit(self, role: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """`values` of `role` in s, V or um."""
+        multiply, divide = UNITS[role][self.unit(role)]
+        if multiply == divide:
+            return values
+        return values * multiply / divide
+
+    def aux_pairs(self) -> tuple[tuple[str, str], ...] | None:
+        """(name in the record, name in the file) of the further channels asked for; None if nothing was said."""
+        if self.aux is None:
+            return None
+        return tuple((label.strip(), name.strip()) for label, _, name in (_renamed(one) for one in self.aux))
+
+    def remarks(self) -> tuple[str, ...]:
+        """A line for each unit that was taken from a name and is not the usual one."""
+        return tuple(
+            f"{getattr(self, role)} is read in {unit}, as its name says; give {role}_unit if that is wrong"
+            for role in UNITS
+            if getattr(self, f"{role}_unit") is None
+            and (unit := self.unit_in_name(role)) is not None
+            and unit != BASE[role]
+        )
+
+
+def nearest(name: str, there: Iterable[str]) -> str:
+    """ " (did you mean 'x'?)" for the name out of `there` that is spelled most like `name`, or ""."""
+    by_spelling = {one.lower(): one for one in there}
+    close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.5)
+    return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""
+
+
+def _renamed(text: str) -> tuple[str, str, str]:
+    return text.partition("=") if "=" in text else (text, "", text)
+
+
+def _plain(unit: str) -> str:
+    """The unit with the micro sign, in either of its two code points, written as u."""
+    return unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
