@@ -1,8 +1,19 @@
-"""The contract of an extension term: its regressors in float64, its float32 mirror, and its place in a file."""
+"""The contract of an extension term: regressors in float64, a float32 mirror, its dynamics, and its place in a file.
+
+One sample passes through a term like this, in the model, the mirror and the generated C alike:
+
+    listen      the auxiliary channels of sample k, if the model has any
+    correct     the innovation y(k) - yhat(k), where y(k) is measured (predict, learn), not in a free run or an inverse
+    regressors  phi_j(k), which the model weighs into y(k+1)
+    advance     u(k) acts on the state
+
+so phi_j(k) never depends on u(k), the model stays affine in u(k), and Eq. (11) inverts it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import abc
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
@@ -11,38 +22,70 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
+Words = NDArray[np.float32] | NDArray[np.uint32]
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What drives a term over one segment: the input, auxiliary channels and the time grid; never the displacement.
+    """What drives the terms over one segment.
 
-    u_V: (n,); aux: channels of (n,); Ts_s: sampling period; first: index of sample 0 in absolute time.
+    u_V: (n,) the input that reaches the stage, i.e. behind the model's input blocks; aux: channels of (n,).
+    Ts_s: sampling period; first: index of sample 0 in absolute time.
+    start: state of a term before sample 0, by the term's kind; the others start as `Term.start` says.
+    innovation_um: (n,) y(k) minus what the model without its drift predicts for it from sample k-1; only the drift term
+    reads it, and only its past. None in a free run without measurements.
     """
 
     u_V: Floats
     Ts_s: float
     aux: Mapping[str, Floats] = field(default_factory=dict)
     first: int = 0
+    start: Mapping[str, Floats] = field(default_factory=dict)
+    innovation_um: Floats | None = None
 
 
-class Mirror(Protocol):
-    """The float32 reference of a term over `lanes` independent instances, in the generated C's order of operations.
+@dataclass(frozen=True)
+class StateSpace:
+    """A term that is linear in the input: x(k+1) = A x(k) + B u(k), phi(k) = C x(k).
 
-    Written from the equations with NumPy float32 `+ - *` and comparisons only; no reduction whose order is not fixed.
+    A: (m, m); B: (m,); C: (size, m); m may be 0 (a term that the input does not drive). The free run is stable if A is.
+    The inverse at a frozen gain b moves its states by A - B theta C / b: those eigenvalues are its zeros.
     """
 
+    A: Floats
+    B: Floats
+    C: Floats
+
+    @classmethod
+    def undriven(cls, size: int) -> Self:
+        """Regressors that do not depend on the input at all."""
+        return cls(np.zeros((0, 0)), np.zeros(0), np.zeros((size, 0)))
+
+
+class Mirror(abc.ABC):
+    """The float32 reference of a term over `lanes` independent instances, in the generated C's order of operations.
+
+    Written from the equations with NumPy float32 `+ - *`, integers and comparisons only; no reduction whose order is
+    not fixed. Most terms neither listen nor correct: both do nothing unless a subclass says more.
+    """
+
+    def listen(self, aux: Mapping[str, Floats32]) -> None:  # noqa: B027
+        """The auxiliary channels of sample k, (lanes,) each."""
+
+    def correct(self, innovation_um: Floats32) -> None:  # noqa: B027
+        """y(k) - yhat(k), (lanes,): what a measured sample adds to what was predicted for it."""
+
+    @abc.abstractmethod
     def regressors(self) -> list[Floats32]:
         """phi_j(k), one (lanes,) array each, before u(k) acts."""
-        ...
 
+    @abc.abstractmethod
     def advance(self, u_V: Floats32) -> None:
         """Let u(k), (lanes,), act on the state."""
-        ...
 
-    def state(self) -> list[Floats32]:
-        """Every float of the C struct of this term, in its order, (lanes,) each; compared bit for bit."""
-        ...
+    @abc.abstractmethod
+    def state(self) -> Sequence[Words]:
+        """Every 32-bit word of the C struct of this term, in its order, (lanes,) each; compared bit for bit."""
 
 
 @runtime_checkable
@@ -57,8 +100,12 @@ class Term(Protocol):
         ...
 
     @property
-    def scales(self) -> tuple[float, ...]:
-        """Typical magnitude of each regressor: the learner divides by it."""
+    def channels(self) -> tuple[str, ...]:
+        """Names of the auxiliary channels that the term listens to."""
+        ...
+
+    def scales(self, span_V: float) -> tuple[float, ...]:
+        """Typical magnitude of each regressor under inputs up to span_V: the learner divides by it."""
         ...
 
     def describe(self) -> str:
@@ -66,15 +113,43 @@ class Term(Protocol):
         ...
 
     def regressors(self, drive: Drive) -> Floats:
-        """(n, size) float64: phi_j(k) before u(k) acts, from the state that `_init` gives for u(0)."""
+        """(n, size) float64: phi_j(k) before u(k) acts."""
         ...
 
-    def mirror(self, u_V: Floats32) -> Mirror:
+    def start(self, u_V: float) -> Floats:
+        """State that the generated `_init` gives: at rest under a constant input u_V."""
+        ...
+
+    def settled(self, drive: Drive) -> int:
+        """First sample whose regressors have forgotten the state they started from (to 1 %); n if none has."""
+        ...
+
+    def linear(self, Ts_s: float) -> StateSpace | None:
+        """The term as a linear system, None if it is not one."""
+        ...
+
+    def gains(self, Ts_s: float) -> tuple[float, ...]:
+        """Bounds of sup |phi_j| / sup |u|, also between two runs: what a small-gain test of the inverse needs."""
+        ...
+
+    def shape(self) -> Floats:
+        """The shape parameters as an optimiser sees them: logarithms of what is positive; (0,) if there are none."""
+        ...
+
+    def with_shape(self, shape: Floats) -> Self:
+        """The same term with other shape parameters. Raises ValueError outside their domain."""
+        ...
+
+    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
+        """Lower and upper bounds of `shape` between which a record like `drive` can tell."""
+        ...
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> Mirror:
         """The float32 reference, initialised by the inputs u_V (lanes,), as the generated `_init` does."""
         ...
 
-    def constants(self) -> Mapping[str, Floats32]:
-        """The float32 numbers that the C needs, by the name of their array in `<name>_params.h`."""
+    def constants(self, Ts_s: float) -> Mapping[str, Words]:
+        """The 32-bit numbers that the C needs, by the name of their array in `<name>_params.h`."""
         ...
 
     def to_json(self) -> dict[str, Any]:
