@@ -1,5 +1,7 @@
 """Measured records: reading them, and refusing what no model should be fitted to."""
 
+from hysgen.record.columns import Columns
 from hysgen.record.data import Record, Segment
+from hysgen.record.read import load_record, record_csv
 
-__all__ = ["Record", "Segment"]
+__all__ = ["Columns", "Record", "Segment", "load_record", "record_csv"]

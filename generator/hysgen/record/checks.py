@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 
@@ -57,50 +57,56 @@ def one_series(source: str, name: str, values: ArrayLike) -> NDArray[np.float64]
     return array.astype(np.float64)
 
 
-def check_values(channels: Channels, accept: Collection[str] = ()) -> tuple[str, ...]:
-    """Refuse what no model can be fitted to; return warnings about what looks odd.
+def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tuple[str, ...]:
+    """Refuse what no model can be fitted to; return warnings about what looks odd. `runs`: of one file, in order.
 
-    Refused: different lengths, fewer than 3 samples, NaN or infinity, a constant input, a constant output.
-    Raises RecordError with one line.
+    Refused, in this order: different lengths, NaN or infinity, fewer than 3 samples in a run, an input or output that
+    never moves.
+    `accept` turns the refusals it names into warnings. Raises RecordError with one line.
     """
     for name in accept:
         if name not in ACCEPTABLE:
             raise RecordError(f"accept: '{name}' is not known; choose from {', '.join(ACCEPTABLE)}")
-    check_finite(channels)
-    return check_constant(channels, accept)
+    for run in runs:
+        check_finite(run)
+    warnings = []
+    for name, line in (*constant(runs),):
+        if name not in accept:
+            raise RecordError(line)
+        warnings.append(line)
+    return tuple(warnings)
 
 
-def check_finite(channels: Channels) -> None:
-    """Refuse channels of different length, of fewer than 3 samples, or with NaN or infinity, naming the first row."""
-    c = channels
-    for name, values in chain([(c.u_name, c.u_V), (c.y_name, c.y_um)], c.aux.items()):
-        if values.size != c.u_V.size:
+def check_finite(run: Channels) -> None:
+    """Refuse channels of different length, with NaN or infinity (naming the first row), or of fewer than 3 samples."""
+    for name, values in chain([(run.u_name, run.u_V), (run.y_name, run.y_um)], run.aux.items()):
+        if values.size != run.u_V.size:
             raise RecordError(
-                f"{c.source}: {name} has {values.size} samples, {c.u_name} has {c.u_V.size}; "
+                f"{run.source}: {name} has {values.size} samples, {run.u_name} has {run.u_V.size}; "
                 "give every channel one value per sample, or leave the channel out"
             )
         finite = np.isfinite(values)
         if not finite.all():
             row = int(np.argmin(finite))
             raise RecordError(
-                f"{c.source}: {c.locate(row)}: {name} is {values[row]} ({np.count_nonzero(~finite)} such values); "
+                f"{run.source}: {run.locate(row)}: {name} is {values[row]} ({np.count_nonzero(~finite)} such values); "
                 "delete the rows or record again"
             )
-    if c.u_V.size < SHORTEST:
-        raise RecordError(f"{c.source}: holds {c.u_V.size} samples; record at least {SHORTEST}")
+    if run.u_V.size < SHORTEST:
+        where = f"{run.locate(0)}: " if run.u_V.size else ""
+        raise RecordError(
+            f"{run.source}: {where}holds a run of {run.u_V.size} samples; record at least {SHORTEST} without a break"
+        )
 
 
-def check_constant(channels: Channels, accept: Collection[str] = ()) -> tuple[str, ...]:
-    """Refuse an input or output that never moves."""
-    c = channels
-    warnings = []
-    for name, values, cure in (
-        (c.u_name, c.u_V, "drive the stage with a signal that moves"),
-        (c.y_name, c.y_um, "check that the sensor is connected and the right column is named"),
+def constant(runs: Sequence[Channels]) -> Iterator[tuple[str, str]]:
+    """("constant", message) for an input or output that never moves in any of the runs."""
+    first = runs[0]
+    for name, channels, cure in (
+        (first.u_name, [run.u_V for run in runs], "drive the stage with a signal that moves"),
+        (first.y_name, [run.y_um for run in runs], "check that the sensor is connected and the right column is named"),
     ):
-        if values.min() == values.max():
-            line = f"{c.source}: {name} is constant at {values[0]:g} in all {values.size} samples; {cure}"
-            if "constant" not in accept:
-                raise RecordError(line)
-            warnings.append(line)
-    return tuple(warnings)
+        if min(values.min() for values in channels) == max(values.max() for values in channels):
+            samples = sum(values.size for values in channels)
+            line = f"{first.source}: {name} is constant at {channels[0][0]:g} in all {samples} samples; {cure}"
+            yield "constant", line

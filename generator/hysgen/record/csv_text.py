@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,8 +23,13 @@ COMMENT = "#"
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Columns of a CSV file: name to (n,) numbers, the finder of line numbers, and remarks for the user."""
+    """Columns of a CSV file.
 
+    names: of all columns, numbers or not. columns: (n,) numbers by name.
+    locate: row to "line 12". remarks: for the user.
+    """
+
+    names: tuple[str, ...]
     columns: dict[str, NDArray[np.float64]]
     locate: Callable[[int], str]
     remarks: tuple[str, ...]
@@ -78,13 +83,13 @@ def read_csv(path: Path, columns: Columns) -> Table:
             remarks.append(f"{layout.source}: column {name} holds '{value}', not numbers, and is left out")
     values = _parse(layout, use, comma)
     table = {layout.names[position]: values[:, place] for place, position in enumerate(use)}
-    return Table(table, layout.locate, tuple(remarks))
+    return Table(tuple(filter(None, layout.names)), table, layout.locate, tuple(remarks))
 
 
-def write_csv(names: Sequence[str], columns: Sequence[NDArray[np.float64]]) -> str:
+def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
     """CSV text of equally long columns; every number with the digits that bring its float64 back exactly."""
-    body = zip(*(map(repr, column.tolist()) for column in columns), strict=True)
-    return "\n".join((",".join(names), *map(",".join, body), ""))
+    body = zip(*(map(repr, values) for values in columns.values()), strict=True)
+    return "\n".join((",".join(columns), *map(",".join, body), ""))
 
 
 def _text(path: Path) -> str:

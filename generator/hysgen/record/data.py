@@ -124,7 +124,7 @@ class Record:
         if not (math.isfinite(Ts_s) and Ts_s > 0.0):
             raise RecordError(f"{source}: sampling period Ts_s = {Ts_s:g} s; give a positive number of seconds")
         channels = Channels.of_arrays(source, u_V, y_um, aux or {})
-        warnings = check_values(channels, accept)
+        warnings = check_values([channels], accept)
         segment = Segment(name, channels.u_V, channels.y_um, channels.aux, start_s)
         return cls.from_segments([segment], Ts_s, source, warnings)
 

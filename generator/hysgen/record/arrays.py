@@ -1,0 +1,166 @@
+"""NPZ, MAT (v5 and v7.3) and HDF5 files to arrays by name, and picking series out of them.
+
+Only plain numbers are taken. Pickled Python objects, which could run code, are refused without being opened.
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import scipy.io
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+from hysgen.record.columns import nearest
+
+Array = NDArray[np.generic]
+
+HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
+MATLAB_BLOCK = 512
+"""Bytes that MATLAB puts before the HDF5 part of a v7.3 file."""
+
+
+def read_npz(path: Path) -> dict[str, Array]:
+    """All arrays of an NPZ file by name. Raises RecordError for pickled objects and for what is no NPZ file."""
+    if not zipfile.is_zipfile(path):
+        raise RecordError(f"{path.name}: is not an NPZ file; write it with numpy.savez, or give it its own suffix")
+    arrays: dict[str, Array] = {}
+    name = ""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            for name in archive.files:
+                member = archive[name]
+                if isinstance(member, np.ndarray):
+                    arrays[name] = member
+    except (ValueError, OSError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error) as fault:
+        pickled = "allow_pickle" in str(fault)
+        what = "is a pickled object, which could run code" if pickled else f"is damaged ({_one_line(fault)})"
+        raise RecordError(f"{path.name}: array {name} {what}; save arrays of plain numbers") from fault
+    return arrays
+
+
+def read_mat(path: Path) -> dict[str, Array]:
+    """All numeric variables of a MAT file; fields of structures as "structure/field". v7.3 is read as HDF5."""
+    start = path.read_bytes()[: MATLAB_BLOCK + len(HDF5_MAGIC)]
+    if start.startswith(HDF5_MAGIC) or start.endswith(HDF5_MAGIC):
+        return read_hdf5(path)
+    if not start.startswith(b"MATLAB 5.0 MAT-file"):
+        raise RecordError(f"{path.name}: is not a MAT file of version 5 or 7.3; save it with MATLAB's -v7 or -v7.3")
+    try:
+        content = scipy.io.loadmat(str(path), simplify_cells=True)
+    except Exception as fault:  # the parser meets foreign bytes and may fail in any way
+        raise RecordError(f"{path.name}: is damaged ({_one_line(fault)}); save it again") from fault
+    return dict(_flat("", content))
+
+
+def read_hdf5(path: Path) -> dict[str, Array]:
+    """All numeric datasets of an HDF5 file by path, without the leading slash.
+
+    MATLAB stores the axes of an array in reverse; datasets marked as MATLAB's are turned back, and their vectors made
+    one-dimensional, so that a selection reads as in MATLAB. Links are not followed.
+    """
+    arrays: dict[str, Array] = {}
+
+    def take(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and item.shape is not None:
+            values = np.asarray(item[()])
+            arrays[name] = np.squeeze(values.T) if "MATLAB_class" in item.attrs else values
+
+    try:
+        with h5py.File(path, "r") as file:
+            file.visititems(take)
+    except (OSError, RuntimeError, ValueError, KeyError) as fault:
+        raise RecordError(f"{path.name}: is no readable HDF5 file ({_one_line(fault)}); write it again") from fault
+    return arrays
+
+
+def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list[tuple[str, Array]]:
+    """The series that `text`, "name" or "group/name" or "name[selection]", stands for.
+
+    In a selection a number picks from its axis, the first ':' (or 'a:b') is time and every further one makes segments;
+    indices count from 0. Returns (label, (n,) array) for each segment.
+    Raises RecordError if there is no such array, if it has several axes and no selection, or if an index is outside.
+    """
+    name, index = (text, None) if key_of(arrays, text) else _cut_selection(text)
+    key = key_of(arrays, name)
+    if key is None:
+        there = ", ".join(sorted(arrays)) or "no numeric arrays"
+        raise RecordError(f"{source}: has no {role} array '{name}'{nearest(name, arrays)}; it holds {there}")
+    array = arrays[key]
+    if index is None:
+        vector = np.squeeze(array)
+        if vector.ndim > 1:
+            example = ",".join([":"] + ["0"] * (array.ndim - 1))
+            raise RecordError(
+                f"{source}: {role} array '{name}' has shape {array.shape}; pick series from it, as '{name}[{example}]'"
+            )
+        return [("0", np.atleast_1d(vector))]
+    return list(_series(source, name, array, index))
+
+
+def key_of(arrays: Mapping[str, Array], name: str) -> str | None:
+    """The key of the array called `name`: in full, or by the last part of its path if only one ends so."""
+    name = name.strip("/")
+    if name in arrays:
+        return name
+    ending = [key for key in arrays if key.rpartition("/")[2] == name]
+    return ending[0] if len(ending) == 1 else None
+
+
+def _cut_selection(text: str) -> tuple[str, str | None]:
+    found = re.fullmatch(r"(.+?)\s*\[([^\[\]]*)\]\s*", text)
+    return (found.group(1), found.group(2)) if found else (text, None)
+
+
+def _series(source: str, name: str, array: Array, index: str) -> Iterator[tuple[str, Array]]:
+    """The series of `array` under a selection such as ":,0,:,:"; see `find`."""
+    parts = [part.strip() for part in index.split(",")]
+    if len(parts) != array.ndim:
+        raise RecordError(
+            f"{source}: '{name}[{index}]' has {len(parts)} indices, the array has {array.ndim} axes "
+            f"(shape {array.shape}); give one for each axis"
+        )
+    ranges = []
+    for axis, part in enumerate(parts):
+        length = array.shape[axis]
+        found = re.fullmatch(r"(-?\d+)|(\d*):(\d*)", part)
+        if found is None:
+            raise RecordError(f"{source}: '{part}' in '{name}[{index}]' is no index; write a number, ':' or 'a:b'")
+        if found.group(1) is None:
+            ranges.append(range(length)[slice(*(int(end) if end else None for end in found.group(2, 3)))])
+            continue
+        if not -length <= (pick := int(found.group(1))) < length:
+            raise RecordError(
+                f"{source}: index {pick} in '{name}[{index}]' is outside axis {axis} of length {length}; count from 0"
+            )
+        ranges.append(range(pick % length, pick % length + 1))
+    time = next((axis for axis, part in enumerate(parts) if ":" in part), None)
+    if time is None:
+        raise RecordError(f"{source}: '{name}[{index}]' picks a single number; put ':' where time runs")
+    segments = [axis for axis, part in enumerate(parts) if ":" in part and axis != time]
+    for picks in np.ndindex(*(len(one) for axis, one in enumerate(ranges) if axis != time)):
+        numbers = iter(picks)
+        place = [0 if axis == time else one[next(numbers)] for axis, one in enumerate(ranges)]
+        label = ",".join(str(place[axis]) for axis in segments) or "0"
+        steps = slice(ranges[time].start, ranges[time].stop)
+        yield label, array[tuple(steps if axis == time else at for axis, at in enumerate(place))]
+
+
+def _flat(prefix: str, content: Mapping[str, Any]) -> Iterator[tuple[str, Array]]:
+    """Numeric variables of nested dictionaries, by path."""
+    for name, item in content.items():
+        if isinstance(item, Mapping):
+            yield from _flat(f"{prefix}{name}/", item)
+        elif not name.startswith("__") and np.asarray(item).dtype.kind in "fiub":
+            yield prefix + name, np.asarray(item)
+
+
+def _one_line(fault: BaseException) -> str:
+    return " ".join(str(fault).split())[:120] or type(fault).__name__

@@ -1,0 +1,185 @@
+"""The contents of a file to unbroken runs: naming the channels, applying units, cutting at segment numbers and gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+from hysgen.record.arrays import Array, find, key_of
+from hysgen.record.checks import Channels, index_of, one_series
+from hysgen.record.columns import Columns, nearest
+from hysgen.record.csv_text import Table
+from hysgen.record.sampling import gap_rows
+
+SCALARS = {"ts_s": 1.0, "fs_hz": -1.0}
+"""Names, in lower case, of single numbers that tell the sampling period, and the power of it that they hold."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One unbroken run as it stands in the file, already in s, V and um. time_s is None if the file has no time."""
+
+    name: str
+    time_s: NDArray[np.float64] | None
+    channels: Channels
+
+    def cut(self, name: str, start: int, stop: int) -> Run:
+        """Rows start..stop-1; messages go on to name the rows of the file."""
+        c = self.channels
+        channels = replace(
+            c,
+            u_V=c.u_V[start:stop],
+            y_um=c.y_um[start:stop],
+            aux={key: values[start:stop] for key, values in c.aux.items()},
+            locate=lambda row: c.locate(start + row),
+        )
+        return Run(name, None if self.time_s is None else self.time_s[start:stop], channels)
+
+
+def runs_of_table(source: str, table: Table, columns: Columns) -> list[Run]:
+    """The runs of a CSV file. Raises RecordError for a column that is missing, naming those that are there."""
+    there = table.columns
+
+    def column(role: str, name: str) -> NDArray[np.float64]:
+        if name not in there:
+            unsplit = "; if that is several names in one, give the separator" if len(table.names) == 1 else ""
+            raise RecordError(
+                f"{source}: has no {role} column '{name}'{nearest(name, table.names)}; "
+                f"the header names {', '.join(table.names)}{unsplit or f'; say which one it is with {role}=NAME'}"
+            )
+        return there[name]
+
+    time = None
+    if columns.time and (columns.time in there or columns.Ts_s is None):
+        time = columns.in_base_unit("time", column("time", columns.time))
+    u_V = columns.in_base_unit("voltage", column("voltage", columns.voltage))
+    y_um = columns.in_base_unit("displacement", column("displacement", columns.displacement))
+    pairs = columns.aux_pairs()
+    if pairs is None:
+        used = {columns.time, columns.voltage, columns.displacement, columns.segment, Columns.time}
+        pairs = tuple((name, name) for name in there if name not in used)
+    aux = {label: column("aux", name) for label, name in pairs}
+    whole = Run("0", time, Channels(source, u_V, y_um, aux, columns.voltage, columns.displacement, table.locate))
+    if columns.segment not in there:
+        if columns.segment != Columns.segment:
+            column("segment", columns.segment)
+        return [whole]
+    return list(_at_numbers(whole, there[columns.segment], columns.segment))
+
+
+def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -> list[Run]:
+    """The runs of an NPZ, MAT or HDF5 file.
+
+    Raises RecordError for an array that is missing, of another length, or of several axes without a selection.
+    """
+    u = find(source, arrays, "voltage", columns.voltage)
+    y = find(source, arrays, "displacement", columns.displacement)
+    time = None
+    if columns.time and (columns.Ts_s is None or key_of(arrays, columns.time)):
+        told = key_of(arrays, columns.time) is None and scalar_period(arrays) is not None
+        time = None if told else _as_many(source, columns.time, find(source, arrays, "time", columns.time), len(u))
+    pairs = _neighbours(arrays, columns) if (pairs := columns.aux_pairs()) is None else pairs
+    aux = {label: _as_many(source, name, find(source, arrays, "aux", name), len(u)) for label, name in pairs}
+    if len(y) != len(u):
+        raise RecordError(
+            f"{source}: '{columns.voltage}' selects {len(u)} series and '{columns.displacement}' {len(y)}; "
+            "select the same segments from both"
+        )
+    runs = []
+    for number, (label, values) in enumerate(u):
+        channels = Channels(
+            source,
+            columns.in_base_unit("voltage", one_series(source, columns.voltage, values)),
+            columns.in_base_unit("displacement", one_series(source, columns.displacement, y[number][1])),
+            {name: one_series(source, name, series[number]) for name, series in aux.items()},
+            columns.voltage,
+            columns.displacement,
+            index_of if len(u) == 1 else lambda row, label=label: f"segment {label}, index {row}",  # type: ignore[misc]
+        )
+        stamps = None
+        if time is not None:
+            stamps = columns.in_base_unit("time", one_series(source, columns.time, time[number]))
+            _same_length(source, columns.time, stamps, columns.voltage, channels.u_V)
+        runs.append(Run(label, stamps, channels))
+    if len(runs) == 1 and (key := key_of(arrays, columns.segment)) is not None:
+        numbers = one_series(source, columns.segment, np.squeeze(arrays[key]))
+        _same_length(source, columns.segment, numbers, columns.voltage, runs[0].channels.u_V)
+        return list(_at_numbers(runs[0], numbers, columns.segment))
+    return runs
+
+
+def scalar_period(arrays: Mapping[str, Array]) -> float | None:
+    """The sampling period in s that a single number called Ts_s or fs_Hz in the file tells, or None."""
+    for key, array in arrays.items():
+        power = SCALARS.get(key.rpartition("/")[2].lower())
+        if power is not None and array.size == 1 and array.dtype.kind in "fiu":
+            value = float(np.ravel(array)[0])
+            return value**power if value > 0.0 else None
+    return None
+
+
+def at_gaps(run: Run) -> Iterator[Run]:
+    """The run cut before every sample that follows a gap in time."""
+    if run.time_s is None or run.time_s.size < 2:
+        yield run
+        return
+    bounds = [0, *gap_rows(run.time_s).tolist(), run.time_s.size]
+    for number, (start, stop) in enumerate(pairwise(bounds)):
+        yield run.cut(run.name if len(bounds) == 2 else f"{run.name}.{number}", start, stop)
+
+
+def _at_numbers(run: Run, numbers: NDArray[np.float64], column: str) -> Iterator[Run]:
+    """The run cut wherever the segment number changes. A number that comes back is refused: its rows are no one run."""
+    c = run.channels
+    if not np.isfinite(numbers).all():
+        row = int(np.argmin(np.isfinite(numbers)))
+        raise RecordError(f"{c.source}: {c.locate(row)}: {column} is {numbers[row]}; number every row")
+    bounds = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), numbers.size]
+    seen = set()
+    for start, stop in pairwise(bounds):
+        name = f"{numbers[start]:.9g}"
+        if name in seen:
+            raise RecordError(
+                f"{c.source}: {c.locate(start)}: {column} {name} comes back after another; "
+                "give each unbroken run its own number"
+            )
+        seen.add(name)
+        yield run.cut(name, start, stop)
+
+
+def _neighbours(arrays: Mapping[str, Array], columns: Columns) -> tuple[tuple[str, str], ...]:
+    """The other vectors that stand in the same folder as the voltage; none if the voltage is a selection."""
+    voltage = key_of(arrays, columns.voltage)
+    if voltage is None:
+        return ()
+    named = (columns.time, columns.voltage, columns.displacement, columns.segment, Columns.time)
+    used = {key_of(arrays, name) for name in named if name}
+    folder = voltage.rpartition("/")[0]
+    return tuple(
+        (key.rpartition("/")[2], key)
+        for key, array in arrays.items()
+        if key not in used
+        and key.rpartition("/")[0] == folder
+        and array.size > 1
+        and np.squeeze(array).ndim == 1
+        and array.dtype.kind in "fiub"
+    )
+
+
+def _as_many(source: str, name: str, series: Sequence[tuple[str, Array]], count: int) -> list[Array]:
+    """One series for each of `count` segments; a single one is shared by all."""
+    if len(series) not in (1, count):
+        raise RecordError(f"{source}: '{name}' selects {len(series)} series, the voltage {count}; select as many")
+    return [series[number % len(series)][1] for number in range(count)]
+
+
+def _same_length(source: str, name: str, values: Array, other: str, others: Array) -> None:
+    if values.size != others.size:
+        raise RecordError(
+            f"{source}: {name} has {values.size} samples, {other} has {others.size}; give every channel one per sample"
+        )

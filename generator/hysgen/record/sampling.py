@@ -1,0 +1,121 @@
+"""The sampling period from time stamps, and what is refused in them: gaps, jitter, stamps that do not rise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+
+JITTER = 0.05
+"""Largest deviation of one step from the period, as a part of the period.
+
+A sample taken 5 % of a period off is wrong by 5 % of what the stage moves in one step; and a 22.7 us clock (44.1 kHz)
+written in whole microseconds, which is a sound record, has steps 3 % off.
+"""
+GAP = 1.5
+"""A step longer than this many periods is missing samples."""
+AGREEMENT = 0.01
+"""Largest relative difference between a period that the user gives and the one that the time stamps show."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stamps:
+    """Time stamps of one unbroken run. time_s: (n,) in s. name: the column. locate: row to "line 12"."""
+
+    source: str
+    time_s: NDArray[np.float64]
+    name: str
+    locate: Callable[[int], str]
+
+
+def gap_rows(time_s: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Rows that come after a gap: their step is longer than 1.5 times the median step."""
+    steps = np.diff(time_s)
+    return np.flatnonzero(steps > GAP * np.median(steps)) + 1
+
+
+def sampling_period(runs: Sequence[Stamps], jitter: float = JITTER, given_s: float | None = None) -> float:
+    """The period in s that the stamps of all runs share.
+
+    The median step is what every step is held against. The period returned is the mean step, sharper by the number of
+    samples, as the number with the fewest digits that the rounding of the stamps allows, in s or in Hz: stamps
+    0, 0.00133333333, 0.00266666667 ... give 1/750 s.
+
+    Raises RecordError with file, row and cure for stamps that are not finite or do not rise, for a gap, for a step more
+    than `jitter` periods off, and for a period `given_s` that differs by more than 1 %.
+    """
+    for run in runs:
+        _check_rising(run)
+    median = float(np.median(np.concatenate([np.diff(run.time_s) for run in runs])))
+    for run in runs:
+        _check_even(run, median, jitter)
+    steps = sum(run.time_s.size - 1 for run in runs)
+    mean = sum(float(run.time_s[-1] - run.time_s[0]) for run in runs) / steps
+    if given_s is not None:
+        if abs(given_s - mean) > AGREEMENT * mean:
+            raise RecordError(
+                f"{runs[0].source}: Ts_s = {given_s:g} s was given, but {runs[0].name} rises by {mean:.6g} s per row; "
+                "correct one of them, check the time unit, or name no time column"
+            )
+        return given_s
+    return _simplest(mean, 2.0 * len(runs) * max(_rounding(run, mean) for run in runs) / steps)
+
+
+def _check_rising(run: Stamps) -> None:
+    finite = np.isfinite(run.time_s)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        raise RecordError(f"{run.source}: {run.locate(row)}: {run.name} is {run.time_s[row]}; delete the row")
+    steps = np.diff(run.time_s)
+    if (steps > 0.0).all():
+        return
+    row = int(np.argmax(steps <= 0.0)) + 1
+    now, before = run.time_s[row], run.time_s[row - 1]
+    if now == before:
+        raise RecordError(
+            f"{run.source}: {run.locate(row)}: {run.name} repeats {now:.9g} s; delete one of the two rows, "
+            "or write the time with more digits"
+        )
+    raise RecordError(
+        f"{run.source}: {run.locate(row)}: {run.name} falls from {before:.9g} to {now:.9g} s; sort the rows, "
+        "or number the runs in a segment column"
+    )
+
+
+def _check_even(run: Stamps, period: float, jitter: float) -> None:
+    steps = np.diff(run.time_s)
+    off = np.abs(steps - period) / period
+    gaps = np.flatnonzero(steps > GAP * period)
+    row = int(gaps[0]) + 1 if gaps.size else int(np.argmax(off)) + 1
+    start = f"{run.source}: {run.locate(row)}: {run.name}" if gaps.size or off[row - 1] > jitter else ""
+    step = f"{steps[row - 1]:.6g} s where the period is {period:.6g} s"
+    if gaps.size:
+        raise RecordError(
+            f"{start} jumps from {run.time_s[row - 1]:.9g} s by {step} ({gaps.size} such gaps); "
+            "number the runs in a segment column, or read with split_at_gaps"
+        )
+    if start:
+        raise RecordError(
+            f"{start} steps by {step}: {100 * off[row - 1]:.1f} % off, the worst of "
+            f"{np.count_nonzero(off > jitter)} above {100 * jitter:g} %; "
+            "sample evenly, write the time with more digits, or allow more jitter"
+        )
+
+
+def _rounding(run: Stamps, period: float) -> float:
+    """Largest distance in s of a stamp from the even grid through the run's first stamp."""
+    grid = run.time_s[0] + period * np.arange(run.time_s.size)
+    return float(max(np.max(np.abs(run.time_s - grid)), np.spacing(np.max(np.abs(run.time_s)))))
+
+
+def _simplest(period: float, uncertainty: float) -> float:
+    """The period, or one over the rate, with the fewest digits within `uncertainty` of `period`."""
+    for digits in range(1, 16):
+        for candidate in (float(f"{period:.{digits}g}"), 1.0 / float(f"{1.0 / period:.{digits}g}")):
+            if abs(candidate - period) <= uncertainty:
+                return candidate
+    return period
