@@ -1,0 +1,225 @@
+"""The stage as it runs: compiled, sample by sample, for closed loops and for whole records alike."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen import native
+from hysgen.stage.description import Stage
+from hysgen.stage.discretise import Linear, Mesh, Spectrum, amplifier, creep_spectrum, mechanics, mesh
+from hysgen.stage.effects import Aging, Drift, Noise, Outliers, StageError, StickSlip, require
+from hysgen.stage.hysteresis import GRID_LOW_V, GRID_STEP_V, KIND_EVERETT, straight
+
+Floats = NDArray[np.float64]
+
+SOURCES = ("plant.h", "hysteresis.c", "plant.c")
+TURNS = 65536  # nested turning points that are remembered
+OUT_OF_MEMORY = f"voltage: more than {TURNS} nested turning points; shorten the record or stop its amplitude's decay"
+NO_NOISE = Noise(0.0, 0.0)
+FLICKER_HZ = 10.0 ** np.arange(-3, 5)  # corner frequencies whose sum is 1/f between them
+
+
+@functools.cache
+def plant() -> native.Library:
+    """The compiled plant. Raises BuildError where no C compiler is installed."""
+    texts = [(name, resources.files(__package__).joinpath(name).read_text(encoding="utf-8")) for name in SOURCES]
+    kept = ("#define HYSGEN_STAGE", "#ifndef", "#endif")
+    header = "\n".join(line for line in texts[0][1].splitlines() if not line.startswith(kept))
+    return native.build(texts, header)
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What a run leaves behind, each (n,): readings, the true displacement, the ceramic's voltage, drift, outliers."""
+
+    reading_um: Floats
+    true_um: Floats
+    actuator_V: Floats
+    drift_um: Floats
+    outlier: NDArray[np.bool_]
+
+
+class StageState:
+    """A stage at work. Rests at `rest_V`, settled for ever, until the first step.
+
+    y_um is the reading at the present instant; `step(u_V)` puts u_V out for one period and returns the reading at its
+    end: a controller reads y(k), computes u(k), and gets y(k+1). The same inputs give the same readings as `run`.
+    channels: values of the stage's coupling channels, in their order, during the period; kept until given again.
+    Raises StageError for a sampling period, rest voltage or number of channels that cannot be.
+    """
+
+    def __init__(
+        self, stage: Stage, Ts_s: float, seed: int = 0, rest_V: float = 0.0, channels: Sequence[float] = ()
+    ) -> None:
+        require(math.isfinite(rest_V), f"rest_V: {rest_V} is not a voltage; give a finite number")
+        require(seed >= 0, f"seed: {seed} is below 0; give a whole number from 0 up")
+        self.stage = stage
+        self._library = plant()
+        self._ffi = self._library.ffi
+        self._kept: list[object] = []
+        self._plant = self._ffi.new("plant_t *")
+        self._plant_step = self._library.lib.plant_step
+        cells = mesh(stage, Ts_s)
+        self._fill_chain(cells, Ts_s)
+        self._fill_sensor(Ts_s, seed)
+        _fill_hysteresis(self._library, self._plant.hysteresis, stage, self._kept)
+        self._set_channels(channels if len(channels) else (0.0,) * self._plant.channels)
+        self._library.lib.plant_rest(self._plant, rest_V)
+
+    @property
+    def y_um(self) -> float:
+        """The A/D's reading at the present instant."""
+        return float(self._plant.reading_um)
+
+    @property
+    def true_um(self) -> float:
+        """The displacement at the present instant, before sensor noise, outliers and quantisation."""
+        return float(self._plant.true_um)
+
+    @property
+    def actuator_V(self) -> float:
+        """The voltage across the ceramic at the present instant."""
+        return float(self._plant.hysteresis.u_V)
+
+    def step(self, u_V: float, channels: Sequence[float] = ()) -> float:
+        """Hold u_V for one sampling period; the reading at its end in um. A u_V that is not a number holds the last.
+
+        Raises StageError when the hysteresis runs out of memory for turning points.
+        """
+        if channels:
+            self._set_channels(channels)
+        y_um: float = self._plant_step(self._plant, u_V)
+        if y_um != y_um:
+            raise StageError(OUT_OF_MEMORY)
+        return y_um
+
+    def advance(self, u_V: Floats, channels: Floats) -> Trace:
+        """All of u_V (n,), with channels (n, c): row k is the present when u_V[k] is put out; the last is not held.
+
+        Raises StageError when the hysteresis runs out of memory for turning points.
+        """
+        n = len(u_V)
+        volts = np.ascontiguousarray(u_V, dtype=np.float64)
+        others = np.ascontiguousarray(channels, dtype=np.float64)
+        reading, true, actuator, drift = (np.empty(n) for _ in range(4))
+        outlier = np.empty(n, dtype=np.uint8)
+        pointers = [self._pointer(array) for array in (volts, others, reading, true, actuator, drift, outlier)]
+        if self._library.lib.plant_run(self._plant, n, *pointers):
+            raise StageError(OUT_OF_MEMORY)
+        return Trace(reading, true, actuator, drift, outlier.astype(np.bool_))
+
+    def _pointer(self, array: NDArray[Any]) -> object:
+        return _pointer(self._library, array)
+
+    def _keep(self, array: NDArray[Any]) -> object:
+        """A pointer to a copy of `array` that lives as long as this state."""
+        return _kept_pointer(self._library, self._kept, array)
+
+    def _set_channels(self, values: Iterable[float]) -> None:
+        given = list(values)
+        count = self._plant.channels
+        require(len(given) == count, f"channels: {len(given)} values for {count} coupled channels; give one for each")
+        for i, value in enumerate(given):
+            self._plant.channel[i] = value
+
+    def _fill_linear(self, place: Any, part: Linear) -> None:
+        place.n, place.d = len(part.c), part.d
+        place.phi, place.g0, place.g1 = self._keep(part.phi), self._keep(part.g0), self._keep(part.g1)
+        place.c, place.rest = self._keep(part.c), self._keep(part.rest)
+        place.x = self._keep(np.zeros(len(part.c)))
+
+    def _fill_chain(self, cells: Mesh, Ts_s: float) -> None:
+        """Everything from the D/A to the delayed displacement."""
+        p, stage = self._plant, self.stage
+        p.Ts_s, p.substeps, p.tap, p.late = Ts_s, len(cells.h_s), cells.tap, cells.late
+        p.h_s, p.ring = self._keep(cells.h_s), self._keep(np.zeros(cells.late + 1))
+        p.dac_low_V, p.dac_high_V = stage.dac_low_V, stage.dac_high_V
+        p.dac_step_V = (stage.dac_high_V - stage.dac_low_V) / 2**stage.dac_bits if stage.dac_bits else 0.0
+        clip = stage.saturation
+        p.clip_low_V, p.clip_high_V = (clip.low_V, clip.high_V) if clip else (-math.inf, math.inf)
+        p.slew_V_per_s = stage.slew.V_per_s if stage.slew else 0.0
+        self._fill_linear(p.amplifier, amplifier(stage.bandwidth, cells.h_s))
+        self._fill_linear(p.mechanics, mechanics(stage, cells.h_s))
+        spectrum: Spectrum = creep_spectrum(stage.creep, cells.h_s)
+        p.creeps, p.creep_x = len(spectrum.share), self._keep(np.zeros(len(spectrum.share)))
+        p.creep_keep, p.creep_g0, p.creep_g1 = (self._keep(a) for a in (spectrum.keep, spectrum.g0, spectrum.g1))
+        p.creep_share = self._keep(spectrum.share)
+        aging = stage.aging or Aging(0.0, 1.0)
+        p.age_fraction, p.age_s = aging.fraction, aging.over_s
+        gains = np.array(list(stage.coupling.um_per_unit.values()) if stage.coupling else [], dtype=np.float64)
+        p.channels, p.coupling_um, p.channel = len(gains), self._keep(gains), self._keep(np.zeros(len(gains)))
+        if stage.stick_slip:
+            slip: StickSlip = stage.stick_slip
+            p.stick_um, p.stick_left, p.stick_scatter = slip.breakaway_um, slip.left, slip.scatter
+
+    def _fill_sensor(self, Ts_s: float, seed: int) -> None:
+        """Everything from the displacement to the reading."""
+        p, stage = self._plant, self.stage
+        drift, outliers = stage.drift or Drift(), stage.outliers or Outliers(0.0, 0.0)
+        noise = stage.noise or NO_NOISE
+        p.drift_um_per_s, p.walk_um_per_rt_s = drift.ramp_um_per_s, drift.walk_um_per_rt_s
+        p.lines = len(stage.periodic)
+        p.line_Hz = self._keep(np.array([line.f_Hz for line in stage.periodic]))
+        p.line_um = self._keep(np.array([line.amplitude_um for line in stage.periodic]))
+        p.line_rad = self._keep(np.array([line.phase_rad for line in stage.periodic]))
+        p.white_um, p.flicker_um = noise.white_um, noise.flicker_um
+        for i, keep in enumerate(np.exp(-2 * np.pi * FLICKER_HZ * Ts_s)):
+            p.flicker_keep[i] = keep
+        p.outlier_rate, p.outlier_um = outliers.rate, outliers.size_um
+        p.sensor_step_um, p.adc_low_um, p.adc_codes = stage.sensor_step_um, stage.adc_low_um, float(2**stage.adc_bits)
+        p.adc_step_um = (stage.adc_high_um - stage.adc_low_um) / p.adc_codes if stage.adc_bits else 0.0
+        p.seed = seed % 2**64
+
+
+def static_path(stage: Stage, u_V: Floats) -> Floats:
+    """w(u) in um along the path u_V (n,), infinitely slowly, after the stage's history: its hysteresis alone."""
+    library, kept = plant(), list[object]()
+    place = library.ffi.new("hysteresis_t *")
+    _fill_hysteresis(library, place[0], stage, kept)
+    path, w_um = np.ascontiguousarray(u_V, dtype=np.float64), np.empty(len(u_V))
+    library.lib.hysteresis_path(place, len(path), _pointer(library, path), _pointer(library, w_um))
+    if place.failed:
+        raise StageError(OUT_OF_MEMORY)
+    return w_um
+
+
+def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, kept: list[object]) -> None:
+    """Constants of the stage's hysteresis; its state after the voltage history, zeroed at 0 V."""
+    form = (stage.memory or straight(stage.stroke_um, stage.full_V)).form(stage.stroke_um, stage.full_V)
+    place.kind = form.kind
+    place.grid_low_V, place.grid_step_V = GRID_LOW_V, GRID_STEP_V
+    for name, value in form.scalars.items():
+        setattr(place, name, value)
+    for name, array in form.arrays.items():
+        setattr(place, name, _kept_pointer(library, kept, array))
+    place.capacity = TURNS
+    if form.kind == KIND_EVERETT:
+        place.turns = _kept_pointer(library, kept, np.empty((TURNS, 5)))
+    lib, here = library.lib, library.ffi.addressof(place)
+    lib.hysteresis_clear(here)
+    for u_V in (*stage.history_V, 0.0):
+        lib.hysteresis_move(here, u_V)
+    offset_um = place.w_um
+    place.offset_um = offset_um
+    lib.hysteresis_clear(here)
+    for u_V in stage.history_V:
+        lib.hysteresis_move(here, u_V)
+
+
+def _pointer(library: native.Library, array: NDArray[Any]) -> object:
+    kinds = {"f": "double *", "i": "int *", "u": "unsigned char *"}
+    return library.ffi.cast(kinds[array.dtype.kind], array.ctypes.data)
+
+
+def _kept_pointer(library: native.Library, kept: list[object], array: NDArray[Any]) -> object:
+    copy = np.array(array, order="C")
+    kept.append(copy)
+    return _pointer(library, copy)
