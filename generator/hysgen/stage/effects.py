@@ -84,7 +84,8 @@ class Creep:
         moved(t) = (per_decade / ln 10) * integral from tau_min to tau_max of (1 - exp(-t/tau)) dtau/tau
 
     per_decade: share of a step's size by which the output moves on in every decade of time between the cut-offs.
-    tau_min_s, tau_max_s: where the logarithmic law begins and ends. Source: the usual law y0 (1 + g log10(t/t0)).
+    tau_min_s, tau_max_s: where the logarithmic law begins and ends. Movement counts from the rest before the record.
+    Source: the usual law y0 (1 + g log10(t/t0)).
     """
 
     per_decade: float

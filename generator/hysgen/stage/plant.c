@@ -83,7 +83,7 @@ static double creep_step(plant_t *self, int substep, double w0_um, double w1_um)
                          + self->creep_g1[row + i] * w1_um;
         sum += self->creep_share[i] * self->creep_x[i];
     }
-    return self->crept_um = sum;
+    return self->crept_um = sum - self->creep_rest_um;
 }
 
 static double coupled(const plant_t *self)
@@ -155,7 +155,7 @@ static void sense(plant_t *self)
     self->reading_um = here_um;
 }
 
-/* The state after resting at u for ever: creep has ended, nothing moves. The hysteresis keeps its history. */
+/* The state after resting at u for ever: nothing moves, creep counts from here. The hysteresis keeps its history. */
 void plant_rest(plant_t *self, double u_V)
 {
     self->k = 0;
@@ -164,12 +164,12 @@ void plant_rest(plant_t *self, double u_V)
     self->ramp_V = dac_output(self, u_V);
     for (int i = 0; i < self->amplifier.n; i++) self->amplifier.x[i] = self->amplifier.rest[i] * self->ramp_V;
     const double w_um = hysteresis_move(&self->hysteresis, self->ramp_V);
-    self->crept_um = 0.0;
+    self->crept_um = self->creep_rest_um = 0.0;
     for (int i = 0; i < self->creeps; i++) {
         self->creep_x[i] = w_um;
-        self->crept_um += self->creep_share[i] * w_um;
+        self->creep_rest_um += self->creep_share[i] * w_um;
     }
-    self->stuck_at_um = w_um + self->crept_um + coupled(self);
+    self->stuck_at_um = w_um + coupled(self);
     next_breakaway(self);
     for (int i = 0; i < self->mechanics.n; i++) self->mechanics.x[i] = self->mechanics.rest[i] * self->stuck_at_um;
     for (int i = 0; i <= self->late; i++) self->ring[i] = linear_output(&self->mechanics, self->stuck_at_um);

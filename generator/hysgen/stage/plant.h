@@ -75,7 +75,7 @@ typedef struct {
     const double *creep_keep, *creep_g0, *creep_g1;   /* (substeps, creeps) */
     const double *creep_share;
     double *creep_x;
-    double crept_um;
+    double crept_um, creep_rest_um;               /* crept since the record began; what rest before it had done */
 
     int channels;
     const double *coupling_um;                    /* (channels,) um per unit of the channel */
