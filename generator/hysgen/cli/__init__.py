@@ -1,0 +1,5 @@
+"""The command line: `hysgen VERB ...`."""
+
+from hysgen.cli.main import main
+
+__all__ = ["main"]

@@ -1,0 +1,1 @@
+"""Pictures: figures are made from data and returned; only `style.save` writes."""
