@@ -68,7 +68,8 @@ class Model:
     consequents: (L, 3), columns q_l1 [um/um], q_l2 [um/V], q_l3 [um].
     weights: (T,) theta_j of the terms' regressors, in the order of `terms`.
     u_min_V, u_max_V: input range for which the model answers and its certificates hold; inputs outside are clamped.
-    history: where it comes from (fit settings, record digest); scores: what was measured of it. Both plain JSON values.
+    history: where it comes from (fit settings, record digest); scores: what was measured of it; certificates: what is
+    guaranteed of it. All plain JSON values.
     Raises ModelError if sizes disagree or a number is not finite.
     """
 
@@ -82,6 +83,7 @@ class Model:
     weights: Floats = field(default_factory=lambda: np.zeros(0))
     history: Mapping[str, Any] = field(default_factory=dict)
     scores: Mapping[str, Any] = field(default_factory=dict)
+    certificates: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier() or not self.name.isascii() or self.name != self.name.lower():
@@ -110,8 +112,12 @@ class Model:
         return np.concatenate([self.consequents.ravel(), self.weights])
 
     def with_parameters(self, parameters: Floats) -> Model:
-        """The same structure with other numbers; scores are dropped because they no longer belong to it."""
+        """The same structure with other numbers; scores and certificates go, for they no longer belong to it."""
         cut = 3 * self.grid.rules
         return dataclasses.replace(
-            self, consequents=parameters[:cut].reshape(-1, 3).copy(), weights=parameters[cut:].copy(), scores={}
+            self,
+            consequents=parameters[:cut].reshape(-1, 3).copy(),
+            weights=parameters[cut:].copy(),
+            scores={},
+            certificates={},
         )

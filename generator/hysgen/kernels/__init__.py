@@ -7,5 +7,18 @@ the truth is a statement of its own. Compiled once per machine by `hysgen.native
 from __future__ import annotations
 
 from hysgen.kernels.play import play_operators
+from hysgen.kernels.rls import rls_updates
+from hysgen.kernels.run import Rules, free_run, horizon_errors, one_step, rule_rows
+from hysgen.kernels.sensitivity import FreeRunSums, free_run_sums
 
-__all__ = ["play_operators"]
+__all__ = [
+    "FreeRunSums",
+    "Rules",
+    "free_run",
+    "free_run_sums",
+    "horizon_errors",
+    "one_step",
+    "play_operators",
+    "rls_updates",
+    "rule_rows",
+]

@@ -1,0 +1,118 @@
+"""The model as a linear regression: what drives it over a record, and its regressors row by row.
+
+    y(k+1) = x(k)' theta,   x(k) = [p_1 y, p_1 u, p_1, p_2 y, ..., phi_1(k), phi_2(k), ...]
+
+with p_l at the measured y(k), Eq. (9), and phi the regressors of the terms. A pair (k, k+1) never spans two segments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+from hysgen.kernels import rule_rows
+from hysgen.model import Grid, Model
+from hysgen.record import Record, Segment
+from hysgen.terms import Drive, Term
+
+Floats = NDArray[np.float64]
+Trust = Sequence[Floats]
+"""One array per segment: how much each sample counts, 0 for not at all."""
+
+ROWS_PER_CHUNK = 8192
+"""Rows handed out at once: some megabytes, however long the record is."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Consecutive rows of the regression: regressors (m, p), target y(k+1) (m,) in um, and weights (m,)."""
+
+    regressors: Floats
+    target_um: Floats
+    trust: Floats
+
+
+@dataclass(frozen=True)
+class Structure:
+    """All of a model but its linear parameters: partition, input range and terms."""
+
+    grid: Grid
+    u_min_V: float
+    u_max_V: float
+    terms: tuple[Term, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Number of linear parameters, 3 L + T."""
+        return 3 * self.grid.rules + sum(term.size for term in self.terms)
+
+    @property
+    def range_um(self) -> tuple[float, float, float]:
+        """The partition as the kernels take it: y_min, y_max and step."""
+        return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um)
+
+
+def structure_of(model: Model) -> Structure:
+    """What remains of `model` without its linear parameters."""
+    return Structure(model.grid, model.u_min_V, model.u_max_V, model.terms)
+
+
+def drive_of(segment: Segment, Ts_s: float, structure: Structure) -> Drive:
+    """What drives model and terms over a segment: the input limited to the model's range, the channels, the clock.
+
+    Raises RecordError if a sample is not finite: the recurrences would carry it to the end.
+    """
+    if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
+        raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
+    u_V = np.ascontiguousarray(np.clip(segment.u_V, structure.u_min_V, structure.u_max_V))
+    return Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
+
+
+def term_regressors(terms: Sequence[Term], drive: Drive) -> Floats:
+    """(n, T) regressors phi_j(k) of all terms side by side, C-contiguous. They act on y(k+1)."""
+    out = np.empty((drive.u_V.size, sum(term.size for term in terms)))
+    start = 0
+    for term in terms:
+        out[:, start : start + term.size] = term.regressors(drive)
+        start += term.size
+    return out
+
+
+def term_output(model: Model, drive: Drive) -> Floats:
+    """w(k) = sum_j theta_j phi_j(k) in um, (n,): what the terms add to y(k+1)."""
+    total = np.zeros(drive.u_V.size)
+    start = 0
+    for term in model.terms:
+        total += term.regressors(drive) @ model.weights[start : start + term.size]
+        start += term.size
+    return total
+
+
+def full_trust(record: Record) -> list[Floats]:
+    """Every sample of the record counts once."""
+    return [np.ones(segment.samples) for segment in record.segments]
+
+
+def regression_rows(
+    record: Record, structure: Structure, trust: Trust | None = None, chunk: int = ROWS_PER_CHUNK
+) -> Iterator[Rows]:
+    """The regression of the whole model over a record, `chunk` rows at a time, segment after segment.
+
+    trust: a row counts as much as the product of its two samples, for both enter it.
+    Raises RecordError if a segment is not finite.
+    """
+    rules = structure.grid.rules
+    for segment, weight in zip(record.segments, trust or full_trust(record), strict=True):
+        drive = drive_of(segment, record.Ts_s, structure)
+        phi = term_regressors(structure.terms, drive)
+        for start in range(0, segment.samples - 1, chunk):
+            rows = slice(start, min(start + chunk, segment.samples - 1))
+            ahead = slice(rows.start + 1, rows.stop + 1)
+            regressors = np.empty((rows.stop - rows.start, structure.size))
+            rule_rows(structure.range_um, rules, segment.y_um[rows], drive.u_V[rows], regressors)
+            regressors[:, 3 * rules :] = phi[rows]
+            yield Rows(regressors, segment.y_um[ahead], weight[rows] * weight[ahead])

@@ -1,0 +1,142 @@
+"""Running a model over a record: one step ahead, error against the horizon, and free run.
+
+    one step    y^(k+1) = f(y(k), u(k)) + w(k)        from the measured y(k): flatters, for y(k+1) = y(k) is close
+    horizon h   y^(k+h) by h such steps from the measured y(k)
+    free run    y^(k+1) = f(y^(k), u(k)) + w(k)       from the measured y(0) alone: what a simulation is worth
+
+Inputs outside the model's range are clamped, displacements outside its grid act as at its edge; both are counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen import kernels
+from hysgen.errors import RecordError
+from hysgen.kernels import Rules
+from hysgen.model import Model
+from hysgen.record import Record, Segment
+from hysgen.regression import drive_of, structure_of, term_output
+from hysgen.terms import Drive
+
+Floats = NDArray[np.float64]
+
+STEPS_PER_DECADE = 2_000_000
+"""Model steps that each decade of a horizon curve may take per segment: starts are spread out to keep to it."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A model's output over one segment: y_um (n,), and how many samples of y and of u had to be clamped."""
+
+    y_um: Floats
+    y_clamped: int
+    u_clamped: int
+
+
+@dataclass(frozen=True)
+class HorizonCurve:
+    """Error against the horizon: for each number of steps rms and largest error in um, and from how many starts."""
+
+    steps: tuple[int, ...]
+    rms_um: tuple[float, ...]
+    largest_um: tuple[float, ...]
+    starts: tuple[int, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "steps": list(self.steps),
+            "rms_um": list(self.rms_um),
+            "largest_um": list(self.largest_um),
+            "starts": list(self.starts),
+        }
+
+
+def rules_of(model: Model) -> Rules:
+    """The rules of `model` as the kernels take them."""
+    return Rules(structure_of(model).range_um, model.consequents)
+
+
+def simulate(model: Model, drive: Drive, y0_um: float) -> Run:
+    """Free run over any input, measured or not: y(0) = y0. The drive's input is clamped to the model's range."""
+    u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
+    limited = Drive(np.ascontiguousarray(u_V), drive.Ts_s, drive.aux, drive.first)
+    y_um, y_clamped = kernels.free_run(rules_of(model), limited.u_V, term_output(model, limited), y0_um)
+    return Run(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
+
+
+def free_run(model: Model, record: Record) -> tuple[Run, ...]:
+    """One run per segment, started at its first measured displacement and never corrected afterwards.
+
+    Raises RecordError if the record's sampling period is not the model's.
+    """
+    runs = []
+    for segment, drive, w_um in _driven(model, record):
+        y_um, y_clamped = kernels.free_run(rules_of(model), drive.u_V, w_um, float(segment.y_um[0]))
+        runs.append(Run(y_um, y_clamped, _outside(segment, drive)))
+    return tuple(runs)
+
+
+def one_step(model: Model, record: Record) -> tuple[Run, ...]:
+    """One run per segment: sample k+1 predicted from measured y(k) and u(k); sample 0 is the measured one.
+
+    Raises RecordError if the record's sampling period is not the model's.
+    """
+    runs = []
+    for segment, drive, w_um in _driven(model, record):
+        y_um, y_clamped = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
+        runs.append(Run(y_um, y_clamped, _outside(segment, drive)))
+    return tuple(runs)
+
+
+def horizon_curve(model: Model, record: Record, steps: Sequence[int] | None = None) -> HorizonCurve:
+    """Error against the horizon over all segments.
+
+    steps: rising numbers of samples; by default 1, 2, 5, 10, ... up to a quarter of the shortest segment.
+    Raises RecordError if a segment is shorter than the longest horizon or the sampling period is not the model's.
+    """
+    shortest = min(segment.samples for segment in record.segments)
+    horizons = np.array(sorted(set(steps)) if steps else default_horizons(shortest), dtype=np.int64)
+    if horizons[0] < 1 or horizons[-1] >= shortest:
+        raise RecordError(
+            f"{record.source}: a horizon of {horizons[-1]} samples needs longer segments than {shortest}; choose less"
+        )
+    square, largest = np.zeros(horizons.size), np.zeros(horizons.size)
+    starts = np.zeros(horizons.size, dtype=np.int64)
+    decade = np.array([len(str(step)) for step in horizons])
+    for segment, drive, w_um in _driven(model, record):
+        for group in (decade == value for value in np.unique(decade)):
+            stride = max(1, -(-segment.samples * int(horizons[group][-1]) // STEPS_PER_DECADE))
+            part = kernels.horizon_errors(rules_of(model), drive.u_V, w_um, segment.y_um, stride, horizons[group])
+            square[group] += part[0]
+            largest[group] = np.maximum(largest[group], part[1])
+            starts[group] += part[2]
+    rms = np.sqrt(square / starts)
+    return HorizonCurve(*(tuple(column.tolist()) for column in (horizons, rms, largest, starts)))
+
+
+def default_horizons(samples: int) -> list[int]:
+    """1, 2, 5, 10, 20, 50, ... as far as a quarter of `samples` reaches; at least 1."""
+    decades = [digit * 10**power for power in range(8) for digit in (1, 2, 5)]
+    return [step for step in decades if step == 1 or step <= samples // 4]
+
+
+def _driven(model: Model, record: Record) -> list[tuple[Segment, Drive, Floats]]:
+    """Every segment with what drives the model over it and the terms' share w."""
+    if abs(record.Ts_s - model.Ts_s) > 1e-4 * model.Ts_s:
+        raise RecordError(
+            f"{record.source}: sampled every {record.Ts_s:g} s, but model {model.name} steps every {model.Ts_s:g} s; "
+            "resample the record or fit a model at its rate"
+        )
+    drives = [drive_of(segment, record.Ts_s, structure_of(model)) for segment in record.segments]
+    return [(s, drive, term_output(model, drive)) for s, drive in zip(record.segments, drives, strict=True)]
+
+
+def _outside(segment: Segment, drive: Drive) -> int:
+    return int(np.count_nonzero(drive.u_V != segment.u_V))
