@@ -2,66 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator, Sequence
 from itertools import chain
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from hysgen.errors import RecordError
+from hysgen.record.channels import Channels
+from hysgen.record.plausibility import saturation, swapped
 
 ACCEPTABLE = ("constant", "saturation", "swapped")
 """Refusals that a caller who knows better may turn into warnings."""
 
 SHORTEST = 3
-"""Samples that a segment needs: two steps, the least that shows a sampling period and a change of it."""
-
-
-def index_of(row: int) -> str:
-    """How a person finds a row of an array."""
-    return f"index {row}"
-
-
-@dataclass(frozen=True, eq=False)
-class Channels:
-    """The channels of one unbroken run, with the words that a message about them needs.
-
-    source: file name. u_V, y_um: (n,) in V and um. aux: further channels, each (n,).
-    u_name, y_name: the fields' names in the file. locate: row number to "line 12" or "index 10".
-    """
-
-    source: str
-    u_V: NDArray[np.float64]
-    y_um: NDArray[np.float64]
-    aux: Mapping[str, NDArray[np.float64]]
-    u_name: str = "voltage_V"
-    y_name: str = "displacement_um"
-    locate: Callable[[int], str] = field(default=index_of)
-
-    @classmethod
-    def of_arrays(cls, source: str, u_V: ArrayLike, y_um: ArrayLike, aux: Mapping[str, ArrayLike]) -> Channels:
-        """Channels from anything that NumPy can take as numbers. Raises RecordError if it cannot."""
-        named = {"voltage_V": u_V, "displacement_um": y_um, **aux}
-        arrays = {name: one_series(source, name, values) for name, values in named.items()}
-        return cls(source, arrays.pop("voltage_V"), arrays.pop("displacement_um"), arrays)
-
-
-def one_series(source: str, name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """`values` as float64 of shape (n,). Raises RecordError if they are not real numbers in one dimension."""
-    array = np.asarray(values)
-    if array.dtype.kind not in "fiub":
-        raise RecordError(f"{source}: {name} holds {array.dtype}, not real numbers; give float values")
-    if array.ndim != 1:
-        raise RecordError(f"{source}: {name} has shape {array.shape}; give a one-dimensional array")
-    return array.astype(np.float64)
+"""Samples that a run needs: two steps, the least that shows a sampling period and a change of it."""
 
 
 def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tuple[str, ...]:
     """Refuse what no model can be fitted to; return warnings about what looks odd. `runs`: of one file, in order.
 
     Refused, in this order: different lengths, NaN or infinity, fewer than 3 samples in a run, an input or output that
-    never moves.
+    never moves; exchanged columns and a sensor at its end where that is certain, elsewhere a warning.
     `accept` turns the refusals it names into warnings. Raises RecordError with one line.
     """
     for name in accept:
@@ -70,10 +31,13 @@ def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tupl
     for run in runs:
         check_finite(run)
     warnings = []
-    for name, line in (*constant(runs),):
-        if name not in accept:
-            raise RecordError(line)
-        warnings.append(line)
+    for look in (constant, swapped, saturation):
+        for name, certain, line in look(runs):
+            if certain and name not in accept:
+                raise RecordError(f"{line}; if it is sound all the same, accept {name}")
+            warnings.append(line)
+        if look is constant and warnings:
+            break  # nothing that rests can be judged by how it moves
     return tuple(warnings)
 
 
@@ -99,8 +63,8 @@ def check_finite(run: Channels) -> None:
         )
 
 
-def constant(runs: Sequence[Channels]) -> Iterator[tuple[str, str]]:
-    """("constant", message) for an input or output that never moves in any of the runs."""
+def constant(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
+    """("constant", True, message) for an input or output that never moves in any of the runs."""
     first = runs[0]
     for name, channels, cure in (
         (first.u_name, [run.u_V for run in runs], "drive the stage with a signal that moves"),
@@ -109,4 +73,4 @@ def constant(runs: Sequence[Channels]) -> Iterator[tuple[str, str]]:
         if min(values.min() for values in channels) == max(values.max() for values in channels):
             samples = sum(values.size for values in channels)
             line = f"{first.source}: {name} is constant at {channels[0][0]:g} in all {samples} samples; {cure}"
-            yield "constant", line
+            yield "constant", True, line

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysgen.errors import RecordError
-from hysgen.record.checks import Channels, check_values
+from hysgen.record.channels import Channels
+from hysgen.record.checks import check_values
 
 SAME_PERIOD = 1e-4
 """Relative difference of two sampling periods below which they count as the same clock."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.arrays import Array, find, key_of
-from hysgen.record.checks import Channels, index_of, one_series
+from hysgen.record.channels import Channels, index_of, one_series
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import Table
 from hysgen.record.sampling import gap_rows

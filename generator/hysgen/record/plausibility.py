@@ -1,0 +1,172 @@
+"""Does the record look like a sensor watching a stage? A sensor at its end, and columns that were exchanged.
+
+Both are judged from the numbers alone. What is certain is refused, what is only likely is a warning: a sound record
+must never be turned away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.record.channels import Channels
+
+Series = NDArray[np.float64]
+
+FLAT = 5
+"""Samples in a row at exactly the extreme value that make a flat end."""
+STILL = 8
+"""Samples that noise of half a quantum and more does not leave at one value, least of all at the extreme one."""
+BEFORE = 20
+"""Samples before a flat end in which the voltage must not turn, or not have been higher: room for delays up to that."""
+CYCLE = 64
+"""Points per cycle of the input that the loop is looked at with; averaging down to them takes the noise out."""
+
+
+def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
+    """("saturation", certain, message) for a displacement that stays at exactly its extreme value.
+
+    Certain, a sensor at its end, if it rests there for 8 samples and three times longer than at any other value, and
+      - noise that moves all other samples is gone there, or
+      - the displacement ran into it without slowing down while the voltage neither turned nor changed its pace.
+    Likely if only the last holds, or if the voltage goes on, beyond what it reached before, by as much as would move
+    the stage (by the record's overall gain) 4 quanta of the displacement and 0.5 % of its range.
+    So holds, slow signals inside one quantum, sticking, and plays at a turning point do not count; and an amplifier
+    that clips is not taken for a sensor, because the stage settles there and the sensor's noise stays.
+    """
+    values = np.concatenate([run.y_um for run in runs])
+    ends = (("highest", float(values.max())), ("lowest", float(values.min())))
+    quantum = float(np.diff(np.unique(values)).min())
+    span = ends[0][1] - ends[1][1]
+    gain = span / np.ptp(np.concatenate([run.u_V for run in runs]))
+    noisy = max(_noise(run.y_um) for run in runs) > max(0.5 * quantum, 1e-6 * span)
+    still = max(STILL, 3 * max(_longest_repeat(run.y_um, ends[0][1], ends[1][1]) for run in runs))
+    for name, end in ends:
+        best: tuple[bool, str] | None = None
+        for run in runs:
+            for start, stop in _flat_ends(run.y_um, end):
+                halted = _runs_into(run, start, stop, quantum)
+                certain = stop - start >= still and (noisy or halted)
+                likely = halted or _goes_on(run, start, stop, gain, max(4.0 * quantum, 0.005 * span))
+                if (certain or likely) and (best is None or certain > best[0]):
+                    where = f"{run.source}: {run.locate(start)}: {run.y_name}"
+                    best = certain, f"{where} stays at its {name} value {end:.6g} for {stop - start} samples"
+        if best is not None:
+            end_of = "the sensor is at its end" if best[0] else "the sensor or the amplifier may be at its end"
+            yield "saturation", best[0], f"{best[1]}: {end_of}; drive less, or widen its range"
+
+
+def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:
+    """Whether y stopped within a sample at `start`, having come at a steady pace, while u went on at a steady pace."""
+    y, u = run.y_um, run.u_V
+    reach = FLAT
+    while abs(y[start] - y[max(0, start - reach)]) < 8.0 * quantum and reach < stop - start:
+        reach *= 2
+    if start < 2 * reach or reach > stop - start:
+        return False
+    last, earlier = y[start] - y[start - reach], y[start - reach] - y[start - 2 * reach]
+    if abs(last) < 8.0 * quantum or last * earlier <= 0.0 or abs(last) < 0.5 * abs(earlier):
+        return False
+    pace = np.diff(u[max(0, start - max(BEFORE, reach)) : start + reach + 1])
+    return bool(pace.min() * pace.max() > 0.0 and np.abs(pace).max() < 3.0 * np.abs(pace).min())
+
+
+def _goes_on(run: Channels, start: int, stop: int, gain: float, movement: float) -> bool:
+    """Whether u leaves, in a flat end, the range of the samples before it by more than would move y by `movement`."""
+    before = run.u_V[max(0, start - BEFORE) : start + 1]
+    beyond = np.maximum(run.u_V[start:stop] - before.max(), before.min() - run.u_V[start:stop])
+    return bool(gain * beyond.max() > movement and np.count_nonzero(beyond > beyond.max() / 2.0) >= 3)
+
+
+def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
+    """("swapped", certain, message) for a displacement that runs ahead of the voltage.
+
+        w = -sum y du / (std(y) sum |du|) > 0  for every passive stage: y follows u, its loop loses energy
+
+    Looked at only where voltage and displacement move together (correlation above 0.7, so that no resonance has turned
+    the phase over) for two cycles or more, nearly all of them run through the wrong way round.
+
+    A voltage that was logged too late looks the same. So it is certain only if the voltage also carries the noise of
+    a sensor, and the displacement is as clean as a command.
+    """
+    first = runs[0]
+    correlation = _correlation(runs)
+    loops = [_loops(run.u_V, run.y_um) for run in runs]
+    areas = np.concatenate([area for area, _ in loops])
+    path = sum(length for _, length in loops)
+    if correlation < 0.7 or areas.size < 2 or areas.sum() > -0.01 * path:
+        return
+    if -areas[areas < 0.0].sum() < 0.95 * np.abs(areas).sum():
+        return
+    u_noise = max(_noise(run.u_V) / _spread(run.u_V) for run in runs)
+    y_noise = max(_noise(run.y_um) / _spread(run.y_um) for run in runs)
+    yield (
+        "swapped",
+        u_noise > max(5.0 * y_noise, 1e-6),
+        f"{first.source}: {first.y_name} runs ahead of {first.u_name} in {areas.size} cycles; "
+        "the two columns seem to be exchanged (or the voltage was logged late): swap their names",
+    )
+
+
+def _loops(u: Series, y: Series) -> tuple[Series, float]:
+    """-sum y du over each cycle of u, for u and y scaled to unit spread, and the path sum |du| of all the cycles."""
+    nothing = np.zeros(0), 0.0
+    starts = _cycle_starts(u)
+    if starts.size < 3:
+        return nothing
+    block = max(1, int((starts[-1] - starts[0]) / (starts.size - 1) / CYCLE))
+    whole = u.size // block * block
+    u, y = (values[:whole].reshape(-1, block).mean(axis=1) for values in (u, y))
+    starts = _cycle_starts(u)
+    if starts.size < 3:
+        return nothing
+    u, y = ((values - values.mean()) / _spread(values) for values in (u, y))
+    steps = np.diff(u)
+    area = np.concatenate([[0.0], np.cumsum(-0.5 * (y[1:] + y[:-1]) * steps)])
+    return np.diff(area[starts]), float(np.abs(steps[starts[0] : starts[-1]]).sum())
+
+
+def _cycle_starts(u: Series) -> NDArray[np.int64]:
+    """Samples at which u comes up through the upper 15 % line of its half range after having been below the lower."""
+    middle, half = (u.max() + u.min()) / 2.0, (u.max() - u.min()) / 2.0
+    outside = np.flatnonzero(np.abs(u - middle) > 0.15 * half)
+    above = u[outside] > middle
+    return np.asarray(outside[1:][above[1:] & ~above[:-1]], dtype=np.int64)
+
+
+def _flat_ends(y: Series, end: float) -> list[tuple[int, int]]:
+    """Start and stop of every stretch of at least FLAT samples at exactly `end`."""
+    edges = np.diff(np.concatenate([[0], (y == end).astype(np.int8), [0]]))
+    starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return [(int(a), int(b)) for a, b in zip(starts, stops, strict=True) if b - a >= FLAT]
+
+
+def _longest_repeat(y: Series, highest: float, lowest: float) -> int:
+    """Samples in the longest stretch of one value other than the extremes: slow sensors and sticking repeat values."""
+    bounds = np.concatenate([[0], np.flatnonzero(np.diff(y)) + 1, [y.size]])
+    inner = (y[bounds[:-1]] != highest) & (y[bounds[:-1]] != lowest)
+    return int(np.diff(bounds)[inner].max(initial=1))
+
+
+def _correlation(runs: Sequence[Channels]) -> float:
+    """Correlation of voltage and displacement, each run about its own mean; 0 if one of them rests."""
+    uu = yy = uy = 0.0
+    for run in runs:
+        u, y = run.u_V - run.u_V.mean(), run.y_um - run.y_um.mean()
+        uu, yy, uy = uu + float(u @ u), yy + float(y @ y), uy + float(u @ y)
+    return uy / (uu * yy) ** 0.5 if uu * yy > 0.0 else 0.0
+
+
+def _noise(values: Series) -> float:
+    """White noise, rms, from the median sixth difference, which smooth signals hardly have; 0 for under 12 samples."""
+    if values.size < 12:
+        return 0.0
+    # The sixth difference of white noise is sqrt(924) times as large, 924 = binomial(12, 6); 0.6745 is the median of
+    # |x| for a normal x.
+    return float(np.median(np.abs(np.diff(values, 6)))) / (0.6745 * float(np.sqrt(924.0)))
+
+
+def _spread(values: Series) -> float:
+    return float(values.std()) or 1.0
