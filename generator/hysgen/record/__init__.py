@@ -2,6 +2,7 @@
 
 from hysgen.record.columns import Columns
 from hysgen.record.data import Record, Segment
+from hysgen.record.excitation import check_for_fit, check_validation
 from hysgen.record.read import load_record, record_csv
 
-__all__ = ["Columns", "Record", "Segment", "load_record", "record_csv"]
+__all__ = ["Columns", "Record", "Segment", "check_for_fit", "check_validation", "load_record", "record_csv"]

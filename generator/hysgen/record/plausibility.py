@@ -41,7 +41,7 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
     quantum = float(np.diff(np.unique(values)).min())
     span = ends[0][1] - ends[1][1]
     gain = span / np.ptp(np.concatenate([run.u_V for run in runs]))
-    noisy = max(_noise(run.y_um) for run in runs) > max(0.5 * quantum, 1e-6 * span)
+    noisy = max(white_noise(run.y_um) for run in runs) > max(0.5 * quantum, 1e-6 * span)
     still = max(STILL, 3 * max(_longest_repeat(run.y_um, ends[0][1], ends[1][1]) for run in runs))
     for name, end in ends:
         best: tuple[bool, str] | None = None
@@ -100,8 +100,8 @@ def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
         return
     if -areas[areas < 0.0].sum() < 0.95 * np.abs(areas).sum():
         return
-    u_noise = max(_noise(run.u_V) / _spread(run.u_V) for run in runs)
-    y_noise = max(_noise(run.y_um) / _spread(run.y_um) for run in runs)
+    u_noise = max(white_noise(run.u_V) / _spread(run.u_V) for run in runs)
+    y_noise = max(white_noise(run.y_um) / _spread(run.y_um) for run in runs)
     yield (
         "swapped",
         u_noise > max(5.0 * y_noise, 1e-6),
@@ -159,7 +159,7 @@ def _correlation(runs: Sequence[Channels]) -> float:
     return uy / (uu * yy) ** 0.5 if uu * yy > 0.0 else 0.0
 
 
-def _noise(values: Series) -> float:
+def white_noise(values: Series) -> float:
     """White noise, rms, from the median sixth difference, which smooth signals hardly have; 0 for under 12 samples."""
     if values.size < 12:
         return 0.0

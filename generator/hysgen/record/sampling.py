@@ -88,21 +88,21 @@ def _check_rising(run: Stamps) -> None:
 
 def _check_even(run: Stamps, period: float, jitter: float) -> None:
     steps = np.diff(run.time_s)
-    off = np.abs(steps - period) / period
     gaps = np.flatnonzero(steps > GAP * period)
-    row = int(gaps[0]) + 1 if gaps.size else int(np.argmax(off)) + 1
-    start = f"{run.source}: {run.locate(row)}: {run.name}" if gaps.size or off[row - 1] > jitter else ""
-    step = f"{steps[row - 1]:.6g} s where the period is {period:.6g} s"
     if gaps.size:
+        step = int(gaps[0])
         raise RecordError(
-            f"{start} jumps from {run.time_s[row - 1]:.9g} s by {step} ({gaps.size} such gaps); "
+            f"{run.source}: {run.locate(step + 1)}: {run.name} jumps from {run.time_s[step]:.9g} s by "
+            f"{steps[step]:.6g} s where the period is {period:.6g} s ({gaps.size} such gaps); "
             "number the runs in a segment column, or read with split_at_gaps"
         )
-    if start:
+    off = np.abs(steps - period) / period
+    step = int(np.argmax(off))
+    if off[step] > jitter:
         raise RecordError(
-            f"{start} steps by {step}: {100 * off[row - 1]:.1f} % off, the worst of "
-            f"{np.count_nonzero(off > jitter)} above {100 * jitter:g} %; "
-            "sample evenly, write the time with more digits, or allow more jitter"
+            f"{run.source}: {run.locate(step + 1)}: {run.name} steps by {steps[step]:.6g} s where the period is "
+            f"{period:.6g} s: {100 * off[step]:.1f} % off, the worst of {np.count_nonzero(off > jitter)} "
+            f"above {100 * jitter:g} %; sample evenly, write the time with more digits, or allow more jitter"
         )
 
 

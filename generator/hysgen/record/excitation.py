@@ -1,0 +1,179 @@
+"""Is there enough in the record: for the chosen rules and parameters, and for the validation that follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+from hysgen.record.data import SAME_PERIOD, Record
+from hysgen.record.plausibility import white_noise
+
+PER_PARAMETER = 4
+"""Steps y(k) to y(k+1) that each parameter needs at the least; a sound record has hundreds."""
+APART = 0.03
+"""Part of the displacement's movement in a rule's cell, rms, that the voltage must not explain to count as apart."""
+OUTSIDE = 0.005
+"""Part of the identified range by which validation may exceed it without a word: noise at the turning points."""
+
+Series = NDArray[np.float64]
+
+
+def check_for_fit(record: Record, rules: int, parameters: int) -> tuple[str, ...]:
+    """Refuse a record with too few samples for the model; return warnings, one line each, on poor excitation.
+
+    rules: L of Eq. (1), whose cells are the equal parts of the displacement's range nearest to each centre, Eq. (6).
+    parameters: all coefficients that will be fitted, 3 L and those of the extensions.
+
+    Warned about: rules whose cell is hardly visited; fewer coefficients told apart than there are; swings all alike.
+    Raises RecordError if there are fewer than 4 steps for each parameter.
+    """
+    if rules < 1 or parameters < 1:
+        raise RecordError(f"{record.source}: {rules} rules with {parameters} parameters; choose at least one of each")
+    wanted = max(parameters, 3 * rules)
+    steps = record.samples - len(record.segments)
+    if steps < PER_PARAMETER * wanted:
+        raise RecordError(
+            f"{record.source}: {record.samples} samples are too few for {rules} rules with {wanted} parameters "
+            f"(at least {PER_PARAMETER * wanted + len(record.segments)}); record longer, or choose fewer rules"
+        )
+    return (*_cells(record, rules), *_alike(record))
+
+
+def check_validation(identification: Record, validation: Record) -> tuple[str, ...]:
+    """Warnings, one line each, on what the validation record asks of a model and the identification did not show.
+
+    Ranges of voltage and displacement that it leaves, with how far and how often; a faster voltage; channels that are
+    missing; the very same record. Raises RecordError if the sampling periods differ, for then no model fits both.
+    """
+    source = validation.source
+    if abs(validation.Ts_s - identification.Ts_s) > SAME_PERIOD * identification.Ts_s:
+        raise RecordError(
+            f"{source}: sampled every {validation.Ts_s:g} s, but {identification.source} every "
+            f"{identification.Ts_s:g} s; resample one of them"
+        )
+    warnings = []
+    if validation.digest == identification.digest:
+        warnings.append(f"{source}: is the record that was fitted; its scores say nothing about other records")
+    for what, unit, (low, high), channels in (
+        ("voltage", "V", identification.u_range_V, [one.u_V for one in validation.segments]),
+        ("displacement", "um", identification.y_range_um, [one.y_um for one in validation.segments]),
+    ):
+        values = np.concatenate(channels)
+        margin = OUTSIDE * (high - low)
+        outside = int(np.count_nonzero((values < low - margin) | (values > high + margin)))
+        if outside:
+            warnings.append(
+                f"{source}: {what} {values.min():.6g}..{values.max():.6g} {unit} leaves the identified "
+                f"{low:.6g}..{high:.6g} {unit} in {outside} of {values.size} samples; the model is clamped there: "
+                "identify over the whole range"
+            )
+    seen, asked = _fastest(identification), _fastest(validation)
+    if asked > 1.2 * seen:
+        warnings.append(
+            f"{source}: voltage moves by up to {asked:.4g} V/s, in identification by up to {seen:.4g} V/s; "
+            "identify with signals as fast"
+        )
+    for name in identification.aux_names:
+        if name not in validation.aux_names:
+            warnings.append(
+                f"{source}: lacks the channel {name} of {identification.source}; a model using it cannot run"
+            )
+    return tuple(warnings)
+
+
+def _cells(record: Record, rules: int) -> Iterator[str]:
+    """Warnings on rules that are hardly visited, or in whose cell voltage and displacement do not move apart.
+
+    A visited rule determines its constant; its slope in y too if y varies in the cell; its slope in u too if y is no
+    function of u there:  rms(y - line in u) > max(0.03 s, min(3 noise, 0.7 s)),  s = rms(y - mean).
+    Noise alone separates nothing; but what looks like noise of a signal near half the sampling rate is signal.
+    """
+    u = np.concatenate([one.u_V[:-1] for one in record.segments])
+    y = np.concatenate([one.y_um[:-1] for one in record.segments])
+    low, high = record.y_range_um
+    noise = max(white_noise(one.y_um) for one in record.segments)
+    step = (high - low) / max(rules - 1, 1) or 1.0
+    cell = np.rint((y - low) / step).astype(np.intp) if rules > 1 else np.zeros(y.size, dtype=np.intp)
+    count = np.bincount(cell, minlength=rules)
+
+    def mean(values: Series) -> Series:
+        return np.asarray(np.bincount(cell, values, minlength=rules) / np.maximum(count, 1))
+
+    u = u - mean(u)[cell]
+    y = y - mean(y)[cell]
+    uu, yy, uy = mean(u * u), mean(y * y), mean(u * y)
+    apart = yy - np.divide(uy * uy, uu, out=np.zeros(rules), where=uu > 0.0)
+    poor = count < 3 * PER_PARAMETER
+    moving = ~poor & (yy > 0.0)
+    separate = moving & (uu > 0.0) & (apart > np.maximum(APART**2 * yy, np.minimum(9.0 * noise**2, 0.5 * yy)))
+    if poor.any():
+        shown = _listed(
+            [f"{rule + 1} (y near {low + rule * step:.4g} um: {count[rule]})" for rule in np.flatnonzero(poor)]
+        )
+        yield (
+            f"{record.source}: {np.count_nonzero(poor)} of {rules} rules see fewer than {3 * PER_PARAMETER} samples: "
+            f"rule {shown}; choose fewer rules, or dwell there"
+        )
+    told = int(np.count_nonzero(~poor) + np.count_nonzero(moving) + np.count_nonzero(separate))
+    if told < 3 * rules:
+        together = _listed([str(rule + 1) for rule in np.flatnonzero(moving & ~separate)])
+        because = f": voltage and displacement move as one in rules {together}" if together else ""
+        yield (
+            f"{record.source}: excitation tells about {told} of {3 * rules} rule coefficients apart{because}; "
+            "add nested amplitudes and other frequencies, or choose fewer rules"
+        )
+
+
+def _listed(words: list[str]) -> str:
+    return ", ".join(words[:5]) + (f" and {len(words) - 5} more" if len(words) > 5 else "")
+
+
+def _alike(record: Record) -> Iterator[str]:
+    """A warning if the voltage hardly turns, or if all its swings have one size and one duration."""
+    low, high = record.u_range_V
+    sizes: list[float] = []
+    durations: list[float] = []
+    turns = 0
+    for one in record.segments:
+        rows = turning_rows(one.u_V, 0.02 * (high - low))
+        turns += rows.size
+        # The swings before the first and after the last turning point are cut off by the record's ends.
+        sizes.extend(np.abs(np.diff(one.u_V[rows])).tolist())
+        durations.extend((np.diff(rows) * record.Ts_s).tolist())
+    if len(sizes) < 2:
+        yield (
+            f"{record.source}: the voltage turns {turns} times; memory cannot be told from lag: "
+            "drive several cycles of different size"
+        )
+    elif max(sizes) < 1.05 * min(sizes) and max(durations) < 1.2 * min(durations):
+        yield (
+            f"{record.source}: all {len(sizes)} swings of the voltage are alike ({np.median(sizes):.4g} V in "
+            f"{np.median(durations):.4g} s); memory, lag and creep cannot be told apart: add other sizes and speeds"
+        )
+
+
+def turning_rows(u_V: Series, band_V: float) -> NDArray[np.intp]:
+    """Rows at which the voltage turns and then goes back by more than `band_V`; smaller wiggles do not count."""
+    slope = np.sign(np.diff(u_V))
+    moving = np.flatnonzero(slope)
+    # Only local extremes can be turning points; between them the walk below has nothing to see.
+    extremes = moving[1:][np.diff(slope[moving]) != 0.0]
+    rows: list[int] = []
+    best, direction = 0, 0.0
+    for row in (*extremes.tolist(), u_V.size - 1):
+        away = float(u_V[row] - u_V[best])
+        if direction * away > 0.0 or (direction == 0.0 and abs(away) > band_V):
+            best, direction = row, np.sign(away)
+        elif direction * away < -band_V:
+            rows.append(best)
+            best, direction = row, -direction
+    return np.array(rows, dtype=np.intp)
+
+
+def _fastest(record: Record) -> float:
+    """Speed of the voltage in V/s that 99.9 % of the steps stay below; a jump or two is no excitation."""
+    steps = np.concatenate([np.abs(np.diff(one.u_V)) for one in record.segments])
+    return float(np.quantile(steps, 0.999)) / record.Ts_s if steps.size else 0.0
