@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.terms.base import Drive, Mirror, Term
+from hysgen.terms.base import Drive, Mirror, StateSpace, Term
 
-__all__ = ["Drive", "Mirror", "Term", "kinds", "term_from_json"]
+__all__ = ["Drive", "Mirror", "StateSpace", "Term", "kinds", "term_from_json"]
 
 
 @functools.lru_cache(maxsize=1)
@@ -22,8 +22,8 @@ def kinds() -> Mapping[str, type[Term]]:
     """Every kind of term that is installed, by name."""
     found: dict[str, type[Term]] = {}
     for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
-        if module.name != "base":
-            term: type[Term] = importlib.import_module(f"{__name__}.{module.name}").TERM
+        term: type[Term] | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "TERM", None)
+        if term is not None:
             found[term.kind] = term
     return found
 

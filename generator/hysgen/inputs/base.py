@@ -1,0 +1,101 @@
+"""The contract of an input block: float64 over a record, a float32 mirror, and what the inverse has to do about it.
+
+The command u passes through the blocks and arrives at the stage as v; rules and terms see v only:
+
+    forward    v(k) = apply(u(k))          predict, simulate, learn
+    inverse    Eq. (11) asks for v(k); each block in turn says what can be made to arrive (`reach`), the terms advance
+               by that, and the blocks say what to command for it (`command`), d samples ahead of time if they delay
+
+so limits are obeyed where they act, the model's state follows what the stage really gets (anti-windup), and a delay of
+d samples costs d samples of preview: in the inverse every argument belongs to sample k + d, the result to sample k.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Protocol, Self, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Floats32 = NDArray[np.float32]
+Words = NDArray[np.float32] | NDArray[np.uint32]
+
+
+class BlockMirror(abc.ABC):
+    """The float32 reference of a block over `lanes` independent instances, in the generated C's order of operations."""
+
+    @abc.abstractmethod
+    def apply(self, u_V: Floats32) -> Floats32:
+        """v(k) of the command u(k), (lanes,); moves the state by one sample."""
+
+    @abc.abstractmethod
+    def reach(self, v_V: Floats32) -> Floats32:
+        """The nearest to v(k) that the block lets through, (lanes,); moves the state of a limiter by one sample."""
+
+    @abc.abstractmethod
+    def command(self, v_V: Floats32) -> Floats32:
+        """What to command so that v arrives `preview` samples later, (lanes,); moves the state of a delay by one."""
+
+    @abc.abstractmethod
+    def state(self) -> Sequence[Words]:
+        """Every 32-bit word of the C struct of this block, in its order, (lanes,) each; compared bit for bit."""
+
+
+@runtime_checkable
+class InputBlock(Protocol):
+    """Something between the command and the stage."""
+
+    kind: ClassVar[str]
+    place: ClassVar[int]
+    """Where in the chain the block stands, rising from the command to the stage."""
+
+    @property
+    def preview(self) -> int:
+        """Samples by which the inverse has to know its reference ahead because of this block."""
+        ...
+
+    def describe(self) -> str:
+        """One line for people: the parameters with units."""
+        ...
+
+    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
+        """v (n,) of the commands u_V (n,), in float64, from rest under u(0)."""
+        ...
+
+    def shape(self) -> Floats:
+        """The parameters as an optimiser sees them: logarithms of what is positive."""
+        ...
+
+    def with_shape(self, shape: Floats) -> Self:
+        """The same block with other parameters. Raises ValueError outside their domain."""
+        ...
+
+    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
+        """Lower and upper bounds of `shape` between which a record of these commands can tell."""
+        ...
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:
+        """The float32 reference, at rest under u_V (lanes,), as the generated `_init` leaves it."""
+        ...
+
+    def constants(self, Ts_s: float) -> Mapping[str, Words]:
+        """The 32-bit numbers that the C needs, by the name of their array in `<name>_params.h`."""
+        ...
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values, exact; includes "kind"."""
+        ...
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """Inverse of to_json. Raises KeyError, TypeError or ValueError on malformed data."""
+        ...
+
+
+def limited(value: Floats32, low: Floats32 | np.float32, high: Floats32 | np.float32) -> Floats32:
+    """`value` between low and high over lanes: first up to low, then down to high, as the generated clamp does."""
+    value = np.where(value < low, low, value)
+    return np.where(value > high, high, value)

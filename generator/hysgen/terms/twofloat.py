@@ -1,0 +1,28 @@
+"""A float32 sum kept in two words, for states that move by less than their last bit.
+
+    step = (delta + K) - K            K = 1.5 * 2^-37: steps below 2^-61 become 0
+    t    = low + step
+    high' = high + t
+    low'  = t - (high' - high)        what the rounding of high' lost, exact as long as |t| <= |high|
+
+A creep state of 10 s at 50 kHz moves by 2e-6 of its input per sample: below the last bit of one float, but not below
+the last bit of `low`. A state that decays for ever ends at 0 and never at a denormal number, since inputs and steps are
+multiples of 2^-63. Where |t| > |high| (the state crosses zero) the loss is at most the last bit of t.
+Source: Dekker, A floating-point technique for extending the available precision (1971), Fast2Sum.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hysgen.terms.base import Floats32
+
+FLOOR = np.float32(1.5 * 2.0**-37)
+
+
+def accumulate(high: Floats32, low: Floats32, delta: Floats32) -> tuple[Floats32, Floats32]:
+    """(high, low) + delta, in the generated C's order; float32 throughout."""
+    step = (delta + FLOOR) - FLOOR
+    t = low + step
+    total = high + t
+    return total, t - (total - high)
