@@ -1,10 +1,10 @@
 """What a model is: a uniform partition of the displacement, one linear consequent per rule, and extension terms.
 
-    y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 u(k) + q_l3) + sum_j theta_j phi_j(k)
+    y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 v(k) + q_l3) + sum_j theta_j phi_j(k)
 
 The first sum is Eq. (4) of the paper, complete. The regressors phi_j come from extension terms (package `terms`): they
-depend on past inputs, auxiliary channels and time, never on u(k) itself, so the model stays affine in u(k) and Eq. (11)
-inverts it.
+depend on past inputs, auxiliary channels and time, never on v(k) itself, so the model stays affine in v(k) and Eq. (11)
+inverts it. v is the input u behind the input blocks (package `inputs`: saturation, slew, delay); without them, v = u.
 Everything here is float64: this is the truth that the float32 layers are measured against.
 """
 
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
+from hysgen.inputs import InputBlock, check_chain
 from hysgen.terms import Term
 
 Floats = NDArray[np.float64]
@@ -68,6 +69,7 @@ class Model:
     consequents: (L, 3), columns q_l1 [um/um], q_l2 [um/V], q_l3 [um].
     weights: (T,) theta_j of the terms' regressors, in the order of `terms`.
     u_min_V, u_max_V: input range for which the model answers and its certificates hold; inputs outside are clamped.
+    blocks: what the input passes through before the stage, in that order.
     history: where it comes from (fit settings, record digest); scores: what was measured of it; certificates: what is
     guaranteed of it. All plain JSON values.
     Raises ModelError if sizes disagree or a number is not finite.
@@ -81,6 +83,7 @@ class Model:
     u_max_V: float
     terms: tuple[Term, ...] = ()
     weights: Floats = field(default_factory=lambda: np.zeros(0))
+    blocks: tuple[InputBlock, ...] = ()
     history: Mapping[str, Any] = field(default_factory=dict)
     scores: Mapping[str, Any] = field(default_factory=dict)
     certificates: Mapping[str, Any] = field(default_factory=dict)
@@ -102,6 +105,7 @@ class Model:
             raise ModelError(f"Ts_s: {self.Ts_s} is not a sampling period; it must be positive, in seconds")
         if not self.u_min_V < self.u_max_V:
             raise ModelError(f"input range: {self.u_min_V} .. {self.u_max_V} V is empty; u_min must lie below u_max")
+        check_chain(self.blocks)
         kinds = [term.kind for term in self.terms]
         if len(set(kinds)) != len(kinds):
             raise ModelError(f"terms: {', '.join(kinds)}: a kind of term may stand once in a model")

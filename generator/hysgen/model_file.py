@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.files import write_whole
+from hysgen.inputs import InputBlock, block_from_json
 from hysgen.model import Grid, Model
 from hysgen.terms import Term, term_from_json
 
@@ -37,6 +38,7 @@ _FIELDS = (
     "consequents",
     "terms",
     "weights",
+    "blocks",
     "history",
     "scores",
     "certificates",
@@ -60,6 +62,7 @@ def model_to_json(model: Model) -> dict[str, Any]:
         "consequents": model.consequents.tolist(),
         "terms": [term.to_json() for term in model.terms],
         "weights": model.weights.tolist(),
+        "blocks": [block.to_json() for block in model.blocks],
         "history": dict(model.history),
         "scores": dict(model.scores),
         "certificates": dict(model.certificates),
@@ -152,6 +155,7 @@ def _model(data: Mapping[str, Any]) -> Model:
         u_max_V=float(input_range[1]),
         terms=_terms(_list(_get(data, "terms"), "terms")),
         weights=_numbers(_get(data, "weights"), "weights"),
+        blocks=_blocks(_list(_get(data, "blocks"), "blocks")),
         history=_object(_get(data, "history"), "history"),
         scores=_object(_get(data, "scores"), "scores"),
         certificates=_object(_get(data, "certificates"), "certificates"),
@@ -160,6 +164,10 @@ def _model(data: Mapping[str, Any]) -> Model:
 
 def _terms(entries: Sequence[Any]) -> tuple[Term, ...]:
     return tuple(term_from_json(_object(entry, f"terms[{i}]")) for i, entry in enumerate(entries))
+
+
+def _blocks(entries: Sequence[Any]) -> tuple[InputBlock, ...]:
+    return tuple(block_from_json(_object(entry, f"blocks[{i}]")) for i, entry in enumerate(entries))
 
 
 def _get(data: Mapping[str, Any], key: str, path: str = "") -> Any:

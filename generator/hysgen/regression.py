@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+from hysgen.inputs import InputBlock, applied
 from hysgen.kernels import rule_rows
 from hysgen.model import Grid, Model
 from hysgen.record import Record, Segment
@@ -38,12 +39,13 @@ class Rows:
 
 @dataclass(frozen=True)
 class Structure:
-    """All of a model but its linear parameters: partition, input range and terms."""
+    """All of a model but its linear parameters: partition, input range, terms and input blocks."""
 
     grid: Grid
     u_min_V: float
     u_max_V: float
     terms: tuple[Term, ...] = ()
+    blocks: tuple[InputBlock, ...] = ()
 
     @property
     def size(self) -> int:
@@ -58,18 +60,20 @@ class Structure:
 
 def structure_of(model: Model) -> Structure:
     """What remains of `model` without its linear parameters."""
-    return Structure(model.grid, model.u_min_V, model.u_max_V, model.terms)
+    return Structure(model.grid, model.u_min_V, model.u_max_V, model.terms, model.blocks)
 
 
 def drive_of(segment: Segment, Ts_s: float, structure: Structure) -> Drive:
-    """What drives model and terms over a segment: the input limited to the model's range, the channels, the clock.
+    """What drives rules and terms over a segment: the input that reaches the stage, the channels, the clock.
 
+    The input is limited to the model's range and passed through its blocks, from rest under u(0).
     Raises RecordError if a sample is not finite: the recurrences would carry it to the end.
     """
     if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
         raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
-    u_V = np.ascontiguousarray(np.clip(segment.u_V, structure.u_min_V, structure.u_max_V))
-    return Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
+    u_V = np.clip(segment.u_V, structure.u_min_V, structure.u_max_V)
+    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s))
+    return Drive(v_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
 
 
 def term_regressors(terms: Sequence[Term], drive: Drive) -> Floats:

@@ -10,7 +10,7 @@ Inputs outside the model's range are clamped, displacements outside its grid act
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from hysgen import kernels
 from hysgen.errors import RecordError
+from hysgen.inputs import applied
 from hysgen.kernels import Rules
 from hysgen.model import Model
 from hysgen.record import Record, Segment
@@ -64,10 +65,13 @@ def rules_of(model: Model) -> Rules:
 
 
 def simulate(model: Model, drive: Drive, y0_um: float) -> Run:
-    """Free run over any input, measured or not: y(0) = y0. The drive's input is clamped to the model's range."""
+    """Free run over any input, measured or not: y(0) = y0.
+
+    The drive's input is the command: it is clamped to the model's range and passed through its blocks.
+    """
     u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
-    limited = Drive(np.ascontiguousarray(u_V), drive.Ts_s, drive.aux, drive.first)
-    y_um, y_clamped = kernels.free_run(rules_of(model), limited.u_V, term_output(model, limited), y0_um)
+    arriving = replace(drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s)))
+    y_um, y_clamped = kernels.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
     return Run(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
 
 
@@ -79,7 +83,7 @@ def free_run(model: Model, record: Record) -> tuple[Run, ...]:
     runs = []
     for segment, drive, w_um in _driven(model, record):
         y_um, y_clamped = kernels.free_run(rules_of(model), drive.u_V, w_um, float(segment.y_um[0]))
-        runs.append(Run(y_um, y_clamped, _outside(segment, drive)))
+        runs.append(Run(y_um, y_clamped, _outside(model, segment)))
     return tuple(runs)
 
 
@@ -91,7 +95,7 @@ def one_step(model: Model, record: Record) -> tuple[Run, ...]:
     runs = []
     for segment, drive, w_um in _driven(model, record):
         y_um, y_clamped = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
-        runs.append(Run(y_um, y_clamped, _outside(segment, drive)))
+        runs.append(Run(y_um, y_clamped, _outside(model, segment)))
     return tuple(runs)
 
 
@@ -138,5 +142,5 @@ def _driven(model: Model, record: Record) -> list[tuple[Segment, Drive, Floats]]
     return [(s, drive, term_output(model, drive)) for s, drive in zip(record.segments, drives, strict=True)]
 
 
-def _outside(segment: Segment, drive: Drive) -> int:
-    return int(np.count_nonzero(drive.u_V != segment.u_V))
+def _outside(model: Model, segment: Segment) -> int:
+    return int(np.count_nonzero((segment.u_V < model.u_min_V) | (segment.u_V > model.u_max_V)))
