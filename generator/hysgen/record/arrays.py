@@ -92,7 +92,11 @@ def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list
     key = key_of(arrays, name)
     if key is None:
         there = ", ".join(sorted(arrays)) or "no numeric arrays"
-        raise RecordError(f"{source}: has no {role} array '{name}'{nearest(name, arrays)}; it holds {there}")
+        otherwise = ", or give Ts_s in seconds" if role == "time" else ""
+        raise RecordError(
+            f"{source}: has no {role} array '{name}'{nearest(name, arrays)}; it holds {there}; "
+            f"say which one it is with {role}=NAME{otherwise}"
+        )
     array = arrays[key]
     if index is None:
         vector = np.squeeze(array)

@@ -54,7 +54,7 @@ def check_finite(run: Channels) -> None:
             row = int(np.argmin(finite))
             raise RecordError(
                 f"{run.source}: {run.locate(row)}: {name} is {values[row]} ({np.count_nonzero(~finite)} such values); "
-                "delete the rows or record again"
+                "interpolate them, or cut the record there into segments"
             )
     if run.u_V.size < SHORTEST:
         where = f"{run.locate(0)}: " if run.u_V.size else ""

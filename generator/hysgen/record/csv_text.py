@@ -179,16 +179,14 @@ def _walk(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float6
         if len(fields) != len(layout.names):
             raise RecordError(
                 f"{layout.source}: line {number}: has {len(fields)} fields, the header has {len(layout.names)}; "
-                "complete or delete the row"
+                "complete the row"
             )
         row = []
         for position in use:
             value = _number(fields[position], comma)
             if value is None:
                 shown = f"'{fields[position]}', not a number" if fields[position] else "empty"
-                raise RecordError(
-                    f"{layout.source}: line {number}: {layout.names[position]} is {shown}; correct or delete the row"
-                )
+                raise RecordError(f"{layout.source}: line {number}: {layout.names[position]} is {shown}; correct it")
             row.append(value)
         table.append(row)
     return np.array(table, dtype=np.float64)

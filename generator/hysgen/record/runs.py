@@ -47,10 +47,12 @@ def runs_of_table(source: str, table: Table, columns: Columns) -> list[Run]:
 
     def column(role: str, name: str) -> NDArray[np.float64]:
         if name not in there:
-            unsplit = "; if that is several names in one, give the separator" if len(table.names) == 1 else ""
+            cure = f"say which one it is with {role}=NAME" + (", or give Ts_s in seconds" if role == "time" else "")
+            if len(table.names) == 1:
+                cure = "give the separator if that is several names in one"
             raise RecordError(
                 f"{source}: has no {role} column '{name}'{nearest(name, table.names)}; "
-                f"the header names {', '.join(table.names)}{unsplit or f'; say which one it is with {role}=NAME'}"
+                f"the header names {', '.join(table.names)}; {cure}"
             )
         return there[name]
 

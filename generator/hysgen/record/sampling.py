@@ -69,7 +69,7 @@ def _check_rising(run: Stamps) -> None:
     finite = np.isfinite(run.time_s)
     if not finite.all():
         row = int(np.argmin(finite))
-        raise RecordError(f"{run.source}: {run.locate(row)}: {run.name} is {run.time_s[row]}; delete the row")
+        raise RecordError(f"{run.source}: {run.locate(row)}: {run.name} is {run.time_s[row]}; write its time")
     steps = np.diff(run.time_s)
     if (steps > 0.0).all():
         return

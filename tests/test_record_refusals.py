@@ -1,0 +1,341 @@
+"""Every kind of bad record is refused with one line that names the file, the row, the field and the cure."""
+
+from __future__ import annotations
+
+import math
+import os
+import pickle
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+
+from hysgen.errors import RecordError
+from hysgen.record import Columns, Record, load_record
+
+USUAL = Columns()
+HEADER = "time_s,voltage_V,displacement_um"
+K = np.arange(400)
+TIME_S = np.round(K * 1e-3, 3)
+# A sound record: 4 cycles at 100 samples each, the displacement a little late and with 1 nm of sensor noise.
+U_V = np.round(50 + 40 * np.sin(2 * np.pi * K / 100), 6)
+Y_UM = np.round(5 + 3 * np.sin(2 * np.pi * (K - 4) / 100) + 1e-3 * np.random.default_rng(7).normal(size=400), 4)
+ROWS = [f"{t},{u},{y}" for t, u, y in zip(TIME_S, U_V, Y_UM, strict=True)]
+CLIPPED_UM = np.minimum(Y_UM, 7.5)
+SPREAD_UM = np.stack([Y_UM, Y_UM], axis=1)
+
+
+def text(lines: dict[int, str | None] | None = None, header: str = HEADER) -> bytes:
+    """The sound record as CSV; `lines` replaces (or with None deletes) lines by the number an editor shows."""
+    numbered = dict(enumerate([header, *ROWS], 1)) | (lines or {})
+    return "\n".join(line for line in numbered.values() if line is not None).encode() + b"\n"
+
+
+def table(u_V: np.ndarray, y_um: np.ndarray, time_s: np.ndarray = TIME_S) -> bytes:
+    return "\n".join([HEADER, *(f"{t},{u},{y}" for t, u, y in zip(time_s, u_V, y_um, strict=True)), ""]).encode()
+
+
+def npz(**arrays: object) -> bytes:
+    stream = BytesIO()
+    np.savez(stream, **arrays)  # type: ignore[arg-type]
+    return stream.getvalue()
+
+
+def mat(**arrays: np.ndarray) -> bytes:
+    stream = BytesIO()
+    scipy.io.savemat(stream, arrays)
+    return stream.getvalue()
+
+
+def hdf5(**arrays: np.ndarray) -> bytes:
+    stream = BytesIO()
+    with h5py.File(stream, "w") as file:
+        for name, values in arrays.items():
+            file[name] = values
+    return stream.getvalue()
+
+
+def sound(**changes: object) -> dict[str, object]:
+    arrays = {"time_s": TIME_S, "voltage_V": U_V, "displacement_um": Y_UM} | changes
+    return {name: values for name, values in arrays.items() if values is not None}
+
+
+@dataclass(frozen=True)
+class Bad:
+    """One kind of bad input: what the file holds, how it is read, and what the message says, in this order."""
+
+    kind: str
+    file: str
+    content: bytes
+    says: tuple[str, ...]
+    columns: Columns = USUAL
+
+
+BAD = [
+    # text that is no table
+    Bad("empty file", "a.csv", b"", ("is empty", "record some samples")),
+    Bad("header only", "a.csv", f"{HEADER}\n".encode(), ("a header and no rows", "record some samples")),
+    Bad("only comments", "a.csv", b"# nothing\n\n# here\n", ("only comments", "record some samples")),
+    Bad(
+        "no header",
+        "a.csv",
+        text(header="0,1,2"),
+        ("line 1", "numbers where the names belong", f"line such as {HEADER}"),
+    ),
+    Bad("binary file called CSV", "a.csv", npz(**sound()), ("binary", "export it as CSV")),
+    Bad("UTF-16 text", "a.csv", text().decode().encode("utf-16"), ("UTF-16", "save it as UTF-8")),
+    Bad("unknown suffix", "a.xlsx", b"PK", ("suffix '.xlsx'", "save the record as one of .csv")),
+    # columns
+    Bad(
+        "missing column",
+        "a.csv",
+        text(header="time_s,volt_V,displacement_um"),
+        (
+            "no voltage column 'voltage_V'",
+            "did you mean 'volt_V'",
+            "names time_s, volt_V, displacement_um",
+            "voltage=NAME",
+        ),
+    ),
+    Bad("wrong separator", "a.csv", text(), ("no time column 'time_s'", "give the separator"), Columns(separator=";")),
+    Bad(
+        "column name twice", "a.csv", text(header="time_s,voltage_V,voltage_V"), ("names voltage_V twice", "rename one")
+    ),
+    Bad("ragged row", "a.csv", text({9: "0.007,1"}), ("line 9", "2 fields, the header has 3", "complete the row")),
+    Bad("long row", "a.csv", text({9: "0.007,1,2,3"}), ("line 9", "4 fields, the header has 3", "complete the row")),
+    Bad(
+        "text for a number",
+        "a.csv",
+        text({9: "0.007,ok,2"}),
+        ("line 9", "voltage_V", "'ok', not a number", "correct it"),
+    ),
+    Bad("nothing for a number", "a.csv", text({9: "0.007,,2"}), ("line 9", "voltage_V is empty", "correct it")),
+    Bad("decimal comma", "a.csv", text({9: "0,007;1;2"}), ("line 9", "fields", "complete the row")),
+    # values
+    Bad(
+        "not a number",
+        "a.csv",
+        text({9: "0.007,1,nan"}),
+        ("line 9", "displacement_um is nan (1 such", "interpolate them"),
+    ),
+    Bad("infinity", "a.csv", text({9: "0.007,-inf,2"}), ("line 9", "voltage_V is -inf", "interpolate them")),
+    Bad(
+        "constant input",
+        "a.csv",
+        table(0 * U_V + 3, Y_UM),
+        ("voltage_V is constant at 3 in all 400", "signal that moves"),
+    ),
+    Bad("constant output", "a.csv", table(U_V, 0 * Y_UM), ("displacement_um is constant at 0", "sensor is connected")),
+    Bad(
+        "sensor at its end",
+        "a.csv",
+        table(U_V, CLIPPED_UM),
+        (f"line {np.argmax(CLIPPED_UM) + 2}", "displacement_um stays at its highest value 7.5", "drive less, or widen"),
+    ),
+    Bad(
+        "columns exchanged", "a.csv", table(Y_UM, U_V), ("displacement_um runs ahead of voltage_V", "swap their names")
+    ),
+    Bad("two samples", "a.csv", f"{HEADER}\n0,1,2\n1,2,3\n".encode(), ("line 2", "2 samples", "record at least 3")),
+    # time
+    Bad("NaN in time", "a.csv", text({9: "nan,1,2"}), ("line 9", "time_s is nan", "write its time")),
+    Bad(
+        "gap in time", "a.csv", text({9: None, 10: None}), ("line 9", "jumps from 0.006 s by 0.003 s", "segment column")
+    ),
+    Bad("stamp twice", "a.csv", text({9: "0.006,1,2"}), ("line 9", "time_s repeats 0.006 s", "delete one")),
+    Bad(
+        "time falls", "a.csv", text({9: "0.002,1,2"}), ("line 9", "time_s falls from 0.006 to 0.002 s", "sort the rows")
+    ),
+    Bad(
+        "jitter",
+        "a.csv",
+        text({9: "0.0072,1,2"}),
+        ("line 10", "time_s steps by 0.0008 s", "20.0 % off", "sample evenly"),
+    ),
+    Bad("wrong period given", "a.csv", text(), ("Ts_s = 0.01 s was given", "rises by 0.001 s"), Columns(Ts_s=0.01)),
+    Bad(
+        "wrong time unit",
+        "a.csv",
+        text(),
+        ("Ts_s = 0.001 s was given", "rises by 1e-06 s", "check the time unit"),
+        Columns(Ts_s=0.001, time_unit="ms"),
+    ),
+    # segments
+    Bad(
+        "segment comes back",
+        "a.csv",
+        b"time_s,voltage_V,displacement_um,segment\n"
+        + b"".join(b"%g,%d,%d,%d\n" % (k * 0.1, k, k * k, (0, 1, 0)[k // 3]) for k in range(9)),
+        ("line 8", "segment 0 comes back", "its own number"),
+    ),
+    # NPZ, MAT, HDF5
+    Bad(
+        "pickled object", "a.npz", npz(**sound(note=np.array([{}]))), ("array note", "could run code", "plain numbers")
+    ),
+    Bad("no NPZ", "a.npz", text(), ("is not an NPZ file", "numpy.savez")),
+    Bad("damaged NPZ", "a.npz", npz(**sound())[:-3000], ("not an NPZ file", "numpy.savez")),
+    Bad("no MAT", "a.mat", text(), ("is not a MAT file of version 5 or 7.3", "save it with")),
+    Bad("damaged MAT", "a.mat", mat(**sound())[:900], ("is damaged", "save it again")),  # type: ignore[arg-type]
+    Bad("no HDF5", "a.h5", text(), ("is no readable HDF5 file", "write it again")),
+    Bad("missing array", "a.h5", hdf5(u=U_V), ("no voltage array 'voltage_V'", "it holds u", "voltage=NAME")),
+    Bad(
+        "no time at all",
+        "a.npz",
+        npz(**sound(time_s=None)),
+        ("no time array 'time_s'", "it holds", "time=NAME, or give Ts_s in seconds"),
+    ),
+    Bad(
+        "aux of other length",
+        "a.npz",
+        npz(**sound(temp=U_V[:9])),
+        ("temp has 9 samples, voltage_V has 400", "leave the"),
+    ),
+    Bad(
+        "time of other length",
+        "a.npz",
+        npz(**sound(time_s=TIME_S[:9])),
+        ("time_s has 9", "voltage_V has 400", "one per"),
+    ),
+    Bad(
+        "NaN in an array",
+        "a.npz",
+        npz(**sound(voltage_V=np.where(K == 9, np.nan, U_V))),
+        ("index 9", "voltage_V is nan"),
+    ),
+    Bad("complex numbers", "a.npz", npz(**sound(voltage_V=U_V * 1j)), ("voltage_V holds complex128", "float values")),
+    Bad(
+        "several axes",
+        "a.npz",
+        npz(**sound(displacement_um=SPREAD_UM)),
+        ("shape (400, 2)", "pick", "'displacement_um[:,0]'"),
+    ),
+    Bad(
+        "index outside",
+        "a.npz",
+        npz(**sound(displacement_um=SPREAD_UM)),
+        ("index 2 in 'displacement_um[:,2]'", "axis 1 of length 2", "count from 0"),
+        Columns(displacement="displacement_um[:,2]"),
+    ),
+]
+
+
+@pytest.mark.parametrize("bad", BAD, ids=lambda bad: bad.kind)
+def test_bad_file_is_refused_with_one_line_naming_file_row_field_and_cure(bad: Bad, tmp_path: Path) -> None:
+    path = tmp_path / bad.file
+    path.write_bytes(bad.content)
+    with pytest.raises(RecordError) as refusal:
+        load_record(path, bad.columns)
+    message = str(refusal.value)
+    assert "\n" not in message
+    assert message.startswith(f"{bad.file}: ")
+    rest = message
+    for part in bad.says:
+        assert part in rest, f"'{part}' is not (or not in its place) in: {message}"
+        rest = rest[rest.index(part) :]
+
+
+def test_the_sound_record_that_the_bad_ones_are_made_of_is_accepted_in_every_format(tmp_path: Path) -> None:
+    contents = {"a.csv": text(), "a.npz": npz(**sound()), "a.mat": mat(**sound()), "a.h5": hdf5(**sound())}  # type: ignore[arg-type]
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+        record = load_record(tmp_path / name)
+        assert (record.samples, record.Ts_s, record.warnings) == (400, 1e-3, ())
+
+
+BAD_OPTIONS: list[tuple[str, Callable[[], object], tuple[str, ...]]] = [
+    ("unknown unit", lambda: Columns(voltage_unit="Volt"), ("voltage_unit", "'Volt'", "choose from V, mV")),
+    ("unknown key", lambda: Columns.from_text("voltge=u"), ("'voltge=u'", "did you mean 'voltage'", "write key=value")),
+    ("period that is none", lambda: Columns(Ts_s=-1.0), ("Ts_s: -1 s", "positive number")),
+    ("period that is no number", lambda: Columns.from_text("Ts_s=fast"), ("Ts_s 'fast'", "give seconds")),
+    ("two-letter separator", lambda: Columns(separator="::"), ("separator: '::'", "choose from comma")),
+    (
+        "unknown refusal",
+        lambda: Record.from_arrays(U_V, Y_UM, 1e-3, accept=["noise"]),
+        ("'noise'", "choose from constant"),
+    ),
+    (
+        "arrays: period of zero",
+        lambda: Record.from_arrays(U_V, Y_UM, 0.0),
+        ("arrays: ", "Ts_s = 0 s", "positive number"),
+    ),
+    (
+        "arrays: lengths",
+        lambda: Record.from_arrays(U_V, Y_UM[1:], 1e-3),
+        ("displacement_um has 399", "voltage_V has 400"),
+    ),
+    (
+        "arrays: NaN",
+        lambda: Record.from_arrays(U_V, Y_UM + [math.nan] * 400, 1e-3),
+        ("index 0", "displacement_um is nan"),
+    ),
+    (
+        "arrays: axes",
+        lambda: Record.from_arrays(U_V[None], Y_UM, 1e-3),
+        ("voltage_V has shape (1, 400)", "one-dimensional"),
+    ),
+    ("split nowhere", lambda: Record.from_arrays(U_V, Y_UM, 1e-3).split(1.0), ("split at 1", "between 0 and 1")),
+    (
+        "rows outside",
+        lambda: Record.from_arrays(U_V, Y_UM, 1e-3).rows(0, 401),
+        ("rows 0..401", "has 400", "stop <= samples"),
+    ),
+]
+
+
+@pytest.mark.parametrize(("make", "says"), [row[1:] for row in BAD_OPTIONS], ids=[row[0] for row in BAD_OPTIONS])
+def test_bad_option_is_refused_with_one_line_naming_field_and_cure(
+    make: Callable[[], object], says: tuple[str, ...]
+) -> None:
+    with pytest.raises(RecordError) as refusal:
+        make()
+    message = str(refusal.value)
+    assert "\n" not in message
+    for part in says:
+        assert part in message
+
+
+def test_missing_file_and_folder_are_named_with_the_nearest_name(tmp_path: Path) -> None:
+    (tmp_path / "ramps.csv").write_bytes(text())
+    with pytest.raises(RecordError, match=r"ramp\.csv: there is no such file \(did you mean 'ramps\.csv'\?\)"):
+        load_record(tmp_path / "ramp.csv")
+    with pytest.raises(RecordError, match="is a folder; name the record in it"):
+        load_record(tmp_path)
+
+
+class Payload:
+    """Unpickled, it makes a folder: the proof that code ran."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __reduce__(self) -> tuple[Callable[[str], None], tuple[str]]:
+        return os.mkdir, (str(self.folder),)
+
+
+@pytest.mark.parametrize("name", ["voltage_V", "an_array_nobody_asked_for"])
+def test_pickled_payload_in_npz_is_refused_and_does_not_run(name: str, tmp_path: Path) -> None:
+    proof = tmp_path / "payload-ran"
+    path = tmp_path / "a.npz"
+    path.write_bytes(npz(**sound(**{name: np.array([Payload(proof)], dtype=object)})))
+    with pytest.raises(RecordError, match=f"array {name} is a pickled object, which could run code"):
+        load_record(path)
+    assert not proof.exists()
+    # The payload is live: opened the careless way, the same file runs it.
+    with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as member:
+        np.lib.format.read_array(member, allow_pickle=True)
+    assert proof.exists()
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".mat", ".h5"])
+def test_bare_pickle_under_any_suffix_is_refused_and_does_not_run(suffix: str, tmp_path: Path) -> None:
+    proof = tmp_path / "payload-ran"
+    path = tmp_path / f"a{suffix}"
+    path.write_bytes(pickle.dumps(Payload(proof)))
+    with pytest.raises(RecordError):
+        load_record(path)
+    assert not proof.exists()
