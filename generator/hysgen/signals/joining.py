@@ -19,8 +19,7 @@ class SignalError(HysgenError):
 
 def clock(Ts_s: float, duration_s: float) -> Floats:
     """Instants k Ts_s of the samples in [0, duration_s): (round(duration_s / Ts_s),) in s. Raises SignalError."""
-    if not (math.isfinite(Ts_s) and Ts_s > 0):
-        raise SignalError(f"Ts_s: {Ts_s} s is no sampling period; give a time above 0")
+    _require_period(Ts_s)
     if not (math.isfinite(duration_s) and duration_s >= Ts_s / 2):
         raise SignalError(f"duration_s: {duration_s} s holds no sample of {Ts_s} s; ask for a longer signal")
     return Ts_s * np.arange(round(duration_s / Ts_s), dtype=np.float64)
@@ -28,6 +27,7 @@ def clock(Ts_s: float, duration_s: float) -> Floats:
 
 def require_resolved(Ts_s: float, f_Hz: float) -> None:
     """Raise SignalError unless 4 samples fall into a period of f_Hz: with fewer the extremes are missed."""
+    _require_period(Ts_s)
     if not (math.isfinite(f_Hz) and 0 < f_Hz <= 0.25 / Ts_s * (1 + 1e-9)):
         limit = 0.25 / Ts_s
         raise SignalError(f"f_Hz: {f_Hz} Hz is not resolved by samples of {Ts_s} s; choose above 0, up to {limit:g} Hz")
@@ -77,3 +77,8 @@ def safe(u_V: Floats, rest_V: float, largest_jump_V: float) -> Floats:
     """
     rest = np.array([rest_V], dtype=np.float64)
     return joined([rest, u_V, rest], largest_jump_V)
+
+
+def _require_period(Ts_s: float) -> None:
+    if not (math.isfinite(Ts_s) and Ts_s > 0):
+        raise SignalError(f"Ts_s: {Ts_s} s is no sampling period; give a time above 0")

@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 
 FINEST_S = 4e-6  # first substep behind the D/A's instant, where a fast amplifier bends most: 250 kHz
 COARSEST_S = 100e-6  # creep and friction see straight pieces no longer than this; the lag is 1 ms
+COARSEST_SLEWING_S = 20e-6  # a rate limit ends in a kink, at an instant of its own
 GROWTH = 0.05  # a substep t after the D/A's instant is at most this share of t
 CREEP_NODES_PER_DECADE = 6  # quadrature of the creep spectrum: error below 1e-7 of the creep (tested)
 
@@ -66,10 +67,11 @@ def mesh(stage: Stage, Ts_s: float) -> Mesh:
     # A rounding error short of a whole number of periods is that whole number.
     periods = math.floor(late_s / Ts_s + 1e-9)
     tap_s = Ts_s - max(late_s - periods * Ts_s, 0.0)
+    coarsest_s = COARSEST_SLEWING_S if stage.slew else COARSEST_S
     nodes = [0.0]
     while nodes[-1] < Ts_s * (1 - 1e-9):
         if stage.bandwidth or stage.slew:
-            h_s = min(max(FINEST_S, GROWTH * nodes[-1]), COARSEST_S)
+            h_s = min(max(FINEST_S, GROWTH * nodes[-1]), coarsest_s)
         else:
             h_s = COARSEST_S if stage.creep or stage.stick_slip else Ts_s
         # Equal pieces up to the end, so that no sliver is left.

@@ -29,10 +29,10 @@ def require(holds: bool, complaint: str) -> None:
 
 
 def require_finite(effect: object) -> None:
-    """Raise StageError, naming effect and field, if a number of the dataclass `effect` is not finite."""
+    """Raise StageError, naming effect and field, if a field of the dataclass `effect` is not a finite number."""
     for item in fields(effect):  # type: ignore[arg-type]
         value = getattr(effect, item.name)
-        if isinstance(value, int | float) and not math.isfinite(value):
+        if not (isinstance(value, int | float | np.number) and math.isfinite(value)):
             raise StageError(f"{type(effect).__name__}.{item.name}: {value} is not a finite number; give a real one")
 
 
