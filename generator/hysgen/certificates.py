@@ -5,9 +5,9 @@
     inverse      the inputs that Eq. (11) computes stay bounded, although the terms feed past inputs back into it
 
 The inverse solves b u(k) = y(k+1) - f(y(k), 0) - sum_j theta_j phi_j(k), where phi(k) remembers u(k-1), u(k-2), ...
-Linear terms x(k+1) = A x + B u, phi = C x turn it into a filter with the zeros eig(A - B theta C/b), looked at for frozen
-b between the extrema of b(y). Nonlinear terms (play operators) close a second loop around that filter, stable by the
-small-gain theorem if
+Linear terms x(k+1) = A x + B u, phi = C x turn it into a filter with the zeros eig(A - B theta C/b), looked at for
+frozen b between the extrema of b(y). Nonlinear terms (play operators) close a second loop around that filter, stable by
+the small-gain theorem if
 
     loop = ||(b + T)^-1||_1  sum_j |theta_j| gamma_j < 1,     gamma_j the gain bounds that the terms state.
 """

@@ -9,10 +9,10 @@ p_l ~ exp(s l - l^2/2), hence for any numbers g_l, d/ds E[g] = Cov(l, g), and
     d/ds (df/dy) = 2 Cov(l, q1) + E[(l - m)^2 (v - E v)]/h,     m = E[l].
 
 Over a cell of half-width r around s_i both derivatives are bounded from the values at s_i alone: since
-d/ds log p_l = l - m and m only rises, p_l(s) <= P_l = p_l(s_i) exp(r |l - m_i|); then Var(l) <= V = sum P_l (l - m_i)^2,
-m moves by at most r V, and every expectation is at most its sum with P in place of p. Cells that could still hold the
-extremum are split until the enclosure is as narrow as asked. df/dy is affine in u, so its extrema over u lie at u_min
-and u_max. Rounding, about 1e-13, is not part of the bounds.
+d/ds log p_l = l - m and m only rises, p_l(s) <= P_l = p_l(s_i) exp(r |l - m_i|); then
+Var(l) <= V = sum P_l (l - m_i)^2, m moves by at most r V, and every expectation is at most its sum with P in place of
+p. Cells that could still hold the extremum are split until the enclosure is as narrow as asked. df/dy is affine in u,
+so its extrema over u lie at u_min and u_max. Rounding, about 1e-13, is not part of the bounds.
 """
 
 from __future__ import annotations

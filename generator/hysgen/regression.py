@@ -7,14 +7,14 @@ with p_l at the measured y(k), Eq. (9), and phi the regressors of the terms. A p
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-from hysgen.inputs import InputBlock, applied
+from hysgen.inputs import InputBlock
 from hysgen.kernels import rule_rows
 from hysgen.model import Grid, Model
 from hysgen.record import Record, Segment
@@ -23,6 +23,9 @@ from hysgen.terms import Drive, Term
 Floats = NDArray[np.float64]
 Trust = Sequence[Floats]
 """One array per segment: how much each sample counts, 0 for not at all."""
+
+Starts = Sequence[Mapping[str, Floats]]
+"""One mapping per segment: the state of a term before sample 0, by its kind; what is not named starts at rest."""
 
 ROWS_PER_CHUNK = 8192
 """Rows handed out at once: some megabytes, however long the record is."""
@@ -63,17 +66,24 @@ def structure_of(model: Model) -> Structure:
     return Structure(model.grid, model.u_min_V, model.u_max_V, model.terms, model.blocks)
 
 
-def drive_of(segment: Segment, Ts_s: float, structure: Structure) -> Drive:
-    """What drives rules and terms over a segment: the input that reaches the stage, the channels, the clock.
+def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping[str, Floats] | None = None) -> Drive:
+    """What drives model and terms over a segment: the input limited to the model's range, the channels, the clock.
 
-    The input is limited to the model's range and passed through its blocks, from rest under u(0).
+    start: states of terms before the first sample, where they are known.
     Raises RecordError if a sample is not finite: the recurrences would carry it to the end.
     """
     if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
         raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
-    u_V = np.clip(segment.u_V, structure.u_min_V, structure.u_max_V)
-    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s))
-    return Drive(v_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
+    u_V = np.ascontiguousarray(np.clip(segment.u_V, structure.u_min_V, structure.u_max_V))
+    return Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s), start=start or {})
+
+
+def drives_of(record: Record, structure: Structure, starts: Starts | None = None) -> list[Drive]:
+    """`drive_of` for every segment of a record."""
+    known = starts or [{}] * len(record.segments)
+    return [
+        drive_of(segment, record.Ts_s, structure, start) for segment, start in zip(record.segments, known, strict=True)
+    ]
 
 
 def term_regressors(terms: Sequence[Term], drive: Drive) -> Floats:
@@ -86,12 +96,13 @@ def term_regressors(terms: Sequence[Term], drive: Drive) -> Floats:
     return out
 
 
-def term_output(model: Model, drive: Drive) -> Floats:
-    """w(k) = sum_j theta_j phi_j(k) in um, (n,): what the terms add to y(k+1)."""
+def term_output(model: Model, drive: Drive, kinds: Collection[str] | None = None) -> Floats:
+    """w(k) = sum_j theta_j phi_j(k) in um, (n,): what the terms, or those of the given kinds, add to y(k+1)."""
     total = np.zeros(drive.u_V.size)
     start = 0
     for term in model.terms:
-        total += term.regressors(drive) @ model.weights[start : start + term.size]
+        if kinds is None or term.kind in kinds:
+            total += term.regressors(drive) @ model.weights[start : start + term.size]
         start += term.size
     return total
 
@@ -102,7 +113,11 @@ def full_trust(record: Record) -> list[Floats]:
 
 
 def regression_rows(
-    record: Record, structure: Structure, trust: Trust | None = None, chunk: int = ROWS_PER_CHUNK
+    record: Record,
+    structure: Structure,
+    trust: Trust | None = None,
+    starts: Starts | None = None,
+    chunk: int = ROWS_PER_CHUNK,
 ) -> Iterator[Rows]:
     """The regression of the whole model over a record, `chunk` rows at a time, segment after segment.
 
@@ -110,11 +125,11 @@ def regression_rows(
     Raises RecordError if a segment is not finite.
     """
     rules = structure.grid.rules
-    for segment, weight in zip(record.segments, trust or full_trust(record), strict=True):
-        drive = drive_of(segment, record.Ts_s, structure)
+    weights = trust or full_trust(record)
+    for segment, weight, drive in zip(record.segments, weights, drives_of(record, structure, starts), strict=True):
         phi = term_regressors(structure.terms, drive)
-        for start in range(0, segment.samples - 1, chunk):
-            rows = slice(start, min(start + chunk, segment.samples - 1))
+        for first in range(0, segment.samples - 1, chunk):
+            rows = slice(first, min(first + chunk, segment.samples - 1))
             ahead = slice(rows.start + 1, rows.stop + 1)
             regressors = np.empty((rows.stop - rows.start, structure.size))
             rule_rows(structure.range_um, rules, segment.y_um[rows], drive.u_V[rows], regressors)

@@ -9,7 +9,8 @@ Inputs outside the model's range are clamped, displacements outside its grid act
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import dataclasses
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,10 +23,13 @@ from hysgen.inputs import applied
 from hysgen.kernels import Rules
 from hysgen.model import Model
 from hysgen.record import Record, Segment
-from hysgen.regression import drive_of, structure_of, term_output
+from hysgen.regression import Starts, drives_of, structure_of, term_output
 from hysgen.terms import Drive
 
 Floats = NDArray[np.float64]
+
+DRIFT = "drift"
+"""The one kind of term that follows measured samples, and so predicts better than it simulates."""
 
 STEPS_PER_DECADE = 2_000_000
 """Model steps that each decade of a horizon curve may take per segment: starts are spread out to keep to it."""
@@ -75,32 +79,38 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> Run:
     return Run(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
 
 
-def free_run(model: Model, record: Record) -> tuple[Run, ...]:
+def free_run(model: Model, record: Record, starts: Starts | None = None, follow_drift: bool = False) -> tuple[Run, ...]:
     """One run per segment, started at its first measured displacement and never corrected afterwards.
 
+    starts: states of the terms before each segment, where they are known.
+    follow_drift: let a drift term follow past measured samples; then say so beside the score.
     Raises RecordError if the record's sampling period is not the model's.
     """
     runs = []
-    for segment, drive, w_um in _driven(model, record):
-        y_um, y_clamped = kernels.free_run(rules_of(model), drive.u_V, w_um, float(segment.y_um[0]))
-        runs.append(Run(y_um, y_clamped, _outside(model, segment)))
+    for part in _driven(model, record, starts):
+        w_um = part.w_um + (part.bias_um if follow_drift else part.bias_um[0])
+        y_um, y_clamped = kernels.free_run(rules_of(model), part.drive.u_V, w_um, float(part.segment.y_um[0]))
+        runs.append(Run(y_um, y_clamped, part.u_clamped))
     return tuple(runs)
 
 
-def one_step(model: Model, record: Record) -> tuple[Run, ...]:
+def one_step(model: Model, record: Record, starts: Starts | None = None) -> tuple[Run, ...]:
     """One run per segment: sample k+1 predicted from measured y(k) and u(k); sample 0 is the measured one.
 
     Raises RecordError if the record's sampling period is not the model's.
     """
     runs = []
-    for segment, drive, w_um in _driven(model, record):
-        y_um, y_clamped = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
-        runs.append(Run(y_um, y_clamped, _outside(model, segment)))
+    for part in _driven(model, record, starts):
+        w_um = part.w_um + part.bias_um
+        y_um, y_clamped = kernels.one_step(rules_of(model), part.drive.u_V, w_um, part.segment.y_um)
+        runs.append(Run(y_um, y_clamped, part.u_clamped))
     return tuple(runs)
 
 
-def horizon_curve(model: Model, record: Record, steps: Sequence[int] | None = None) -> HorizonCurve:
-    """Error against the horizon over all segments.
+def horizon_curve(
+    model: Model, record: Record, steps: Sequence[int] | None = None, starts: Starts | None = None
+) -> HorizonCurve:
+    """Error against the horizon over all segments; a drift term holds what it knew at each start.
 
     steps: rising numbers of samples; by default 1, 2, 5, 10, ... up to a quarter of the shortest segment.
     Raises RecordError if a segment is shorter than the longest horizon or the sampling period is not the model's.
@@ -112,17 +122,25 @@ def horizon_curve(model: Model, record: Record, steps: Sequence[int] | None = No
             f"{record.source}: a horizon of {horizons[-1]} samples needs longer segments than {shortest}; choose less"
         )
     square, largest = np.zeros(horizons.size), np.zeros(horizons.size)
-    starts = np.zeros(horizons.size, dtype=np.int64)
+    count = np.zeros(horizons.size, dtype=np.int64)
     decade = np.array([len(str(step)) for step in horizons])
-    for segment, drive, w_um in _driven(model, record):
+    for part in _driven(model, record, starts):
         for group in (decade == value for value in np.unique(decade)):
-            stride = max(1, -(-segment.samples * int(horizons[group][-1]) // STEPS_PER_DECADE))
-            part = kernels.horizon_errors(rules_of(model), drive.u_V, w_um, segment.y_um, stride, horizons[group])
-            square[group] += part[0]
-            largest[group] = np.maximum(largest[group], part[1])
-            starts[group] += part[2]
-    rms = np.sqrt(square / starts)
-    return HorizonCurve(*(tuple(column.tolist()) for column in (horizons, rms, largest, starts)))
+            stride = max(1, -(-part.segment.samples * int(horizons[group][-1]) // STEPS_PER_DECADE))
+            sums = kernels.horizon_errors(
+                rules_of(model),
+                part.drive.u_V,
+                part.w_um,
+                part.bias_um,
+                part.segment.y_um,
+                stride,
+                horizons[group],
+            )
+            square[group] += sums[0]
+            largest[group] = np.maximum(largest[group], sums[1])
+            count[group] += sums[2]
+    rms = np.sqrt(square / count)
+    return HorizonCurve(*(tuple(column.tolist()) for column in (horizons, rms, largest, count)))
 
 
 def default_horizons(samples: int) -> list[int]:
@@ -131,16 +149,32 @@ def default_horizons(samples: int) -> list[int]:
     return [step for step in decades if step == 1 or step <= samples // 4]
 
 
-def _driven(model: Model, record: Record) -> list[tuple[Segment, Drive, Floats]]:
-    """Every segment with what drives the model over it and the terms' share w."""
+@dataclass(frozen=True)
+class _Driven:
+    """A segment, what drives the model over it, w of its terms, and the bias of its drift term, (n,) each."""
+
+    segment: Segment
+    drive: Drive
+    w_um: Floats
+    bias_um: Floats
+
+    @property
+    def u_clamped(self) -> int:
+        return int(np.count_nonzero(self.drive.u_V != self.segment.u_V))
+
+
+def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Driven]:
     if abs(record.Ts_s - model.Ts_s) > 1e-4 * model.Ts_s:
         raise RecordError(
             f"{record.source}: sampled every {record.Ts_s:g} s, but model {model.name} steps every {model.Ts_s:g} s; "
             "resample the record or fit a model at its rate"
         )
-    drives = [drive_of(segment, record.Ts_s, structure_of(model)) for segment in record.segments]
-    return [(s, drive, term_output(model, drive)) for s, drive in zip(record.segments, drives, strict=True)]
-
-
-def _outside(model: Model, segment: Segment) -> int:
-    return int(np.count_nonzero((segment.u_V < model.u_min_V) | (segment.u_V > model.u_max_V)))
+    steady = [term.kind for term in model.terms if term.kind != DRIFT]
+    for segment, drive in zip(record.segments, drives_of(record, structure_of(model), starts), strict=True):
+        w_um = term_output(model, drive, steady)
+        bias_um = np.zeros_like(w_um)
+        if len(steady) < len(model.terms):
+            predicted, _ = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
+            informed = dataclasses.replace(drive, innovation_um=segment.y_um - predicted)
+            bias_um = term_output(model, informed, [DRIFT])
+        yield _Driven(segment, drive, w_um, bias_um)

@@ -36,11 +36,12 @@ int64_t hysgen_one_step(size_t rules, const double *range, const double *q, size
 }
 
 /* From measured[s] at s = 0, stride, 2 stride, ..., free run to the last of the rising `horizons`; at each horizon add
- * up the squared error, keep the largest, and count. Starts without room for the last horizon are left out, so that
- * every horizon is judged on the same starts. */
+ * up the squared error, keep the largest, and count. held[s] is added to every step from s: what was known at the start
+ * and cannot be known better later. Starts without room for the last horizon are left out, so that every horizon is
+ * judged on the same starts. */
 void hysgen_horizon(size_t rules, const double *range, const double *q, size_t samples, const double *u,
-                    const double *w, const double *measured, size_t stride, size_t count, const int64_t *horizons,
-                    double *square, double *largest, int64_t *starts)
+                    const double *w, const double *held, const double *measured, size_t stride, size_t count,
+                    const int64_t *horizons, double *square, double *largest, int64_t *starts)
 {
     const partition_t grid = {rules, range[0], range[1], range[2], q};
     const size_t longest = (size_t)horizons[count - 1];
@@ -50,7 +51,7 @@ void hysgen_horizon(size_t rules, const double *range, const double *q, size_t s
         for (size_t h = 1; h <= longest; ++h) {
             int clamped;
             const size_t k = start + h;
-            y = step_ahead(&grid, y, u[k - 1], w[k - 1], &clamped);
+            y = step_ahead(&grid, y, u[k - 1], w[k - 1] + held[start], &clamped);
             if ((size_t)horizons[next] == h) {
                 const double error = y - measured[k];
                 square[next] += error * error;

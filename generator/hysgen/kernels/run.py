@@ -24,8 +24,8 @@ int64_t hysgen_free_run(size_t rules, const double *range, const double *q, size
 int64_t hysgen_one_step(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                         const double *w, const double *measured, double *out);
 void hysgen_horizon(size_t rules, const double *range, const double *q, size_t samples, const double *u,
-                    const double *w, const double *measured, size_t stride, size_t count, const int64_t *horizons,
-                    double *square, double *largest, int64_t *starts);
+                    const double *w, const double *held, const double *measured, size_t stride, size_t count,
+                    const int64_t *horizons, double *square, double *largest, int64_t *starts);
 void hysgen_regressors(size_t rules, const double *range, size_t samples, const double *u, const double *y,
                        size_t columns, double *out);
 """
@@ -66,10 +66,17 @@ def one_step(rules: Rules, u_V: Floats, w_um: Floats, measured_um: Floats) -> tu
 
 
 def horizon_errors(
-    rules: Rules, u_V: Floats, w_um: Floats, measured_um: Floats, stride: int, horizons: Integers
+    rules: Rules,
+    u_V: Floats,
+    w_um: Floats,
+    held_um: Floats,
+    measured_um: Floats,
+    stride: int,
+    horizons: Integers,
 ) -> tuple[Floats, Floats, int]:
     """Error at each of the rising `horizons` after starting from measured y at samples 0, stride, 2 stride, ...
 
+    held: (n,) share of terms that are only known at the start and held from there on.
     Returns the sum of squares and the largest magnitude per horizon, and the number of starts.
     """
     library = kernel("run.c", _DECLARATION, "rules.h")
@@ -79,6 +86,7 @@ def horizon_errors(
         u_V.size,
         doubles(library, u_V),
         doubles(library, w_um),
+        doubles(library, held_um),
         doubles(library, measured_um),
         stride,
         horizons.size,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,11 @@ class FreeRunSums:
     square_um2: float
     weight: float
     clamped: int
+
+    @property
+    def rms_um(self) -> float:
+        """sqrt(sum t e^2 / sum t) in um; 0 if nothing was scored."""
+        return math.sqrt(self.square_um2 / self.weight) if self.weight > 0.0 else 0.0
 
     def __add__(self, other: FreeRunSums) -> FreeRunSums:
         return FreeRunSums(

@@ -1,0 +1,113 @@
+"""The error of the free run over a record, and how it changes with the parameters of a model.
+
+A run depends on the terms through w(k) = theta . phi(k) alone, so a term's weights enter by the columns phi(k), and its
+shape parameters by dw/dshape, taken by central differences. `FreeRunError` keeps what does not change between steps.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.kernels import FreeRunSums, Rules, free_run_sums
+from hysgen.model import Model
+from hysgen.record import Record
+from hysgen.regression import Starts, Structure, Trust, drives_of, full_trust, structure_of, term_regressors
+from hysgen.terms import Drive, Term
+
+Floats = NDArray[np.float64]
+
+SHAPE_STEP = 1e-4
+"""Step of the central differences; shape parameters are logarithms or of that size."""
+
+
+@dataclass(frozen=True)
+class FreeRunError:
+    """The weighted square error of free runs over a record, and its derivatives.
+
+    trust: weight of each sample, by segment; 0 where it is not scored.
+    shaped: kinds of terms whose shape parameters may move, in the order of the model's terms.
+    """
+
+    record: Record
+    drives: tuple[Drive, ...]
+    trust: tuple[Floats, ...]
+    shaped: frozenset[str] = frozenset()
+
+    def sums(self, model: Model) -> FreeRunSums:
+        """Sums over all segments; x holds model.parameters and then the shapes of the `shaped` terms."""
+        rules = Rules(structure_of(model).range_um, model.consequents)
+        total: FreeRunSums | None = None
+        for segment, drive, trust in zip(self.record.segments, self.drives, self.trust, strict=True):
+            phi = term_regressors(model.terms, drive)
+            extra = np.column_stack([phi, *self._shape_columns(model, drive)]) if self.shaped else phi
+            part = free_run_sums(rules, drive.u_V, phi @ model.weights, extra, segment.y_um, trust)
+            total = part if total is None else total + part
+        assert total is not None
+        return total
+
+    def moved(self, model: Model, step: Floats) -> Model:
+        """`model` with x changed by `step`; shapes stay between their bounds."""
+        size = model.parameters.size
+        parameters = model.parameters + step[:size]
+        terms, at = [], size
+        for term in model.terms:
+            if term.kind in self.shaped:
+                count = term.shape().size
+                low, high = self._bounds(term)
+                term = term.with_shape(np.clip(term.shape() + step[at : at + count], low, high))
+                at += count
+            terms.append(term)
+        return dataclasses.replace(model, terms=tuple(terms)).with_parameters(parameters)
+
+    def _bounds(self, term: Term) -> tuple[Floats, Floats]:
+        longest = max(self.drives, key=lambda drive: drive.u_V.size)
+        return term.shape_bounds(longest)
+
+    def _shape_columns(self, model: Model, drive: Drive) -> list[Floats]:
+        """dw/dshape, one (n,) column per shape parameter that may move."""
+        columns, start = [], 0
+        for term in model.terms:
+            theta = model.weights[start : start + term.size]
+            start += term.size
+            if term.kind not in self.shaped:
+                continue
+            shape = term.shape()
+            low, high = self._bounds(term)
+            for i in range(shape.size):
+                ends = [shape.copy(), shape.copy()]
+                ends[0][i] = max(shape[i] - SHAPE_STEP, low[i])
+                ends[1][i] = min(shape[i] + SHAPE_STEP, high[i])
+                runs = [term.with_shape(end).regressors(drive) @ theta for end in ends]
+                columns.append((runs[1] - runs[0]) / (ends[1][i] - ends[0][i]))
+        return columns
+
+
+def free_run_error(
+    record: Record,
+    structure: Structure,
+    settle: int | None = None,
+    trust: Trust | None = None,
+    starts: Starts | None = None,
+    shaped: Sequence[str] = (),
+) -> FreeRunError:
+    """The error over a record of models with this structure.
+
+    settle: samples at the start of each segment that are not scored; None: until the terms have forgotten how they
+    started, at most a quarter of the segment, for a term that never forgets must not silence the record.
+    """
+    drives = drives_of(record, structure, starts)
+    weights = []
+    for drive, weight in zip(drives, trust or full_trust(record), strict=True):
+        first = settle
+        if first is None:
+            forgotten = max((term.settled(drive) for term in structure.terms), default=0)
+            first = min(forgotten, drive.u_V.size // 4)
+        scored = weight.copy()
+        scored[:first] = 0.0
+        weights.append(scored)
+    return FreeRunError(record, tuple(drives), tuple(weights), frozenset(shaped))

@@ -1,0 +1,106 @@
+"""From a record to a model: partition, least squares, certificates, refinement."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.certificates import certify
+from hysgen.fit.certified import CertifiedSet, certified_set, least_squares_inside
+from hysgen.fit.free_run import free_run_error
+from hysgen.fit.least_squares import Information, information
+from hysgen.fit.partition import structure_for
+from hysgen.fit.refine import Progress, refine
+from hysgen.fit.rls import recursive_least_squares
+from hysgen.fit.settings import FitSettings
+from hysgen.model import Model
+from hysgen.record import Record
+from hysgen.regression import Starts, Structure, Trust
+
+Floats = NDArray[np.float64]
+
+
+def fit(
+    record: Record,
+    settings: FitSettings | None = None,
+    trust: Trust | None = None,
+    starts: Starts | None = None,
+    progress: Progress | None = None,
+) -> Model:
+    """Fit a model to a record as `settings` say (default: FitSettings()).
+
+    trust: how much each sample counts, one array per segment; 0 leaves it out (outliers).
+    starts: states of the terms before each segment, where they are known.
+    progress: told the fraction done and one line, now and then.
+
+    The model carries its history (settings, record, what the fit did) and its certificates.
+    Raises FitError, ModelError or RecordError with one line.
+    """
+    chosen = settings or FitSettings()
+    structure = structure_for(record, chosen)
+    solver = (chosen.forgetting, chosen.alpha, chosen.epsilon, trust, starts)
+    if chosen.method == "rls":
+        model = _model(record, chosen, structure, recursive_least_squares(record, structure, *solver))
+        return _finished(model, record, chosen, {})
+    learnt = information(record, structure, *solver)
+    allowed = _certified_set(record, structure, chosen, learnt) if chosen.certified else None
+    start = learnt.solve() if allowed is None else least_squares_inside(learnt.R, learnt.d, allowed)
+    model = _model(record, chosen, structure, start)
+    outcome: dict[str, object] = {}
+    if allowed is not None:
+        outcome["least_squares_certified"] = allowed.violated(learnt.solve()).floor.size == 0
+    if chosen.method == "refined":
+        error = free_run_error(record, structure, chosen.settle, trust, starts)
+        before = error.sums(model)
+        refined = refine(model, error, allowed, chosen.iterations, progress)
+        model = refined.model
+        outcome |= {
+            "steps": refined.steps,
+            "free_run_rms_um": {"least_squares": before.rms_um, "refined": refined.sums.rms_um},
+            "scored_samples": int(sum(np.count_nonzero(weight[1:]) for weight in error.trust)),
+        }
+    return _finished(model, record, chosen, outcome)
+
+
+def linear_gain(structure: Structure, learnt: Information) -> float:
+    """Gain in um/V of the least-squares model in which all rules are one: y(k+1) = a y + b u + c + theta . phi."""
+    rules, terms = structure.grid.rules, structure.size - 3 * structure.grid.rules
+    tied = np.zeros((structure.size, 3 + terms))
+    tied[: 3 * rules, :3] = np.tile(np.eye(3), (rules, 1))
+    tied[3 * rules :, 3:] = np.eye(terms)
+    solution, *_ = np.linalg.lstsq(learnt.R @ tied, learnt.d, rcond=None)
+    return float(solution[1])
+
+
+def _certified_set(record: Record, structure: Structure, settings: FitSettings, learnt: Information) -> CertifiedSet:
+    return certified_set(structure, record.Ts_s, linear_gain(structure, learnt), settings.slope_limit)
+
+
+def _model(record: Record, settings: FitSettings, structure: Structure, parameters: Floats) -> Model:
+    cut = 3 * structure.grid.rules
+    return Model(
+        name=settings.name,
+        Ts_s=record.Ts_s,
+        grid=structure.grid,
+        consequents=parameters[:cut].reshape(-1, 3).copy(),
+        u_min_V=structure.u_min_V,
+        u_max_V=structure.u_max_V,
+        terms=structure.terms,
+        weights=parameters[cut:].copy(),
+    )
+
+
+def _finished(model: Model, record: Record, settings: FitSettings, outcome: dict[str, object]) -> Model:
+    history = {
+        "fit": settings.to_json(),
+        "outcome": outcome,
+        "record": {
+            "source": record.source,
+            "digest": record.digest,
+            "samples": record.samples,
+            "segments": len(record.segments),
+        },
+    }
+    return dataclasses.replace(model, history=history, certificates=certify(model).to_json())

@@ -1,0 +1,36 @@
+"""The antecedent: a uniform partition of the displacement that the record visits, Eqs (6) and (7)."""
+
+from __future__ import annotations
+
+from hysgen.errors import FitError
+from hysgen.fit.settings import FitSettings
+from hysgen.model import Grid
+from hysgen.record import Record
+from hysgen.regression import Structure
+
+
+def partition(record: Record, rules: int, margin: float = 0.0) -> Grid:
+    """Steps 1 to 3 of the paper's summary: the range of y over all segments, split among L rules.
+
+    margin: part of the range added at each end.
+    Raises ModelError if the displacement is constant or the number of rules unsupported.
+    """
+    low, high = record.y_range_um
+    wider = margin * (high - low)
+    return Grid(low - wider, high + wider, rules)
+
+
+def structure_for(record: Record, settings: FitSettings) -> Structure:
+    """Partition, input range and terms that `settings` ask for over this record.
+
+    Raises FitError if the record holds fewer pairs of samples than the structure has parameters.
+    """
+    u_min_V, u_max_V = settings.input_range_V or record.u_range_V
+    structure = Structure(partition(record, settings.rules, settings.margin), u_min_V, u_max_V, settings.terms)
+    pairs = record.samples - len(record.segments)
+    if pairs < structure.size:
+        raise FitError(
+            f"{record.source}: {pairs} pairs of samples cannot determine {structure.size} parameters; "
+            "choose fewer rules or terms, or record longer"
+        )
+    return structure
