@@ -149,27 +149,32 @@ def _split(line: str, separator: str) -> list[str]:
 
 
 def _parse(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64]:
-    """Columns `use` as (n, len(use)); falls back to the slow walk whenever the fast reader and the header disagree."""
-    everything = len(use) == len(layout.names)
-    body = layout.body
-    try:
-        values = np.loadtxt(
-            io.StringIO(body.replace(",", ".") if comma else body),
-            dtype=np.float64,
-            comments=COMMENT,
-            delimiter=None if layout.separator == " " else layout.separator,
-            usecols=None if everything else use,
-            quotechar='"' if '"' in body else None,
-            ndmin=2,
-        )
-    except ValueError:
+    """Columns `use` as (n, len(use)); by the slow walk whenever the fast reader fails or may have missed a fault."""
+    values = _fast(layout, use, comma)
+    if values is None:
         return _walk(layout, use, comma)
-    if everything:
+    if len(use) == len(layout.names):
         regular = values.shape[1] == len(layout.names)
     else:
         # With columns left out, the fast reader does not see that a row is too long or too short.
-        regular = body.count(layout.separator) == values.shape[0] * (len(layout.names) - 1)
+        regular = layout.body.count(layout.separator) == values.shape[0] * (len(layout.names) - 1)
     return values if regular else _walk(layout, use, comma)
+
+
+def _fast(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64] | None:
+    """The numbers by NumPy's compiled reader, or None: its message names no line and no column of the file."""
+    try:
+        return np.loadtxt(
+            io.StringIO(layout.body.replace(",", ".") if comma else layout.body),
+            dtype=np.float64,
+            comments=COMMENT,
+            delimiter=None if layout.separator == " " else layout.separator,
+            usecols=None if len(use) == len(layout.names) else use,
+            quotechar='"' if '"' in layout.body else None,
+            ndmin=2,
+        )
+    except ValueError:
+        return None
 
 
 def _walk(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64]:

@@ -25,7 +25,7 @@ class Segment:
 
     name: label of the run, for messages.
     u_V, y_um: (n,) applied voltage in V and measured displacement in um, float64, read-only.
-    aux: further channels by name, each (n,), in the units of the file.
+    aux: further channels by name, each (n,), in the units of the file; sorted by name.
     start_s: time stamp of the first sample in s.
 
     Raises RecordError if a channel is not one-dimensional or the lengths differ.
@@ -41,7 +41,9 @@ class Segment:
         u_V = _channel(self.u_V, "voltage", self.name)
         object.__setattr__(self, "u_V", u_V)
         object.__setattr__(self, "y_um", _channel(self.y_um, "displacement", self.name))
-        object.__setattr__(self, "aux", {key: _channel(values, key, self.name) for key, values in self.aux.items()})
+        # Sorted, because HDF5 files do not keep the order in which the channels were written.
+        aux = {key: _channel(self.aux[key], key, self.name) for key in sorted(self.aux)}
+        object.__setattr__(self, "aux", aux)
         for key, values in chain([("displacement", self.y_um)], self.aux.items()):
             if values.size != u_V.size:
                 raise RecordError(
@@ -240,7 +242,7 @@ def _digest(segments: Sequence[Segment], Ts_s: float) -> str:
     state = hashlib.sha256(f"hysgen record 1\nTs_s {Ts_s:.9g}\n".encode())
     for segment in segments:
         channels = {"u_V": segment.u_V, "y_um": segment.y_um}
-        channels.update((f"aux {key}", segment.aux[key]) for key in sorted(segment.aux))
+        channels.update((f"aux {key}", values) for key, values in segment.aux.items())
         for key, values in channels.items():
             state.update(f"{key} {values.size}\n".encode())
             # Adding zero turns -0.0, which text formats may lose, into 0.0.
