@@ -40,8 +40,9 @@ def parser() -> argparse.ArgumentParser:
     for module in VERBS:
         name = verb_name(module)
         summary = (module.__doc__ or "").strip().splitlines()[0]
-        sub = verbs.add_parser(name, help=summary, description=module.__doc__,
-                               formatter_class=argparse.RawDescriptionHelpFormatter)
+        sub = verbs.add_parser(
+            name, help=summary, description=module.__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        )
         module.arguments(sub)
         sub.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE, or to stdout with -")
         sub.set_defaults(run=module.run)

@@ -43,5 +43,7 @@ def parse_rows(text: str, samples: int) -> tuple[int, int]:
         colon = ""
         start = stop = 0
     if not colon or not 0 <= start < stop <= samples:
-        raise RecordError(f"rows: '{text}' is not a range of the record's {samples} samples; write FIRST:LAST, as 0:5000")
+        raise RecordError(
+            f"rows: '{text}' is not a range of the record's {samples} samples; write FIRST:LAST, as 0:5000"
+        )
     return start, stop

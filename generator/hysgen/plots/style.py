@@ -19,7 +19,7 @@ BASELINE = "#009e73"
 RIVAL = "#cc79a7"
 NOTE = "#999999"
 
-_SETTINGS: dict[str, Any] = {
+_SETTINGS: Any = {
     "font.size": 9.0,
     "axes.titlesize": 10.0,
     "axes.titlelocation": "left",

@@ -1,4 +1,4 @@
-"""One module a verb, each with `arguments(parser)` and `run(arguments, console) -> exit code`; its docstring is the help."""
+"""One module a verb: `arguments(parser)`, `run(arguments, console) -> exit code`, and a docstring that is its help."""
 
 from types import ModuleType
 
