@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-from hysgen.inputs import InputBlock
+from hysgen.inputs import InputBlock, applied
 from hysgen.kernels import rule_rows
 from hysgen.model import Grid, Model
 from hysgen.record import Record, Segment
@@ -67,15 +67,17 @@ def structure_of(model: Model) -> Structure:
 
 
 def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping[str, Floats] | None = None) -> Drive:
-    """What drives model and terms over a segment: the input limited to the model's range, the channels, the clock.
+    """What drives rules and terms over a segment: the input that reaches the stage, the channels, the clock.
 
+    The input is limited to the model's range and passed through its blocks, from rest under u(0).
     start: states of terms before the first sample, where they are known.
     Raises RecordError if a sample is not finite: the recurrences would carry it to the end.
     """
     if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
         raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
-    u_V = np.ascontiguousarray(np.clip(segment.u_V, structure.u_min_V, structure.u_max_V))
-    return Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s), start=start or {})
+    u_V = np.clip(segment.u_V, structure.u_min_V, structure.u_max_V)
+    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s))
+    return Drive(v_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s), start=start or {})
 
 
 def drives_of(record: Record, structure: Structure, starts: Starts | None = None) -> list[Drive]:

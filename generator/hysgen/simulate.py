@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -74,7 +74,7 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> Run:
     The drive's input is the command: it is clamped to the model's range and passed through its blocks.
     """
     u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
-    arriving = replace(drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s)))
+    arriving = dataclasses.replace(drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s)))
     y_um, y_clamped = kernels.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
     return Run(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
 
@@ -151,16 +151,16 @@ def default_horizons(samples: int) -> list[int]:
 
 @dataclass(frozen=True)
 class _Driven:
-    """A segment, what drives the model over it, w of its terms, and the bias of its drift term, (n,) each."""
+    """A segment, what drives the model over it, w of its terms and the bias of its drift term, (n,) each.
+
+    u_clamped: samples of the command outside the model's range.
+    """
 
     segment: Segment
     drive: Drive
     w_um: Floats
     bias_um: Floats
-
-    @property
-    def u_clamped(self) -> int:
-        return int(np.count_nonzero(self.drive.u_V != self.segment.u_V))
+    u_clamped: int
 
 
 def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Driven]:
@@ -177,4 +177,5 @@ def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Dr
             predicted, _ = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
             informed = dataclasses.replace(drive, innovation_um=segment.y_um - predicted)
             bias_um = term_output(model, informed, [DRIFT])
-        yield _Driven(segment, drive, w_um, bias_um)
+        outside = (segment.u_V < model.u_min_V) | (segment.u_V > model.u_max_V)
+        yield _Driven(segment, drive, w_um, bias_um, int(np.count_nonzero(outside)))

@@ -89,6 +89,7 @@ def _model(record: Record, settings: FitSettings, structure: Structure, paramete
         u_max_V=structure.u_max_V,
         terms=structure.terms,
         weights=parameters[cut:].copy(),
+        blocks=structure.blocks,
     )
 
 

@@ -21,12 +21,13 @@ def partition(record: Record, rules: int, margin: float = 0.0) -> Grid:
 
 
 def structure_for(record: Record, settings: FitSettings) -> Structure:
-    """Partition, input range and terms that `settings` ask for over this record.
+    """Partition, input range, terms and blocks that `settings` ask for over this record.
 
     Raises FitError if the record holds fewer pairs of samples than the structure has parameters.
     """
     u_min_V, u_max_V = settings.input_range_V or record.u_range_V
-    structure = Structure(partition(record, settings.rules, settings.margin), u_min_V, u_max_V, settings.terms)
+    grid = partition(record, settings.rules, settings.margin)
+    structure = Structure(grid, u_min_V, u_max_V, settings.terms, settings.blocks)
     pairs = record.samples - len(record.segments)
     if pairs < structure.size:
         raise FitError(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from hysgen.errors import FitError
+from hysgen.inputs import InputBlock
 from hysgen.terms import Term
 
 Method = Literal["rls", "batch", "refined"]
@@ -22,7 +23,7 @@ class FitSettings:
     forgetting: lambda; alpha: P(0) = alpha I, i.e. a prior of weight 1/alpha; epsilon: q(0) = epsilon [1, 1, ...].
     margin: part of the displacement range added to the grid at each end; the paper's is 0.
     input_range_V: for which the model is to answer; None: what the record holds.
-    terms: extension terms, fitted together with the rules.
+    terms: extension terms, fitted together with the rules. blocks: what the input passes through before the stage.
     settle: samples at the start of each segment that are simulated but not scored in the refinement, because the state
     of the terms before the record is unknown; None: until the terms have forgotten it, at most a quarter of the
     segment. certified: keep "batch" and "refined" inside the set of models whose certificates hold; "rls" is never
@@ -40,6 +41,7 @@ class FitSettings:
     margin: float = 0.0
     input_range_V: tuple[float, float] | None = None
     terms: tuple[Term, ...] = ()
+    blocks: tuple[InputBlock, ...] = ()
     settle: int | None = None
     certified: bool = True
     slope_limit: float = 0.999
@@ -57,7 +59,7 @@ class FitSettings:
         _demand(self.settle is None or self.settle >= 0, "settle", self.settle or 0, "at least 0 samples")
 
     def to_json(self) -> dict[str, Any]:
-        """Plain JSON values; the terms stand in the model itself."""
+        """Plain JSON values; terms and blocks stand in the model itself."""
         return {
             "method": self.method,
             "rules": self.rules,
