@@ -96,6 +96,5 @@ class InputBlock(Protocol):
 
 
 def limited(value: Floats32, low: Floats32 | np.float32, high: Floats32 | np.float32) -> Floats32:
-    """`value` between low and high over lanes: first up to low, then down to high, as the generated clamp does."""
-    value = np.where(value < low, low, value)
-    return np.where(value > high, high, value)
+    """`value` between low and high over lanes."""
+    return np.where(value < low, low, np.where(value > high, high, value))

@@ -112,7 +112,7 @@ class DelayMirror(BlockMirror):
         return v_V if self._part == 0 else before + self._part * (v_V - before)
 
     def state(self) -> list[Words]:
-        return [*self._ring, np.full(self._ring[0].size, self._newest, dtype=np.uint32)]
+        return [*self._ring, np.full(self._ring[0].shape, self._newest, dtype=np.uint32)]
 
     def _push(self, u_V: Floats32) -> None:
         self._newest = (self._newest + 1) % len(self._ring)

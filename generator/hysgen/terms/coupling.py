@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from hysgen.arithmetic import LEAST
 from hysgen.errors import ModelError
 from hysgen.terms.base import Drive, Floats, Floats32, Mirror, StateSpace
 
@@ -104,7 +105,7 @@ class Coupling:
         return np.zeros(0), np.zeros(0)
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> ChannelMirror:
-        return ChannelMirror(self, u_V.size)
+        return ChannelMirror(self, u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {
@@ -132,16 +133,15 @@ class Coupling:
 class ChannelMirror(Mirror):
     """Float32 channels over lanes; the state is the newest sample of each channel, then the older ones."""
 
-    def __init__(self, term: Coupling, lanes: int) -> None:
+    def __init__(self, term: Coupling, u_V: Floats32) -> None:
         self._channels = term.channels
         self._limits = [np.asarray(numbers) for numbers in term.constants(1.0).values()]
-        self._past = [[np.zeros(lanes, dtype=np.float32) for _ in range(term.taps)] for _ in term.channels]
+        self._past = [[np.zeros_like(u_V)] * term.taps for _ in term.channels]
 
     def listen(self, aux: Mapping[str, Floats32]) -> None:
         for past, name, low, high, middle in zip(self._past, self._channels, *self._limits, strict=True):
-            value = aux[name]
-            limited = np.where(value > high, high, value)
-            limited = np.where(limited < low, low, limited)
+            value = np.where(np.abs(aux[name]) < LEAST, np.float32(0.0), aux[name])
+            limited = np.where(value < low, low, np.where(value > high, high, value))
             past[0] = np.where(np.isfinite(value), limited - middle, past[0])
 
     def regressors(self) -> list[Floats32]:

@@ -87,7 +87,7 @@ class Drift:
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> BiasMirror:
         constants = self.constants(Ts_s)
-        return BiasMirror(constants["rate"][0], constants["limit"][0], u_V.size)
+        return BiasMirror(constants["rate"][0], constants["limit"][0], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {
@@ -106,9 +106,9 @@ class Drift:
 class BiasMirror(Mirror):
     """The float32 bias over lanes, a sum of two words: high, low."""
 
-    def __init__(self, rate: np.float32, limit: np.float32, lanes: int) -> None:
+    def __init__(self, rate: np.float32, limit: np.float32, u_V: Floats32) -> None:
         self._rate, self._limit = rate, limit
-        self._high, self._low = np.zeros(lanes, dtype=np.float32), np.zeros(lanes, dtype=np.float32)
+        self._high = self._low = np.zeros_like(u_V)
 
     def correct(self, innovation_um: Floats32) -> None:
         high, self._low = accumulate(self._high, self._low, self._rate * innovation_um)

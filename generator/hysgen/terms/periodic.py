@@ -88,7 +88,7 @@ class Periodic:
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> PhaseMirror:
         constants = self.constants(Ts_s)
-        return PhaseMirror(constants["turn_high"], constants["turn_low"], u_V.size)
+        return PhaseMirror(constants["turn_high"], constants["turn_low"], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Phase]:
         """Turns per sample in units of 2^-32 and 2^-64.
@@ -123,9 +123,10 @@ def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDAr
 class PhaseMirror(Mirror):
     """64-bit phases over lanes, in two words; the state of each frequency is high, low."""
 
-    def __init__(self, turn_high: Phase, turn_low: Phase, lanes: int) -> None:
+    def __init__(self, turn_high: Phase, turn_low: Phase, u_V: Floats32) -> None:
         self._turns = list(zip(turn_high, turn_low, strict=True))
-        self._phases = [(np.zeros(lanes, dtype=np.uint32), np.zeros(lanes, dtype=np.uint32)) for _ in self._turns]
+        zero = np.zeros(u_V.shape, dtype=np.uint32)
+        self._phases = [(zero, zero) for _ in self._turns]
 
     def regressors(self) -> list[Floats32]:
         return [part for high, _ in self._phases for part in cosine_sine(high)]
