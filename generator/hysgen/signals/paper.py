@@ -17,17 +17,17 @@ FIG5_AMPLITUDES_V = {
     "identification": (20.0, 17.0, 14.0, 11.0, 8.0, 5.0, 6.5, 9.5, 12.5, 15.5, 18.5, 20.0),
     "validation": (19.0, 16.0, 13.0, 10.0, 7.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 19.5),
 }
-FIG5_LOW_V, FIG5_HZ = 5.0, 100.0
+FIG5_LOW_V, FIG5_HZ = 30.0, 100.0
 
 
 def fig5(Ts_s: float, part: Part) -> Floats:
     """Fig. 5: sinusoidal profile of 100 Hz whose amplitude changes from period to period.
 
-        u(t) = 5 V + A_j (1 - cos(2 pi 100 t)) in the j-th period,  A_j: FIG5_AMPLITUDES_V
+        u(t) = 30 V + A_j (1 - cos(2 pi 100 t)) in the j-th period,  A_j: FIG5_AMPLITUDES_V
 
     Good for the paper's rate-independent case: one frequency, nested loops, 12 periods (0.12 s). The paper prints no
-    formula; a common lowest voltage and 5..45 V are chosen here because Appendix A's range, 0.66..3.74 um at 10 um per
-    120 V and a lag of 1 ms, implies about that. Begins and ends at 5 V, at rest. Returns (n,) in V.
+    formula; a common lowest voltage and 30..70 V are chosen here because Appendix A, run as a system, holds 0.66 um at
+    31 V and 3.74 um at 68 V. Begins and ends at 30 V, at rest. Returns (n,) in V.
     Raises SignalError for a part that is neither, or a sampling period that does not resolve 100 Hz.
     """
     if part not in FIG5_AMPLITUDES_V:

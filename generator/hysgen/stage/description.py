@@ -53,7 +53,7 @@ class Stage:
     stroke_um over 0 .. full_V: closed full stroke of the ceramic at low frequency (DC gain stroke_um / full_V).
     lag_s: time constant of the one pole that amplifier, ceramic, stage and sensor make together.
     dac_*, adc_*: ranges and bits of the converters, 0 bits: ideal. sensor_step_um: resolution, 0: ideal.
-    history_V: voltages visited, in order, before the record; the sensor is zeroed at 0 V after them.
+    history_V: voltages visited, in order, before the record. zero_V: where the sensor reads 0 after them.
     Every effect: None or () is off. `memory` None is a proportional ceramic.
     """
 
@@ -68,6 +68,7 @@ class Stage:
     adc_high_um: float = 13.108
     adc_bits: int = 16
     history_V: tuple[float, ...] = (-20.0, 120.0, 0.0)
+    zero_V: float = 0.0
 
     memory: Memory | None = field(default_factory=Preisach)
     bandwidth: Bandwidth | None = None

@@ -1,7 +1,7 @@
 """Hysteresis of the ceramic: Preisach (by Everett function, or by relays), Bouc-Wen, or a single-valued curve.
 
 None of them is made of play operators. Each gives the displacement w [um] as a rate-independent functional of the path
-of the voltage u [V], and is zeroed: w(0 V) = 0 after its voltage history. `Preisach` and `Relays` are the same physics
+of the voltage u [V], and is zeroed: w(zero_V) = 0 after its voltage history. `Preisach` and `Relays` are the same physics
 computed in two unrelated ways; each is the check on the other.
 """
 

@@ -192,7 +192,7 @@ def static_path(stage: Stage, u_V: Floats) -> Floats:
 
 
 def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, kept: list[object]) -> None:
-    """Constants of the stage's hysteresis; its state after the voltage history, zeroed at 0 V."""
+    """Constants of the stage's hysteresis; its state after the voltage history; the sensor zeroed."""
     form = (stage.memory or straight(stage.stroke_um, stage.full_V)).form(stage.stroke_um, stage.full_V)
     place.kind = form.kind
     place.grid_low_V, place.grid_step_V = GRID_LOW_V, GRID_STEP_V
@@ -205,7 +205,7 @@ def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, kept: li
         place.turns = _kept_pointer(library, kept, np.empty((TURNS, 5)))
     lib, here = library.lib, library.ffi.addressof(place)
     lib.hysteresis_clear(here)
-    for u_V in (*stage.history_V, 0.0):
+    for u_V in (*stage.history_V, stage.zero_V):
         lib.hysteresis_move(here, u_V)
     offset_um = place.w_um
     place.offset_um = offset_um
