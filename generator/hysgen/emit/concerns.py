@@ -1,0 +1,22 @@
+"""What a concern beyond prediction (learning, committing) adds to the generated files without touching the others.
+
+A concern brings a template with the macros `declarations()` for the header and `definitions()` for the source, the
+facts that they print, and its sections of `<name>_params.h`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hysgen.emit.parameters import Section
+
+
+@dataclass(frozen=True)
+class Concern:
+    """template: file in templates/; facts: names for its macros; sections: its numbers."""
+
+    template: str
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    sections: Sequence[Section] = ()

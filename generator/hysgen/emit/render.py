@@ -1,0 +1,149 @@
+"""From a model's numbers to C text: what the templates are told, and the environment they are rendered in."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+import hysgen
+from hysgen import arithmetic
+from hysgen.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
+from hysgen.emit.estrin import Power, pairs, polynomial, powers
+from hysgen.emit.literals import bits, literal
+from hysgen.emit.parameters import Constant
+from hysgen.model import Model
+from hysgen.status import MEANINGS
+from hysgen.terms import Term
+from hysgen.terms.base import Mirror
+
+
+@dataclass(frozen=True)
+class TermText:
+    """A term as its template sees it.
+
+    type: name of its struct; prefix: of its functions and constants; first: index of its first regressor.
+    """
+
+    term: Term
+    type: str
+    prefix: str
+    first: int
+    corrects: bool
+
+    @property
+    def kind(self) -> str:
+        return self.term.kind
+
+    @property
+    def size(self) -> int:
+        return self.term.size
+
+    @property
+    def template(self) -> str:
+        return f"terms/{self.kind}.c.j2"
+
+
+def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
+    """The model's terms in order, each with its place among the regressors."""
+    texts: list[TermText] = []
+    first = 0
+    for term in model.terms:
+        prefix = f"{model.name}_{term.kind}"
+        mirror = type(term.mirror(numbers.rest_V.reshape(1), model.Ts_s))
+        texts.append(TermText(term, f"{prefix}_t", prefix, first, mirror.correct is not Mirror.correct))
+        first += term.size
+    return texts
+
+
+def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
+    """What every template is told; all computing is done here."""
+    terms = term_texts(model, numbers)
+    rules = range(numbers.rules)
+    return {
+        "name": model.name,
+        "NAME": model.name.upper(),
+        "version": hysgen.__version__,
+        "Ts_us": f"{1e6 * model.Ts_s:.9g}",
+        "rules": numbers.rules,
+        "bank_rules": numbers.bank_rules,
+        "windowed": numbers.windowed,
+        "window": WINDOW,
+        "terms": terms,
+        "weights": sum(term.size for term in model.terms),
+        "corrected": any(term.corrects for term in terms),
+        "status_rows": _status_rows(model.name.upper()),
+        "estrin": {"powers": powers(numbers.rules)},
+        "sums": [
+            polynomial("slope", [f"bank->slope[{k}]" for k in rules]),
+            polynomial("offset", [f"bank->offset[{k}]" for k in rules]),
+            polynomial("gain", [f"bank->gain[{k}]" for k in rules]),
+            polynomial("weight", [f"{model.name}_strength[{k}]" for k in rules]),
+        ],
+        "window_powers": [Power(str(k // 2), str(k - k // 2)) for k in range(2, WINDOW)],
+        "octaves_per_step": OCTAVES_PER_STEP,
+        **_arithmetic(),
+    }
+
+
+def render(template: str, facts: Mapping[str, Any]) -> str:
+    """The text of `template` under `facts`; a name that is not among them is an error."""
+    return _environment().get_template(template).render(facts)
+
+
+def aligned(constants: Sequence[Constant], upper: str) -> list[str]:
+    """`#define` lines with values and comments in columns."""
+    names = [f"{upper}_{constant.name}" for constant in constants]
+    wide = max((len(name) for name in names), default=0)
+    width = max((len(constant.text) for constant in constants), default=0)
+    rows = [
+        f"#define {name:<{wide}}  {constant.text:>{width}}  /* {constant.comment} */"
+        for name, constant in zip(names, constants, strict=True)
+    ]
+    return [row.removesuffix("  /*  */") for row in rows]
+
+
+def _status_rows(upper: str) -> list[str]:
+    names = [f"{upper}_STATUS_{flag.name}" for flag in MEANINGS]
+    wide = max(len(name) for name in names)
+    return [
+        f"#define {name:<{wide}}  0x{int(flag):02x}u  /* {meaning} */"
+        for name, (flag, meaning) in zip(names, MEANINGS.items(), strict=True)
+    ]
+
+
+def _arithmetic() -> dict[str, Any]:
+    return {
+        "rounding": arithmetic.ROUNDING,
+        "power": arithmetic.POWER_COEFFICIENTS,
+        "power_limit": f"{arithmetic.POWER_LIMIT:g}",
+        "power_error": f"{arithmetic.POWER_RELATIVE_ERROR:g}",
+        "mantissa_bits": arithmetic.MANTISSA_BITS,
+        "reciprocal_seed": f"0x{arithmetic.RECIPROCAL_SEED:08x}",
+        "reciprocal_error": f"{arithmetic.RECIPROCAL_RELATIVE_ERROR:g}",
+        "newton_steps": arithmetic.NEWTON_STEPS,
+        "magnitude_bits": f"0x{arithmetic.MAGNITUDE_BITS:08x}",
+        "infinity_bits": f"0x{arithmetic.INFINITY_BITS:08x}",
+        "least_bits": bits(arithmetic.LEAST),
+    }
+
+
+@functools.lru_cache(maxsize=1)
+def _environment() -> jinja2.Environment:
+    package = Path(hysgen.__file__).resolve().parent
+    # In a wheel the templates lie inside the package, in a checkout beside it.
+    folders = [package / "templates", package.parents[1] / "templates"]
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader([str(folder) for folder in folders]),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    environment.filters |= {"literal": literal, "aligned": aligned, "pairs": pairs}
+    return environment
