@@ -43,13 +43,14 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
     gain = span / np.ptp(np.concatenate([run.u_V for run in runs]))
     noisy = max(white_noise(run.y_um) for run in runs) > max(0.5 * quantum, 1e-6 * span)
     still = max(STILL, 3 * max(_longest_repeat(run.y_um, ends[0][1], ends[1][1]) for run in runs))
-    for name, end in ends:
+    rising = 1.0 if _correlation(runs) >= 0.0 else -1.0
+    for name, end, side in ((*ends[0], rising), (*ends[1], -rising)):
         best: tuple[bool, str] | None = None
         for run in runs:
             for start, stop in _flat_ends(run.y_um, end):
                 halted = _runs_into(run, start, stop, quantum)
                 certain = stop - start >= still and (noisy or halted)
-                likely = halted or _goes_on(run, start, stop, gain, max(4.0 * quantum, 0.005 * span))
+                likely = halted or _goes_on(side * run.u_V, start, stop, max(4.0 * quantum, 0.005 * span) / gain)
                 if (certain or likely) and (best is None or certain > best[0]):
                     where = f"{run.source}: {run.locate(start)}: {run.y_name}"
                     best = certain, f"{where} stays at its {name} value {end:.6g} for {stop - start} samples"
@@ -73,11 +74,10 @@ def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:
     return bool(pace.min() * pace.max() > 0.0 and np.abs(pace).max() < 3.0 * np.abs(pace).min())
 
 
-def _goes_on(run: Channels, start: int, stop: int, gain: float, movement: float) -> bool:
-    """Whether u leaves, in a flat end, the range of the samples before it by more than would move y by `movement`."""
-    before = run.u_V[max(0, start - BEFORE) : start + 1]
-    beyond = np.maximum(run.u_V[start:stop] - before.max(), before.min() - run.u_V[start:stop])
-    return bool(gain * beyond.max() > movement and np.count_nonzero(beyond > beyond.max() / 2.0) >= 3)
+def _goes_on(towards: Series, start: int, stop: int, movement_V: float) -> bool:
+    """Whether the voltage, counted towards this end, goes on in a flat end by more than `movement_V` to new heights."""
+    beyond = towards[start:stop] - towards[max(0, start - BEFORE) : start + 1].max()
+    return bool(beyond.max() > movement_V and np.count_nonzero(beyond > beyond.max() / 2.0) >= 3)
 
 
 def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:

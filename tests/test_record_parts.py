@@ -1,0 +1,104 @@
+"""Cutting and joining records: no row lost, none moved, no state carried over, and a digest that tells them apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hysgen.errors import RecordError
+from hysgen.record import Record, Segment
+
+RNG = np.random.default_rng(11)
+
+
+def record(samples: int, start_s: float = 0.0, Ts_s: float = 1e-3, **aux: np.ndarray) -> Record:
+    return Record.from_arrays(RNG.normal(size=samples), RNG.normal(size=samples), Ts_s, aux, start_s=start_s)
+
+
+def rows_of(*records: Record) -> np.ndarray:
+    return np.concatenate([np.stack([one.u_V, one.y_um], axis=1) for part in records for one in part.segments])
+
+
+WHOLE = Record.joined(record(20), record(30, start_s=5.0), record(7))
+
+
+@pytest.mark.parametrize("row", [1, 19, 20, 21, 49, 50, 56])
+def test_split_keeps_every_row_in_order_and_cuts_segments_only_there(row: int) -> None:
+    first, second = WHOLE.split_at(row)
+    np.testing.assert_array_equal(rows_of(first, second), rows_of(WHOLE))
+    assert (first.samples, second.samples) == (row, 57 - row)
+    ends = np.cumsum([one.samples for one in (*first.segments, *second.segments)])
+    assert set(ends) == {20, 50, 57} | {row}
+
+
+def test_cut_segment_knows_when_it_starts() -> None:
+    part = WHOLE.rows(30, 55)
+    assert [one.samples for one in part.segments] == [20, 5]
+    assert [one.start_s for one in part.segments] == [5.0 + 10 * 1e-3, 0.0]
+    assert part.source == "arrays[30:55]"
+
+
+def test_fraction_splits_at_the_nearest_row() -> None:
+    assert WHOLE.split(0.7)[0].samples == 40
+    for fraction in (0.0, 1.0, -0.1, float("nan")):
+        with pytest.raises(RecordError, match="between 0 and 1"):
+            WHOLE.split(fraction)
+
+
+def test_part_may_rest_although_a_record_may_not() -> None:
+    resting = np.concatenate([np.zeros(10), RNG.normal(size=10)])
+    part = Record.from_arrays(resting, RNG.normal(size=20), 1e-3).rows(0, 10)
+    assert part.u_range_V == (0.0, 0.0)
+
+
+def test_digest_changes_with_a_bit_a_cut_a_period_and_a_name_and_with_nothing_else() -> None:
+    u_V, y_um, aux = RNG.normal(size=(3, 20))
+    base = Record.from_arrays(u_V, y_um, 1e-3, {"a": aux})
+    flipped = u_V.copy()
+    flipped[7] = np.nextafter(flipped[7], np.inf)
+    others = [
+        Record.from_arrays(flipped, y_um, 1e-3, {"a": aux}),
+        Record.from_arrays(y_um, u_V, 1e-3, {"a": aux}),
+        Record.from_arrays(u_V, y_um, 2e-3, {"a": aux}),
+        Record.from_arrays(u_V, y_um, 1e-3, {"b": aux}),
+        Record.from_arrays(u_V, y_um, 1e-3),
+        Record.joined(*base.split_at(10)),
+    ]
+    assert len({base.digest, *(other.digest for other in others)}) == 7
+    same = [
+        Record.from_arrays(u_V.tolist(), y_um.astype(">f8"), 1e-3, {"a": aux}, source="x.csv", name="up", start_s=3.0),
+        Record.from_arrays(np.repeat(u_V, 2)[::2], y_um, 1e-3, {"a": aux}),
+    ]
+    assert {base.digest} == {one.digest for one in same}
+
+
+def test_record_does_not_change_with_the_arrays_it_was_made_of() -> None:
+    u_V, y_um = RNG.normal(size=(2, 20))
+    whole = Record.from_arrays(u_V, y_um, 1e-3)
+    direct = Segment("0", u_V, y_um)
+    kept = u_V[3]
+    u_V[3] = 99.0
+    assert whole.segments[0].u_V[3] == direct.u_V[3] == kept
+    for segment in (whole.segments[0], whole.rows(2, 9).segments[0]):
+        with pytest.raises(ValueError, match="read-only"):
+            segment.y_um[0] = 1.0
+
+
+def test_joining_keeps_the_channels_that_all_have_and_says_which_it_leaves_out() -> None:
+    a, b = RNG.normal(size=(2, 9))
+    joined = Record.joined(record(9, a=a, b=b), record(9, b=b))
+    assert joined.aux_names == ("b",)
+    assert joined.warnings == ("arrays: channel a is left out because segment 0 lacks it; add it there to use it",)
+
+
+def test_joining_different_periods_is_refused() -> None:
+    with pytest.raises(RecordError, match=r"sampled every 0\.002 s, but arrays every 0\.001 s; resample"):
+        Record.joined(record(9), record(9, Ts_s=2e-3))
+    assert len(Record.joined(record(9), record(9, Ts_s=1e-3 * (1 + 1e-6))).segments) == 2
+
+
+def test_segment_refuses_channels_of_other_length() -> None:
+    with pytest.raises(RecordError, match="segment up: displacement has 8 samples, voltage has 9"):
+        Segment("up", np.zeros(9), np.zeros(8))
+    with pytest.raises(RecordError, match="segment up: t has 3 samples, voltage has 9"):
+        Segment("up", np.zeros(9), np.zeros(9), {"t": np.zeros(3)})
