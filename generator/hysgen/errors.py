@@ -29,3 +29,7 @@ class BuildError(HysgenError):
 
 class BudgetError(HysgenError):
     """The generated code would not fit the sample period."""
+
+
+class TargetError(HysgenError):
+    """A C674x program does what the processor forbids or what its simulator does not model."""

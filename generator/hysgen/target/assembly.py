@@ -1,0 +1,175 @@
+"""C674x instructions as data, read from the text that objdump prints.
+
+The assembler's own disassembler does the decoding of bits, so the simulator and the assembler cannot disagree about an
+encoding. One line becomes one `Instruction`; what it does is the business of `decode`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from hysgen.errors import TargetError
+
+
+@dataclass(frozen=True)
+class Register:
+    """One of the 64 registers: A0..A31 are 0..31, B0..B31 are 32..63."""
+
+    index: int
+
+    @property
+    def side(self) -> int:
+        """1 for file A, 2 for file B, as in the names of the units that own the file."""
+        return 1 + self.index // 32
+
+    def __str__(self) -> str:
+        return f"{'ab'[self.index // 32]}{self.index % 32}"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A register pair `high:low` that holds 64 bits."""
+
+    high: Register
+    low: Register
+
+
+@dataclass(frozen=True)
+class Memory:
+    """An address operand: base register plus or minus an offset, the base perhaps moved before or after.
+
+    offset: bytes if it is an int; a register counts bytes, or elements if `scaled`.
+    step: '' (base unchanged), 'before' or 'after' (base := base +- offset, used with or without the change).
+    """
+
+    base: Register
+    offset: int | Register
+    sign: int
+    scaled: bool
+    step: str
+
+
+@dataclass(frozen=True)
+class Label:
+    """A code address."""
+
+    address: int
+
+
+Operand = Register | Pair | Memory | Label | int | str  # str: a form not known here, such as a control register
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A functional unit: `kind` L, S, M or D on `side` 1 or 2.
+
+    cross: one operand comes from the other register file. path: the data path T1 or T2 of a load or store, else 0.
+    """
+
+    kind: str
+    side: int
+    cross: bool
+    path: int
+
+    @property
+    def name(self) -> str:
+        """Without the modifiers: L1, S2, ..."""
+        return f"{self.kind}{self.side}"
+
+
+@dataclass(frozen=True)
+class Predicate:
+    """Execute only if the register is not zero, or only if it is (`when_zero`)."""
+
+    register: Register
+    when_zero: bool
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One 32-bit instruction. `parallel`: in the same execute packet as the one before it."""
+
+    address: int
+    parallel: bool
+    predicate: Predicate | None
+    mnemonic: str
+    unit: Unit | None
+    operands: tuple[Operand, ...]
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.address:08x} {self.text}"
+
+
+_LINE = re.compile(r"^\s*([0-9a-f]+):\t([0-9a-f]+)\s*\t(.+)$")
+_INSTRUCTION = re.compile(r"(\|\| )?(?:\[(!?)([ab]\d+)\] )?(\w+)(?: \.([LSMD])([12])(X?)(?:T([12]))?)?(?: (.*))?$")
+_REGISTER = re.compile(r"[ab](?:[12]?\d|3[01])$")
+_PAIR = re.compile(r"[ab]\d+:[ab]\d+$")
+_NUMBER = re.compile(r"-?\d+$")
+_OFFSET = r"[ab]\d+|\d+"
+_MEMORY = re.compile(rf"\*(\+\+|--|\+|-)?([ab]\d+)(\+\+|--)?(?:\(({_OFFSET})\)|\[({_OFFSET})\])?$")
+
+
+def instructions(listing: str) -> Iterator[Instruction]:
+    """Every instruction of an `objdump -dz` listing, in order.
+
+    Raises TargetError for an opcode that is not 32 bits wide. An operand of a form not known here stays text: whether
+    that matters is seen when the instruction is reached.
+    """
+    for line in listing.splitlines():
+        found = _LINE.match(line)
+        if found is None:
+            continue
+        address, opcode, text = int(found[1], 16), found[2], found[3].strip()
+        if len(opcode) != 8:
+            raise TargetError(f"{address:08x} {text}: a compact instruction; the simulator models 32-bit opcodes only")
+        yield _instruction(address, text)
+
+
+def _instruction(address: int, text: str) -> Instruction:
+    found = _INSTRUCTION.match(text)
+    if found is None:
+        raise TargetError(f"{address:08x} {text}: not an instruction in a form that the simulator knows")
+    parallel, inverted, condition, mnemonic, kind, side, cross, path, rest = found.groups()
+    return Instruction(
+        address=address,
+        parallel=parallel is not None,
+        predicate=Predicate(_register(condition), inverted == "!") if condition else None,
+        mnemonic=mnemonic,
+        unit=Unit(kind, int(side), bool(cross), int(path or 0)) if kind else None,
+        operands=tuple(_operand(part.strip()) for part in rest.split(",")) if rest else (),
+        text=text,
+    )
+
+
+def _operand(text: str) -> Operand:
+    if "<" in text:
+        return Label(int(text.split()[0], 16))
+    if _REGISTER.match(text):
+        return _register(text)
+    if _PAIR.match(text):
+        high, low = text.split(":")
+        return Pair(_register(high), _register(low))
+    if _NUMBER.match(text):
+        return int(text, 0)
+    return _memory(text) or text
+
+
+def _memory(text: str) -> Memory | None:
+    found = _MEMORY.match(text)
+    if found is None:
+        return None
+    before, base, after, in_bytes, in_elements = found.groups()
+    step = "before" if before in ("++", "--") else "after" if after else ""
+    sign = -1 if "-" in (before or "") + (after or "") else 1
+    offset = in_bytes or in_elements or "0"
+    if _NUMBER.match(offset):
+        # objdump prints constant offsets in bytes
+        return None if in_elements else Memory(_register(base), int(offset, 0), sign, False, step)
+    return Memory(_register(base), _register(offset), sign, in_elements is not None, step)
+
+
+def _register(text: str) -> Register:
+    return Register(int(text[1:]) + (32 if text[0] == "b" else 0))

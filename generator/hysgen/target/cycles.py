@@ -1,0 +1,174 @@
+"""Cycles of a function without running it: the shortest and the longest way through its packets.
+
+Stalls are not modelled, so a way through the code fixes its cycles exactly. A function is followed packet by packet
+with the branches under way; where a branch depends on data, both ways are followed. Code without such branches has one
+way, and its cycles are a fact, not a measurement. A branch that can be taken again and again needs a limit from the
+caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from hysgen.errors import TargetError
+from hysgen.target.assembly import Register
+from hysgen.target.decode import Branch, LoadAddress
+from hysgen.target.elf import Image
+from hysgen.target.latency import BRANCH_DELAY
+from hysgen.target.packets import Packet
+
+MAX_CALL_DEPTH = 16
+
+_LINK = Register(32 + 3)
+_NEVER = 1 << 30
+
+
+@dataclass(frozen=True)
+class CycleBounds:
+    """best <= cycles <= worst for every input. data_dependent: addresses of branches whose way depends on data.
+
+    One way only (no such branch) makes best = worst: the cycles of every call. Ways that no input takes are counted
+    too, so with data-dependent branches `worst` may exceed what can happen, never the reverse.
+    """
+
+    best: int
+    worst: int
+    data_dependent: tuple[int, ...]
+
+    @property
+    def constant(self) -> bool:
+        """Whether every call takes the same number of cycles."""
+        return self.best == self.worst
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a way stands when a packet is issued.
+
+    landing: (cycles until it lands, target) of branches under way, a target None being the return. returns: addresses
+    to return to, innermost last. link: what a call has put into B3, until a branch into a function uses it.
+    taken: how often each bounded branch was taken.
+    """
+
+    address: int
+    landing: tuple[tuple[int, int | None], ...] = ()
+    returns: tuple[int, ...] = ()
+    link: int | None = None
+    taken: tuple[int, ...] = ()
+
+
+def bounds(
+    image: Image, packets: Mapping[int, Packet], function: str, limits: Mapping[int, int] | None = None
+) -> CycleBounds:
+    """Bounds of the stall-free cycles of one call of `function`, including what it calls.
+
+    limits: for the address of a branch instruction, how often it is taken at most in one call.
+    Raises TargetError for a loop without a limit, a computed jump, recursion, or code that the simulator refuses.
+    """
+    limits = limits or {}
+    walk = _Walk(image, packets, tuple(sorted(limits)), limits)
+    best, worst = walk.extremes(_Place(image.symbol(function).address, taken=(0,) * len(limits)))
+    return CycleBounds(best, worst, tuple(sorted(walk.data_dependent)))
+
+
+class _Walk:
+    """Every place that can be reached, each visited once."""
+
+    def __init__(
+        self, image: Image, packets: Mapping[int, Packet], bounded: tuple[int, ...], limits: Mapping[int, int]
+    ) -> None:
+        self.packets = packets
+        self.bounded = bounded
+        self.limits = limits
+        self.entries = {symbol.address for symbol in image.symbols.values() if symbol.function}
+        self.data_dependent: set[int] = set()
+
+    def extremes(self, start: _Place) -> tuple[int, int]:
+        """Fewest and most cycles from `start` to the return: depth first, without recursion."""
+        known: dict[_Place | None, tuple[int, int]] = {None: (0, 0)}
+        onward: dict[_Place, list[tuple[int, _Place | None]]] = {}
+        stack: list[_Place] = [start]
+        while stack:
+            place = stack[-1]
+            if place not in onward:
+                onward[place] = list(self._steps(place))
+                for _, following in onward[place]:
+                    if following in onward and following not in known:
+                        raise TargetError(self._endless(place, following))
+                    if following is not None and following not in known:
+                        stack.append(following)
+                continue
+            stack.pop()
+            if place not in known:
+                ways = [(cycles, known[following]) for cycles, following in onward[place]]
+                known[place] = (min(c + w[0] for c, w in ways), max(c + w[1] for c, w in ways))
+        return known[start]
+
+    def _steps(self, place: _Place) -> Iterator[tuple[int, _Place | None]]:
+        """What may follow the packet at `place`, and the cycles until then; None: the function has returned."""
+        packet = self.packets.get(place.address)
+        if packet is None or packet.refusal:
+            raise TargetError((packet and packet.refusal) or f"{place.address:08x}: no execute packet starts here")
+        for after in self._issued(packet, place):
+            due, target = min(after.landing, default=(_NEVER, None), key=lambda branch: branch[0])
+            cycles = min(due, 1 + packet.idle)
+            landing = tuple((left - cycles, there) for left, there in after.landing if left > cycles)
+            if due > cycles:
+                yield cycles, replace(after, address=packet.next, landing=landing)
+            elif target is not None:
+                yield cycles, self._entered(replace(after, address=target, landing=landing))
+            elif after.link is not None:
+                raise TargetError(f"{place.address:08x}: a call through a pointer; what it calls is not known here")
+            elif after.returns:
+                address, outer = after.returns[-1], after.returns[:-1]
+                yield cycles, replace(after, address=address, landing=landing, returns=outer)
+            else:
+                yield cycles, None
+
+    def _issued(self, packet: Packet, place: _Place) -> Iterator[_Place]:
+        """`place` after the packet's own effects: one for each combination of branches taken and not taken."""
+        link = place.link
+        ways = [place]
+        for instruction, action in zip(packet.instructions, packet.actions, strict=True):
+            if isinstance(action, LoadAddress) and action.destination == _LINK:
+                link = action.address
+            if not isinstance(action, Branch):
+                continue
+            if action.link is not None:
+                link = packet.next
+            taken = [way for way in ways if self._may_be_taken(instruction.address, way)]
+            branched = [self._branched(instruction.address, action, way) for way in taken]
+            if instruction.predicate is None:
+                ways = branched
+            else:
+                self.data_dependent.add(instruction.address)
+                ways = ways + branched
+        for way in ways:
+            yield replace(way, link=link)
+
+    def _may_be_taken(self, branch: int, way: _Place) -> bool:
+        """Within its limit, and the only branch of its packet that is taken: two would be refused when run."""
+        within = branch not in self.limits or way.taken[self.bounded.index(branch)] < self.limits[branch]
+        return within and all(due != BRANCH_DELAY + 1 for due, _ in way.landing)
+
+    def _branched(self, branch: int, action: Branch, way: _Place) -> _Place:
+        target = action.target
+        if isinstance(target, Register) and target != _LINK:
+            raise TargetError(f"{branch:08x}: a jump to the address in {target}; only returns through b3 are followed")
+        there = None if isinstance(target, Register) else target
+        taken = tuple(n + (at == branch) for at, n in zip(self.bounded, way.taken, strict=True))
+        return replace(way, landing=(*way.landing, (BRANCH_DELAY + 1, there)), taken=taken)
+
+    def _entered(self, place: _Place) -> _Place:
+        """A branch that lands on a function with B3 set for it is a call: remember where it returns to."""
+        if place.link is None or place.address not in self.entries:
+            return place
+        if len(place.returns) >= MAX_CALL_DEPTH:
+            raise TargetError(f"{place.address:08x}: calls nest deeper than {MAX_CALL_DEPTH}; recursion is not bounded")
+        return replace(place, returns=(*place.returns, place.link), link=None)
+
+    def _endless(self, place: _Place, head: _Place) -> str:
+        inside = sorted(at for at in self.data_dependent if head.address <= at <= place.address + 4 * 8)
+        named = ", ".join(f"{at:08x}" for at in inside) or "none that depends on data"
+        return f"{head.address:08x}: a loop without a limit; give one for a branch of it ({named})"
