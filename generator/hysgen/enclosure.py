@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 Enclosure = Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]
 """(middle, half-width, u) of cells -> value in the middle, and how much more it can be anywhere in the cell."""
 
-NARROW = 1e-6
+NARROW = 1e-5
 """Width to which extrema are enclosed, relative to 1 for slopes and to the largest gain for gains."""
 
 MOST_CELLS = 200_000
