@@ -2,5 +2,6 @@
 
 from hysgen.fit.identify import fit
 from hysgen.fit.settings import FitSettings, Method
+from hysgen.fit.shape import ShapeFit, fit_shape
 
-__all__ = ["FitSettings", "Method", "fit"]
+__all__ = ["FitSettings", "Method", "ShapeFit", "fit", "fit_shape"]

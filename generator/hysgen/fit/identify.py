@@ -45,7 +45,7 @@ def fit(
         model = _model(record, chosen, structure, recursive_least_squares(record, structure, *solver))
         return _finished(model, record, chosen, {})
     learnt = information(record, structure, *solver)
-    allowed = _certified_set(record, structure, chosen, learnt) if chosen.certified else None
+    allowed = allowed_set(record, structure, chosen, learnt)
     start = learnt.solve() if allowed is None else least_squares_inside(learnt.R, learnt.d, allowed)
     model = _model(record, chosen, structure, start)
     outcome: dict[str, object] = {}
@@ -64,6 +64,15 @@ def fit(
     return _finished(model, record, chosen, outcome)
 
 
+def allowed_set(
+    record: Record, structure: Structure, settings: FitSettings, learnt: Information
+) -> CertifiedSet | None:
+    """The set that a fit has to stay in; None if the settings do not ask for certificates."""
+    if not settings.certified:
+        return None
+    return certified_set(structure, record.Ts_s, linear_gain(structure, learnt), settings.slope_limit)
+
+
 def linear_gain(structure: Structure, learnt: Information) -> float:
     """Gain in um/V of the least-squares model in which all rules are one: y(k+1) = a y + b u + c + theta . phi."""
     rules, terms = structure.grid.rules, structure.size - 3 * structure.grid.rules
@@ -72,10 +81,6 @@ def linear_gain(structure: Structure, learnt: Information) -> float:
     tied[3 * rules :, 3:] = np.eye(terms)
     solution, *_ = np.linalg.lstsq(learnt.R @ tied, learnt.d, rcond=None)
     return float(solution[1])
-
-
-def _certified_set(record: Record, structure: Structure, settings: FitSettings, learnt: Information) -> CertifiedSet:
-    return certified_set(structure, record.Ts_s, linear_gain(structure, learnt), settings.slope_limit)
 
 
 def _model(record: Record, settings: FitSettings, structure: Structure, parameters: Floats) -> Model:
