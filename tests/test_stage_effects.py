@@ -136,10 +136,10 @@ def test_drift_ramps_and_wanders_whatever_the_input() -> None:
     assert (still.truth.drift_um == moved.truth.drift_um).all()
     np.testing.assert_allclose(still.displacement_um, 20.0 * GAIN + still.truth.drift_um, atol=1e-12)
     steps = np.diff(still.truth.drift_um)
-    # 20 000 normal steps: mean and spread are known to 1/sqrt(n) and 1/sqrt(2 n) of the spread; five of these.
-    spread = 0.01 * math.sqrt(Ts_s)
-    assert steps.mean() == pytest.approx(0.02 * Ts_s, abs=5 * spread / math.sqrt(n))
-    assert steps.std() == pytest.approx(spread, rel=5 / math.sqrt(2 * n))
+    # 20 000 normal steps: their spread is known to 1/sqrt(2 n) of itself; five of these.
+    assert steps.std() == pytest.approx(0.01 * math.sqrt(Ts_s), rel=5 / math.sqrt(2 * n))
+    ramp = run(BARE.with_effects(drift=0.02), np.full(n, 20.0), Ts_s).truth.drift_um
+    np.testing.assert_allclose(ramp, 0.02 * Ts_s * np.arange(n), atol=1e-9)
 
 
 def test_periodic_lines_have_their_frequency_and_amplitude() -> None:
@@ -157,10 +157,10 @@ def test_aging_changes_the_gain_over_its_time_and_then_stays() -> None:
 
 
 def test_outliers_are_single_and_touch_nothing_else() -> None:
-    n = 100_000
+    n, rate = 100_000, 0.02
     u_V = sine(100.0, n)
     clean, corrupted = (
-        run(s, u_V, TS_S, 7) for s in (Stage.nominal(), Stage.nominal().with_effects(outliers=(0.001, 0.2)))
+        run(s, u_V, TS_S, 7) for s in (Stage.nominal(), Stage.nominal().with_effects(outliers=(rate, 0.2)))
     )
     at = corrupted.truth.outlier
     assert (clean.displacement_um[~at] == corrupted.displacement_um[~at]).all()
@@ -168,7 +168,8 @@ def test_outliers_are_single_and_touch_nothing_else() -> None:
     assert size_um.min() >= 0.1 - 0.0005  # half the size, less one step of the sensor
     assert size_um.max() <= 0.3 + 0.0005
     assert not (at[1:] & at[:-1]).any()
-    assert at.sum() == pytest.approx(0.001 * n, abs=5 * math.sqrt(0.001 * n))
+    # One that would follow another is left out: a share `rate` of them.
+    assert at.sum() == pytest.approx(rate * (1 - rate) * n, abs=5 * math.sqrt(rate * n))
 
 
 def test_coupling_bends_this_axis_through_the_same_lag() -> None:
@@ -203,6 +204,16 @@ def test_white_noise_has_its_spread_and_no_memory() -> None:
     # Five standard errors of the spread, and of the correlation of neighbours.
     assert y_um.std() == pytest.approx(0.003, rel=5 / math.sqrt(2 * n))
     assert abs(np.mean(y_um[1:] * y_um[:-1])) / 0.003**2 < 5 / math.sqrt(n)
+
+
+def test_sources_of_chance_are_independent() -> None:
+    n = 100_000
+    stage = BARE.with_effects(noise=0.003, drift=(0.0, 0.01))
+    measured = run(stage, np.full(n, 20.0), TS_S, seed=4)
+    noise, walk = measured.displacement_um - measured.truth.true_um, np.diff(measured.truth.drift_um)
+    for shift in (-1, 0, 1):
+        shifted = np.roll(noise, shift)[1:]
+        assert abs(np.corrcoef(shifted, walk)[0, 1]) < 5 / math.sqrt(n)  # five standard errors
 
 
 def test_flicker_noise_falls_by_ten_decibels_a_decade() -> None:

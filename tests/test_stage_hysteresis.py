@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -181,6 +182,16 @@ def test_the_closed_full_stroke_is_the_nominal_displacement(memory: Preisach, to
     w_um = static_path(stage, np.array([0.0, 120.0, 0.0, 120.0, 0.0]))
     assert w_um[0] == pytest.approx(0.0, abs=1e-12)
     assert w_um[-2] - w_um[-1] == pytest.approx(10.0, abs=tolerance)
+
+
+@pytest.mark.parametrize("memory", [Preisach(), Relays(), BoucWen(), None])
+def test_the_sensor_reads_zero_where_it_was_zeroed(memory: Preisach | None) -> None:
+    at_rest, zeroed = (replace(NOMINAL, zero_V=zero_V).with_effects(memory=memory) for zero_V in (0.0, 24.0))
+    path = wandering(5, 10)
+    assert static_path(zeroed, np.array([24.0]))[0] == pytest.approx(0.0, abs=1e-12)
+    # A zero is a constant: the history is the same.
+    shift = static_path(at_rest, path) - static_path(zeroed, path)
+    np.testing.assert_allclose(shift, static_path(at_rest, np.array([24.0]))[0], atol=1e-12)
 
 
 def test_too_many_nested_turning_points_are_an_error_not_an_overrun() -> None:

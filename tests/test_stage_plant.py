@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import hysgen
-from hysgen.stage import BoucWen, Preisach, Stage, StageError, StageState, run, static_loop, without
+from hysgen.stage import Bandwidth, BoucWen, Preisach, Stage, StageError, StageState, run, static_loop, without
 
 Floats = NDArray[np.float64]
 TS_S = 20e-6
@@ -129,6 +129,19 @@ def test_the_dac_has_twenty_bits_and_ends_at_its_range() -> None:
     np.testing.assert_allclose(codes, np.round(codes), atol=1e-6)
     assert volts.min() == -20.0
     assert volts.max() == 120.0
+
+
+def test_at_rest_nothing_moves() -> None:
+    stage = (
+        Stage.laboratory()
+        .quiet()
+        .with_effects(
+            bandwidth=Bandwidth(500.0, order=2), drift=None, periodic=None, delay=1.6, coupling={"axis2_V": 0.02}
+        )
+    )
+    y_um = run(stage, np.full(500, 30.0), TS_S, aux={"axis2_V": np.full(500, 7.0)}).displacement_um
+    # Rounding in some forty states at 3 um.
+    np.testing.assert_allclose(y_um, y_um[0], atol=1e-11)
 
 
 def test_a_closed_loop_settles_on_its_reference() -> None:

@@ -35,8 +35,7 @@ def fig5(Ts_s: float, part: Part) -> Floats:
     amplitudes_V = np.array(FIG5_AMPLITUDES_V[part])
     require_resolved(Ts_s, FIG5_HZ)
     t_s = clock(Ts_s, len(amplitudes_V) / FIG5_HZ)
-    # Rounding must not let the last sample of a period fall into the next one.
-    period = np.floor(t_s * FIG5_HZ + 1e-9).astype(np.intp)
+    period = np.floor(t_s * FIG5_HZ).astype(np.intp)
     u_V = FIG5_LOW_V + amplitudes_V[period] * (1.0 - np.cos(2 * np.pi * FIG5_HZ * t_s))
     return np.append(u_V, FIG5_LOW_V)
 

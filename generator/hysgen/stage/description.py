@@ -88,6 +88,7 @@ class Stage:
     def __post_init__(self) -> None:
         require(self.stroke_um > 0 and self.full_V > 0, "Stage: stroke_um and full_V must be above 0")
         require(math.isfinite(self.lag_s) and self.lag_s >= 0, f"Stage.lag_s: {self.lag_s} s; give a time from 0 up")
+        require(math.isfinite(self.zero_V), f"Stage.zero_V: {self.zero_V} V is not a voltage; give a finite number")
         require(self.dac_low_V < self.dac_high_V, "Stage: the D/A's range is empty; dac_low_V must be below dac_high_V")
         require(self.adc_low_um < self.adc_high_um, "Stage: the A/D's range is empty; adc_low_um must be below")
         require(len(self.resonance) <= 4 and len(self.periodic) <= 16, "Stage: at most 4 modes and 16 disturbing lines")

@@ -1,8 +1,8 @@
 """Hysteresis of the ceramic: Preisach (by Everett function, or by relays), Bouc-Wen, or a single-valued curve.
 
 None of them is made of play operators. Each gives the displacement w [um] as a rate-independent functional of the path
-of the voltage u [V], and is zeroed: w(zero_V) = 0 after its voltage history. `Preisach` and `Relays` are the same physics
-computed in two unrelated ways; each is the check on the other.
+of the voltage u [V], and is zeroed: w(zero_V) = 0 after its voltage history. `Preisach` and `Relays` are the same
+physics computed in two unrelated ways; each is the check on the other.
 """
 
 from __future__ import annotations
