@@ -71,7 +71,7 @@ def test_mirror_counts_the_phase_with_every_carry() -> None:
     words = [int(word[2]) for word in mirror.state()]
     for j in range(2):
         turn = (int(constants["turn_high"][j]) << 32) + int(constants["turn_low"][j])
-        assert (words[2 * j] << 32) + words[2 * j + 1] == 5000 * turn % 2**64
+        assert (words[j] << 32) + words[2 + j] == 5000 * turn % 2**64
 
 
 def test_regressors_keep_their_phase_in_absolute_time() -> None:

@@ -44,13 +44,17 @@ class Host:
     """A model's generated C, compiled by one toolchain.
 
     texts: file name -> text, as `emit.generate` returns them. Raises BuildError if the compiler refuses them.
+    channels: auxiliary channels that the model listens to.
     """
 
     def __init__(self, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> None:
         self.name = name
         header = texts[f"{name}.h"]
         self.entries = {entry.name: entry for entry in entries(name, header)}
-        driver = render("driver.c.j2", {"name": name, "entries": list(self.entries.values())})
+        told = re.search(r"^#define \w+_CHANNELS (\d+)$", header, re.MULTILINE)
+        self.channels = int(told[1]) if told else 0
+        facts = {"name": name, "entries": list(self.entries.values()), "channels": self.channels}
+        driver = render("driver.c.j2", facts)
         sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
         declared = _declarations(header) + "".join(_driver_declaration(entry) for entry in self.entries.values())
         declared += "int32_t driver_flushes(void);\n"
@@ -97,7 +101,8 @@ class Host:
     ) -> tuple[Words, Words]:
         """Step `struct` through samples: (n,) results as bits, and (n, words) states from word `first` on.
 
-        inputs: bits of each float argument, (n,) each. flush: with denormal numbers flushed to zero.
+        inputs: bits of each float argument, (n,) each, then of each auxiliary channel if the struct is an instance of a
+        model that has some. flush: with denormal numbers flushed to zero.
         """
         ffi = self._library.ffi
         n = len(inputs[0])

@@ -14,6 +14,8 @@ class Status(enum.IntFlag):
     U_REJECTED = 8
     REFERENCE_CLAMPED = 16
     UNREACHABLE = 32
+    AUX_CLAMPED = 64
+    AUX_REJECTED = 128
 
 
 MEANINGS = {
@@ -22,7 +24,9 @@ MEANINGS = {
     Status.Y_REJECTED: "a displacement was not finite; the last good one was used",
     Status.U_REJECTED: "a voltage was not finite; the last good one was used",
     Status.REFERENCE_CLAMPED: "a reference lay more than one range away and was limited",
-    Status.UNREACHABLE: "the input that would reach the reference lay outside the input range",
+    Status.UNREACHABLE: "the input that would reach the reference lay beyond what can be applied",
+    Status.AUX_CLAMPED: "an auxiliary channel lay outside its range and was limited to it",
+    Status.AUX_REJECTED: "an auxiliary channel was not finite; its last good sample was used",
 }
 
 # Each counter of the struct, in its order, and the bit that goes with it. They stop at their largest value.

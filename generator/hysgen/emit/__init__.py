@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hysgen.coefficients import Coefficients, coefficients
 from hysgen.emit.concerns import Concern
-from hysgen.emit.parameters import range_section, rule_section, term_sections
+from hysgen.emit.parameters import block_sections, range_section, rule_section, term_sections
 from hysgen.emit.render import context, render
 from hysgen.files import write_whole
 from hysgen.model import Model
@@ -33,7 +33,8 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     numbers = coefficients(model)
     upper = model.name.upper()
     concerns = [concern for build in CONCERNS if (concern := build(model, numbers, chosen)) is not None]
-    sections = [range_section(numbers), rule_section(numbers, upper), *term_sections(model, numbers, upper)]
+    sections = [range_section(numbers), rule_section(numbers, upper), *block_sections(model)]
+    sections += term_sections(model, numbers, upper)
     facts = context(model, numbers) | {
         "inverse": chosen.inverse,
         "concerns": concerns,

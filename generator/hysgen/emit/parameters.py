@@ -93,6 +93,20 @@ def rule_section(numbers: Coefficients, upper: str) -> Section:
     )
 
 
+def block_sections(model: Model) -> list[Section]:
+    """The numbers of each input block."""
+    return [
+        Section(
+            f"Input block `{block.kind}`: {block.describe()}.",
+            tables=[
+                Table(f"{block.kind}_{name}", f"{len(values)}", values)
+                for name, values in block.constants(model.Ts_s).items()
+            ],
+        )
+        for block in model.blocks
+    ]
+
+
 def term_sections(model: Model, numbers: Coefficients, upper: str) -> list[Section]:
     """Shape constants of each term, then the weights of all."""
     if not model.terms:

@@ -16,9 +16,10 @@ from hysgen.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.emit.estrin import Power, pairs, polynomial, powers
 from hysgen.emit.literals import bits, literal
 from hysgen.emit.parameters import Constant
+from hysgen.inputs import InputBlock, preview
 from hysgen.model import Model
 from hysgen.status import MEANINGS
-from hysgen.terms import Term
+from hysgen.terms import Term, channels_of, part_facts
 from hysgen.terms.base import Mirror
 
 
@@ -27,6 +28,7 @@ class TermText:
     """A term as its template sees it.
 
     type: name of its struct; prefix: of its functions and constants; first: index of its first regressor.
+    corrects: whether it follows the innovation; heard: indices of its channels in aux[].
     """
 
     term: Term
@@ -34,6 +36,7 @@ class TermText:
     prefix: str
     first: int
     corrects: bool
+    heard: tuple[int, ...]
 
     @property
     def kind(self) -> str:
@@ -48,6 +51,41 @@ class TermText:
         return f"terms/{self.kind}.c.j2"
 
 
+@dataclass(frozen=True)
+class PartText:
+    """C that several kinds of term share, and the numbers in it."""
+
+    name: str
+    facts: Mapping[str, Any]
+
+    @property
+    def template(self) -> str:
+        return f"terms/{self.name}.c.j2"
+
+
+@dataclass(frozen=True)
+class BlockText:
+    """An input block as its template sees it; type and prefix as with terms."""
+
+    block: InputBlock
+    type: str
+    prefix: str
+    stateful: bool
+
+    @property
+    def kind(self) -> str:
+        return self.block.kind
+
+    @property
+    def state(self) -> str:
+        """First argument of its functions: its state in the struct of the inputs, if it has any."""
+        return f"&inputs->{self.kind}, " if self.stateful else ""
+
+    @property
+    def template(self) -> str:
+        return f"inputs/{self.kind}.c.j2"
+
+
 def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
     """The model's terms in order, each with its place among the regressors."""
     texts: list[TermText] = []
@@ -55,8 +93,19 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
     for term in model.terms:
         prefix = f"{model.name}_{term.kind}"
         mirror = type(term.mirror(numbers.rest_V.reshape(1), model.Ts_s))
-        texts.append(TermText(term, f"{prefix}_t", prefix, first, mirror.correct is not Mirror.correct))
+        heard = tuple(channels_of(model.terms).index(name) for name in term.channels)
+        texts.append(TermText(term, f"{prefix}_t", prefix, first, mirror.correct is not Mirror.correct, heard))
         first += term.size
+    return texts
+
+
+def block_texts(model: Model, numbers: Coefficients) -> list[BlockText]:
+    """The model's input blocks in order."""
+    texts = []
+    for block in model.blocks:
+        prefix = f"{model.name}_{block.kind}"
+        state = block.mirror(numbers.rest_V.reshape(1), model.Ts_s).state()
+        texts.append(BlockText(block, f"{prefix}_t", prefix, len(state) > 0))
     return texts
 
 
@@ -76,6 +125,10 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "terms": terms,
         "weights": sum(term.size for term in model.terms),
         "corrected": any(term.corrects for term in terms),
+        "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
+        "channels": channels_of(model.terms),
+        "blocks": block_texts(model, numbers),
+        "preview": preview(model.blocks),
         "status_rows": _status_rows(model.name.upper()),
         "estrin": {"powers": powers(numbers.rules)},
         "sums": [

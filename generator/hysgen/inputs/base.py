@@ -3,8 +3,8 @@
 The command u passes through the blocks and arrives at the stage as v; rules and terms see v only:
 
     forward    v(k) = apply(u(k))          predict, simulate, learn
-    inverse    Eq. (11) asks for v(k); each block in turn says what can be made to arrive (`reach`), the terms advance
-               by that, and the blocks say what to command for it (`command`), d samples ahead of time if they delay
+    inverse    Eq. (11) asks for v(k); the limiters are applied to it, the terms advance by what they let through, and
+               the other blocks say what to `command` for it, d samples ahead of time if they delay
 
 so limits are obeyed where they act, the model's state follows what the stage really gets (anti-windup), and a delay of
 d samples costs d samples of preview: in the inverse every argument belongs to sample k + d, the result to sample k.
@@ -31,13 +31,12 @@ class BlockMirror(abc.ABC):
     def apply(self, u_V: Floats32) -> Floats32:
         """v(k) of the command u(k), (lanes,); moves the state by one sample."""
 
-    @abc.abstractmethod
-    def reach(self, v_V: Floats32) -> Floats32:
-        """The nearest to v(k) that the block lets through, (lanes,); moves the state of a limiter by one sample."""
-
-    @abc.abstractmethod
     def command(self, v_V: Floats32) -> Floats32:
-        """What to command so that v arrives `preview` samples later, (lanes,); moves the state of a delay by one."""
+        """What to command so that v arrives `preview` samples later, (lanes,); moves the state by one sample.
+
+        Only blocks that are no limiters are asked.
+        """
+        return v_V
 
     @abc.abstractmethod
     def state(self) -> Sequence[Words]:
@@ -51,6 +50,8 @@ class InputBlock(Protocol):
     kind: ClassVar[str]
     place: ClassVar[int]
     """Where in the chain the block stands, rising from the command to the stage."""
+    limits: ClassVar[bool]
+    """A limiter lets through unchanged what it has let through once: the inverse applies it to what it asks for."""
 
     @property
     def preview(self) -> int:

@@ -34,6 +34,7 @@ class Delay:
 
     kind: ClassVar[str] = "delay"
     place: ClassVar[int] = 2
+    limits: ClassVar[bool] = False
     samples: float
 
     def __post_init__(self) -> None:
@@ -102,9 +103,6 @@ class DelayMirror(BlockMirror):
         self._push(u_V)
         late, later = self._past(self._whole), self._past(self._whole + 1)
         return late + self._part * (later - late)
-
-    def reach(self, v_V: Floats32) -> Floats32:
-        return v_V
 
     def command(self, v_V: Floats32) -> Floats32:
         self._push(v_V)

@@ -25,6 +25,7 @@ class Saturation:
 
     kind: ClassVar[str] = "saturation"
     place: ClassVar[int] = 0
+    limits: ClassVar[bool] = True
     preview: ClassVar[int] = 0
     low_V: float
     high_V: float
@@ -75,12 +76,6 @@ class ClipMirror(BlockMirror):
 
     def apply(self, u_V: Floats32) -> Floats32:
         return limited(u_V, self._low, self._high)
-
-    def reach(self, v_V: Floats32) -> Floats32:
-        return limited(v_V, self._low, self._high)
-
-    def command(self, v_V: Floats32) -> Floats32:
-        return v_V
 
     def state(self) -> list[Floats32]:
         return []

@@ -26,6 +26,7 @@ class Slew:
 
     kind: ClassVar[str] = "slew"
     place: ClassVar[int] = 1
+    limits: ClassVar[bool] = True
     preview: ClassVar[int] = 0
     rise_V_s: float
     fall_V_s: float
@@ -81,12 +82,6 @@ class SlewMirror(BlockMirror):
     def apply(self, u_V: Floats32) -> Floats32:
         self._last = limited(u_V, self._last - self._fall, self._last + self._rise)
         return self._last
-
-    def reach(self, v_V: Floats32) -> Floats32:
-        return self.apply(v_V)
-
-    def command(self, v_V: Floats32) -> Floats32:
-        return v_V
 
     def state(self) -> list[Floats32]:
         return [self._last]

@@ -6,16 +6,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from hysgen.coefficients import Bank, Coefficients, coefficients
+from hysgen.inputs.chain import ChainMirror
 from hysgen.model import Model
 from hysgen.reference.arithmetic import Floats32, Words, bits_of, reciprocal
 from hysgen.reference.rules import RuleSums, rule_sums
 from hysgen.reference.safety import finite, limited, settled
 from hysgen.status import COUNTERS, Status
+from hysgen.terms import channels_of
 
 _LAST = np.uint32(0xFFFFFFFF)
 
@@ -35,58 +37,80 @@ class Instance:
         self.counters: dict[str, Words] = {name: np.zeros(lanes, dtype=np.uint32) for name in COUNTERS}
         self.y_um: Floats32 = np.full(lanes, self.numbers.rest_um)
         self.u_V: Floats32 = np.full(lanes, self.numbers.rest_V)
-        self.y_um = self._checked_y(y_um)
-        self.u_V = self._checked_u(u_V)
-        self.terms = [term.mirror(self.u_V, model.Ts_s) for term in model.terms]
+        self.y_um, self.u_V = self._checked_y(y_um), self._checked_u(u_V)
+        self.inputs = ChainMirror(model.blocks, self.u_V, model.Ts_s)
+        self.terms = [term.mirror(self.inputs.v_V, model.Ts_s) for term in model.terms]
+        self.channels = channels_of(model.terms)
+
+    def aux(self, values: Sequence[Floats32]) -> None:
+        """The auxiliary channels of the coming sample, (lanes,) each, in the order of `channels`."""
+        named = dict(zip(self.channels, values, strict=True))
+        for term in self.terms:
+            bits = term.listen(named)
+            if bits is not None:
+                self.status = self.status | bits
 
     def predict(self, y_um: Floats32, u_V: Floats32) -> Floats32:
         """One step from measured y(k) and u(k), (lanes,) each: y(k+1) in um, which is also kept."""
         y, u = self._checked_y(y_um), self._checked_u(u_V)
         for term in self.terms:
             term.correct(y - self.y_um)
-        return self._step(y, u)
+        return self._forward(y, u)
 
     def simulate(self, u_V: Floats32) -> Floats32:
         """One step of the free run from the last output under u(k), (lanes,): y(k+1) in um."""
         y, clamped = limited(self.y_um, self.numbers.y_min_um, self.numbers.y_max_um)
-        self._count(Status.Y_CLAMPED, clamped)
-        return self._step(y, self._checked_u(u_V))
+        self._note(Status.Y_CLAMPED, clamped)
+        return self._forward(y, self._checked_u(u_V))
 
     def inverse(self, y_um: Floats32, y_next_um: Floats32) -> Floats32:
-        """u(k) in V that takes y(k) to y(k+1), (lanes,) each, limited to the input range; that input is applied."""
+        """u(k) in V that takes y(k) to y(k+1), (lanes,) each, limited to what can be applied; that input acts.
+
+        Behind a delay the arguments belong to a sample `preview` later than the result.
+        """
         numbers = self.numbers
-        y = self._checked_y(y_um)
-        reference, rejected = finite(y_next_um, y)
-        reference, clamped = limited(reference, numbers.reference_min_um, numbers.reference_max_um)
-        self._count(Status.Y_REJECTED, rejected)
-        self._count(Status.Y_CLAMPED, clamped, flag=Status.REFERENCE_CLAMPED)
+        held, rejected = finite(y_um, self.y_um)
+        y, clamped = limited(held, numbers.y_min_um, numbers.y_max_um)
+        reference, refused = finite(y_next_um, y)
+        reference, cut = limited(reference, numbers.reference_min_um, numbers.reference_max_um)
+        self._note(Status.Y_CLAMPED, clamped)
+        self._note(Status.Y_REJECTED, rejected | refused)
+        self._note(Status.REFERENCE_CLAMPED, cut)
         sums, extra = rule_sums(numbers, self.bank, y), self._extra()
         wanted = reference if extra is None else reference - extra
         numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
         u = settled(numerator * reciprocal(sums.gain))
         u, clamped = limited(u, numbers.u_min_V, numbers.u_max_V)
-        self._count(Status.U_CLAMPED, clamped)
-        self._count(None, clamped, flag=Status.UNREACHABLE)
-        self._apply(sums, extra, y, u)
-        return u
+        v = self.inputs.reach(u)
+        held_back = (bits_of(v) != bits_of(u)).astype(np.uint32)
+        self.u_V = self.inputs.command(v)
+        self._note(Status.U_CLAMPED, clamped)
+        self._note(Status.UNREACHABLE, clamped | held_back)
+        self._apply(sums, extra, y, v)
+        return self.u_V
 
     def words(self) -> Mapping[str, Words]:
-        """Every word of the C struct between `active` and `bank`, in its order; a term's are `terms[<its place>][i]`."""
+        """Every word of the C struct between `active` and `bank`, in its order.
+
+        Those of the input blocks are `inputs[i]`, those of a term `terms[<its place>][i]`.
+        """
         named: dict[str, Words] = {"y_um": bits_of(self.y_um), "u_V": bits_of(self.u_V), "status": self.status}
         named |= self.counters
+        named |= {f"inputs[{i}]": word.view(np.uint32) for i, word in enumerate(self.inputs.state())}
         for place, term in enumerate(self.terms):
             named |= {f"terms[{place}][{i}]": word.view(np.uint32) for i, word in enumerate(term.state())}
         return named
 
-    def _step(self, y: Floats32, u: Floats32) -> Floats32:
-        return self._apply(rule_sums(self.numbers, self.bank, y), self._extra(), y, u)
-
-    def _apply(self, sums: RuleSums, extra: Floats32 | None, y: Floats32, u: Floats32) -> Floats32:
-        rules = ((y * sums.slope + sums.offset) + u * sums.gain) * reciprocal(sums.weight)
-        self.y_um = settled(rules if extra is None else rules + extra)
+    def _forward(self, y: Floats32, u: Floats32) -> Floats32:
         self.u_V = u
+        v = self.inputs.apply(u)
+        return self._apply(rule_sums(self.numbers, self.bank, y), self._extra(), y, v)
+
+    def _apply(self, sums: RuleSums, extra: Floats32 | None, y: Floats32, v: Floats32) -> Floats32:
+        rules = ((y * sums.slope + sums.offset) + v * sums.gain) * reciprocal(sums.weight)
+        self.y_um = settled(rules if extra is None else rules + extra)
         for term in self.terms:
-            term.advance(u)
+            term.advance(v)
         return self.y_um
 
     def _extra(self) -> Floats32 | None:
@@ -101,23 +125,21 @@ class Instance:
     def _checked_y(self, y_um: Floats32) -> Floats32:
         y, rejected = finite(y_um, self.y_um)
         y, clamped = limited(y, self.numbers.y_min_um, self.numbers.y_max_um)
-        self._count(Status.Y_REJECTED, rejected)
-        self._count(Status.Y_CLAMPED, clamped)
+        self._note(Status.Y_REJECTED, rejected)
+        self._note(Status.Y_CLAMPED, clamped)
         return y
 
     def _checked_u(self, u_V: Floats32) -> Floats32:
         u, rejected = finite(u_V, self.u_V)
         u, clamped = limited(u, self.numbers.u_min_V, self.numbers.u_max_V)
-        self._count(Status.U_REJECTED, rejected)
-        self._count(Status.U_CLAMPED, clamped)
+        self._note(Status.U_REJECTED, rejected)
+        self._note(Status.U_CLAMPED, clamped)
         return u
 
-    def _count(self, counter: Status | None, happened: Words, flag: Status | None = None) -> None:
-        """Set the flag and step the counter, which stops at its largest value, where `happened` is 1."""
-        bit = flag if flag is not None else counter
-        assert bit is not None
-        self.status = self.status | happened * np.uint32(bit)
+    def _note(self, event: Status, happened: Words) -> None:
+        """Set the bit of `event`, and step its counter if it has one up to its largest value, where `happened` is 1."""
+        self.status = self.status | happened * np.uint32(event)
         for name, owner in COUNTERS.items():
-            if owner is counter:
+            if owner is event:
                 count = self.counters[name]
                 self.counters[name] = count + (happened & (count < _LAST))

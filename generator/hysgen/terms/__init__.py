@@ -8,13 +8,13 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
 from hysgen.terms.base import Drive, Mirror, StateSpace, Term
 
-__all__ = ["Drive", "Mirror", "StateSpace", "Term", "kinds", "term_from_json"]
+__all__ = ["Drive", "Mirror", "StateSpace", "Term", "channels_of", "kinds", "part_facts", "term_from_json"]
 
 
 @functools.lru_cache(maxsize=1)
@@ -26,6 +26,17 @@ def kinds() -> Mapping[str, type[Term]]:
         if term is not None:
             found[term.kind] = term
     return found
+
+
+def part_facts(part: str) -> Mapping[str, Any]:
+    """What the template `terms/<part>.c.j2` prints: FACTS of the module of that name, which also holds the mirror."""
+    facts: Mapping[str, Any] = importlib.import_module(f"{__name__}.{part}").FACTS
+    return facts
+
+
+def channels_of(terms: Sequence[Term]) -> tuple[str, ...]:
+    """The auxiliary channels that the terms listen to, each once, in the order in which the C takes them."""
+    return tuple(dict.fromkeys(name for term in terms for name in term.channels))
 
 
 def term_from_json(data: Mapping[str, Any]) -> Term:

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
-Words = NDArray[np.float32] | NDArray[np.uint32]
+Bits = NDArray[np.uint32]
+Words = Floats32 | Bits
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,9 @@ class Mirror(abc.ABC):
     not fixed. Most terms neither listen nor correct: both do nothing unless a subclass says more.
     """
 
-    def listen(self, aux: Mapping[str, Floats32]) -> None:  # noqa: B027
-        """The auxiliary channels of sample k, (lanes,) each."""
+    def listen(self, aux: Mapping[str, Floats32]) -> Bits | None:
+        """The auxiliary channels of sample k, (lanes,) each. Returns the bits that it sets in the status word."""
+        return None
 
     def correct(self, innovation_um: Floats32) -> None:  # noqa: B027
         """y(k) - yhat(k), (lanes,): what a measured sample adds to what was predicted for it."""
@@ -93,6 +95,8 @@ class Term(Protocol):
     """A source of regressors phi_j(k) that depend on the past of the drive; the model stays affine in u(k)."""
 
     kind: ClassVar[str]
+    parts: ClassVar[tuple[str, ...]]
+    """Templates of C that the kind shares with others, `terms/<part>.c.j2`."""
 
     @property
     def size(self) -> int:

@@ -17,7 +17,8 @@ import numpy as np
 
 from hysgen.arithmetic import LEAST
 from hysgen.errors import ModelError
-from hysgen.terms.base import Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.status import Status
+from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 
 MOST_TAPS = 64
 
@@ -30,6 +31,7 @@ class Coupling:
     """
 
     kind: ClassVar[str] = "coupling"
+    parts: ClassVar[tuple[str, ...]] = ()
     channels: tuple[str, ...]
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -39,6 +41,8 @@ class Coupling:
         low, high = np.asarray(self.low, dtype=np.float64), np.asarray(self.high, dtype=np.float64)
         if not self.channels or len(set(self.channels)) != len(self.channels):
             raise ValueError("channels must name each auxiliary channel once")
+        if not all(name.isprintable() and "/*" not in name and "*/" not in name for name in self.channels):
+            raise ValueError("channels must have names that may stand in a C comment; rename the column")
         if not (low.shape == high.shape == (len(self.channels),)):
             raise ValueError("low and high must give one number for each channel")
         if not (np.isfinite(low).all() and np.isfinite(high).all() and (low < high).all()):
@@ -138,11 +142,16 @@ class ChannelMirror(Mirror):
         self._limits = [np.asarray(numbers) for numbers in term.constants(1.0).values()]
         self._past = [[np.zeros_like(u_V)] * term.taps for _ in term.channels]
 
-    def listen(self, aux: Mapping[str, Floats32]) -> None:
+    def listen(self, aux: Mapping[str, Floats32]) -> Bits:
+        status = np.zeros(self._past[0][0].shape, dtype=np.uint32)
         for past, name, low, high, middle in zip(self._past, self._channels, *self._limits, strict=True):
-            value = np.where(np.abs(aux[name]) < LEAST, np.float32(0.0), aux[name])
+            finite = np.isfinite(aux[name])
+            value = np.where(finite, np.where(np.abs(aux[name]) < LEAST, np.float32(0.0), aux[name]), middle)
             limited = np.where(value < low, low, np.where(value > high, high, value))
-            past[0] = np.where(np.isfinite(value), limited - middle, past[0])
+            past[0] = np.where(finite, limited - middle, past[0])
+            status |= np.where(finite, np.uint32(0), np.uint32(Status.AUX_REJECTED))
+            status |= np.where(limited != value, np.uint32(Status.AUX_CLAMPED), np.uint32(0))
+        return status
 
     def regressors(self) -> list[Floats32]:
         return [value for past in self._past for value in past]

@@ -30,6 +30,7 @@ class Creep:
     """
 
     kind: ClassVar[str] = "creep"
+    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
     channels: ClassVar[tuple[str, ...]] = ()
     tau_s: tuple[float, ...]
 
@@ -104,7 +105,7 @@ class Creep:
 
 
 class CreepMirror(Mirror):
-    """Float32 lags over lanes, each a sum of two words; the state is high_1, low_1, high_2, ..."""
+    """Float32 lags over lanes, each a sum of two words; the state is every high word, then every low one."""
 
     def __init__(self, rate: Floats32, u_V: Floats32) -> None:
         self._rate = rate
@@ -120,7 +121,7 @@ class CreepMirror(Mirror):
         ]
 
     def state(self) -> list[Floats32]:
-        return [word for words in self._words for word in words]
+        return [*(high for high, _ in self._words), *(low for _, low in self._words)]
 
 
 TERM = Creep

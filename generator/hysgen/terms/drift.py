@@ -34,6 +34,7 @@ class Drift:
     """
 
     kind: ClassVar[str] = "drift"
+    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
     channels: ClassVar[tuple[str, ...]] = ()
     size: ClassVar[int] = 1
     tau_s: float
@@ -104,7 +105,7 @@ class Drift:
 
 
 class BiasMirror(Mirror):
-    """The float32 bias over lanes, a sum of two words: high, low."""
+    """The float32 bias over lanes, a sum of two words; the state is the high word, then the low one."""
 
     def __init__(self, rate: np.float32, limit: np.float32, u_V: Floats32) -> None:
         self._rate, self._limit = rate, limit

@@ -30,6 +30,7 @@ class Memory:
     """
 
     kind: ClassVar[str] = "memory"
+    parts: ClassVar[tuple[str, ...]] = ()
     channels: ClassVar[tuple[str, ...]] = ()
     thresholds_V: tuple[float, ...]
 

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.terms.base import Drive, Floats, Floats32, Mirror, StateSpace
-from hysgen.terms.sine import Phase, cosine_sine
+from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.terms.sine import cosine_sine
 
 BLOCK = 512
 
@@ -35,6 +35,7 @@ class Periodic:
     """
 
     kind: ClassVar[str] = "periodic"
+    parts: ClassVar[tuple[str, ...]] = ("sine",)
     channels: ClassVar[tuple[str, ...]] = ()
     f_Hz: tuple[float, ...]
 
@@ -90,7 +91,7 @@ class Periodic:
         constants = self.constants(Ts_s)
         return PhaseMirror(constants["turn_high"], constants["turn_low"], u_V)
 
-    def constants(self, Ts_s: float) -> Mapping[str, Phase]:
+    def constants(self, Ts_s: float) -> Mapping[str, Bits]:
         """Turns per sample in units of 2^-32 and 2^-64.
 
         Raises ModelError if a frequency lies beyond half the sampling frequency.
@@ -121,9 +122,9 @@ def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDAr
 
 
 class PhaseMirror(Mirror):
-    """64-bit phases over lanes, in two words; the state of each frequency is high, low."""
+    """64-bit phases over lanes, in two words; the state is every high word, then every low one."""
 
-    def __init__(self, turn_high: Phase, turn_low: Phase, u_V: Floats32) -> None:
+    def __init__(self, turn_high: Bits, turn_low: Bits, u_V: Floats32) -> None:
         self._turns = list(zip(turn_high, turn_low, strict=True))
         zero = np.zeros(u_V.shape, dtype=np.uint32)
         self._phases = [(zero, zero) for _ in self._turns]
@@ -138,8 +139,8 @@ class PhaseMirror(Mirror):
             carry = (low < turn_low).astype(np.uint32)
             self._phases[j] = ((high + turn_high) + carry, low)
 
-    def state(self) -> list[Phase]:
-        return [word for phase in self._phases for word in phase]
+    def state(self) -> list[Bits]:
+        return [phase[half] for half in (0, 1) for phase in self._phases]
 
 
 TERM = Periodic

@@ -36,6 +36,7 @@ class Resonance:
     """
 
     kind: ClassVar[str] = "resonance"
+    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
     channels: ClassVar[tuple[str, ...]] = ()
     f_Hz: tuple[float, ...]
     zeta: tuple[float, ...]
@@ -136,7 +137,7 @@ class Resonance:
 
 
 class ModeMirror(Mirror):
-    """Float32 modes over lanes; the state of each is position high, low, velocity high, low."""
+    """Float32 modes over lanes; the state is all positions, their low words, all velocities, their low words."""
 
     def __init__(self, real: Floats32, imag: Floats32, u_V: Floats32) -> None:
         self._steps = list(zip(real, imag, strict=True))
@@ -154,7 +155,7 @@ class ModeMirror(Mirror):
             self._velocity[j] = accumulate(*velocity, imag * away - real * velocity[0])
 
     def state(self) -> list[Floats32]:
-        return [word for mode in zip(self._position, self._velocity, strict=True) for words in mode for word in words]
+        return [words[half] for sums in (self._position, self._velocity) for half in (0, 1) for words in sums]
 
 
 TERM = Resonance

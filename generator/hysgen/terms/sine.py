@@ -14,22 +14,20 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hysgen.terms.base import Floats32
-
-Phase = NDArray[np.uint32]
+from hysgen.terms.base import Bits, Floats32
 
 SINE: Final = tuple(np.float32(s) for s in (1.57079637, -0.64596349, 0.0796802193, -0.00460214913))
 COSINE: Final = tuple(np.float32(c) for c in (-1.23370051, 0.253669411, -0.0208615288, 0.000906739908))
 # Half a quadrant, so that the quadrant is the nearest one, and half a step of r, so that r is rounded and not cut.
 NEAREST: Final = np.uint32(0x20000040)
+FACTS: Final = {"sine": SINE, "cosine": COSINE, "nearest": f"0x{int(NEAREST):08x}"}
 
 _ONE, _ONE_AND_A_HALF = np.float32(1.0), np.float32(1.5)
 _REST, _DROPPED_BITS, _ONE_BITS = np.uint32(0x3FFFFFFF), np.uint32(7), np.uint32(0x3F800000)
 
 
-def cosine_sine(phase: Phase) -> tuple[Floats32, Floats32]:
+def cosine_sine(phase: Bits) -> tuple[Floats32, Floats32]:
     """cos and sin of 2 pi phase / 2^32 over lanes, in the generated C's order."""
     shifted = phase + NEAREST
     quadrant = shifted >> np.uint32(30)

@@ -13,11 +13,14 @@ Source: Dekker, A floating-point technique for extending the available precision
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from hysgen.terms.base import Floats32
 
-FLOOR = np.float32(1.5 * 2.0**-37)
+FLOOR: Final = np.float32(1.5 * 2.0**-37)
+FACTS: Final = {"floor": FLOOR}
 
 
 def accumulate(high: Floats32, low: Floats32, delta: Floats32) -> tuple[Floats32, Floats32]:

@@ -1,0 +1,125 @@
+"""The generated C of every term and input block, alone and all together, equals the float32 reference bit for bit."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hysgen.emit import generate
+from hysgen.host import Host
+from hysgen.inputs import InputBlock
+from hysgen.inputs.delay import Delay
+from hysgen.inputs.saturation import Saturation
+from hysgen.inputs.slew import Slew
+from hysgen.model import Model
+from hysgen.model_file import load_model
+from hysgen.native import Toolchain
+from hysgen.reference.instance import Instance
+from hysgen.terms import Term, channels_of
+from hysgen.terms.coupling import Coupling
+from hysgen.terms.creep import Creep
+from hysgen.terms.drift import Drift
+from hysgen.terms.memory import Memory
+from hysgen.terms.periodic import Periodic
+from hysgen.terms.resonance import Resonance
+
+TERMS: list[Term] = [
+    Memory.uniform(5, 60.0),
+    Creep.spread(3, 1e-3, 10.0),
+    Resonance((50.0, 730.0), (0.01, 0.3)),
+    Periodic((50.0, 101.7)),
+    Coupling(("temperature", "other drive [V]"), (20.0, -1.0), (24.0, 3.0), taps=3),
+    Drift(0.01, 0.05),
+]
+BLOCKS: list[InputBlock] = [Saturation(-5.0, 95.0), Slew(2e6, 1.5e6), Delay(3.4)]
+FUNCTIONS = ("predict", "simulate", "inverse")
+
+
+def extended(terms: Sequence[Term], blocks: Sequence[InputBlock] = ()) -> Model:
+    """Appendix A with these terms and blocks; small weights of both signs."""
+    weights = np.concatenate(
+        [np.zeros(0), *(1e-4 / np.array(term.scales(1.0)) * (-1.0) ** np.arange(term.size) for term in terms)]
+    )
+    return dataclasses.replace(load_model("appendix_a"), terms=tuple(terms), weights=weights, blocks=tuple(blocks))
+
+
+def hard_inputs(samples: int, channels: int, seed: int) -> list[NDArray[np.float32]]:
+    """Displacements, voltages and channels: rough, held, smooth, long zero; out of range, not finite, tiny."""
+    rng = np.random.default_rng(seed)
+    columns = []
+    for low, high in [(0.3, 4.1), (-30.0, 130.0), (0.3, 4.1), *([(15.0, 26.0), (-2.0, 4.0)][:channels])]:
+        rough = rng.uniform(low, high, samples)
+        held = np.repeat(rng.uniform(low, high, samples // 100 + 1), 100)[:samples]
+        smooth = low + (high - low) * (0.5 + 0.5 * np.sin(np.arange(samples) / 70.0))
+        column = np.choose(np.arange(samples) // 500 % 4, [rough, held, smooth, np.zeros(samples)]).astype(np.float32)
+        for every, value in ((197, np.nan), (389, np.inf), (401, -np.inf), (211, 1e-41), (307, -0.0), (503, -3e38)):
+            column[rng.integers(every) :: every] = value
+        columns.append(column)
+    return columns
+
+
+def assert_equal_bits(model: Model, function: str, samples: int, toolchain: Toolchain | None = None) -> None:
+    """Results and all states after every sample, of C and reference."""
+    host = Host(model.name, generate(model), toolchain)
+    y, u, y_next, *aux = hard_inputs(samples, host.channels, seed=20240607)
+    inputs = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
+    layout = host.layout(f"{model.name}_t")
+    struct = host.instance(2.0, 30.0)
+    bits = [column.view(np.uint32) for column in (*inputs, *aux)]
+    out, trace = host.run(function, struct, bits, words=layout["bank[0].slope[0]"])
+
+    lane = Instance(model, np.full(1, 2.0, np.float32), np.full(1, 30.0, np.float32))
+    for k in range(samples):
+        if aux:
+            lane.aux([column[k : k + 1] for column in aux])
+        result = getattr(lane, function)(*(column[k : k + 1] for column in inputs))
+        assert result.view(np.uint32)[0] == out[k], f"{function}: sample {k}"
+        words = lane.words()
+        assert len(words) == trace.shape[1] - 1
+        if not all(word[0] == told for word, told in zip(words.values(), trace[k, 1:], strict=True)):
+            wrong = [name for (name, word), told in zip(words.items(), trace[k, 1:], strict=True) if word[0] != told]
+            pytest.fail(f"{function}: {', '.join(wrong)} after sample {k}")
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.kind)
+def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None:
+    assert_equal_bits(extended([term]), function, 2500)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize(
+    "blocks",
+    [*([block] for block in BLOCKS), [Delay(0.0)], [Delay(2.0)], [Delay(0.7)], [BLOCKS[0], BLOCKS[2]]],
+    ids=lambda blocks: "+".join(f"{block.kind}{getattr(block, 'samples', '')}" for block in blocks),
+)
+def test_input_blocks_equal_their_reference(blocks: list[InputBlock], function: str) -> None:
+    assert_equal_bits(extended([TERMS[0]], blocks), function, 2500)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_all_terms_and_blocks_together_equal_their_reference(function: str) -> None:
+    assert_equal_bits(extended(TERMS, BLOCKS), function, 6000)
+
+
+def test_order_of_the_terms_does_not_matter_to_the_equality() -> None:
+    for terms in itertools.islice(itertools.permutations(TERMS), 100, 720, 211):
+        assert_equal_bits(extended(terms, BLOCKS), "predict", 300)
+
+
+def test_channels_are_named_in_the_order_of_the_c() -> None:
+    model = extended(TERMS)
+    header = generate(model)[f"{model.name}.h"]
+    assert channels_of(model.terms) == ("temperature", "other drive [V]")
+    assert " *     aux[0]  temperature\n *     aux[1]  other drive [V]\n" in header
+
+
+def test_a_model_without_extensions_says_nothing_of_them() -> None:
+    text = "".join(generate(load_model("appendix_a")).values())
+    for word in ("terms", "_inputs_", "_aux(", "CHANNELS", "PREVIEW", "accumulate", "cosine_sine"):
+        assert word not in text
