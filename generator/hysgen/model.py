@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.inputs import InputBlock, check_chain
+from hysgen.learning import LearnerSettings
 from hysgen.terms import Term
 
 Floats = NDArray[np.float64]
@@ -70,6 +71,7 @@ class Model:
     weights: (T,) theta_j of the terms' regressors, in the order of `terms`.
     u_min_V, u_max_V: input range for which the model answers and its certificates hold; inputs outside are clamped.
     blocks: what the input passes through before the stage, in that order.
+    learner: what the generated learner does; None generates none.
     history: where it comes from (fit settings, record digest); scores: what was measured of it; certificates: what is
     guaranteed of it. All plain JSON values.
     Raises ModelError if sizes disagree or a number is not finite.
@@ -84,6 +86,7 @@ class Model:
     terms: tuple[Term, ...] = ()
     weights: Floats = field(default_factory=lambda: np.zeros(0))
     blocks: tuple[InputBlock, ...] = ()
+    learner: LearnerSettings | None = None
     history: Mapping[str, Any] = field(default_factory=dict)
     scores: Mapping[str, Any] = field(default_factory=dict)
     certificates: Mapping[str, Any] = field(default_factory=dict)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from hysgen.errors import ModelError
 from hysgen.files import write_whole
 from hysgen.inputs import InputBlock, block_from_json
+from hysgen.learning import LearnerSettings
 from hysgen.model import Grid, Model
 from hysgen.terms import Term, term_from_json
 
@@ -39,6 +40,7 @@ _FIELDS = (
     "terms",
     "weights",
     "blocks",
+    "learner",
     "history",
     "scores",
     "certificates",
@@ -63,6 +65,7 @@ def model_to_json(model: Model) -> dict[str, Any]:
         "terms": [term.to_json() for term in model.terms],
         "weights": model.weights.tolist(),
         "blocks": [block.to_json() for block in model.blocks],
+        **({} if model.learner is None else {"learner": model.learner.to_json()}),
         "history": dict(model.history),
         "scores": dict(model.scores),
         "certificates": dict(model.certificates),
@@ -156,6 +159,7 @@ def _model(data: Mapping[str, Any]) -> Model:
         terms=_terms(_list(_get(data, "terms"), "terms")),
         weights=_numbers(_get(data, "weights"), "weights"),
         blocks=_blocks(_list(_get(data, "blocks"), "blocks")),
+        learner=LearnerSettings.from_json(_object(data["learner"], "learner")) if "learner" in data else None,
         history=_object(_get(data, "history"), "history"),
         scores=_object(_get(data, "scores"), "scores"),
         certificates=_object(_get(data, "certificates"), "certificates"),
