@@ -132,10 +132,10 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "status_rows": _status_rows(model.name.upper()),
         "estrin": {"powers": powers(numbers.rules)},
         "sums": [
+            polynomial("weight", [f"{model.name}_strength[{k}]" for k in rules]),
             polynomial("slope", [f"bank->slope[{k}]" for k in rules]),
             polynomial("offset", [f"bank->offset[{k}]" for k in rules]),
             polynomial("gain", [f"bank->gain[{k}]" for k in rules]),
-            polynomial("weight", [f"{model.name}_strength[{k}]" for k in rules]),
         ],
         "window_powers": [Power(str(k // 2), str(k - k // 2)) for k in range(2, WINDOW)],
         "octaves_per_step": OCTAVES_PER_STEP,
