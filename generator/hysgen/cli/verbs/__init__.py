@@ -2,4 +2,6 @@
 
 from types import ModuleType
 
-VERBS: tuple[ModuleType, ...] = ()
+from hysgen.cli.verbs import describe, experiments, fit, generate, score
+
+VERBS: tuple[ModuleType, ...] = (fit, score, describe, generate, experiments)

@@ -1,0 +1,91 @@
+"""Repeat the paper's experiments (sections 4.1 to 4.3, Fig. 11) on the virtual stage: a table and the figures."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from hysgen.cli.console import Console, table
+from hysgen.experiments.modelling import EXPERIMENTS, Outcome, repeat
+from hysgen.experiments.tracking import CASES, Tracking, track_case
+from hysgen.plots import style
+from hysgen.plots.experiments import modelling_figures, tracking_figure
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("-o", "--output", metavar="DIR", help="folder for the figures (PNG)")
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    steps = len(EXPERIMENTS) + len(CASES)
+    outcomes: list[Outcome] = []
+    for experiment in EXPERIMENTS:
+        console.progress(len(outcomes) / steps, experiment.title)
+        outcomes.append(repeat(experiment))
+    tracked: list[Tracking] = []
+    for case in CASES:
+        console.progress((len(outcomes) + len(tracked)) / steps, f"section 4.3: tracking at {case.f_Hz:g} Hz")
+        tracked.append(track_case(case))
+    console.say(modelling_table(outcomes))
+    console.say()
+    console.say(tracking_table(tracked))
+    if arguments.output:
+        folder = Path(arguments.output)
+        for outcome in outcomes:
+            for name, figure in modelling_figures(outcome).items():
+                console.say(f"written: {style.save(figure, folder / name)}")
+        for case_tracked in tracked:
+            path = folder / f"section-4.3-{case_tracked.f_Hz:g}-hz.png"
+            console.say(f"written: {style.save(tracking_figure(case_tracked), path)}")
+    console.write_json(
+        {"modelling": [outcome.to_json() for outcome in outcomes], "tracking": [t.to_json() for t in tracked]}
+    )
+    return 0
+
+
+def modelling_table(outcomes: list[Outcome]) -> str:
+    """Sections 4.1 and 4.2 and Fig. 11: e_rms in um and maximum e_r in percent of each predictor."""
+    rows: list[list[str]] = []
+    for outcome in outcomes:
+        published, rival = outcome.experiment.published, outcome.experiment.published_rival
+        paper, persistence = outcome.scores["paper"], outcome.scores["paper"].persistence
+        rows += [
+            [outcome.experiment.title, "", ""],
+            ["  paper, one step", _um(published.e_rms_um), f"{published.e_r_percent:.2f}"],
+            ["  ours, one step", _um(paper.one_step.e_rms_um), _percent(paper.one_step.e_r_percent)],
+            ["  persistence, one step", _um(persistence.e_rms_um), _percent(persistence.e_r_percent)],
+        ]
+        labels = {"paper": "ours", "refined": "ours, refined", "memory": "ours, refined, with memory"}
+        rows += [
+            [f"  {label}, free run", _um(scores.free_run.e_rms_um), _percent(scores.free_run.e_r_percent)]
+            for (variant, label), scores in zip(labels.items(), outcome.scores.values(), strict=True)
+        ]
+        rows += [[f"  {name}, free run", _um(s.e_rms_um), _percent(s.e_r_percent)] for name, s in outcome.rivals]
+        if rival is not None:
+            rows.append(["  paper's Prandtl-Ishlinskii", _um(rival.e_rms_um), f"{rival.e_r_percent:.2f}"])
+        rows.append(["  noise floor of the record", _um(paper.noise.rms_um), ""])
+    return table(["modelling", "e_rms [um]", "max e_r [%]"], rows)
+
+
+def tracking_table(tracked: list[Tracking]) -> str:
+    """Section 4.3: e_rms in nm and maximum e_r in percent of each controller."""
+    rows: list[list[str]] = []
+    for case in tracked:
+        published = case.published
+        rows += [
+            [f"Section 4.3: y_d = 2.0 + 0.6 sin(2 pi {case.f_Hz:g} t) um", "", ""],
+            ["  paper, inverse", f"{published.e_rms_nm:.1f}", f"{published.e_r_percent:.2f}"],
+            ["  paper, proportional", "", f"about {published.proportional_percent:.0f}"],
+        ]
+        rows += [
+            [f"  ours, {name}", f"{rms:.1f}", f"{case.e_r_percent[name]:.2f}"] for name, rms in case.e_rms_nm.items()
+        ]
+    return table(["tracking", "e_rms [nm]", "max e_r [%]"], rows)
+
+
+def _um(value: float | None) -> str:
+    return "" if value is None else f"{value:.4f}"
+
+
+def _percent(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"

@@ -1,0 +1,55 @@
+"""Score a model on a record: one step, against the horizon, and in free run, beside persistence and the noise floor."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from hysgen.baselines import fit_baselines, score_baselines
+from hysgen.cli.console import Console
+from hysgen.cli.records import add_column_options, parse_rows, read_records
+from hysgen.model_file import load_model
+from hysgen.plots import style
+from hysgen.plots.traces import validation
+from hysgen.scores import score, score_lines
+from hysgen.simulate import free_run, one_step
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one: appendix_a, appendix_b")
+    parser.add_argument("records", nargs="+", metavar="RECORD")
+    parser.add_argument("--rows", metavar="A:B", help="score on rows A to B of the joined records, B excluded")
+    parser.add_argument("--settle", type=int, default=0, metavar="N", help="samples at the start that are not scored")
+    parser.add_argument(
+        "--rivals", metavar="A:B", help="also score the paper's rivals, fitted to rows A to B of the same records"
+    )
+    parser.add_argument("--plot", metavar="FILE.png", help="draw measured and simulated displacement")
+    add_column_options(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    model = load_model(arguments.model)
+    whole = read_records(arguments.records, arguments, console)
+    record = whole.rows(*parse_rows(arguments.rows, whole.samples)) if arguments.rows else whole
+    scores = score(model, record, arguments.settle)
+    result = scores.to_json()
+    console.say(scores.table())
+    if arguments.rivals:
+        known = whole.rows(*parse_rows(arguments.rivals, whole.samples))
+        rivals = score_baselines(fit_baselines(known), record, arguments.settle)
+        console.say("\nrivals in free run")
+        console.say("\n".join(score_lines(rivals)))
+        result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}
+    if arguments.plot:
+        segment = record.segments[0]
+        t_s = segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
+        runs = {"free run": free_run(model, record)[0].y_um, "one step": one_step(model, record)[0].y_um}
+        colours = {"free run": style.SIMULATED, "one step": style.BASELINE}
+        style.save(
+            validation(t_s, segment.y_um, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot)
+        )
+        console.say(f"\nwritten: {arguments.plot}")
+    console.write_json(result)
+    return 0
