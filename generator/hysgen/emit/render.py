@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+import numpy as np
 
 import hysgen
 from hysgen import arithmetic
 from hysgen.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
-from hysgen.emit.estrin import Power, pairs, polynomial, powers
 from hysgen.emit.literals import bits, literal
 from hysgen.emit.parameters import Constant
+from hysgen.emit.sums import Sum, pairs, polynomial, powers, squares
 from hysgen.inputs import InputBlock, preview
 from hysgen.model import Model
 from hysgen.status import MEANINGS
@@ -112,7 +113,6 @@ def block_texts(model: Model, numbers: Coefficients) -> list[BlockText]:
 def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
     """What every template is told; all computing is done here."""
     terms = term_texts(model, numbers)
-    rules = range(numbers.rules)
     return {
         "name": model.name,
         "NAME": model.name.upper(),
@@ -130,15 +130,10 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "blocks": block_texts(model, numbers),
         "preview": preview(model.blocks),
         "status_rows": _status_rows(model.name.upper()),
-        "estrin": {"powers": powers(numbers.rules)},
-        "sums": [
-            polynomial("weight", [f"{model.name}_strength[{k}]" for k in rules]),
-            polynomial("slope", [f"bank->slope[{k}]" for k in rules]),
-            polynomial("offset", [f"bank->offset[{k}]" for k in rules]),
-            polynomial("gain", [f"bank->gain[{k}]" for k in rules]),
-        ],
-        "window_powers": [Power(str(k // 2), str(k - k // 2)) for k in range(2, WINDOW)],
-        "octaves_per_step": OCTAVES_PER_STEP,
+        "squares": squares(numbers.rules),
+        "powers": powers(WINDOW),
+        "sums": _window_sums() if numbers.windowed else _dense_sums(model.name, numbers.rules),
+        "octaves_per_step": np.float32(OCTAVES_PER_STEP),
         **_arithmetic(),
     }
 
@@ -160,6 +155,18 @@ def aligned(constants: Sequence[Constant], upper: str) -> list[str]:
     return [row.removesuffix("  /*  */") for row in rows]
 
 
+def _dense_sums(name: str, rules: int) -> list[Sum]:
+    """Polynomials in r over all rules. The denominator first: its reciprocal is the longest chain."""
+    tables = {"weight": f"{name}_strength", "slope": "bank->slope", "offset": "bank->offset", "gain": "bank->gain"}
+    return [polynomial(sum_, [f"{table}[{k}]" for k in range(rules)]) for sum_, table in tables.items()]
+
+
+def _window_sums() -> list[Sum]:
+    """Sums of strength times consequent over the window, the denominator first."""
+    tables = {"weight": "present", "slope": "slope", "offset": "offset", "gain": "gain"}
+    return [pairs(sum_, [f"v{k} * {table}[{k}]" for k in range(WINDOW)]) for sum_, table in tables.items()]
+
+
 def _status_rows(upper: str) -> list[str]:
     names = [f"{upper}_STATUS_{flag.name}" for flag in MEANINGS]
     wide = max(len(name) for name in names)
@@ -172,6 +179,7 @@ def _status_rows(upper: str) -> list[str]:
 def _arithmetic() -> dict[str, Any]:
     return {
         "rounding": arithmetic.ROUNDING,
+        "rounding_bits": bits(arithmetic.ROUNDING),
         "power": arithmetic.POWER_COEFFICIENTS,
         "power_limit": f"{arithmetic.POWER_LIMIT:g}",
         "power_error": f"{arithmetic.POWER_RELATIVE_ERROR:g}",
@@ -198,5 +206,5 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
-    environment.filters |= {"literal": literal, "aligned": aligned, "pairs": pairs}
+    environment.filters |= {"literal": literal, "aligned": aligned}
     return environment

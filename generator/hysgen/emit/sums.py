@@ -1,0 +1,79 @@
+"""Sums over the rules written out: the named intermediates of Estrin's scheme and of a sum by pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+Joining = Callable[[int, str, str], str]
+"""Text of two neighbours joined, given the level of the join."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """name = text, a line of C."""
+
+    name: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A sum over the rules: its intermediates in order, and the expression that is its value."""
+
+    name: str
+    steps: Sequence[Step]
+    value: str
+
+
+def squares(count: int) -> list[Step]:
+    """r2, r4, r8, ...: what a polynomial of `count` coefficients in r needs by Estrin's scheme.
+
+    >>> [f"{step.name} = {step.text}" for step in squares(6)]
+    ['r2 = r * r', 'r4 = r2 * r2']
+    """
+    found: list[Step] = []
+    exponent = 2
+    while exponent < count:
+        half = _power(exponent // 2)
+        found.append(Step(_power(exponent), f"{half} * {half}"))
+        exponent *= 2
+    return found
+
+
+def powers(count: int) -> list[Step]:
+    """r2, r3, ... r<count - 1>, each from two shorter ones, so that no chain is longer than needed.
+
+    >>> [f"{step.name} = {step.text}" for step in powers(5)]
+    ['r2 = r * r', 'r3 = r * r2', 'r4 = r2 * r2']
+    """
+    return [Step(_power(k), f"{_power(k // 2)} * {_power(k - k // 2)}") for k in range(2, count)]
+
+
+def polynomial(name: str, coefficients: Sequence[str]) -> Sum:
+    """sum_k coefficients[k] r^k: neighbours join as a + b r, then with r2, r4, ... until one is left."""
+    return _joined(name, coefficients, lambda level, left, right: f"{left} + {right} * {_power(2**level)}")
+
+
+def pairs(name: str, products: Sequence[str]) -> Sum:
+    """The sum of `products`: neighbours first, then neighbours of those, until one is left."""
+    return _joined(name, products, lambda _, left, right: f"{left} + {right}")
+
+
+def _joined(name: str, texts: Sequence[str], join: Joining) -> Sum:
+    """Intermediates are named by the first letter of `name` and by the rows that they cover."""
+    parts = [(text, row, row) for row, text in enumerate(texts)]
+    steps: list[Step] = []
+    level = 0
+    while len(parts) > 1:
+        neighbours = []
+        for (left, first, _), (right, _, last) in zip(parts[0::2], parts[1::2], strict=False):
+            steps.append(Step(f"{name[0]}{first}_{last}", join(level, left, right)))
+            neighbours.append((steps[-1].name, first, last))
+        parts = [*neighbours, *parts[2 * len(neighbours) :]]
+        level += 1
+    return Sum(name, steps[:-1], steps[-1].text)
+
+
+def _power(exponent: int) -> str:
+    return "r" if exponent == 1 else f"r{exponent}"
