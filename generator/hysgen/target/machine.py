@@ -25,6 +25,7 @@ _CALLEE_SAVED = (*range(10, 16), *range(32 + 10, 32 + 16))
 _RETURN_VALUE, _LINK = 4, 32 + 3
 
 _STACK_TOP = MEMORY_BASE + MEMORY_SIZE - 64
+_STACK_ROOM = 0x4000
 # What registers hold that a caller does not set: a conspicuous number, as integer and as float.
 _LEFTOVER = 0xCDCD_0000
 
@@ -87,9 +88,9 @@ class Machine:
     def allocate(self, words: int) -> int:
         """The address of `words` fresh 32-bit words of zeros, aligned to 8 bytes: a place for a caller's object."""
         start = (self._free + 7) & ~7
-        self._free = start + 4 * words
-        if self._free > _STACK_TOP - 0x1000:
+        if start + 4 * words > _STACK_TOP - _STACK_ROOM:
             raise TargetError(f"{4 * words} bytes do not fit into the target's memory beside program and stack")
+        self._free = start + 4 * words
         return start
 
     def view(self, where: str | int, words: int, dtype: DTypeLike = np.float32) -> NDArray[Any]:

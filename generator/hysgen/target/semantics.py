@@ -10,8 +10,6 @@ import math
 import struct
 from collections.abc import Callable, Mapping
 
-from hysgen.errors import TargetError
-
 MASK = 0xFFFF_FFFF
 NAN_OUT = 0x7FFF_FFFF
 _SIGN, _EXPONENT, _FRACTION = 0x8000_0000, 0x7F80_0000, 0x007F_FFFF
@@ -104,17 +102,15 @@ class FloatUnit:
         return self._write(float(a))
 
     def spint(self, a: int) -> int:
-        """Float to integer, ties to even, saturated. Raises TargetError for NaN."""
+        """Float to integer, ties to even, saturated. Raises ValueError for NaN, which is not modelled."""
         return self._to_integer(a, round)
 
     def sptrunc(self, a: int) -> int:
-        """Float to integer, toward zero, saturated. Raises TargetError for NaN."""
+        """Float to integer, toward zero, saturated. Raises ValueError for NaN, which is not modelled."""
         return self._to_integer(a, math.trunc)
 
     def _to_integer(self, a: int, rounded: Callable[[float], int]) -> int:
         value = self._read(a)
-        if math.isnan(value):
-            raise TargetError("a NaN becomes an integer: the processor's answer is not modelled; keep NaN out")
         if math.isinf(value):
             return _INT_MAX if value > 0 else _INT_MIN & MASK
         return max(_INT_MIN, min(_INT_MAX, rounded(value))) & MASK
