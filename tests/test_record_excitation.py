@@ -67,6 +67,26 @@ def test_one_swing_repeated_is_said_not_to_tell_memory_from_lag() -> None:
     assert "all 19 swings of the voltage are alike (24 V in 0.005 s)" in line
 
 
+def test_swings_of_one_size_and_two_speeds_are_not_called_alike() -> None:
+    k = np.arange(3000)
+    u_V = 50 + 40 * np.sin(2 * np.pi * np.where(k < 1500, k / 500, k / 250))
+    assert not [line for line in check_for_fit(driven(LAB, u_V), 6, 18) if "alike" in line]
+
+
+def test_noise_alone_does_not_tell_coefficients_apart() -> None:
+    k = np.arange(5000)
+    u_V = 50 + 40 * np.sin(k / 100)
+    y_um = 0.1 * u_V + 0.01 * np.random.default_rng(4).normal(size=k.size)
+    # A cell of the 20 is 0.4 um wide: noise of 0.01 um there is a tenth of the movement, more than APART.
+    tells = check_for_fit(Record.from_arrays(u_V, y_um, 1e-3), 20, 60)[0]
+    assert "tells about 40 of 60 rule coefficients apart" in tells
+
+
+def test_signal_near_half_the_sampling_rate_is_not_taken_for_noise() -> None:
+    u_V, y_um = np.random.default_rng(4).normal(size=(2, 5000))
+    assert not [line for line in check_for_fit(Record.from_arrays(u_V, y_um, 1e-3), 4, 12) if "apart" in line]
+
+
 def test_rules_that_are_hardly_visited_are_named_with_their_samples() -> None:
     k = np.arange(4000)
     u_V = 20 + (10 + 5 * (k > 2000)) * np.sin(k / 50)

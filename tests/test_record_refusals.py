@@ -28,6 +28,9 @@ U_V = np.round(50 + 40 * np.sin(2 * np.pi * K / 100), 6)
 Y_UM = np.round(5 + 3 * np.sin(2 * np.pi * (K - 4) / 100) + 1e-3 * np.random.default_rng(7).normal(size=400), 4)
 ROWS = [f"{t},{u},{y}" for t, u, y in zip(TIME_S, U_V, Y_UM, strict=True)]
 CLIPPED_UM = np.minimum(Y_UM, 7.5)
+UY = Columns(voltage="u", displacement="y")
+WORDS = b"time_s,u,y,state\n0,1,2,ok\n1,2,3,ok\n2,3,4,ok\n3,4,5,ok\n"
+SEGMENTS = b"time_s,u,y,segment\n0,1,2,0\n1,2,5,0\n2,3,4,0\n2,1,1,1\n3,4,5,1\n5,6,7,1\n6,8,9,1\n7,7,7,1\n8,6,8,1\n"
 SPREAD_UM = np.stack([Y_UM, Y_UM], axis=1)
 
 
@@ -109,6 +112,10 @@ BAD = [
     ),
     Bad("ragged row", "a.csv", text({9: "0.007,1"}), ("line 9", "2 fields, the header has 3", "complete the row")),
     Bad("long row", "a.csv", text({9: "0.007,1,2,3"}), ("line 9", "4 fields, the header has 3", "complete the row")),
+    Bad("names short of columns", "a.csv", b"time_s,u,y\n0,1,2,3\n1,2,3,4\n2,3,4,5\n", ("line 2", "4 fields"), UY),
+    Bad(
+        "long row beside words", "a.csv", WORDS.replace(b"2,3,4,ok", b"2,3,4,5,ok"), ("line 4", "5 fields", "has 4"), UY
+    ),
     Bad(
         "text for a number",
         "a.csv",
@@ -172,6 +179,9 @@ BAD = [
         b"time_s,voltage_V,displacement_um,segment\n"
         + b"".join(b"%g,%d,%d,%d\n" % (k * 0.1, k, k * k, (0, 1, 0)[k // 3]) for k in range(9)),
         ("line 8", "segment 0 comes back", "its own number"),
+    ),
+    Bad(
+        "gap in the second segment", "a.csv", SEGMENTS, ("line 7", "time_s jumps from 3 s by 2 s", "segment column"), UY
     ),
     # NPZ, MAT, HDF5
     Bad(

@@ -30,7 +30,7 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
 
     Certain, a sensor at its end, if it rests there for 8 samples and three times longer than at any other value, and
       - noise that moves all other samples is gone there, or
-      - the displacement ran into it without slowing down while the voltage neither turned nor changed its pace.
+      - the displacement ran into it without slowing down while the voltage neither turned nor rested.
     Likely if only the last holds, or if the voltage goes on, beyond what it reached before, by as much as would move
     the stage (by the record's overall gain) 4 quanta of the displacement and 0.5 % of its range.
     So holds, slow signals inside one quantum, sticking, and plays at a turning point do not count; and an amplifier
@@ -60,7 +60,7 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
 
 
 def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:
-    """Whether y stopped within a sample at `start`, having come at a steady pace, while u went on at a steady pace."""
+    """Whether y stopped within a sample at `start`, having come at a steady pace, while u went on one way."""
     y, u = run.y_um, run.u_V
     reach = FLAT
     while abs(y[start] - y[max(0, start - reach)]) < 8.0 * quantum and reach < stop - start:
@@ -68,10 +68,10 @@ def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:
     if start < 2 * reach or reach > stop - start:
         return False
     last, earlier = y[start] - y[start - reach], y[start - reach] - y[start - 2 * reach]
-    if abs(last) < 8.0 * quantum or last * earlier <= 0.0 or abs(last) < 0.5 * abs(earlier):
+    if abs(last) < 8.0 * quantum or abs(last) < 0.5 * abs(earlier):
         return False
     pace = np.diff(u[max(0, start - max(BEFORE, reach)) : start + reach + 1])
-    return bool(pace.min() * pace.max() > 0.0 and np.abs(pace).max() < 3.0 * np.abs(pace).min())
+    return bool(pace.min() * pace.max() > 0.0)
 
 
 def _goes_on(towards: Series, start: int, stop: int, movement_V: float) -> bool:
