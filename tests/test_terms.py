@@ -124,6 +124,18 @@ def test_a_segment_continues_from_the_state_of_the_one_before(term: Term) -> Non
     assert np.abs(term.regressors(rest) - whole[cut:]).max() < 1e-10
 
 
+@pytest.mark.parametrize("term", [Creep((1e-4, 2e-3)), Resonance((700.0,), (0.02,)), Drift(2e-3, 0.5)])
+def test_linear_states_have_forgotten_their_start_when_they_say_so(term: Term) -> None:
+    rest = Drive(np.zeros(20_000), TS_S, innovation_um=np.zeros(20_000))
+    start = np.where(np.arange(term.start(0.0).size) % 2 == 0, 0.4, 0.0) if term.kind == "resonance" else 0.4
+    started = dataclasses.replace(rest, start={term.kind: start + term.start(0.0)})
+    left = np.abs(term.regressors(started)).max(axis=1)
+    settled = term.settled(rest)
+    assert left[settled:].max() <= 0.01 * left.max() * (1 + 1e-9)
+    assert left[settled // 2 :].max() > 0.05 * left.max()
+    assert term.settled(Drive(np.zeros(20), TS_S)) == 20
+
+
 @by_kind
 def test_linear_system_gives_the_same_regressors(term: Term) -> None:
     over = drive(600)

@@ -107,6 +107,25 @@ def test_all_terms_and_blocks_together_equal_their_reference(function: str) -> N
     assert_equal_bits(extended(TERMS, BLOCKS), function, 6000)
 
 
+def test_flushing_denormals_to_zero_changes_no_bit() -> None:
+    terms = [Creep((1e-4, 1e-3)), Resonance((5000.0,), (0.5,)), Drift(1e-4, 0.05), Coupling(("t",), (-1.0,), (1.0,))]
+    model = extended(terms, BLOCKS)
+    host = Host(model.name, generate(model))
+    if not host.flushes:
+        pytest.skip("this machine cannot be told to flush denormal numbers")
+    # Without a floor, states that decay to zero are denormal after 87 time constants, 4000 samples of the slowest.
+    u = np.where(np.arange(12_000) < 2000, 77.7, 0.0).astype(np.float32)
+    tiny = np.where(np.arange(12_000) % 2 == 0, 1e-41, -3e-39).astype(np.float32)
+    traces = []
+    for flush in (False, True):
+        struct = host.instance(0.0, 0.0)
+        columns = [column.view(np.uint32) for column in (tiny, u, tiny)]
+        out, trace = host.run("predict", struct, columns, words=len(host.layout(f"{model.name}_t")), flush=flush)
+        traces.append((out, trace))
+    assert np.array_equal(traces[0][0], traces[1][0])
+    assert np.array_equal(traces[0][1], traces[1][1])
+
+
 def test_order_of_the_terms_does_not_matter_to_the_equality() -> None:
     for terms in itertools.islice(itertools.permutations(TERMS), 100, 720, 211):
         assert_equal_bits(extended(terms, BLOCKS), "predict", 300)
