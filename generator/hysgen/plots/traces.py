@@ -28,14 +28,13 @@ def validation(
     keep = thinned(t_s.size)
     above.plot(t_s[keep], measured_um[keep], color=style.MEASURED, label="measured")
     for name, y_um in simulated_um.items():
-        above.plot(t_s[keep], y_um[keep], color=colours[name], label=name, linestyle="--")
+        above.plot(t_s[keep], y_um[keep], color=colours[name], linestyle="--")
         error_um = measured_um - y_um
         rms_um = float(np.sqrt(np.mean(error_um**2)))
-        below.plot(t_s[keep], error_um[keep], color=colours[name], label=f"{name}: {rms_um:.3g} µm rms")
+        below.plot(t_s[keep], error_um[keep], color=colours[name], label=f"{name}: {rms_um:.2g} µm rms")
     above.set(ylabel="displacement [µm]", title=title)
     below.set(xlabel="time [s]", ylabel="error [µm]")
-    above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    below.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    fig.legend(loc="outside lower center", ncols=4)
     return fig
 
 

@@ -60,6 +60,8 @@ def modelling_table(outcomes: list[Outcome]) -> str:
             [f"  {label}, free run", _um(scores.free_run.e_rms_um), _percent(scores.free_run.e_r_percent)]
             for (variant, label), scores in zip(labels.items(), outcome.scores.values(), strict=True)
         ]
+        memory = outcome.started["memory"]
+        rows.append(["    the same, after the first 20 ms", _um(memory.e_rms_um), _percent(memory.e_r_percent)])
         rows += [[f"  {name}, free run", _um(s.e_rms_um), _percent(s.e_r_percent)] for name, s in outcome.rivals]
         if rival is not None:
             rows.append(["  paper's Prandtl-Ishlinskii", _um(rival.e_rms_um), f"{rival.e_r_percent:.2f}"])
