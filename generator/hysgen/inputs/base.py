@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
-Words = NDArray[np.float32] | NDArray[np.uint32]
+Bits = NDArray[np.uint32]
+Words = Floats32 | Bits
 
 
 class BlockMirror(abc.ABC):
@@ -41,6 +42,10 @@ class BlockMirror(abc.ABC):
     @abc.abstractmethod
     def state(self) -> Sequence[Words]:
         """Every 32-bit word of the C struct of this block, in its order, (lanes,) each; compared bit for bit."""
+
+    @abc.abstractmethod
+    def restore(self, words: Sequence[Bits]) -> None:
+        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
 
 
 @runtime_checkable

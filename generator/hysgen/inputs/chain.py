@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hysgen.inputs.base import BlockMirror, Floats32, InputBlock, Words
+import numpy as np
+
+from hysgen.inputs.base import Bits, BlockMirror, Floats32, InputBlock, Words
 
 
 class ChainMirror:
@@ -51,3 +53,13 @@ class ChainMirror:
         if not self._blocks:
             return []
         return [self.v_V, *(word for block in self._blocks for word in block.state())]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
+        if not self._blocks:
+            return
+        self.v_V, first = words[0].view(np.float32), 1
+        for block in self._blocks:
+            count = len(block.state())
+            block.restore(words[first : first + count])
+            first += count

@@ -14,13 +14,13 @@ inverse would be a recursion with a pole at -mu/(1-mu), unstable beyond half a s
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from hysgen.inputs.base import BlockMirror, Floats, Floats32, Words
+from hysgen.inputs.base import Bits, BlockMirror, Floats, Floats32, Words
 
 MOST_SAMPLES = 1000
 
@@ -96,8 +96,8 @@ class DelayMirror(BlockMirror):
 
     def __init__(self, block: Delay, part: np.float32, u_V: Floats32) -> None:
         self._whole, self._part = block.whole, part
-        self._ring = [u_V.copy() for _ in range(block.ring)]
-        self._newest = 0
+        self._ring = np.tile(u_V, (block.ring, 1))
+        self._newest = np.zeros(u_V.shape, dtype=np.uint32)
 
     def apply(self, u_V: Floats32) -> Floats32:
         self._push(u_V)
@@ -110,14 +110,19 @@ class DelayMirror(BlockMirror):
         return v_V if self._part == 0 else before + self._part * (v_V - before)
 
     def state(self) -> list[Words]:
-        return [*self._ring, np.full(self._ring[0].shape, self._newest, dtype=np.uint32)]
+        return [*self._ring, self._newest]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._ring = np.array(words[:-1]).view(np.float32)
+        self._newest = words[-1]
 
     def _push(self, u_V: Floats32) -> None:
-        self._newest = (self._newest + 1) % len(self._ring)
-        self._ring[self._newest] = u_V
+        self._newest = (self._newest + np.uint32(1)) % np.uint32(len(self._ring))
+        self._ring[self._newest, np.arange(u_V.size)] = u_V
 
     def _past(self, samples: int) -> Floats32:
-        return self._ring[(self._newest - samples) % len(self._ring)]
+        place = (self._newest - np.uint32(samples)) % np.uint32(len(self._ring))
+        return np.asarray(self._ring[place, np.arange(place.size)])
 
 
 BLOCK = Delay

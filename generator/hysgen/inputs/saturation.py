@@ -7,13 +7,13 @@ The inverse never asks for more: what it commands lies between the levels alread
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from hysgen.inputs.base import BlockMirror, Floats, Floats32, limited
+from hysgen.inputs.base import Bits, BlockMirror, Floats, Floats32, limited
 
 
 @dataclass(frozen=True)
@@ -79,6 +79,9 @@ class ClipMirror(BlockMirror):
 
     def state(self) -> list[Floats32]:
         return []
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        """There is nothing to take over."""
 
 
 BLOCK = Saturation

@@ -7,13 +7,13 @@ Where the limit is not reached v is u, bit for bit. The inverse walks within the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from hysgen.inputs.base import BlockMirror, Floats, Floats32, limited
+from hysgen.inputs.base import Bits, BlockMirror, Floats, Floats32, limited
 from hysgen.kernels.slew import slew_limited
 
 
@@ -85,6 +85,9 @@ class SlewMirror(BlockMirror):
 
     def state(self) -> list[Floats32]:
         return [self._last]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._last = words[0].view(np.float32)
 
 
 BLOCK = Slew

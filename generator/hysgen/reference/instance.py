@@ -17,7 +17,7 @@ from hysgen.reference.arithmetic import Floats32, Words, bits_of, reciprocal
 from hysgen.reference.rules import RuleSums, rule_sums
 from hysgen.reference.safety import finite, limited, settled
 from hysgen.status import COUNTERS, Status
-from hysgen.terms import channels_of
+from hysgen.terms import Mirror, channels_of
 
 _LAST = np.uint32(0xFFFFFFFF)
 
@@ -100,6 +100,18 @@ class Instance:
         for place, term in enumerate(self.terms):
             named |= {f"terms[{place}][{i}]": word.view(np.uint32) for i, word in enumerate(term.state())}
         return named
+
+    def restore(self, words: Sequence[Words]) -> None:
+        """Take over the states whose `words` are given, in their order, (lanes,) each, any number of lanes."""
+        self.y_um, self.u_V = (word.view(np.float32) for word in words[:2])
+        self.status = words[2]
+        self.counters = dict(zip(COUNTERS, words[3:], strict=False))
+        first = 3 + len(COUNTERS)
+        mirrors: list[ChainMirror | Mirror] = [self.inputs, *self.terms]
+        for mirror in mirrors:
+            count = len(mirror.state())
+            mirror.restore(words[first : first + count])
+            first += count
 
     def _forward(self, y: Floats32, u: Floats32) -> Floats32:
         self.u_V = u

@@ -89,6 +89,10 @@ class Mirror(abc.ABC):
     def state(self) -> Sequence[Words]:
         """Every 32-bit word of the C struct of this term, in its order, (lanes,) each; compared bit for bit."""
 
+    @abc.abstractmethod
+    def restore(self, words: Sequence[Bits]) -> None:
+        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
+
 
 @runtime_checkable
 class Term(Protocol):

@@ -9,7 +9,7 @@ first sample every channel stands in the middle of its range.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -162,6 +162,11 @@ class ChannelMirror(Mirror):
 
     def state(self) -> list[Floats32]:
         return [value for past in self._past for value in past]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        floats = [word.view(np.float32) for word in words]
+        taps = len(self._past[0])
+        self._past = [floats[first : first + taps] for first in range(0, len(floats), taps)]
 
 
 TERM = Coupling

@@ -11,14 +11,14 @@ Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43 (cr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from hysgen.kernels.poles import lag_states
-from hysgen.terms.base import Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 from hysgen.terms.twofloat import accumulate
 
 
@@ -122,6 +122,10 @@ class CreepMirror(Mirror):
 
     def state(self) -> list[Floats32]:
         return [*(high for high, _ in self._words), *(low for _, low in self._words)]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        floats = [word.view(np.float32) for word in words]
+        self._words = list(zip(floats[: len(self._rate)], floats[len(self._rate) :], strict=True))
 
 
 TERM = Creep

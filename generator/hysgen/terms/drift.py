@@ -15,14 +15,14 @@ faster than tau and a predictor for what is slower. It cannot be fitted like oth
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from hysgen.kernels.poles import lag_states
-from hysgen.terms.base import Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 from hysgen.terms.twofloat import accumulate
 
 
@@ -124,6 +124,9 @@ class BiasMirror(Mirror):
 
     def state(self) -> list[Floats32]:
         return [self._high, self._low]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._high, self._low = (word.view(np.float32) for word in words)
 
 
 TERM = Drift

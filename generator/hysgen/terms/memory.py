@@ -19,7 +19,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.kernels import play_operators
-from hysgen.terms.base import Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,9 @@ class PlayMirror(Mirror):
 
     def state(self) -> list[Floats32]:
         return self._play
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._play = [word.view(np.float32) for word in words]
 
 
 TERM = Memory

@@ -12,7 +12,7 @@ caller, who may write the phase words of the struct.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar, Self
@@ -141,6 +141,9 @@ class PhaseMirror(Mirror):
 
     def state(self) -> list[Bits]:
         return [phase[half] for half in (0, 1) for phase in self._phases]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._phases = list(zip(words[: len(self._turns)], words[len(self._turns) :], strict=True))
 
 
 TERM = Periodic

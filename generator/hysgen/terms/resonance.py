@@ -13,7 +13,7 @@ Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digit
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.kernels.poles import mode_states
-from hysgen.terms.base import Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 from hysgen.terms.twofloat import accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
@@ -156,6 +156,12 @@ class ModeMirror(Mirror):
 
     def state(self) -> list[Floats32]:
         return [words[half] for sums in (self._position, self._velocity) for half in (0, 1) for words in sums]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        floats, modes = [word.view(np.float32) for word in words], len(self._steps)
+        high, low, turning, turning_low = (floats[first : first + modes] for first in range(0, 4 * modes, modes))
+        self._position = list(zip(high, low, strict=True))
+        self._velocity = list(zip(turning, turning_low, strict=True))
 
 
 TERM = Resonance
