@@ -133,7 +133,7 @@ class Columns:
 
 
 def nearest(name: str, there: Iterable[str]) -> str:
-    """ " (did you mean 'x'?)" for the name out of `there` that is spelled most like `name`, or ""."""
+    """The words "(did you mean 'x'?)" for the name out of `there` that is spelled most like `name`, or none."""
     by_spelling = {one.lower(): one for one in there}
     close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.5)
     return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""

@@ -38,7 +38,7 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
     """
     values = np.concatenate([run.y_um for run in runs])
     ends = (("highest", float(values.max())), ("lowest", float(values.min())))
-    quantum = float(np.diff(np.unique(values)).min())
+    quantum = min(_smallest_step(run.y_um) for run in runs)
     span = ends[0][1] - ends[1][1]
     gain = span / np.ptp(np.concatenate([run.u_V for run in runs]))
     noisy = max(white_noise(run.y_um) for run in runs) > max(0.5 * quantum, 1e-6 * span)
@@ -157,6 +157,12 @@ def _correlation(runs: Sequence[Channels]) -> float:
         u, y = run.u_V - run.u_V.mean(), run.y_um - run.y_um.mean()
         uu, yy, uy = uu + float(u @ u), yy + float(y @ y), uy + float(u @ y)
     return uy / (uu * yy) ** 0.5 if uu * yy > 0.0 else 0.0
+
+
+def _smallest_step(y: Series) -> float:
+    """The smallest change from one sample to the next that is not zero: the quantum of a sensor that has one."""
+    steps = np.abs(np.diff(y))
+    return float(steps.min(where=steps > 0.0, initial=np.inf))
 
 
 def white_noise(values: Series) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -82,9 +83,9 @@ def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -
     u = find(source, arrays, "voltage", columns.voltage)
     y = find(source, arrays, "displacement", columns.displacement)
     time = None
-    if columns.time and (columns.Ts_s is None or key_of(arrays, columns.time)):
-        told = key_of(arrays, columns.time) is None and scalar_period(arrays) is not None
-        time = None if told else _as_many(source, columns.time, find(source, arrays, "time", columns.time), len(u))
+    there = key_of(arrays, columns.time.partition("[")[0]) is not None
+    if columns.time and (there or (columns.Ts_s or scalar_period(arrays)) is None):
+        time = _as_many(source, columns.time, find(source, arrays, "time", columns.time), len(u))
     pairs = _neighbours(arrays, columns) if (pairs := columns.aux_pairs()) is None else pairs
     aux = {label: _as_many(source, name, find(source, arrays, "aux", name), len(u)) for label, name in pairs}
     if len(y) != len(u):
@@ -101,7 +102,7 @@ def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -
             {name: one_series(source, name, series[number]) for name, series in aux.items()},
             columns.voltage,
             columns.displacement,
-            index_of if len(u) == 1 else lambda row, label=label: f"segment {label}, index {row}",  # type: ignore[misc]
+            index_of if len(u) == 1 else partial(_index_in_segment, label),
         )
         stamps = None
         if time is not None:
@@ -171,6 +172,10 @@ def _neighbours(arrays: Mapping[str, Array], columns: Columns) -> tuple[tuple[st
         and np.squeeze(array).ndim == 1
         and array.dtype.kind in "fiub"
     )
+
+
+def _index_in_segment(label: str, row: int) -> str:
+    return f"segment {label}, index {row}"
 
 
 def _as_many(source: str, name: str, series: Sequence[tuple[str, Array]], count: int) -> list[Array]:
