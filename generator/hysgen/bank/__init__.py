@@ -1,0 +1,10 @@
+"""The bank: records of virtual stages that hide effects, and how often the diagnosis finds what was hidden.
+
+The analysis sees only the record. What counts as hidden is decided by the plant, run with and without each effect.
+"""
+
+from hysgen.bank.result import BankResult
+from hysgen.bank.run import run
+from hysgen.bank.scenario import CATEGORIES, Scenario, scenario
+
+__all__ = ["CATEGORIES", "BankResult", "Scenario", "run", "scenario"]

@@ -1,0 +1,150 @@
+"""What a run of the bank says: who was found, who was accused, how small an effect may be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hysgen.diagnose.vocabulary import VOCABULARY
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One record: what was planted, required (its share exceeds what memory alone leaves), and named.
+
+    relative: share of each planted effect over what memory alone leaves. errors: relative error of each parameter.
+    """
+
+    category: str
+    seed: int
+    rate_Hz: float
+    excitation: str
+    planted: tuple[str, ...]
+    required: tuple[str, ...]
+    named: tuple[str, ...]
+    relative: dict[str, float]
+    errors: dict[str, float]
+    seconds: float
+    experiment: str
+
+    @property
+    def exact(self) -> bool:
+        """Everything required is named, and nothing that was not planted."""
+        return set(self.required) <= set(self.named) <= set(self.planted)
+
+
+@dataclass(frozen=True)
+class BankResult:
+    """All verdicts of a run, and the seeds that made them."""
+
+    verdicts: tuple[Verdict, ...]
+    seeds: tuple[int, ...]
+
+    def judged(self) -> list[Verdict]:
+        """Records with a good excitation: those that must be right."""
+        return [verdict for verdict in self.verdicts if verdict.category != "poor"]
+
+    @property
+    def exact_rate(self) -> float:
+        """Share of judged records with the exact set of causes."""
+        return _share([verdict.exact for verdict in self.judged()])
+
+    @property
+    def found_rate(self) -> float:
+        """Share of required causes that were named, over the judged records."""
+        return _share([name in verdict.named for verdict in self.judged() for name in verdict.required])
+
+    @property
+    def false_alarm_rate(self) -> float:
+        """Share of records with nothing hidden (memory only, or no effect) that name something not planted."""
+        quiet = [verdict for verdict in self.judged() if verdict.category in ("memory", "none")]
+        return _share([not set(verdict.named) <= set(verdict.planted) for verdict in quiet])
+
+    def confusion(self) -> dict[str, dict[str, int]]:
+        """How often each cause was named where each was required; "nothing": no cause but memory was planted."""
+        table: dict[str, dict[str, int]] = {}
+        for verdict in self.judged():
+            hidden = [name for name in verdict.required if name != "memory"]
+            planted = [name for name in verdict.planted if name != "memory"]
+            for row in hidden or ([] if planted else ["nothing"]):
+                counts = table.setdefault(row, {})
+                others = [name for name in verdict.named if name != "memory" and (name == row or name not in planted)]
+                for column in others or ["nothing"]:
+                    counts[column] = counts.get(column, 0) + 1
+        return table
+
+    def smallest(self, share: float) -> dict[str, float]:
+        """Per cause: the strength, over what memory alone leaves, from which on at least `share` of them are found."""
+        levels = {}
+        for name in VOCABULARY:
+            seen = sorted(
+                (verdict.relative[name], name in verdict.named) for verdict in self.judged() if name in verdict.relative
+            )
+            for i, (strength, _) in enumerate(seen):
+                if _share([found for _, found in seen[i:]]) >= share:
+                    levels[name] = strength
+                    break
+        return levels
+
+    def parameter_errors(self) -> dict[str, tuple[float, float, int]]:
+        """Per parameter: median and largest error over the records where its cause was required and named."""
+        gathered: dict[str, list[float]] = {}
+        for verdict in self.judged():
+            for key, error in verdict.errors.items():
+                if key.split(".")[0] in verdict.required:
+                    gathered.setdefault(key, []).append(abs(error))
+        return {key: (float(np.median(v)), float(max(v)), len(v)) for key, v in sorted(gathered.items())}
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "records": len(self.verdicts),
+            "seeds": [min(self.seeds), max(self.seeds)],
+            "exact_rate": self.exact_rate,
+            "found_rate": self.found_rate,
+            "false_alarm_rate": self.false_alarm_rate,
+            "confusion": self.confusion(),
+            "smallest_found": {"50%": self.smallest(0.5), "95%": self.smallest(0.95)},
+            "parameter_errors": {
+                key: {"median": m, "largest": w, "records": c} for key, (m, w, c) in self.parameter_errors().items()
+            },
+            "wrong": [
+                {"category": v.category, "seed": v.seed, "required": v.required, "named": v.named}
+                for v in self.judged()
+                if not v.exact
+            ],
+            "median_seconds": float(np.median([verdict.seconds for verdict in self.verdicts])),
+        }
+
+    def table(self) -> str:
+        """The confusion matrix and the rates, for people."""
+        columns = [*(name for name in VOCABULARY if name != "memory"), "nothing"]
+        matrix = self.confusion()
+        lines = ["hidden (rows) named as (columns)", f"{'':12}" + "".join(f"{name[:7]:>8}" for name in columns)]
+        for row in columns:
+            if row in matrix:
+                cells = "".join(f"{matrix[row].get(column, 0) or '.':>8}" for column in columns)
+                lines.append(f"{row:12}{cells}")
+        judged = self.judged()
+        lines.append("")
+        lines.append(f"exact set of causes  {100 * self.exact_rate:6.1f} %  of {len(judged)} records")
+        required = sum(len(verdict.required) for verdict in judged)
+        lines.append(f"required and found   {100 * self.found_rate:6.1f} %  of {required} causes")
+        quiet = [verdict for verdict in judged if verdict.category in ("memory", "none")]
+        alarms = f"{100 * self.false_alarm_rate:6.1f} %  of {len(quiet)} records, nothing hidden"
+        lines.append(f"false alarms         {alarms}")
+        half, most = self.smallest(0.5), self.smallest(0.95)
+        lines.append("smallest effect found, as a multiple of what memory alone leaves (50 % / 95 % of the time):")
+        lines.extend(
+            f"  {name:12}{half.get(name, float('nan')):8.2f} /{most.get(name, float('nan')):8.2f}" for name in half
+        )
+        lines.append("parameters, median and largest error:")
+        lines.extend(f"  {key:32}{m:10.3g}{w:10.3g}  of {c}" for key, (m, w, c) in self.parameter_errors().items())
+        return "\n".join(lines)
+
+
+def _share(hits: Sequence[bool]) -> float:
+    return float(np.mean(hits)) if hits else float("nan")

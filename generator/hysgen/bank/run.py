@@ -1,0 +1,120 @@
+"""Running the bank: make a record, diagnose it, compare with what was hidden."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.bank.result import BankResult, Verdict
+from hysgen.bank.scenario import CATEGORIES, Scenario, memory_only, scenario
+from hysgen.diagnose.evidence.memory import Memory
+from hysgen.diagnose.ladder import climb
+from hysgen.diagnose.prepare import prepare
+from hysgen.diagnose.probe import Chain, Fit, rms
+from hysgen.diagnose.procedure import name_causes
+from hysgen.fit import FitSettings
+from hysgen.record import Record
+from hysgen.stage import run as measure
+
+Floats = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+
+def run(
+    seeds: Sequence[int],
+    categories: Sequence[str] = CATEGORIES,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> BankResult:
+    """Every category with every seed. jobs: processes to use. progress: told the fraction done and one line."""
+    work = list(product(categories, seeds))
+    verdicts: list[Verdict] = []
+    with ProcessPoolExecutor(jobs) as pool:
+        stream = pool.map(_one, work) if jobs > 1 else map(_one, work)
+        for done, verdict in enumerate(stream, start=1):
+            verdicts.append(verdict)
+            if progress is not None:
+                mark = "right" if verdict.exact else "WRONG"
+                progress(done / len(work), f"{mark} {verdict.category} {verdict.seed}: {', '.join(verdict.named)}")
+    return BankResult(tuple(verdicts), tuple(seeds))
+
+
+def judge(hidden: Scenario) -> Verdict:
+    """Measure a scenario, diagnose the record alone, and compare."""
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux, shares=True)
+    record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)
+    left_um = left_by_memory(hidden)
+    begun = time.perf_counter()
+    naming = name_causes(record)
+    seconds = time.perf_counter() - begun
+    names = {"stick_slip": "unknown"}
+    shares = {names.get(name, name): share for name, share in measured.truth.shares_um.items()}
+    return Verdict(
+        category=hidden.category,
+        seed=hidden.seed,
+        rate_Hz=1.0 / hidden.Ts_s,
+        excitation=hidden.excitation,
+        planted=hidden.planted,
+        required=tuple(name for name in hidden.planted if shares[name] > left_um),
+        named=naming.names,
+        relative={name: shares[name] / left_um for name in hidden.planted},
+        errors=parameter_errors(hidden, naming.parameters),
+        seconds=seconds,
+        experiment=naming.next_experiment,
+    )
+
+
+def left_by_memory(hidden: Scenario) -> float:
+    """Free-run rms in um that the Takagi-Sugeno model with memory leaves on the stage with nothing but hysteresis."""
+    bare = memory_only(hidden)
+    measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
+    prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=("constant",)))
+    scene = prepared.scene()
+    extension = Memory().extension(scene, Fit(Chain(1.0), np.zeros(0), np.zeros(0), 0.0))
+    rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings(certified=False))
+    return rms(rung.error_um[prepared.held_rows])
+
+
+def parameter_errors(hidden: Scenario, found: dict[str, float]) -> dict[str, float]:
+    """Errors of the parameters found, by "cause.parameter": relative to the truth; delays in samples, lines in Hz, and
+    levels relative to the range of the input."""
+    stage, errors = hidden.stage, {}
+    span_V = float(np.ptp(hidden.u_V))
+
+    def compare(key: str, truth: float, unit: float | None = None) -> None:
+        if key in found and math.isfinite(truth):
+            errors[key] = (found[key] - truth) / (truth if unit is None else unit)
+
+    if stage.resonance:
+        compare("resonance.f_Hz", stage.resonance[0].f_Hz)
+        compare("resonance.zeta", stage.resonance[0].zeta)
+    if stage.periodic:
+        compare("periodic.f_Hz", stage.periodic[0].f_Hz, 1.0)
+        compare("periodic.amplitude_um", stage.periodic[0].amplitude_um)
+    if stage.delay:
+        compare("delay.delay_samples", stage.delay.samples, 1.0)
+    if stage.saturation:
+        compare("saturation.low_V", stage.saturation.low_V, span_V)
+        compare("saturation.high_V", stage.saturation.high_V, span_V)
+    if stage.slew:
+        compare("slew.rate_V_per_s", stage.slew.V_per_s)
+    if stage.creep:
+        compare("creep.per_decade", stage.creep.per_decade)
+    if stage.drift:
+        compare("drift.ramp_um_per_s", stage.drift.ramp_um_per_s)
+    if stage.aging:
+        compare("aging.per_s", stage.aging.fraction / stage.aging.over_s)
+    if stage.coupling:
+        compare("coupling.axis2_V_um_per_unit", stage.coupling.um_per_unit["axis2_V"])
+    return errors
+
+
+def _one(work: tuple[str, int]) -> Verdict:
+    category, seed = work
+    return judge(scenario(category, seed))

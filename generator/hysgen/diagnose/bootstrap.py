@@ -1,0 +1,52 @@
+"""Confidence intervals that respect correlation: whole blocks of samples are drawn again, never single ones.
+
+Source: Kuensch (1989), moving blocks; Politis and Romano (1992), circular ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+BLOCKS = 24
+DRAWS = 400
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Free-run rms before and after in um, and the 95 % interval of the fall from one to the other."""
+
+    before_um: float
+    after_um: float
+    low_um: float
+    high_um: float
+
+    @property
+    def fall_um(self) -> float:
+        """How far the rms falls."""
+        return self.before_um - self.after_um
+
+
+def gain(before_um: Floats, after_um: Floats) -> Gain:
+    """The gain between two errors of the same samples, (n,) each, in order.
+
+    Blocks of n/24 samples, drawn 400 times with a fixed seed, the same blocks for both errors.
+    """
+    n = len(before_um)
+    length = max(1, n // BLOCKS)
+    squares = [_block_means(error * error, length) for error in (before_um, after_um)]
+    chosen = np.random.default_rng(1).integers(0, n, size=(DRAWS, BLOCKS))
+    falls = np.sqrt(squares[0][chosen].mean(axis=1)) - np.sqrt(squares[1][chosen].mean(axis=1))
+    low, high = np.quantile(falls, [0.025, 0.975])
+    root = [float(np.sqrt(np.mean(error * error))) for error in (before_um, after_um)]
+    return Gain(root[0], root[1], float(low), float(high))
+
+
+def _block_means(values: Floats, length: int) -> Floats:
+    """(n,) mean of the `length` values from each sample on, around the end to the start."""
+    sums = np.concatenate([[0.0], np.cumsum(np.concatenate([values, values[: length - 1]]))])
+    return np.asarray((sums[length:] - sums[:-length]) / length)

@@ -1,0 +1,54 @@
+"""Aging: the gain changes during the record, so the error is proportional to the displacement and grows with time."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+
+FORGET = 0.35
+"""Time constant of forgetting, as a share of the record: short enough to follow, long enough to average."""
+
+
+class Aging(Cause):
+    name = "aging"
+
+    def present(self, chain: Chain) -> bool:
+        return chain.aging_per_s is not None
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, aging_per_s=None)
+
+    def proposals(self, look: Look) -> list[Chain]:
+        chain = look.fit.chain
+        if chain.aging_per_s is not None:
+            return []
+        return [dataclasses.replace(chain, aging_per_s=sign * 0.02 / look.scene.span_s) for sign in (1.0, -1.0)]
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """The change of gain against its standard error, the ramp of a drift being free beside it."""
+        scene = look.scene
+        rate = look.fit.chain.aging_per_s or 0.0
+        error = standard_errors(scene, look.fit).coordinates["aging"]
+        z = abs(rate) / max(error, 1e-15)
+        return Signature(
+            holds=z > 5.0,
+            z=z,
+            text=f"gain changes by {100 * rate * scene.span_s:+.2f} % +- {100 * error * scene.span_s:.2f} in this time",
+            parameters={
+                "fraction": Estimate(rate * scene.span_s, error * scene.span_s),
+                "per_s": Estimate(rate, error),
+            },
+        )
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        return Extension(
+            gain_per_s=fit.chain.aging_per_s or 0.0,
+            zero_um=scene.zero_um(fit.chain, fit.weights),
+            forgetting_s=FORGET * scene.span_s,
+        )
+
+
+CAUSE = Aging()

@@ -1,0 +1,77 @@
+"""The contract of a cause: how it is proposed to the probe, how it is taken out again, and what it must show itself.
+
+A cause is named only if two things agree: the held-out gain that its part of the chain brings, which `search` measures
+for all causes alike, and a physical signature of its own, which only the cause's module knows.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.probe import Chain, Fit, Projector, Scene
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """The probe's present state: fitted chain, its error (n,) and the projector off all it explains on fitted rows."""
+
+    scene: Scene
+    fit: Fit
+    projector: Projector
+
+    @classmethod
+    def at(cls, scene: Scene, fit: Fit) -> Look:
+        return cls(scene, fit, Projector.of(scene.columns(fit.chain)[:, scene.rows]))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A physical parameter with its standard error, in the unit that its name ends with."""
+
+    value: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What a cause shows of itself: a statistic in standard errors or their equivalent, whether it holds, in words."""
+
+    holds: bool
+    z: float
+    text: str
+    parameters: Mapping[str, Estimate] = field(default_factory=dict)
+
+
+class Cause(abc.ABC):
+    """One cause of the vocabulary. Stateless: one instance per module, called CAUSE."""
+
+    name: ClassVar[str]
+
+    @abc.abstractmethod
+    def present(self, chain: Chain) -> bool:
+        """Whether the chain holds this cause's part."""
+
+    @abc.abstractmethod
+    def without(self, chain: Chain) -> Chain:
+        """The chain with this cause's part taken out."""
+
+    @abc.abstractmethod
+    def proposals(self, look: Look) -> list[Chain]:
+        """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""
+
+    @abc.abstractmethod
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """The evidence in the record for this cause. look: at the final fit; rival: the best fit without the cause."""
+
+    @abc.abstractmethod
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        """What the model gets for it, with the shape parameters that the probe found."""

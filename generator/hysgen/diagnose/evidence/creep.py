@@ -1,0 +1,57 @@
+"""Creep: the output keeps moving in the direction of the last move, by a constant share in every decade of time."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+from hysgen.terms.creep import Creep as CreepTerm
+
+STATES = 4
+"""Slow states of the term, spread over the decades between the start of the creep and the length of the record."""
+
+
+class Creep(Cause):
+    name = "creep"
+
+    def present(self, chain: Chain) -> bool:
+        return chain.creep is not None
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, creep=None, creep_from_s=0.0)
+
+    def proposals(self, look: Look) -> list[Chain]:
+        chain, scene = look.fit.chain, look.scene
+        if chain.creep is not None:
+            return []
+        fastest_s = max(5.0 * scene.Ts_s, 3.0 * chain.lag_s)
+        slowest_s = 0.05 * scene.span_s
+        decades = math.log10(max(slowest_s / fastest_s, 1.0))
+        starts = [fastest_s * 10.0 ** (share * decades) for share in (0.0, 0.33, 0.67, 1.0)]
+        return [dataclasses.replace(chain, creep=0.01, creep_from_s=start_s) for start_s in starts]
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """The creep against its standard error: positive, and slower than the lag."""
+        chain = look.fit.chain
+        creep = chain.creep or 0.0
+        error = standard_errors(look.scene, look.fit).coordinates["creep"]
+        z = creep / max(error, 1e-15)
+        return Signature(
+            holds=z > 4.0 and chain.creep_from_s > 2.0 * chain.lag_s,
+            z=z,
+            text=f"after a move the output goes on by {100 * creep:.2f} % +- {100 * error:.2f} of it per decade",
+            parameters={
+                "per_decade": Estimate(creep, error),
+                "from_s": Estimate(chain.creep_from_s, math.nan),
+            },
+        )
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        longest_s = max(scene.span_s, 4.0 * fit.chain.creep_from_s)
+        return Extension(term=CreepTerm.spread(STATES, fit.chain.creep_from_s, longest_s))
+
+
+CAUSE = Creep()

@@ -1,0 +1,116 @@
+"""Periodic: a line in the error's spectrum that keeps its phase and is no harmonic of what drives the stage."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+from hysgen.terms.periodic import Periodic as PeriodicTerm
+
+Floats = NDArray[np.float64]
+
+MOST_LINES = 4
+SHORTEST_PERIODS = 6.0
+
+
+class Periodic(Cause):
+    name = "periodic"
+
+    def present(self, chain: Chain) -> bool:
+        return bool(chain.lines_Hz)
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, lines_Hz=())
+
+    def proposals(self, look: Look) -> list[Chain]:
+        chain = look.fit.chain
+        if len(chain.lines_Hz) >= MOST_LINES:
+            return []
+        return [dataclasses.replace(chain, lines_Hz=(*chain.lines_Hz, line_Hz)) for line_Hz in _peaks(look, 3)]
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """Each line's power against the local background, and its phase in each quarter of the record."""
+        chain, scene = look.fit.chain, look.scene
+        errors = standard_errors(scene, look.fit).coordinates
+        first = scene.hysteresis_size(chain) + scene.line_column(chain)
+        parameters, texts, ratios, sound = {}, [], [], True
+        for i, line_Hz in enumerate(chain.lines_Hz):
+            sine, cosine = look.fit.weights[first + 2 * i : first + 2 * i + 2]
+            ratio, steady = _standing(look, line_Hz, float(sine), float(cosine))
+            suffix = "" if i == 0 else f"_{i + 1}"
+            amplitude = float(np.hypot(sine, cosine))
+            parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"line{i}"])
+            parameters[f"amplitude{suffix}_um"] = Estimate(amplitude, amplitude / np.sqrt(max(ratio, 1e-9)))
+            ratios.append(ratio)
+            sound &= steady
+            texts.append(f"line at {line_Hz:.5g} Hz, {amplitude:.3g} um, {ratio:.2g} times its background")
+        texts.append("phase kept throughout" if sound else "phase not kept")
+        holds = bool(sound and min(ratios) > 30.0)
+        return Signature(holds, float(np.sqrt(min(ratios))), "; ".join(texts), parameters)
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        return Extension(term=PeriodicTerm(tuple(sorted(fit.chain.lines_Hz))))
+
+
+def _spectrum(signal: Floats) -> Floats:
+    window = np.hanning(len(signal))
+    return np.asarray(np.abs(np.fft.rfft((signal - signal.mean()) * window)) ** 2)
+
+
+def _peaks(look: Look, count: int) -> list[float]:
+    """Frequencies in Hz of the lines that stand out most from their neighbourhood in the longest run's error."""
+    scene = look.scene
+    starts = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+    longest = int(np.argmax(np.diff(starts)))
+    used = scene.rows[(scene.rows >= starts[longest]) & (scene.rows < starts[longest + 1])]
+    error = look.fit.error[used.min() : used.max() + 1]
+    power = _spectrum(error)
+    n = len(error)
+    low = max(int(SHORTEST_PERIODS), 3)
+    background = _local_median(power)
+    ratio = power / (background + 1e-300)
+    ratio[:low] = 0.0
+    lines: list[float] = []
+    for at in np.argsort(ratio * np.sqrt(power))[::-1].tolist():
+        if ratio[at] < 15.0 or len(lines) == count:
+            break
+        if 0 < at < len(power) - 1 and power[at] >= power[at - 1] and power[at] >= power[at + 1]:
+            a, b, c = np.log(power[at - 1 : at + 2] + 1e-300)
+            shift = 0.5 * (a - c) / (a - 2 * b + c) if a - 2 * b + c < 0 else 0.0
+            lines.append((at + float(shift)) / (n * scene.Ts_s))
+    return lines
+
+
+def _local_median(power: Floats) -> Floats:
+    """Median power in the neighbourhood of each bin, narrower at low frequencies; found at some bins, then drawn on."""
+    at = np.unique(np.round(np.geomspace(1, len(power), 120)).astype(int)) - 1
+    halves = np.maximum(8, at // 8)
+    level = [np.median(power[max(0, i - half) : i + half + 1]) for i, half in zip(at, halves, strict=True)]
+    return np.asarray(np.exp(np.interp(np.arange(len(power)), at, np.log(np.array(level) + 1e-300))))
+
+
+def _standing(look: Look, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
+    """Power of the line over that of the error around it, and whether every quarter of the rows shows its phase."""
+    scene, rows = look.scene, look.scene.rows
+    time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])[rows]
+    wave = np.exp(-2j * np.pi * line_Hz * time_s)
+    line = sine * np.sin(2 * np.pi * line_Hz * time_s) + cosine * np.cos(2 * np.pi * line_Hz * time_s)
+    error = look.fit.error[rows]
+    around = []
+    width = 1.0 / (scene.Ts_s * len(rows))
+    for step in (3, 4, 5, 6, 7, 8):
+        for sign in (-1, 1):
+            near = np.exp(-2j * np.pi * (line_Hz + sign * step * width) * time_s)
+            around.append(abs(np.mean(error * near)) ** 2)
+    whole = np.mean(line * wave)
+    parts = [np.mean((line + error)[part] * wave[part]) for part in np.array_split(np.arange(len(rows)), 4)]
+    steady = all(np.real(part * np.conj(whole)) > 0.5 * abs(whole) ** 2 for part in parts)
+    return float(abs(whole) ** 2 / (np.mean(around) + 1e-300)), steady
+
+
+CAUSE = Periodic()

@@ -1,0 +1,88 @@
+"""Resonance: a lightly damped mode that rings at its own frequency whatever the input's."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.probe import Chain, Fit, Mode, Scene, standard_errors
+from hysgen.diagnose.probe.dynamics import respond
+from hysgen.terms.resonance import Resonance as ResonanceTerm
+
+PER_DECADE = 45
+"""Trial frequencies per decade: a mode half a step off still rings alike for as long as its damping lets it."""
+
+DAMPINGS = (0.03, 0.12)
+MOST_MODES = 3
+
+
+class Resonance(Cause):
+    name = "resonance"
+
+    def present(self, chain: Chain) -> bool:
+        return bool(chain.modes)
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, modes=())
+
+    def proposals(self, look: Look) -> list[Chain]:
+        """The best few of a grid of modes, judged by how much of the error their ringing alone would explain."""
+        chain, scene = look.fit.chain, look.scene
+        if len(chain.modes) >= MOST_MODES:
+            return []
+        size = scene.hysteresis_size(chain)
+        paths = [look.fit.weights[:size] @ h for h in scene.hysteresis(chain)]
+        low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
+        # A mode far above the lag's corner moves nothing, one below it rings freely.
+        low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
+        error = look.projector.rest(look.fit.error[scene.rows])
+        still = dataclasses.replace(chain, modes=())
+        bare = [respond(path, still, scene.Ts_s) for path in paths]
+        found = []
+        count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
+        for zeta in DAMPINGS:
+            grid_Hz = np.geomspace(low_Hz, high_Hz, count).tolist()
+            rings = np.empty((count, len(scene.rows)))
+            for i, f_Hz in enumerate(grid_Hz):
+                alone = dataclasses.replace(chain, modes=(Mode(f_Hz, zeta, 1.0),))
+                ring = [respond(path, alone, scene.Ts_s) - stiff for path, stiff in zip(paths, bare, strict=True)]
+                rings[i] = np.concatenate(ring)[scene.rows]
+            rings = look.projector.rest(rings)
+            powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
+            shares = rings @ error / powers
+            found += list(zip((shares**2 * powers).tolist(), grid_Hz, [zeta] * count, shares.tolist(), strict=True))
+        found.sort(reverse=True)
+        chosen: list[Mode] = []
+        for _, f_Hz, zeta, share in found:
+            if all(abs(math.log(f_Hz / mode.f_Hz)) > 0.25 for mode in chosen):
+                chosen.append(Mode(f_Hz, zeta, float(np.clip(share, -1.0, 1.0))))
+            if len(chosen) == 3:
+                break
+        return [dataclasses.replace(chain, modes=(*chain.modes, mode)) for mode in chosen]
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """Frequency, damping and share against their standard errors; a damping ratio below 0.5, inside the band."""
+        chain, scene = look.fit.chain, look.scene
+        errors = standard_errors(scene, look.fit).coordinates
+        parameters, texts, scores, sound = {}, [], [], True
+        for i, mode in enumerate(chain.modes):
+            suffix = "" if i == 0 else f"_{i + 1}"
+            df, dz, ds = errors[f"f{i}"], errors[f"zeta{i}"], errors[f"share{i}"]
+            parameters[f"f{suffix}_Hz"] = Estimate(mode.f_Hz, mode.f_Hz * df)
+            parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
+            parameters[f"share{suffix}"] = Estimate(mode.share, ds)
+            scores.append(abs(mode.share) / max(ds, 1e-15))
+            sound &= df < 0.05 and dz < 0.5 and 1e-3 < mode.zeta < 0.5 and mode.f_Hz * scene.Ts_s < 0.45
+            texts.append(f"rings at {mode.f_Hz:.4g} Hz with damping ratio {mode.zeta:.3g}, share {mode.share:.2g}")
+        return Signature(bool(sound and min(scores) > 5.0), min(scores), "; ".join(texts), parameters)
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        modes = sorted(fit.chain.modes, key=lambda mode: mode.f_Hz)
+        return Extension(term=ResonanceTerm(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
+
+
+CAUSE = Resonance()

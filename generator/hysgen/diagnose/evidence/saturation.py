@@ -1,0 +1,85 @@
+"""Saturation: beyond a level of the command the output stands still, however far the command goes."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+from hysgen.inputs.saturation import Saturation as SaturationBlock
+
+LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
+
+
+class Saturation(Cause):
+    name = "saturation"
+
+    def present(self, chain: Chain) -> bool:
+        return chain.low_V is not None or chain.high_V is not None
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, low_V=None, high_V=None)
+
+    def proposals(self, look: Look) -> list[Chain]:
+        chain, operator = look.fit.chain, look.scene.operator
+        middle, half = 0.5 * (operator.low_V + operator.high_V), 0.5 * (operator.high_V - operator.low_V)
+        trials = []
+        if chain.high_V is None:
+            trials += [dataclasses.replace(chain, high_V=middle + level * half) for level in LEVELS]
+        if chain.low_V is None:
+            trials += [dataclasses.replace(chain, low_V=middle - level * half) for level in LEVELS]
+        return trials
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """The slope of the output over the command beyond the level, as a share of the slope just inside it."""
+        chain = look.fit.chain
+        errors = standard_errors(look.scene, look.fit).coordinates
+        parameters, texts, shares = {}, [], []
+        for name, level_V, sign in (("low", chain.low_V, -1.0), ("high", chain.high_V, 1.0)):
+            if level_V is None:
+                continue
+            parameters[f"{name}_V"] = Estimate(level_V, errors[name])
+            shares.append(_slope_beyond(look, level_V, sign))
+            texts.append(f"beyond {level_V:.4g} V the slope is {shares[-1]:.2f} of that inside")
+        return Signature(
+            holds=all(abs(share) < 0.35 for share in shares),
+            z=float(min((1.0 - abs(share)) / 0.1 for share in shares)),
+            text="; ".join(texts),
+            parameters=parameters,
+        )
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        low_V, high_V = fit.chain.low_V, fit.chain.high_V
+        span_V = scene.operator.high_V - scene.operator.low_V
+        # A side that does not clip gets a level that the record never reaches.
+        return Extension(
+            block=SaturationBlock(
+                scene.operator.low_V - span_V if low_V is None else low_V,
+                scene.operator.high_V + span_V if high_V is None else high_V,
+            )
+        )
+
+
+def _slope_beyond(look: Look, level_V: float, sign: float) -> float:
+    """Slope of the error left by the clamp over how far the command goes beyond it, over the gain of the stage.
+
+    0 if the output stands still beyond the level as the clamp says, 1 if it goes on as inside.
+    """
+    scene = look.scene
+    u_V = np.concatenate([run.u_V for run in scene.runs])
+    y_um = scene.y_um
+    beyond_V = np.clip(sign * (u_V - level_V), 0.0, None)
+    # The lag and the delay hold the output back: only what the command did long enough ago is seen.
+    late = max(1, round(look.fit.chain.delay + 1 + look.fit.chain.lag_s / scene.Ts_s))
+    rows = scene.rows[(scene.rows >= late) & (beyond_V[scene.rows - late] > 0)]
+    if len(rows) < 5:
+        return 1.0
+    x, e = beyond_V[rows - late], look.fit.error[rows]
+    gain = np.polyfit(u_V[scene.rows], y_um[scene.rows], 1)[0]
+    return float(x @ e / (x @ x) / (sign * gain))
+
+
+CAUSE = Saturation()

@@ -1,0 +1,122 @@
+"""The ladder: the Takagi-Sugeno model, extended cause by cause, and what each step gains on held-out data.
+
+    rung 0   the paper's model
+    rung i   the same, with the extensions of the first i causes, fitted again to the identification part
+
+All rungs are scored in free run on the same rows. What a single cause is worth beside all others is measured by leaving
+it out of the last rung, on blocks of the identification part that are left out of the fit.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.prepare import Prepared
+from hysgen.errors import FitError
+from hysgen.fit import FitSettings, fit
+from hysgen.model import Model
+from hysgen.record import Record
+from hysgen.simulate import free_run
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+CHECK_BLOCKS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """A model of the ladder and its free-run error over all rows, (n,)."""
+
+    causes: tuple[str, ...]
+    model: Model
+    error_um: Floats
+
+
+ORDER = (
+    "outliers",
+    "saturation",
+    "slew",
+    "delay",
+    "memory",
+    "creep",
+    "resonance",
+    "coupling",
+    "periodic",
+    "drift",
+    "aging",
+)
+"""From the sensor's faults over what the command passes through to what disturbs: the order of the rungs."""
+
+
+def in_order(names: Sequence[str]) -> list[str]:
+    """The causes in the order of the ladder; those that it does not know last."""
+    return sorted(names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name))
+
+
+def climb(
+    prepared: Prepared,
+    extensions: dict[str, Extension],
+    names: Sequence[str],
+    settings: FitSettings,
+    skip: Rows | None = None,
+) -> Rung:
+    """The model with the extensions of `names`, fitted to the identification part less the rows `skip`."""
+    chosen = [extensions[name] for name in in_order(names)]
+    terms = tuple(e.term for e in chosen if e.term is not None)
+    blocks = tuple(sorted((e.block for e in chosen if e.block is not None), key=lambda block: block.place))
+    trust = prepared.settled.astype(np.float64)
+    for extension in chosen:
+        if extension.trust is not None:
+            trust = trust * extension.trust
+    if skip is not None:
+        trust[skip] = 0.0
+    level = levelled(prepared, chosen)
+    part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
+    asked = dataclasses.replace(settings, terms=terms, blocks=blocks, settle=0, input_range_V=prepared.record.u_range_V)
+    weights = _by_segment(trust, [s.samples for s in part.segments])
+    try:
+        model = fit(part, asked, trust=weights)
+    except FitError:
+        # No certified model lies near: an uncertified one still measures what the extension is worth.
+        model = fit(part, dataclasses.replace(asked, certified=False), trust=weights)
+    runs = free_run(model, level)
+    error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
+    return Rung(tuple(in_order(names)), model, error)
+
+
+def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
+    """The record with drift and aging taken out of the displacement, both counted from the start of each segment.
+
+    y_level = zero + (y - ramp t - zero) / (1 + gain t)
+    """
+    record = prepared.record
+    ramp_um_per_s = sum(extension.ramp_um_per_s for extension in extensions)
+    aged = [extension for extension in extensions if extension.gain_per_s != 0.0]
+    if ramp_um_per_s == 0.0 and not aged:
+        return record
+    level = []
+    for segment in record.segments:
+        time_s = record.Ts_s * np.arange(segment.samples)
+        y_um = segment.y_um - ramp_um_per_s * time_s
+        for extension in aged:
+            y_um = extension.zero_um + (y_um - extension.zero_um) / (1.0 + extension.gain_per_s * time_s)
+        level.append(dataclasses.replace(segment, y_um=y_um))
+    return Record.from_segments(level, record.Ts_s, record.source)
+
+
+def check_rows(prepared: Prepared) -> Rows:
+    """Every third of 12 blocks of the identification part: left out of a fit to tell what an extension is worth."""
+    rows = prepared.fit_rows
+    block = np.arange(len(rows)) * CHECK_BLOCKS // len(rows)
+    return np.asarray(rows[block % 3 == 1])
+
+
+def _by_segment(values: Floats, lengths: list[int]) -> list[Floats]:
+    return np.split(values[: sum(lengths)], np.cumsum(lengths)[:-1])

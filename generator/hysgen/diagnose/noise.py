@@ -1,0 +1,63 @@
+"""The noise floor: what no model can explain, estimated without a model where the record allows.
+
+From plateaus, where the input stands still long enough: scatter about a straight line, drift and creep taken out.
+Else from the innovation: second differences of what the probe leaves, in which smooth misfit vanishes.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.record import Record
+
+Floats = NDArray[np.float64]
+
+SHORTEST_PLATEAU = 40
+SETTLING = 12.0
+"""Lags at the beginning of a plateau that are left to the dynamics to die out."""
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """rms_um, and where it comes from: "plateaus" or "innovation"; samples it rests on."""
+
+    rms_um: float
+    source: str
+    samples: int
+
+
+def noise_floor(record: Record, left_um: Floats, lag_s: float) -> NoiseFloor:
+    """The noise floor of a record. left_um: (n,) what the best model leaves on some of its rows, in order.
+
+    lag_s: time constant of the stage; a plateau counts from SETTLING of them on.
+    """
+    settling = max(4, round(SETTLING * lag_s / record.Ts_s))
+    scatter = [part for s in record.segments for part in _plateau_scatter(s.u_V, s.y_um, settling)]
+    samples = sum(len(part) for part in scatter)
+    if samples >= 200:
+        square = sum(float(part @ part) for part in scatter) / (samples - 2 * len(scatter))
+        return NoiseFloor(float(np.sqrt(square)), "plateaus", samples)
+    second = left_um[2:] - 2.0 * left_um[1:-1] + left_um[:-2]
+    return NoiseFloor(float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)), "innovation", len(second))
+
+
+def plateaus(u_V: Floats, shortest: int = SHORTEST_PLATEAU) -> list[tuple[int, int]]:
+    """Stretches [begin, end) of at least `shortest` samples at one voltage."""
+    moves = np.flatnonzero(np.diff(u_V) != 0.0) + 1
+    edges = np.concatenate([[0], moves, [len(u_V)]])
+    return [(int(a), int(b)) for a, b in itertools.pairwise(edges) if b - a >= shortest]
+
+
+def _plateau_scatter(u_V: Floats, y_um: Floats, settling: int) -> list[Floats]:
+    parts = []
+    for begin, end in plateaus(u_V):
+        y = y_um[begin + settling : end]
+        if len(y) >= 16:
+            time = np.arange(len(y)) - 0.5 * (len(y) - 1)
+            y = y - y.mean()
+            parts.append(y - time * float(time @ y / (time @ time)))
+    return parts

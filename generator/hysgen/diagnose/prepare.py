@@ -1,0 +1,99 @@
+"""The part of a record that may be looked at, and the part that only scores.
+
+Identification: everything before the cut. Held out: everything from it on; no choice is ever made on it.
+A segment that the cut goes through is simulated from its own beginning, because everything that drives a model over it
+(input, channels, clock) is known; only its displacement behind the cut is hidden.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.probe import Operator, Run, Scene
+from hysgen.errors import RecordError
+from hysgen.record import Record, Segment
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+IDENTIFY = 0.65
+"""Share of a single record that is used for identification."""
+
+FEWEST = 400
+"""Samples that the identification part must have."""
+
+SETTLED_RANGE = 0.9
+"""The first excursion has settled the memory once the input has run through this share of its range."""
+
+LATEST_SETTLED, EARLIEST_SETTLED = 0.3, 0.03
+"""If that takes longer than the first share of a segment, it counts as settled at the second, and the start guessed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """All segments, in order, as one record; rows before `cut` identify.
+
+    settled: (n,) rows on which a model's unknown past no longer counts; only they are fitted and scored.
+    """
+
+    record: Record
+    cut: int
+    settled: NDArray[np.bool_]
+
+    @property
+    def fit_rows(self) -> Rows:
+        """Rows of the identification part that count."""
+        return np.flatnonzero(self.settled[: self.cut])
+
+    @property
+    def held_rows(self) -> Rows:
+        """Rows of the held-out part that count."""
+        return self.cut + np.flatnonzero(self.settled[self.cut :])
+
+    @property
+    def y_um(self) -> Floats:
+        """(n,) displacement of all segments."""
+        return np.concatenate([segment.y_um for segment in self.record.segments])
+
+    @property
+    def u_V(self) -> Floats:
+        """(n,) command of all segments."""
+        return np.concatenate([segment.u_V for segment in self.record.segments])
+
+    def identification(self) -> Record:
+        """The part of the record before the cut."""
+        return self.record if self.cut == self.record.samples else self.record.rows(0, self.cut)
+
+    def scene(self) -> Scene:
+        """What the probe may see: the identification part."""
+        part = self.identification()
+        runs = tuple(Run(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
+        # The range is that of the whole command, which is known beforehand; the probe must not extrapolate.
+        low_V, high_V = self.record.u_range_V
+        return Scene(runs, self.record.Ts_s, self.fit_rows, Operator(low_V, high_V))
+
+
+def prepare(record: Record, holdout: Record | None = None, identify: float = IDENTIFY) -> Prepared:
+    """Cut a record, or join it with a held-out one.
+
+    Raises RecordError if the identification part is too short, or the two records' periods differ.
+    """
+    joined = record if holdout is None else Record.joined(record, holdout)
+    cut = record.samples if holdout is not None else round(identify * record.samples)
+    if cut < FEWEST:
+        raise RecordError(f"{record.source}: {cut} samples to identify from, a diagnosis needs {FEWEST}; record longer")
+    settled = np.concatenate([_settled(segment) for segment in joined.segments])
+    return Prepared(joined, cut, settled)
+
+
+def _settled(segment: Segment) -> NDArray[np.bool_]:
+    """(n,) True from where the input has first run through most of its range."""
+    n = segment.samples
+    swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
+    first = int(np.argmax(swept >= SETTLED_RANGE * swept[-1]))
+    if first > LATEST_SETTLED * n:
+        first = int(EARLIEST_SETTLED * n)
+    return np.arange(n) >= max(first, int(EARLIEST_SETTLED * n / 3))

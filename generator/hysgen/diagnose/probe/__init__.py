@@ -1,0 +1,26 @@
+"""The probe: a physical model that is fitted only to look.
+
+It stands beside the Takagi-Sugeno model and shares nothing with it: a Preisach operator between the amplifier's limits
+and a linear chain, fitted to the free run. Where it leaves only noise, every part of it that matters is a cause.
+"""
+
+from hysgen.diagnose.probe.chain import Chain, Mode
+from hysgen.diagnose.probe.operator import Operator
+from hysgen.diagnose.probe.scene import Run, Scene
+from hysgen.diagnose.probe.solve import Fit, Projector, linear_fit, refine, rms
+from hysgen.diagnose.probe.uncertainty import Errors, standard_errors
+
+__all__ = [
+    "Chain",
+    "Errors",
+    "Fit",
+    "Mode",
+    "Operator",
+    "Projector",
+    "Run",
+    "Scene",
+    "linear_fit",
+    "refine",
+    "rms",
+    "standard_errors",
+]

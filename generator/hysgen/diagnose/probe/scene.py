@@ -1,0 +1,149 @@
+"""What the probe looks at: the channels of a record, and which of its rows may be used."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.probe.amplifier import amplified
+from hysgen.diagnose.probe.chain import Chain
+from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.probe.operator import Operator
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+NUISANCE_DECAYS = (1 / 30, 1 / 8)
+"""Time constants, as shares of the record's length, by which creep of an unknown past may fade."""
+
+CURVE_ALONE = 7
+"""Degree of the curve where it has no plays beside it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One unbroken run: u_V, y_um (n,), auxiliary channels, and where the plays stood before it (-1 to 1)."""
+
+    u_V: Floats
+    y_um: Floats
+    aux: Mapping[str, Floats]
+    start: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Runs at one sampling period; rows of the joined runs used to fit (`rows`), and how hysteresis is expanded.
+
+    The hysteresis columns before the linear part are kept for the last few settings of the amplifier.
+    """
+
+    runs: tuple[Run, ...]
+    Ts_s: float
+    rows: Rows
+    operator: Operator
+    _kept: dict[object, list[Floats]] = field(default_factory=dict, repr=False)
+
+    @property
+    def samples(self) -> int:
+        return sum(len(run.u_V) for run in self.runs)
+
+    @property
+    def y_um(self) -> Floats:
+        """(n,) measured displacement of all runs."""
+        return np.concatenate([run.y_um for run in self.runs])
+
+    @property
+    def span_s(self) -> float:
+        """Length of the longest run in s."""
+        return max(len(run.u_V) for run in self.runs) * self.Ts_s
+
+    def using(self, rows: Rows) -> Scene:
+        """The same runs, other rows; what was kept stays."""
+        return dataclasses.replace(self, rows=rows)
+
+    def _path(self, run: Run, chain: Chain) -> Floats:
+        """(size, n) columns of h, averaged over each sampling period.
+
+        A limited amplifier spends the share |dv| / (rate Ts) of a period on its way; the mean is that much behind.
+        """
+        v_V = amplified(run.u_V, chain, self.Ts_s)
+        columns = self._operator(chain).columns(v_V, run.start)
+        if chain.rate_V_per_s is None:
+            return columns
+        under_way = np.minimum(np.abs(np.diff(v_V)) / (chain.rate_V_per_s * self.Ts_s), 1.0)
+        columns[:, 1:] -= 0.5 * under_way * np.diff(columns, axis=1)
+        return columns
+
+    def hysteresis_size(self, chain: Chain) -> int:
+        """Number of columns of h; they come first among the columns."""
+        return self._operator(chain).size
+
+    def _operator(self, chain: Chain) -> Operator:
+        if chain.memory:
+            return self.operator
+        return dataclasses.replace(self.operator, hats=0, reaches=(), curve=CURVE_ALONE)
+
+    def hysteresis(self, chain: Chain) -> list[Floats]:
+        """Columns of h for each run, (operator.size, n_i), for the chain's amplifier."""
+        key = (chain.memory, chain.low_V, chain.high_V, chain.rate_V_per_s)
+        if key not in self._kept:
+            while len(self._kept) >= 3:
+                del self._kept[next(iter(self._kept))]
+            self._kept[key] = [self._path(run, chain) for run in self.runs]
+        return self._kept[key]
+
+    def columns(self, chain: Chain) -> Floats:
+        """(p, n) everything that is linear: hysteresis seen through the chain, then `disturbances`."""
+        seen = [self._aged(respond(h, chain, self.Ts_s), chain) for h in self.hysteresis(chain)]
+        return np.vstack([np.hstack(seen), self.disturbances(chain)])
+
+    def combined(self, chain: Chain, weights: Floats) -> Floats:
+        """(n,) `weights @ columns(chain)`, without filtering every column."""
+        size = self.hysteresis_size(chain)
+        seen = [
+            self._aged(respond(weights[:size] @ h, chain, self.Ts_s), chain, weights[:size])
+            for h in self.hysteresis(chain)
+        ]
+        return np.concatenate(seen) + weights[size:] @ self.disturbances(chain)
+
+    def zero_um(self, chain: Chain, weights: Floats) -> float:
+        """Where the stage stands at 0 V in the middle of its loops."""
+        size = self.hysteresis_size(chain)
+        return float(weights[:size] @ self._operator(chain).at(0.0) + weights[size])
+
+    def _aged(self, seen: Floats, chain: Chain, weights: Floats | None = None) -> Floats:
+        """`seen` with a gain 1 + aging t around the place where the stage stands at 0 V; t from the run's start."""
+        if chain.aging_per_s is None:
+            return seen
+        rest = self._operator(chain).at(0.0)
+        zero = rest[:, None] if weights is None else weights @ rest
+        return np.asarray(seen + chain.aging_per_s * self.Ts_s * np.arange(seen.shape[-1]) * (seen - zero))
+
+    def drift_column(self, chain: Chain) -> int:
+        """Place of the ramp among the disturbances."""
+        return 1 + (len(NUISANCE_DECAYS) if chain.creep is not None else 0)
+
+    def line_column(self, chain: Chain) -> int:
+        """Place of the first line's sine among the disturbances."""
+        return self.drift_column(chain) + int(chain.drift)
+
+    def disturbances(self, chain: Chain) -> Floats:
+        """Constant, fading past (with creep), ramp, lines, and coupled channels seen through the lag: (q, n)."""
+        parts = []
+        for run in self.runs:
+            t_s: Floats = self.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
+            columns: list[Floats] = [np.ones(len(t_s))]
+            if chain.creep is not None:
+                columns.extend(np.exp(-t_s / (share * self.span_s)) for share in NUISANCE_DECAYS)
+            if chain.drift:
+                columns.append(t_s / self.span_s)
+            for line_Hz in chain.lines_Hz:
+                columns.extend((np.sin(2 * np.pi * line_Hz * t_s), np.cos(2 * np.pi * line_Hz * t_s)))
+            bare = Chain(chain.lag_s, chain.delay)
+            columns.extend(respond(run.aux[name], bare, self.Ts_s) for name in chain.coupled)
+            parts.append(np.stack(columns))
+        return np.hstack(parts)

@@ -1,0 +1,62 @@
+"""Standard errors that do not believe in independent samples.
+
+    cov = H^-1 (sum over blocks g_b g_b') H^-1,    H = J J',   g_b = J_b e_b
+
+J holds the sensitivities of shape parameters and of linear weights. Errors may be correlated within a block in any way
+(cluster-robust covariance; Liang and Zeger, 1986).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.probe.scene import Scene
+from hysgen.diagnose.probe.solve import Fit, sensitivities
+
+Floats = NDArray[np.float64]
+
+BLOCKS = 40
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Standard errors of the chain's coordinates by name, and of the linear weights of the disturbances, (q,)."""
+
+    coordinates: Mapping[str, float]
+    disturbances: Floats
+
+
+def standard_errors(scene: Scene, fit: Fit) -> Errors:
+    """Cluster-robust standard errors of a fit; a coordinate that the record does not move has an infinite one."""
+    moved, _ = sensitivities(scene, fit)
+    error = fit.error[scene.rows]
+    shape = _sandwich(moved, error)
+    # For a disturbance, everything else is eliminated: its own column less what all the others explain of it.
+    columns = scene.columns(fit.chain)[:, scene.rows]
+    size = scene.hysteresis_size(fit.chain)
+    rest = np.vstack([columns[size:], moved])
+    linear = _sandwich(_off(rest, columns[:size]), error)[: len(columns) - size]
+    return Errors(dict(zip(fit.chain.names(), shape.tolist(), strict=True)), linear)
+
+
+def _off(columns: Floats, base: Floats) -> Floats:
+    scale = np.sqrt((base**2).sum(axis=1)) + 1e-300
+    scaled = base / scale[:, None]
+    gram = scaled @ scaled.T + 1e-9 * np.eye(len(base))
+    return np.asarray(columns - (np.linalg.solve(gram, scaled @ columns.T).T) @ scaled)
+
+
+def _sandwich(J: Floats, error: Floats) -> Floats:
+    norm = np.sqrt((J**2).sum(axis=1))
+    lost = norm < 1e-12 * (norm.max() + 1e-300)
+    scaled = J / np.where(lost, 1.0, norm)[:, None]
+    inverse = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
+    edges = np.linspace(0, len(error), BLOCKS + 1).astype(int)
+    scores = np.stack([scaled[:, a:b] @ error[a:b] for a, b in itertools.pairwise(edges)])
+    covariance = inverse @ (scores.T @ scores) @ inverse * BLOCKS / (BLOCKS - 1)
+    return np.where(lost, np.inf, np.sqrt(np.diag(covariance)) / np.where(lost, 1.0, norm))

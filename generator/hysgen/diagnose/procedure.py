@@ -1,0 +1,234 @@
+"""The diagnosis: cut, look with the probe, name what evidence and gain agree on, extend the model, measure the gain."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.bootstrap import Gain, gain
+from hysgen.diagnose.diagnosis import Diagnosis, NamedCause, Price, Refused, confidence
+from hysgen.diagnose.evidence import Look, Signature, causes
+from hysgen.diagnose.evidence.outliers import outliers_signature
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.ladder import Rung, check_rows, climb, in_order
+from hysgen.diagnose.noise import NoiseFloor, noise_floor
+from hysgen.diagnose.prepare import Prepared, prepare
+from hysgen.diagnose.probe import rms
+from hysgen.diagnose.remainder import experiment_for, remainder
+from hysgen.diagnose.search import Found, present, search
+from hysgen.diagnose.spikes import isolated
+from hysgen.fit import FitSettings
+from hysgen.model import Model
+from hysgen.record import Record
+
+Floats = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class DiagnoseSettings:
+    """How a record is diagnosed.
+
+    fit: settings of the Takagi-Sugeno fits; terms and blocks are the ladder's to choose.
+    identify: share of a single record that is used for identification.
+    needed: by how much the probe's error must grow without a cause for the cause to be named.
+    price: cycles and bytes of a model, if known (the command line passes the cost model).
+    """
+
+    fit: FitSettings = field(default_factory=FitSettings)
+    identify: float = 0.65
+    needed: float = 1.3
+    price: Callable[[Model], Price] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Naming:
+    """The first half of a diagnosis: causes on which evidence and gain agree, before the ladder is climbed."""
+
+    prepared: Prepared
+    found: Found
+    signatures: dict[str, Signature]
+    extensions: dict[str, Extension]
+    agreed: list[str]
+    alone: dict[str, Gain]
+    refused: list[Refused]
+    noise: NoiseFloor
+    unknown: str | None
+    next_experiment: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the causes, `unknown` last if structure is left."""
+        return (*self.agreed, *(("unknown",) if self.unknown else ()))
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Every parameter of the named causes, by "cause.parameter"."""
+        return {
+            f"{name}.{key}": estimate.value
+            for name in self.agreed
+            for key, estimate in self.signatures[name].parameters.items()
+        }
+
+
+def diagnose(
+    record: Record,
+    holdout: Record | None = None,
+    settings: DiagnoseSettings | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """What is wrong with the simulation of a stage, why, and what an extended model gains.
+
+    Structure and parameters come from the identification part alone; every score in the result is held out.
+    progress: told the fraction done and one line.
+    Raises RecordError or FitError with one line.
+    """
+    chosen = settings or DiagnoseSettings()
+    tell = progress or (lambda fraction, line: None)
+    naming = name_causes(record, holdout, chosen, lambda fraction, line: tell(0.7 * fraction, line))
+    rungs = []
+    for count in range(len(naming.agreed) + 1):
+        tell(0.7 + 0.3 * count / (len(naming.agreed) + 1), "fitting " + ", ".join(("rules", *naming.agreed[:count])))
+        rungs.append(climb(naming.prepared, naming.extensions, naming.agreed[:count], chosen.fit))
+    tell(1.0, "done")
+    return _written(naming, rungs, chosen)
+
+
+def name_causes(
+    record: Record,
+    holdout: Record | None = None,
+    settings: DiagnoseSettings | None = None,
+    progress: Progress | None = None,
+) -> Naming:
+    """The causes that the identification part shows, without the ladder: names, parameters, evidence.
+
+    Raises RecordError or FitError with one line.
+    """
+    chosen = settings or DiagnoseSettings()
+    tell = progress or (lambda fraction, line: None)
+    prepared = prepare(record, holdout, chosen.identify)
+    tell(0.05, "looking")
+    found = search(prepared.scene(), lambda line: tell(0.3, line))
+    tell(0.7, "weighing the evidence")
+    signatures = _signatures(found)
+    extensions = _extensions(found, signatures, prepared)
+    agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
+    noise = noise_floor(prepared.identification(), found.fit.error[found.scene.rows], found.fit.chain.lag_s)
+    return Naming(
+        prepared,
+        found,
+        signatures,
+        extensions,
+        agreed,
+        alone,
+        refused,
+        noise,
+        remainder(prepared, found, noise),
+        experiment_for(prepared, agreed),
+    )
+
+
+def _signatures(found: Found) -> dict[str, Signature]:
+    """The evidence for every cause that the probe's chain holds, and for corrupted samples."""
+    look = Look.at(found.scene, found.fit)
+    signatures = {name: causes()[name].signature(look, found.rivals[name]) for name in present(found.fit.chain)}
+    spikes = outliers_signature(found)
+    if spikes is not None:
+        signatures["outliers"] = spikes
+    return signatures
+
+
+def _extensions(found: Found, signatures: dict[str, Signature], prepared: Prepared) -> dict[str, Extension]:
+    extensions = {name: causes()[name].extension(found.scene, found.fit) for name in signatures if name != "outliers"}
+    if "outliers" in signatures:
+        trust = np.ones(prepared.record.samples)
+        trust[np.flatnonzero(found.corrupted)] = 0.0
+        extensions["outliers"] = Extension(trust=trust, gate=True)
+    return extensions
+
+
+def _agreement(
+    prepared: Prepared,
+    found: Found,
+    signatures: dict[str, Signature],
+    extensions: dict[str, Extension],
+    settings: DiagnoseSettings,
+) -> tuple[list[str], dict[str, Gain], list[Refused]]:
+    """The causes on which evidence, the probe's need and the model's gain agree; the others with the reason."""
+    refused, candidates = [], []
+    for name in in_order(list(signatures)):
+        if not signatures[name].holds:
+            refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
+        elif found.needs.get(name, np.inf) < settings.needed:
+            refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
+        else:
+            candidates.append(name)
+    quick = dataclasses.replace(settings.fit, certified=False)
+    skip = check_rows(prepared)
+    alone: dict[str, Gain] = {}
+    whole = climb(prepared, extensions, candidates, quick, skip)
+    for name in list(candidates):
+        if name == "outliers":
+            continue
+        without = climb(prepared, extensions, [other for other in candidates if other != name], quick, skip)
+        clean = skip[~found.corrupted[skip]] if len(found.corrupted) else skip
+        alone[name] = gain(without.error_um[clean], whole.error_um[clean])
+        if alone[name].fall_um <= 0.0:
+            candidates.remove(name)
+            refused.append(Refused(name, "its extension does not lower the model's free-run error"))
+    return candidates, alone, refused
+
+
+def _written(naming: Naming, rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
+    """The diagnosis with its scores, all on held-out rows."""
+    prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
+    held = prepared.held_rows
+    clean = held[~isolated(rungs[-1].error_um)[held]] if "outliers" in agreed else held
+    levels = [rms(rung.error_um[clean if "outliers" in rung.causes else held]) for rung in rungs]
+    above = max(levels[0] ** 2 - noise.rms_um**2, 1e-300)
+    named = []
+    for i, name in enumerate(agreed):
+        step = gain(rungs[i].error_um[clean], rungs[i + 1].error_um[clean])
+        step = dataclasses.replace(step, before_um=levels[i], after_um=levels[i + 1])
+        worth = naming.alone.get(name, step)
+        named.append(
+            NamedCause(
+                name=name,
+                parameters=naming.signatures[name].parameters,
+                evidence=naming.signatures[name].text,
+                confidence=confidence(naming.signatures[name], worth),
+                step=step,
+                alone=worth,
+                probe_gain=float(naming.found.needs.get(name, np.inf)),
+                share=(levels[i] ** 2 - levels[i + 1] ** 2) / above,
+                price=_price(rungs[i].model, rungs[i + 1].model, settings),
+            )
+        )
+    steps = np.concatenate([np.diff(s.y_um, prepend=s.y_um[0]) for s in prepared.record.segments])
+    return Diagnosis(
+        causes=tuple(named),
+        refused=tuple(naming.refused),
+        unknown=naming.unknown,
+        base=rungs[0].model,
+        model=rungs[-1].model,
+        base_rms_um=levels[0],
+        extended_rms_um=levels[-1],
+        noise=noise,
+        persistence_um=rms(steps[held]),
+        unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above,
+        next_experiment=naming.next_experiment,
+        errors_um=tuple((" + ".join(rung.causes) or "paper model", rung.error_um) for rung in rungs),
+        held_rows=held,
+        probe_rms_um=naming.found.fit.rms_um,
+    )
+
+
+def _price(before: Model, after: Model, settings: DiagnoseSettings) -> Price | None:
+    if settings.price is None:
+        return None
+    low, high = settings.price(before), settings.price(after)
+    return Price(high.cycles - low.cycles, high.bytes - low.bytes)

@@ -1,0 +1,143 @@
+"""Finding the chain: forward while something helps, backward until everything left is needed.
+
+Forward: every cause proposes rough chains, the best of each is refined, the one that helps most is kept. Everything is
+fitted jointly again at each step, so what a first cause soaked up is given back when the second one arrives.
+Backward: each cause is taken out, everything else refitted; what was not needed goes.
+Helping and needing are measured on blocks of the identification part that were not fitted.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.evidence import Look, causes
+from hysgen.diagnose.probe import Chain, Fit, Scene, linear_fit, refine, rms
+from hysgen.diagnose.spikes import isolated
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+Progress = Callable[[str], None]
+
+BLOCKS = 24
+KEEP_ABOVE = 0.93
+"""A cause stays only if the error without it, on blocks not fitted, would be 1/0.93 times as large."""
+HELPS_BELOW = 0.98
+"""A step forward is taken if the error falls below this share of what it was; two causes may need each other."""
+MOST_STEPS = 9
+CANDIDATES = 4
+MOST_ROWS = 8000
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The chain that the search ended with, its rivals without each cause, and which samples count as corrupted.
+
+    fit: on all usable rows of the identification part; checked_rms_um: on blocks left out of the fit.
+    """
+
+    scene: Scene
+    fit: Fit
+    rivals: dict[str, Fit]
+    needs: dict[str, float]
+    corrupted: NDArray[np.bool_]
+
+
+def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
+    """The chain that explains the scene with nothing that it does not need."""
+    scene, corrupted = _without_spikes(scene, _start(scene))
+    fitted, checked = _halves(scene)
+    part = scene.using(fitted)
+    fit = _start(part)
+    for _ in range(MOST_STEPS):
+        step = _best_step(part, fit, checked)
+        if step is None:
+            break
+        progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
+        fit = step
+        usable, corrupted = _without_spikes(scene, fit)
+        fitted, checked = _halves(usable)
+        part = scene.using(fitted)
+    fit = _pruned(part, fit, checked)
+    usable, corrupted = _without_spikes(scene, fit)
+    fitted, checked = _halves(usable)
+    part = scene.using(fitted)
+    rivals, needs = {}, {}
+    for name in present(fit.chain):
+        rivals[name] = _alternative(part, fit.chain, name)
+        needs[name] = rms(rivals[name].error[checked]) / rms(fit.error[checked])
+    final = usable.using(_thinned(usable.rows))
+    return Found(usable, refine(final, fit.chain), rivals, needs, corrupted)
+
+
+def present(chain: Chain) -> list[str]:
+    """Names of the causes that the chain holds."""
+    return [name for name, cause in causes().items() if cause.present(chain)]
+
+
+def _start(scene: Scene) -> Fit:
+    """The bare stage: hysteresis and one lag, from the best of a few lags."""
+    lags = [scale * scene.Ts_s for scale in (0.3, 3.0, 30.0)]
+    return refine(scene, min((linear_fit(scene, Chain(lag_s)) for lag_s in lags), key=lambda fit: fit.rms_um).chain)
+
+
+def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
+    """The most helpful single addition, refined; None if none helps enough."""
+    look = Look.at(part, fit)
+    firsts: list[Fit] = []
+    for cause in causes().values():
+        trials = [linear_fit(part, chain) for chain in cause.proposals(look)]
+        if trials:
+            firsts.append(min(trials, key=lambda trial: trial.rms_um))
+    firsts.sort(key=lambda trial: trial.rms_um)
+    refined = [refine(part, trial.chain, rounds=8) for trial in firsts[:CANDIDATES]]
+    if not refined:
+        return None
+    best = min(refined, key=lambda trial: rms(trial.error[checked]) + trial.rms_um)
+    helped = rms(best.error[checked]) < HELPS_BELOW * rms(fit.error[checked]) and best.rms_um < HELPS_BELOW * fit.rms_um
+    return best if helped else None
+
+
+def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
+    """The fit without what it does not need, least needed first."""
+    while True:
+        trials = [_alternative(part, fit.chain, name) for name in present(fit.chain)]
+        if not trials:
+            return fit
+        best = min(trials, key=lambda trial: rms(trial.error[checked]))
+        if rms(fit.error[checked]) < KEEP_ABOVE * rms(best.error[checked]):
+            return fit
+        fit = best
+
+
+def _alternative(part: Scene, chain: Chain, name: str) -> Fit:
+    """The best fit without one cause, everything else free to make up for it."""
+    return refine(part, causes()[name].without(chain), rounds=8)
+
+
+def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
+    """The scene's rows less the corrupted samples that the fit's error shows, and those samples, (n,)."""
+    edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+    corrupted = np.concatenate([isolated(fit.error[a:b]) for a, b in itertools.pairwise(edges)])
+    return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
+
+
+def _halves(scene: Scene) -> tuple[Rows, Rows]:
+    """Rows to fit and rows to check, in alternating blocks, two to one; thinned out if there are very many."""
+    rows = scene.rows
+    block = np.arange(len(rows)) * BLOCKS // len(rows)
+    fitted, checked = rows[block % 3 != 1], rows[block % 3 == 1]
+    return _thinned(fitted), _thinned(checked)
+
+
+def _thinned(rows: Rows) -> Rows:
+    if len(rows) <= MOST_ROWS:
+        return rows
+    # An even stride would alias with a periodic input; a jittered one does not.
+    rng = np.random.default_rng(0)
+    edges = np.linspace(0, len(rows), MOST_ROWS + 1).astype(int)
+    return np.asarray(rows[edges[:-1] + (rng.random(MOST_ROWS) * np.diff(edges)).astype(int)])
