@@ -8,10 +8,13 @@ from pathlib import Path
 from hysgen.cli.console import Console
 from hysgen.errors import RecordError
 from hysgen.record import Columns, Record, load_record
+from hysgen.record.sampling import JITTER
+
+ACCEPTABLE = ("constant", "saturation", "swapped")
 
 
-def add_column_options(parser: argparse.ArgumentParser) -> None:
-    """`--columns`, for files whose names, units or separators are not the usual ones."""
+def add_record_options(parser: argparse.ArgumentParser) -> None:
+    """How records are read: `--columns` for other names, units and separators; what odd samples are let through."""
     parser.add_argument(
         "--columns",
         metavar="KEY=VALUE,...",
@@ -19,12 +22,31 @@ def add_column_options(parser: argparse.ArgumentParser) -> None:
         help="names, units and separators, e.g. voltage=force_N,displacement=x_nm,separator=tab,Ts_s=2e-5 "
         "(default: time_s, voltage_V, displacement_um)",
     )
+    parser.add_argument(
+        "--accept", choices=ACCEPTABLE, action="append", default=[], help="take a record in spite of this finding"
+    )
+    parser.add_argument(
+        "--jitter",
+        type=float,
+        default=JITTER,
+        metavar="PART",
+        help="deviation of a time stamp that is let through, as a part of the sampling period (default %(default)g)",
+    )
+    parser.add_argument(
+        "--split-at-gaps", action="store_true", help="make segments where time has gaps, instead of refusing"
+    )
 
 
 def read_records(paths: list[str], arguments: argparse.Namespace, console: Console) -> Record:
     """The records at `paths` as segments of one, with its warnings on stderr."""
     columns = Columns.from_text(arguments.columns) if arguments.columns else Columns()
-    record = load_record([Path(path) for path in paths], columns)
+    record = load_record(
+        [Path(path) for path in paths],
+        columns,
+        jitter=arguments.jitter,
+        accept=arguments.accept,
+        split_at_gaps=arguments.split_at_gaps,
+    )
     for warning in record.warnings:
         console.warn(warning)
     return record

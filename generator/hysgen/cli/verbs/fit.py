@@ -12,7 +12,7 @@ from pathlib import Path
 
 from hysgen.certificates import certify
 from hysgen.cli.console import Console
-from hysgen.cli.records import add_column_options, parse_rows, read_records
+from hysgen.cli.records import add_record_options, parse_rows, read_records
 from hysgen.fit import FitSettings, fit
 from hysgen.model_file import model_to_json, save_model
 from hysgen.record import Record, check_for_fit
@@ -60,7 +60,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--uncertified", action="store_true", help="do not keep the fit inside the models whose certificates hold"
     )
-    add_column_options(parser)
+    add_record_options(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 from hysgen.baselines import fit_baselines, score_baselines
 from hysgen.cli.console import Console
-from hysgen.cli.records import add_column_options, parse_rows, read_records
+from hysgen.cli.records import add_record_options, parse_rows, read_records
 from hysgen.model_file import load_model
 from hysgen.plots import style
 from hysgen.plots.traces import validation
@@ -26,7 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--rivals", metavar="A:B", help="also score the paper's rivals, fitted to rows A to B of the same records"
     )
     parser.add_argument("--plot", metavar="FILE.png", help="draw measured and simulated displacement")
-    add_column_options(parser)
+    add_record_options(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
