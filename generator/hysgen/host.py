@@ -30,14 +30,10 @@ class Entry:
 
 
 def entries(name: str, header: str) -> list[Entry]:
-    """The step functions that the header of model `name` declares: a struct, then floats."""
+    """The functions that the header of model `name` declares with a struct and floats: init and the steps."""
     pattern = rf"^(float|void|uint32_t) {name}_(\w+)\(({name}_\w+) \*self((?:, float \w+)+)\);$"
     found = re.findall(pattern, header, re.MULTILINE)
-    return [
-        Entry(function, state, floats.count(","), result)
-        for result, function, state, floats in found
-        if function != "init"
-    ]
+    return [Entry(function, state, floats.count(","), result) for result, function, state, floats in found]
 
 
 class Host:

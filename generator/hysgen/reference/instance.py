@@ -30,17 +30,22 @@ class Instance:
     """
 
     def __init__(self, model: Model, y_um: Floats32, u_V: Floats32) -> None:
-        lanes = np.broadcast_shapes(np.shape(y_um), np.shape(u_V))
+        self._model = model
         self.numbers: Coefficients = coefficients(model)
         self.bank: Bank = self.numbers.bank
+        self.channels = channels_of(model.terms)
+        self.init(y_um, u_V)
+
+    def init(self, y_um: Floats32, u_V: Floats32) -> None:
+        """Start at y_um under the input u_V, (lanes,) each; a start that is not finite is replaced by the rest."""
+        lanes = np.broadcast_shapes(np.shape(y_um), np.shape(u_V))
         self.status: Words = np.zeros(lanes, dtype=np.uint32)
         self.counters: dict[str, Words] = {name: np.zeros(lanes, dtype=np.uint32) for name in COUNTERS}
         self.y_um: Floats32 = np.full(lanes, self.numbers.rest_um)
         self.u_V: Floats32 = np.full(lanes, self.numbers.rest_V)
         self.y_um, self.u_V = self._checked_y(y_um), self._checked_u(u_V)
-        self.inputs = ChainMirror(model.blocks, self.u_V, model.Ts_s)
-        self.terms = [term.mirror(self.inputs.v_V, model.Ts_s) for term in model.terms]
-        self.channels = channels_of(model.terms)
+        self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s)
+        self.terms = [term.mirror(self.inputs.v_V, self._model.Ts_s) for term in self._model.terms]
 
     def aux(self, values: Sequence[Floats32]) -> None:
         """The auxiliary channels of the coming sample, (lanes,) each, in the order of `channels`."""
