@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.enclosure import NARROW, Extremum, gain_extrema, slope, slope_extremum
+from hysgen.enclosure import Extremum, gain_extrema, slope, slope_extremum
 from hysgen.membership import memberships
 from hysgen.model import Model
 
@@ -116,10 +116,10 @@ class Certificates:
         }
 
 
-def certify(model: Model, narrow: float = NARROW) -> Certificates:
-    """Compute every certificate of `model` over its own ranges; extrema are enclosed to `narrow` (see `enclosure`)."""
-    lowest, highest = gain_extrema(model, narrow)
-    steepest = slope_extremum(model, narrow=narrow)
+def certify(model: Model) -> Certificates:
+    """Compute every certificate of `model` over its own ranges."""
+    lowest, highest = gain_extrema(model)
+    steepest = slope_extremum(model)
     ends = (model.u_min_V, model.u_max_V)
     zero, loop = inverse_stability(model, lowest.value, highest.value)
     return Certificates(

@@ -1,5 +1,13 @@
 """The error of the free run over a record, and how it changes with the parameters of a model.
 
+    J(x) = sum_k t(k) (yhat(k; x) - y(k))^2 + kappa ||R x - d||^2
+
+    yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),   yhat(0) = y(0)
+
+||R x - d||^2 is the one-step error of the linear parameters, as `least_squares` left it. A little of it holds what the
+scored part of a free run leaves open, such as rules that were visited only while the state settled. From the parameters
+that minimise it, it can only rise, so whoever lowers J from there lowers the free-run error.
+
 A run depends on the terms through w(k) = theta . phi(k) alone, so a term's weights enter by the columns phi(k), and its
 shape parameters by dw/dshape, taken by central differences. `FreeRunError` keeps what does not change between steps.
 """
@@ -13,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.fit.least_squares import Information
 from hysgen.kernels import FreeRunSums, Rules, free_run_sums
 from hysgen.model import Model
 from hysgen.record import Record
@@ -21,25 +30,58 @@ from hysgen.terms import Drive, Term
 
 Floats = NDArray[np.float64]
 
+ANCHOR_SHARE = 0.1
+"""Part of the free-run error that the one-step error adds at the start."""
+
 SHAPE_STEP = 1e-4
 """Step of the central differences; shape parameters are logarithms or of that size."""
 
 
 @dataclass(frozen=True)
+class Criterion:
+    """J, half its gradient (p,) and the Gauss-Newton half of its second derivative (p, p); rms_um: of the free run."""
+
+    value: float
+    gradient: Floats
+    hessian: Floats
+    rms_um: float
+
+
+@dataclass(frozen=True)
 class FreeRunError:
-    """The weighted square error of free runs over a record, and its derivatives.
+    """J over a record.
 
     trust: weight of each sample, by segment; 0 where it is not scored.
     shaped: kinds of terms whose shape parameters may move, in the order of the model's terms.
+    one_step, kappa: the one-step error and its weight.
     """
 
     record: Record
     drives: tuple[Drive, ...]
     trust: tuple[Floats, ...]
     shaped: frozenset[str] = frozenset()
+    one_step: Information | None = None
+    kappa: float = 0.0
+
+    def anchored(self, model: Model, one_step: Information, share: float = ANCHOR_SHARE) -> FreeRunError:
+        """The same error with kappa such that at `model` the one-step error makes up `share` of the free-run error."""
+        free, single = self.sums(model).square_um2, one_step.square(model.parameters)
+        return dataclasses.replace(self, one_step=one_step, kappa=share * free / single if single > 0.0 else 0.0)
+
+    def criterion(self, model: Model) -> Criterion:
+        """J and its derivatives at a model; x holds model.parameters and then the shapes of the `shaped` terms."""
+        sums = self.sums(model)
+        value, gradient, hessian = sums.square_um2, sums.gradient, sums.hessian
+        if self.one_step is not None:
+            size = model.parameters.size
+            R, away = self.one_step.R, self.one_step.R @ model.parameters - self.one_step.d
+            value += self.kappa * self.one_step.square(model.parameters)
+            gradient[:size] += self.kappa * R.T @ away
+            hessian[:size, :size] += self.kappa * R.T @ R
+        return Criterion(value, gradient, hessian, sums.rms_um)
 
     def sums(self, model: Model) -> FreeRunSums:
-        """Sums over all segments; x holds model.parameters and then the shapes of the `shaped` terms."""
+        """The free run's own sums over all segments."""
         rules = Rules(structure_of(model).range_um, model.consequents)
         total: FreeRunSums | None = None
         for segment, drive, trust in zip(self.record.segments, self.drives, self.trust, strict=True):

@@ -52,13 +52,13 @@ def fit(
     if allowed is not None:
         outcome["least_squares_certified"] = allowed.violated(learnt.solve()).floor.size == 0
     if chosen.method == "refined":
-        error = free_run_error(record, structure, chosen.settle, trust, starts)
-        before = error.sums(model)
+        error = free_run_error(record, structure, chosen.settle, trust, starts).anchored(model, learnt)
+        before = error.criterion(model)
         refined = refine(model, error, allowed, chosen.iterations, progress)
         model = refined.model
         outcome |= {
             "steps": refined.steps,
-            "free_run_rms_um": {"least_squares": before.rms_um, "refined": refined.sums.rms_um},
+            "free_run_rms_um": {"least_squares": before.rms_um, "refined": refined.criterion.rms_um},
             "scored_samples": int(sum(np.count_nonzero(weight[1:]) for weight in error.trust)),
         }
     return _finished(model, record, chosen, outcome)

@@ -2,8 +2,8 @@
 
     min over q of  sum_k lambda^(N-k) t(k) (y(k+1) - x(k)'q)^2 + lambda^N/alpha ||q - epsilon 1||^2
 
-The triangular factor R of all rows seen so far stands for them, [R d; 0 e] = qr([x'q | y]); a chunk of rows is stacked
-under it and the stack is triangularised again. Memory does not grow with the record, and R carries the condition of the
+The triangular factor [R d; 0 e] of all rows [x' | y] seen so far stands for them; a chunk of rows is put under it and
+the stack is triangularised again. Memory does not grow with the record, and R carries the condition of the
 regressors, not its square. Source: Bierman, Factorization Methods for Discrete Sequential Estimation (1977), chapter
 IV.
 """
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from hysgen.kernels import triangularise
 from hysgen.record import Record
 from hysgen.regression import Starts, Structure, Trust, regression_rows
 
@@ -32,6 +33,11 @@ class Information:
     R: Floats
     d: Floats
     rest: float
+
+    def square(self, parameters: Floats) -> float:
+        """The sum of squares at these parameters, (p,)."""
+        away = self.R @ parameters - self.d
+        return float(away @ away) + self.rest**2
 
     def solve(self) -> Floats:
         """The parameters of least squares, (p,)."""
@@ -54,15 +60,14 @@ def information(
     """
     size = structure.size
     prior = np.eye(size) / np.sqrt(alpha)
-    factor = np.column_stack([prior, epsilon * prior.sum(axis=1)])
+    factor = np.zeros((size + 1, size + 1))
+    factor[:size, :size], factor[:size, size] = prior, epsilon * prior.sum(axis=1)
     for rows in regression_rows(record, structure, trust, starts):
         count = rows.target_um.size
         weight = np.sqrt(rows.trust * forgetting ** np.arange(count - 1.0, -1.0, -1.0))
-        block = np.empty((len(factor) + count, size + 1))
-        np.multiply(factor, forgetting ** (0.5 * count), out=block[: len(factor)])
-        np.multiply(rows.regressors, weight[:, None], out=block[len(factor) :, :size])
-        np.multiply(rows.target_um, weight, out=block[len(factor) :, size])
-        factor = np.asarray(np.linalg.qr(block, mode="r"))
-    R, d = factor[:size, :size], factor[:size, size]
-    rest = abs(float(factor[size, size])) if len(factor) > size else 0.0
-    return Information(np.ascontiguousarray(R), d.copy(), rest)
+        block = np.empty((count, size + 1))
+        np.multiply(rows.regressors, weight[:, None], out=block[:, :size])
+        np.multiply(rows.target_um, weight, out=block[:, size])
+        factor *= forgetting ** (0.5 * count)
+        triangularise(factor, block)
+    return Information(factor[:size, :size].copy(), factor[:size, size].copy(), abs(float(factor[size, size])))

@@ -19,8 +19,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from hysgen.certificates import Certificates, certify
 from hysgen.fit.certified import CertifiedSet, least_squares_inside
-from hysgen.fit.free_run import FreeRunError
-from hysgen.kernels import FreeRunSums
+from hysgen.fit.free_run import Criterion, FreeRunError
 from hysgen.model import Model
 
 Floats = NDArray[np.float64]
@@ -30,16 +29,13 @@ FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e7
 ENOUGH = 1e-6
 """Relative fall of J below which the refinement ends."""
 
-COARSE = 2e-4
-"""How closely extrema are enclosed between steps: well inside what the usual slope limit leaves below 1."""
-
 
 @dataclass(frozen=True)
 class Refined:
-    """The refined model; its free-run sums, in whose order x stands; how many steps were taken."""
+    """The refined model, the criterion there, and how many steps were taken."""
 
     model: Model
-    sums: FreeRunSums
+    criterion: Criterion
     steps: int
 
 
@@ -55,39 +51,39 @@ def refine(
     error: the error to lower, over its record. allowed: the set to stay in, or None for no restriction at all.
     progress: told the fraction done and one line, once per step.
     """
-    sums = error.sums(model)
-    held = certify(model, COARSE) if allowed else None
+    now = error.criterion(model)
+    held = certify(model) if allowed else None
     damping = FIRST_DAMPING
     steps = 0
     for iteration in range(iterations):
-        moved: tuple[Model, FreeRunSums] | None = None
+        moved: tuple[Model, Criterion] | None = None
         while moved is None and damping <= MOST_DAMPING:
-            candidate = error.moved(model, _step(sums, damping, allowed, model.parameters))
-            trial = error.sums(candidate)
-            if trial.square_um2 < sums.square_um2 and (held is None or _keeps(held, candidate)):
+            candidate = error.moved(model, _step(now, damping, allowed, model.parameters))
+            trial = error.criterion(candidate)
+            if trial.value < now.value and (held is None or _keeps(held, candidate)):
                 moved = candidate, trial
             else:
                 damping *= 10.0
         if moved is None:
             break
-        fall = 1.0 - moved[1].square_um2 / sums.square_um2
-        model, sums = moved
+        fall = 1.0 - moved[1].value / now.value
+        model, now = moved
         damping = max(damping / 10.0, LEAST_DAMPING)
         steps += 1
         if progress is not None:
-            progress((iteration + 1) / iterations, f"free run {sums.rms_um:.4g} um rms after {steps} steps")
+            progress((iteration + 1) / iterations, f"free run {now.rms_um:.4g} um rms after {steps} steps")
         if fall < ENOUGH:
             break
-    return Refined(model, sums, steps)
+    return Refined(model, now, steps)
 
 
-def _step(sums: FreeRunSums, damping: float, allowed: CertifiedSet | None, parameters: Floats) -> Floats:
+def _step(now: Criterion, damping: float, allowed: CertifiedSet | None, parameters: Floats) -> Floats:
     """d = -(H + mu D)^-1 g, inside the set; a parameter that the run does not depend on stays where it is."""
-    scale = np.sqrt(np.diag(sums.hessian))
+    scale = np.sqrt(np.diag(now.hessian))
     scale[scale == 0.0] = 1.0
-    normal = sums.hessian / np.outer(scale, scale) + damping * np.eye(scale.size)
+    normal = now.hessian / np.outer(scale, scale) + damping * np.eye(scale.size)
     R = cholesky(normal)
-    d = -solve_triangular(R, sums.gradient / scale, trans="T")
+    d = -solve_triangular(R, now.gradient / scale, trans="T")
     if allowed is None:
         return np.asarray(solve_triangular(R, d) / scale)
     return least_squares_inside(R * scale, d, allowed, parameters)
@@ -95,7 +91,7 @@ def _step(sums: FreeRunSums, damping: float, allowed: CertifiedSet | None, param
 
 def _keeps(held: Certificates, candidate: Model) -> bool:
     """Whether every certificate that held before holds for the candidate."""
-    now = certify(candidate, COARSE)
+    now = certify(candidate)
     return (
         now.gain_holds >= held.gain_holds
         and now.contraction_holds >= held.contraction_holds

@@ -24,13 +24,13 @@ from scipy.linalg import pinvh
 from hysgen import kernels
 from hysgen.certificates import certify
 from hysgen.errors import FitError
-from hysgen.fit.free_run import FreeRunError, free_run_error
+from hysgen.fit.free_run import Criterion, FreeRunError, free_run_error
 from hysgen.fit.identify import allowed_set, fit
 from hysgen.fit.least_squares import information
 from hysgen.fit.partition import structure_for
 from hysgen.fit.refine import Progress, refine
 from hysgen.fit.settings import FitSettings
-from hysgen.kernels import FreeRunSums, Rules
+from hysgen.kernels import Rules
 from hysgen.model import Model
 from hysgen.record import Record
 from hysgen.regression import Starts, Trust, structure_of, term_output
@@ -72,10 +72,11 @@ def fit_shape(
     structure = structure_for(record, settings)
     prior = (settings.forgetting, settings.alpha, settings.epsilon)
     allowed = allowed_set(record, structure, settings, information(record, structure, *prior, trust, starts))
+    # Not anchored: the one-step error was taken at the first shape, and would hold the weights back as the shape moves.
     error = free_run_error(record, structure, settings.settle, trust, starts, kinds)
     refined = refine(start, error, allowed, settings.iterations, progress)
     correlation = correlation_time(residuals(refined.model, error))
-    deviation = _deviations(refined.sums, correlation)
+    deviation = _deviations(refined.criterion, correlation)
     shapes, deviations, at = {}, {}, refined.model.parameters.size
     for term in refined.model.terms:
         if term.kind in error.shaped:
@@ -87,7 +88,7 @@ def fit_shape(
         history={**start.history, "shaped": sorted(kinds), "steps": refined.steps},
         certificates=certify(refined.model).to_json(),
     )
-    return ShapeFit(model, shapes, deviations, correlation, refined.sums.rms_um, refined.steps)
+    return ShapeFit(model, shapes, deviations, correlation, refined.criterion.rms_um, refined.steps)
 
 
 def residuals(model: Model, error: FreeRunError) -> list[Floats]:
@@ -122,11 +123,11 @@ def correlation_time(series: Sequence[Floats]) -> float:
     return max(1.0, 2.0 * float(pairs[:stop].sum()) - 1.0)
 
 
-def _deviations(sums: FreeRunSums, correlation: float) -> Floats:
+def _deviations(criterion: Criterion, correlation: float) -> Floats:
     """Standard deviations of x; infinite for parameters that the run does not depend on."""
-    scale = np.sqrt(np.diag(sums.hessian))
+    scale = np.sqrt(np.diag(criterion.hessian))
     told = scale > 0.0
     unit = np.where(told, scale, 1.0)
-    covariance = pinvh(sums.hessian / np.outer(unit, unit))
-    variance = sums.rms_um**2 * correlation * np.clip(np.diag(covariance), 0.0, None) / unit**2
+    covariance = pinvh(criterion.hessian / np.outer(unit, unit))
+    variance = criterion.rms_um**2 * correlation * np.clip(np.diag(covariance), 0.0, None) / unit**2
     return np.where(told, np.sqrt(variance), np.inf)

@@ -10,6 +10,7 @@ from hysgen.kernels.play import play_operators
 from hysgen.kernels.rls import rls_updates
 from hysgen.kernels.run import Rules, free_run, horizon_errors, one_step, rule_rows
 from hysgen.kernels.sensitivity import FreeRunSums, free_run_sums
+from hysgen.kernels.triangular import triangularise
 
 __all__ = [
     "FreeRunSums",
@@ -21,4 +22,5 @@ __all__ = [
     "play_operators",
     "rls_updates",
     "rule_rows",
+    "triangularise",
 ]
