@@ -39,8 +39,9 @@ def noise_floor(record: Record, left_um: Floats, lag_s: float) -> NoiseFloor:
     scatter = [part for s in record.segments for part in _plateau_scatter(s.u_V, s.y_um, settling)]
     samples = sum(len(part) for part in scatter)
     if samples >= 200:
-        square = sum(float(part @ part) for part in scatter) / (samples - 2 * len(scatter))
-        return NoiseFloor(float(np.sqrt(square)), "plateaus", samples)
+        # The median over plateaus, for on some the amplifier may still be under way.
+        variances = [float(part @ part) / (len(part) - 2) for part in scatter]
+        return NoiseFloor(float(np.sqrt(np.median(variances))), "plateaus", samples)
     second = left_um[2:] - 2.0 * left_um[1:-1] + left_um[:-2]
     return NoiseFloor(float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)), "innovation", len(second))
 

@@ -177,9 +177,9 @@ def _agreement(
         without = climb(prepared, extensions, [other for other in candidates if other != name], quick, skip)
         clean = skip[~found.corrupted[skip]] if len(found.corrupted) else skip
         alone[name] = gain(without.error_um[clean], whole.error_um[clean])
-        if alone[name].fall_um <= 0.0:
+        if alone[name].low_um <= 0.0:
             candidates.remove(name)
-            refused.append(Refused(name, "its extension does not lower the model's free-run error"))
+            refused.append(Refused(name, "its extension does not lower the model's free-run error for certain"))
     return candidates, alone, refused
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
+
 from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.evidence.drift import ZERO_UNCERTAIN
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 
@@ -44,9 +47,13 @@ class Aging(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
+        # A ramp beside the aging that is no drift of its own says only that the gain turns about another point.
+        ramp = scene.drift_column(fit.chain) + scene.hysteresis_size(fit.chain) if fit.chain.drift else None
+        shift_um = 0.0 if ramp is None else float(fit.weights[ramp]) / scene.span_s / (fit.chain.aging_per_s or 1.0)
+        hidden = abs(shift_um) < ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
         return Extension(
             gain_per_s=fit.chain.aging_per_s or 0.0,
-            zero_um=scene.zero_um(fit.chain, fit.weights),
+            zero_um=scene.zero_um(fit.chain, fit.weights) - (shift_um if hidden else 0.0),
             forgetting_s=FORGET * scene.span_s,
         )
 

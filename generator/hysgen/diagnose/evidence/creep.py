@@ -10,6 +10,7 @@ from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.terms.creep import Creep as CreepTerm
 
+LEAST_DECADES = 10.0
 STATES = 4
 """Slow states of the term, spread over the decades between the start of the creep and the length of the record."""
 
@@ -34,13 +35,13 @@ class Creep(Cause):
         return [dataclasses.replace(chain, creep=0.01, creep_from_s=start_s) for start_s in starts]
 
     def signature(self, look: Look, rival: Fit) -> Signature:
-        """The creep against its standard error: positive, and slower than the lag."""
+        """The creep against its standard error: onward, not back, and over a decade of time at least."""
         chain = look.fit.chain
         creep = chain.creep or 0.0
         error = standard_errors(look.scene, look.fit).coordinates["creep"]
         z = creep / max(error, 1e-15)
         return Signature(
-            holds=z > 4.0 and chain.creep_from_s > 2.0 * chain.lag_s,
+            holds=z > 4.0 and chain.creep_from_s < look.scene.span_s / LEAST_DECADES,
             z=z,
             text=f"after a move the output goes on by {100 * creep:.2f} % +- {100 * error:.2f} of it per decade",
             parameters={

@@ -10,6 +10,9 @@ from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 
+ZERO_UNCERTAIN = 0.1
+"""Share of the span by which the stage's zero is uncertain: an aging gain turns that into a ramp of its own."""
+
 
 class Drift(Cause):
     name = "drift"
@@ -30,9 +33,10 @@ class Drift(Cause):
         slope = float(look.fit.weights[scene.hysteresis_size(chain) + at]) / scene.span_s
         error = float(standard_errors(scene, look.fit).disturbances[at]) / scene.span_s
         z = abs(slope) / max(error, 1e-15)
+        hidden = abs(chain.aging_per_s or 0.0) * ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
         shares = [_seen(look, slope, sign) for sign in (1.0, -1.0)]
         return Signature(
-            holds=z > 5.0 and all(0.5 < share < 1.5 for share in shares),
+            holds=z > 5.0 and abs(slope) > hidden and all(0.5 < share < 1.5 for share in shares),
             z=z,
             text=f"{1e3 * slope:.3g} nm/s +- {1e3 * error:.1g} whatever the input does "
             f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)",

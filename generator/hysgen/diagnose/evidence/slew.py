@@ -13,6 +13,9 @@ from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.diagnose.probe.amplifier import amplified
 from hysgen.inputs.slew import Slew as SlewBlock
 
+QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.77, 0.83, 0.87, 0.9, 0.925, 0.95, 0.965, 0.98, 0.99)
+"""Of the command's rates: where a limit is looked for."""
+
 
 class Slew(Cause):
     name = "slew"
@@ -28,11 +31,13 @@ class Slew(Cause):
         if chain.rate_V_per_s is not None:
             return []
         rates = np.concatenate([np.abs(np.diff(run.u_V)) for run in scene.runs]) / scene.Ts_s
-        top = float(rates.max())
-        moving = rates[rates > 1e-3 * top]
-        usual = float(np.quantile(moving, 0.5))
-        levels = np.geomspace(0.3 * usual, 0.9 * top, 10)
-        return [dataclasses.replace(chain, rate_V_per_s=float(rate)) for rate in levels]
+        levels = np.unique(np.quantile(rates[rates > 1e-6 * rates.max()], QUANTILES))
+        # A slow amplifier was taken for lag, so the lag is tried shorter too.
+        return [
+            dataclasses.replace(chain, rate_V_per_s=float(rate), lag_s=share * chain.lag_s)
+            for rate in levels
+            for share in (1.0, 0.25, 0.05)
+        ]
 
     def signature(self, look: Look, rival: Fit) -> Signature:
         """The rate against its standard error, and the share of the command's steps that the limit holds back."""
