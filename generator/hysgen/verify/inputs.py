@@ -1,0 +1,84 @@
+"""Inputs of a comparison as bit patterns: random, smooth, edges of every kind, and any 32 bits at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.coefficients import Coefficients, coefficients
+from hysgen.model import Model
+
+Words = NDArray[np.uint32]
+Floats32 = NDArray[np.float32]
+
+CHUNK: Final = 1 << 16
+Style = Callable[[np.random.Generator, int, int, tuple[np.float32, np.float32]], Words]
+
+
+def quantities(model: Model) -> Mapping[str, tuple[np.float32, np.float32]]:
+    """The range of each quantity that a generated function takes, in its unit."""
+    numbers: Coefficients = coefficients(model)
+    return {
+        "displacement": (numbers.y_min_um, numbers.y_max_um),
+        "reference": (numbers.y_min_um, numbers.y_max_um),
+        "voltage": (numbers.u_min_V, numbers.u_max_V),
+        # Ranges of channels differ; this one is wider than most, so that they are left now and then.
+        "channel": (np.float32(-10.0), np.float32(50.0)),
+    }
+
+
+def chunks(style: str, limits: list[tuple[np.float32, np.float32]], samples: int, seed: int) -> Iterator[list[Words]]:
+    """`samples` of each argument in pieces of at most CHUNK: the bits of one column per range in `limits`."""
+    rng = np.random.default_rng([seed, *style.encode()])
+    for first in range(0, samples, CHUNK):
+        n = min(CHUNK, samples - first)
+        yield [STYLES[style](rng, first, n, limit) for limit in limits]
+
+
+def _random(rng: np.random.Generator, first: int, n: int, limit: tuple[np.float32, np.float32]) -> Words:
+    """Uniform over the range and 15 % of it beyond either end."""
+    low, high = (float(end) for end in limit)
+    beyond = 0.15 * (high - low)
+    return rng.uniform(low - beyond, high + beyond, n).astype(np.float32).view(np.uint32)
+
+
+def _smooth(rng: np.random.Generator, first: int, n: int, limit: tuple[np.float32, np.float32]) -> Words:
+    """What a controller sees: slow sines with a little noise, held now and then."""
+    low, high = (float(end) for end in limit)
+    k = np.arange(first, first + n, dtype=np.float64)
+    phase = 2.0 * np.pi * k / rng.uniform(200.0, 5000.0)
+    swing = 0.5 + 0.45 * np.sin(phase) * np.cos(0.01 * phase)
+    value = low + (high - low) * (swing + rng.normal(0.0, 1e-4, n))
+    value[(k // 3000) % 5 == 4] = value[0]
+    return np.asarray(value.astype(np.float32).view(np.uint32))
+
+
+def _edges(rng: np.random.Generator, first: int, n: int, limit: tuple[np.float32, np.float32]) -> Words:
+    """Zeros, denormals, the range's ends and their neighbours, huge values, infinities and NaN, in runs of 1 to 8."""
+    special = _specials(limit)
+    picked = rng.integers(0, special.size, n)
+    held = np.maximum.accumulate(np.where(rng.random(n) < 0.7, np.arange(n), 0))
+    ordinary = _random(rng, first, n, limit)
+    return np.where(rng.random(n) < 0.6, special[picked[held]], ordinary)
+
+
+def _patterns(rng: np.random.Generator, first: int, n: int, limit: tuple[np.float32, np.float32]) -> Words:
+    """Any 32 bits."""
+    return rng.integers(0, 1 << 32, n, dtype=np.uint32)
+
+
+def _specials(limit: tuple[np.float32, np.float32]) -> Words:
+    infinity = np.float32(np.inf)
+    tiny = [2.0**-149, 2.0**-127, 2.0**-126, 2.0**-41, 2.0**-40, 2.0**-39]
+    numbers = [0.0, *tiny, 1.0, 1e9, 3e38, np.inf, *limit, 0.5 * (float(limit[0]) + float(limit[1]))]
+    around = [np.nextafter(end, way) for end in limit for way in (-infinity, infinity)]
+    floats = np.array([*numbers, *around], dtype=np.float32)
+    # NaN of either sign, quiet and signalling, with full and with empty payloads.
+    nans = np.array([0x7FC00000, 0xFFC00000, 0x7F800001, 0xFFBFFFFF, 0x7FFFFFFF], dtype=np.uint32)
+    return np.concatenate([floats.view(np.uint32), (-floats).view(np.uint32), nans])
+
+
+STYLES: Final[Mapping[str, Style]] = {"random": _random, "smooth": _smooth, "edges": _edges, "patterns": _patterns}

@@ -1,0 +1,87 @@
+"""What is compared: a generated struct, the functions that step it, and the float32 reference of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.host import Host
+from hysgen.model import Model
+from hysgen.reference.instance import Instance
+from hysgen.status import COUNTERS
+
+Words = NDArray[np.uint32]
+Floats32 = NDArray[np.float32]
+
+START_UM: Final = np.float32(0.0)
+START_V: Final = np.float32(0.0)
+
+
+class Lanes(Protocol):
+    """A reference that steps many independent states at once; its functions are methods of the C functions' names."""
+
+    def words(self) -> Mapping[str, Words]:
+        """Every word of the struct that is compared, by name, in the order of the C, (lanes,) each."""
+        ...
+
+    def restore(self, words: Sequence[Words]) -> None:
+        """Take over the states whose words are given in that order, (lanes,) each."""
+        ...
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A struct and what steps it.
+
+    struct: its C type behind the model's name; functions: by name, the quantity of each float argument (see `inputs`).
+    first: C path of the first word that is compared; as many follow as the reference has `words`.
+    start: a new struct, initialised by the C, and the same start in NumPy, one lane.
+    wear: put a struct into a state that only months of use would reach.
+    listens: its functions are driven with the auxiliary channels of the model.
+    """
+
+    struct: str
+    functions: Mapping[str, tuple[str, ...]]
+    first: str
+    start: Callable[[Host], Any]
+    reference: Callable[[Model], Lanes]
+    wear: Callable[[Host, Any], None]
+    listens: bool
+
+
+def _instance(model: Model) -> Lanes:
+    return Instance(model, np.full(1, START_UM), np.full(1, START_V))
+
+
+def _wear(host: Host, struct: Any) -> None:
+    """Counters about to reach their end; the second bank in use and the first one full of NaN."""
+    words, layout = host.words_of(struct), host.layout(f"{host.name}_t")
+    for name in COUNTERS:
+        words[layout[name]] = 0xFFFFFF00
+    for path, place in layout.items():
+        if path.startswith("bank[0]"):
+            words[place] = 0x7FC00000
+    words[layout["active"]] = 1
+
+
+MODEL: Final = Subject(
+    struct="t",
+    functions={
+        "init": ("displacement", "voltage"),
+        "predict": ("displacement", "voltage"),
+        "simulate": ("voltage",),
+        "inverse": ("displacement", "reference"),
+    },
+    first="y_um",
+    start=lambda host: host.instance(float(START_UM), float(START_V)),
+    reference=_instance,
+    wear=_wear,
+    listens=True,
+)
+
+SUBJECTS: Final[list[Subject]] = [MODEL]
+"""Every struct that is compared; a subject whose functions the header does not declare is passed over."""
