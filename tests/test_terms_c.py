@@ -18,7 +18,6 @@ from hysgen.inputs.saturation import Saturation
 from hysgen.inputs.slew import Slew
 from hysgen.model import Model
 from hysgen.model_file import load_model
-from hysgen.native import Toolchain
 from hysgen.reference.instance import Instance
 from hysgen.terms import Term, channels_of
 from hysgen.terms.coupling import Coupling
@@ -63,17 +62,17 @@ def hard_inputs(samples: int, channels: int, seed: int) -> list[NDArray[np.float
     return columns
 
 
-def assert_equal_bits(model: Model, function: str, samples: int, toolchain: Toolchain | None = None) -> None:
-    """Results and all states after every sample, of C and reference."""
-    host = Host(model.name, generate(model), toolchain)
+def assert_equal_bits(model: Model, function: str, samples: int, start_V: float = 30.0) -> None:
+    """Results and all states after every sample, of C and reference, from rest under start_V."""
+    host = Host(model.name, generate(model))
     y, u, y_next, *aux = hard_inputs(samples, host.channels, seed=20240607)
     inputs = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
     layout = host.layout(f"{model.name}_t")
-    struct = host.instance(2.0, 30.0)
+    struct = host.instance(2.0, start_V)
     bits = [column.view(np.uint32) for column in (*inputs, *aux)]
     out, trace = host.run(function, struct, bits, words=layout["bank[0].slope[0]"])
 
-    lane = Instance(model, np.full(1, 2.0, np.float32), np.full(1, 30.0, np.float32))
+    lane = Instance(model, np.full(1, 2.0, np.float32), np.full(1, start_V, np.float32))
     for k in range(samples):
         if aux:
             lane.aux([column[k : k + 1] for column in aux])
@@ -105,6 +104,18 @@ def test_input_blocks_equal_their_reference(blocks: list[InputBlock], function: 
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_all_terms_and_blocks_together_equal_their_reference(function: str) -> None:
     assert_equal_bits(extended(TERMS, BLOCKS), function, 6000)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_a_start_beyond_the_saturation_rests_at_its_level(function: str) -> None:
+    model = extended(TERMS[:3], BLOCKS)
+    assert_equal_bits(model, function, 200, start_V=110.0)
+    host = Host(model.name, generate(model))
+    struct, layout = host.instance(2.0, 110.0), host.layout(f"{model.name}_t")
+    words = host.words_of(struct).view(np.float32)
+    for path in ("inputs.v_V", "inputs.slew.last_V", "inputs.delay.ring[0]", "terms.memory.play[0]"):
+        assert words[layout[path]] == 95.0
+    assert words[layout["u_V"]] == 110.0
 
 
 def test_flushing_denormals_to_zero_changes_no_bit() -> None:
