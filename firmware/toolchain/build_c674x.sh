@@ -19,7 +19,7 @@ readonly GFDL_PATCH=${GCC_TARBALL%/*}/debian/patches/gcc-gfdl-build.diff
 readonly JOBS=${JOBS:-$(nproc)}
 
 # Lines that each stage prints with these sources; they only pace the percentages.
-readonly UNPACK_LINES=175000 BINUTILS_LINES=2610 GCC_LINES=4990
+readonly UNPACK_LINES=62500 BINUTILS_LINES=2610 GCC_LINES=4990
 
 say() { printf 'c674x toolchain: %s\n' "$*"; }
 fail() { say "$*" >&2; exit 1; }
@@ -48,19 +48,34 @@ require_digest() {
         fail "$archive: not the archive that this recipe was measured with (sha256 $expected)"
 }
 
-# stage NAME EXPECTED_LINES COMMAND...: runs the command and paces its output as percentages.
+# stage NAME EXPECTED_LINES COMMAND...: runs the command and paces its output as percentages. The command has a process
+# group of its own, so that an interruption ends all of it at once.
 stage() {
     STAGE=$1
     say "$STAGE"
-    "${@:3}" 2>&1 | tee "$WORK/log" | awk -v name="$STAGE" -v expected="$2" '
+    set -m
+    paced "$@" &
+    JOB=$!
+    set +m
+    wait "$JOB"
+    JOB=
+}
+
+paced() {
+    "${@:3}" 2>&1 | tee "$WORK/log" | awk -v name="$1" -v expected="$2" '
         { percent = int(20 * NR / expected) * 5
           if (percent > shown && percent < 100) {
               shown = percent; printf "c674x toolchain: %s %d %%\n", name, percent; fflush() } }'
 }
 
+interrupt() {
+    [[ -z $JOB ]] || kill -TERM -- "-$JOB" 2>/dev/null || true
+    exit 130
+}
+
 clean_up() {
     local status=$?
-    if ((status == 1 || status == 2)) && [[ -f $WORK/log ]]; then
+    if ((status != 0 && status != 130)) && [[ -f $WORK/log ]]; then
         tail -n 25 "$WORK/log" >&2
         say "$STAGE failed; its last lines stand above" >&2
     fi
@@ -69,7 +84,9 @@ clean_up() {
 
 unpack() {
     tar -xvf "$BINUTILS_TARBALL" -C "$WORK"
-    tar -xvf "$GCC_TARBALL" -C "$WORK"
+    # Half of gcc's files are tests and libraries of other languages.
+    tar -xvf "$GCC_TARBALL" -C "$WORK" --exclude='*/gcc/testsuite' --exclude='*/libstdc++-v3' --exclude='*/libgo' \
+        --exclude='*/libphobos' --exclude='*/gcc/ada' --exclude='*/gcc/d' --exclude='*/libgomp' --exclude='*/libsanitizer'
     mv "$WORK"/binutils-* "$WORK/binutils"
     mv "$WORK"/gcc-* "$WORK/gcc"
     # Debian's archive comes without the manual that gcc's makefile wants to compare itself with.
@@ -127,8 +144,9 @@ require_digest "$GCC_TARBALL" "$GCC_SHA256"
 mkdir -p "$(dirname "$PREFIX")"
 WORK=$(mktemp -d "$PREFIX.building.XXXXXX")
 ASIDE=$WORK/aside
+JOB=
 trap clean_up EXIT
-trap 'exit 130' INT TERM HUP
+trap interrupt INT TERM HUP
 
 # The compiler's own speed matters less than the time to build it; what it emits does not depend on these flags.
 export CFLAGS=-O0 CXXFLAGS=-O0

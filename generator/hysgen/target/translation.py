@@ -27,9 +27,7 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
 
     Raises BuildError if there is no C compiler on the host.
     """
-    names = ("state.h", "operations.h", "pipeline.h", "pipeline.c", "run.c")
-    folder = resources.files("hysgen.target") / "engine"
-    texts = {name: (folder / name).read_text(encoding="utf-8") for name in names}
+    texts = runtime()
     host = Toolchain(default_toolchain().command, ("-O1",))
     library = build([*texts.items(), ("program.c", program(packets))], texts["state.h"], host)
 
@@ -51,6 +49,13 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
         return Counts(state.cycle, state.stalls, state.packets, state.denormals, state.nans, lowest)
 
     return run
+
+
+def runtime() -> dict[str, str]:
+    """The engine's own C, by file name: what every translated program is compiled with."""
+    names = ("state.h", "operations.h", "pipeline.h", "pipeline.c", "run.c")
+    folder = resources.files("hysgen.target") / "engine"
+    return {name: (folder / name).read_text(encoding="utf-8") for name in names}
 
 
 def program(packets: Mapping[int, Packet]) -> str:

@@ -1,0 +1,120 @@
+"""Cycles counted without running are the simulator's: exactly without branches, as bounds that are met with them."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from target_compiler import firmware, need_compiler
+from target_packets import CODE, Bench
+
+from hysgen.errors import TargetError
+from hysgen.target import toolchain
+from hysgen.target.cycles import CycleBounds, bounds
+from hysgen.target.machine import Machine
+
+
+def of(machine: Machine, function: str, limits: dict[int, int] | None = None) -> CycleBounds:
+    return bounds(machine.image, machine.packets, function, limits)
+
+
+def test_straight_line_code_has_one_cycle_count_and_the_simulator_takes_it() -> None:
+    machine = firmware("predict").machine()
+    found = of(machine, "predict")
+    assert found.constant
+    assert found.data_dependent == ()
+    assert machine.call("predict", 2.0, 50.0).cycles == found.worst
+
+
+def test_both_bounds_of_branching_code_are_met() -> None:
+    need_compiler()
+    text = (
+        "float branching(float x, float y); float branching(float x, float y) {"
+        " if (x < y) { x = x * y; x = x * y; x = x * y; } if (x > 1.0f) x = 1.0f; else y = y * x + y; return x * y; }"
+    )
+    machine = toolchain.compile([("branching.c", text)], ("-fno-if-conversion", "-fno-if-conversion2")).machine()
+    found = of(machine, "branching")
+    values = [-2.0, -0.5, 0.0, 0.5, 2.0]
+    cycles = {machine.call("branching", x, y).cycles for x, y in itertools.product(values, values)}
+    assert found.data_dependent
+    assert (min(cycles), max(cycles)) == (found.best, found.worst)
+
+
+def test_called_functions_are_counted_in() -> None:
+    need_compiler()
+    text = (
+        "float outer(float x); float inner(float x); __attribute__((noinline)) float inner(float x) { return x * x; }"
+        "float outer(float x) { return inner(x + 1.0f) + inner(x) * 2.0f; }"
+    )
+    machine = toolchain.compile([("calls.c", text)]).machine()
+    found = of(machine, "outer")
+    assert found.constant
+    assert machine.call("outer", 3.0).cycles == found.worst > 2 * of(machine, "inner").worst
+
+
+def test_a_loop_needs_a_limit_and_is_exact_with_it() -> None:
+    need_compiler()
+    text = (
+        "float sum(const float *x); float sum(const float *x) {"
+        " float s = 0.0f; int i; for (i = 0; i < 24; i++) s = s + x[i]; return s; }"
+    )
+    machine = toolchain.compile([("sum.c", text)]).machine()
+    with pytest.raises(
+        TargetError, match=r"a loop without a limit; give one for a branch of it \(([0-9a-f]{8})\)"
+    ) as no:
+        of(machine, "sum")
+    branch = int(str(no.value).split("(")[1].rstrip(")"), 16)
+    place = machine.allocate(24)
+    machine.write(place, np.ones(24, np.float32))
+    outcome = machine.call("sum", place)
+    assert outcome.float32 == 24.0
+    assert of(machine, "sum", {branch: 23}).worst == outcome.cycles
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("loop:\n[a1] b .S1 loop\nnop 5\nb .S2 b3\nnop 5", "a loop without a limit"),
+        ("b .S2 b7\nnop 5", "a jump to the address in b7"),
+        ("start:\ncallp .S2 start,b3\nb .S2 b3\nnop 5", "recursion is not bounded"),
+        ("addkpc .S2 back,b3,0\nback:\nb .S2 b3\nnop 5", "a call through a pointer"),
+        ("rcpsp .S1 a4,a5\nb .S2 b3\nnop 5", "not modelled"),
+        ("nop 1", "no execute packet starts here"),
+    ],
+)
+def test_what_cannot_be_bounded_is_refused(text: str, complaint: str) -> None:
+    bench = Bench(text, interpreted=True)
+    with pytest.raises(TargetError, match=complaint):
+        bounds(bench.image, bench.packets, "start")
+
+
+def test_an_unconditional_loop_is_refused_not_followed() -> None:
+    bench = Bench("loop:\nb .S1 loop\nnop 5", interpreted=True)
+    with pytest.raises(TargetError, match=f"{CODE:08x}: a loop without a limit"):
+        bounds(bench.image, bench.packets, "loop")
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_random_forward_branches_stay_within_the_bounds_and_meet_them(seed: int) -> None:
+    # Packets with predicated branches to later labels, some in the delay slots of others; predicates from the seed.
+    rng = np.random.default_rng(seed)
+    lines = []
+    for label in range(5):
+        lines.append(f"label{label}:")
+        for _ in range(int(rng.integers(1, 8))):
+            kind = rng.random()
+            if kind < 0.2 and label < 4:
+                lines.append(f"[{rng.choice(['', '!'])}a{rng.integers(3)}] b .S1 label{rng.integers(label + 1, 5)}")
+            elif kind < 0.4:
+                lines.append(f"nop {rng.integers(1, 6)}")
+            else:
+                lines.append("add .L1 1,a4,a4")
+    bench = Bench("\n".join([*lines, "b .S2 b3", "nop 5"]), interpreted=True)
+    found = bounds(bench.image, bench.packets, "start")
+    cycles = {
+        bench.run("start", a0=a0, a1=a1, a2=a2).counts.cycles for a0, a1, a2 in itertools.product((0, 1), repeat=3)
+    }
+    assert found.best <= min(cycles) <= max(cycles) <= found.worst
+    if len(found.data_dependent) <= 1:
+        assert (found.best, found.worst) == (min(cycles), max(cycles))
