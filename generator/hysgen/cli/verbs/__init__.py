@@ -2,6 +2,6 @@
 
 from types import ModuleType
 
-from hysgen.cli.verbs import describe, experiments, fit, generate, score
+from hysgen.cli.verbs import bank, describe, diagnose, experiments, fit, generate, score, verify
 
-VERBS: tuple[ModuleType, ...] = (fit, score, describe, generate, experiments)
+VERBS: tuple[ModuleType, ...] = (fit, score, describe, diagnose, generate, verify, experiments, bank)
