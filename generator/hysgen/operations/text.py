@@ -1,0 +1,68 @@
+"""Generated C as a syntax tree, without a compiler: the few directives that it uses are carried out here.
+
+Kept is what stands inside include guards; of `#if defined(...)` the `#else` branch, which assumes no particular
+compiler. Macros without parameters are replaced by their text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from pycparser import CParser, c_ast
+
+from hysgen.errors import HysgenError
+
+_PRELUDE = "typedef unsigned int uint32_t; typedef int int32_t; typedef unsigned long long uint64_t;\n"
+_DIRECTIVE = re.compile(r"\s*#\s*(\w+)\s*(.*)")
+_DEFINE = re.compile(r"(\w+)(\(\))?\s*(.*)")
+
+
+def syntax_tree(texts: Mapping[str, str], names: tuple[str, ...]) -> c_ast.FileAST:
+    """The tree of the files `names` in a row, each seeing the macros of those before.
+
+    Raises HysgenError if the text uses more of C's preprocessor than generated code does.
+    """
+    macros: dict[str, str] = {"UINT32_MAX": "4294967295u"}
+    body = "".join(preprocessed(texts[name], macros) for name in names)
+    return CParser().parse(_PRELUDE + body, filename=names[-1])
+
+
+def preprocessed(text: str, macros: dict[str, str]) -> str:
+    """`text` without comments and directives, macros replaced; adds those that it defines to `macros`."""
+    text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL).replace("\\\n", " ")
+    kept: list[str] = []
+    open_branches: list[bool] = []
+    for line in text.splitlines():
+        directive = _DIRECTIVE.fullmatch(line)
+        if directive is None:
+            if all(open_branches):
+                kept.append(_replaced(line, macros))
+            continue
+        word, rest = directive[1], directive[2].strip()
+        if word in ("if", "ifdef", "ifndef"):
+            open_branches.append(word == "ifndef")
+        elif word in ("elif", "else"):
+            open_branches[-1] = word == "else" and not open_branches[-1]
+        elif word == "endif":
+            open_branches.pop()
+        elif word == "define" and all(open_branches):
+            _define(rest, macros)
+        elif word not in ("include", "error", "pragma", "define", "undef"):
+            raise HysgenError(f"#{word}: generated C does not use this directive; only generated files can be counted")
+    return "\n".join(kept) + "\n"
+
+
+def _define(rest: str, macros: dict[str, str]) -> None:
+    parts = _DEFINE.fullmatch(rest)
+    if parts is None:
+        raise HysgenError(f"#define {rest}: generated C does not use macros with parameters")
+    name, call, value = parts[1], parts[2] or "", parts[3].strip()
+    macros[name + call] = _replaced(value, macros)
+
+
+def _replaced(line: str, macros: Mapping[str, str]) -> str:
+    def replacement(match: re.Match[str]) -> str:
+        return macros.get(match[0], macros.get(match[1], match[1]) + match[2])
+
+    return re.sub(r"\b([A-Za-z_]\w*)\b((?:\(\))?)", replacement, line)

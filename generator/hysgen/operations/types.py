@@ -1,0 +1,98 @@
+"""C types as far as counting needs them: what is a float, what is a word, how large is a struct."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from pycparser import c_ast
+
+from hysgen.errors import HysgenError
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """float, an integer type, or void."""
+
+    floating: bool
+
+
+@dataclass(frozen=True)
+class Pointer:
+    to: Type
+
+
+@dataclass(frozen=True)
+class Array:
+    of: Type
+    length: int
+
+
+@dataclass(frozen=True)
+class Struct:
+    """Members by name, in their order; of a union only the names matter."""
+
+    members: Mapping[str, Type]
+
+
+Type: TypeAlias = Scalar | Pointer | Array | Struct
+
+FLOAT = Scalar(True)
+INTEGER = Scalar(False)
+
+
+class Types:
+    """The typedefs of a translation unit."""
+
+    def __init__(self) -> None:
+        self._named: dict[str, Type] = {}
+
+    def define(self, node: c_ast.Typedef) -> None:
+        """Take a typedef in."""
+        self._named[node.name] = self.of(node.type)
+
+    def __getitem__(self, name: str) -> Type:
+        return self._named[name]
+
+    def of(self, node: c_ast.Node) -> Type:
+        """The type that a declaration's type node stands for."""
+        match node:
+            case c_ast.TypeDecl() | c_ast.Typename():
+                return self.of(node.type)
+            case c_ast.PtrDecl():
+                return Pointer(self.of(node.type))
+            case c_ast.ArrayDecl():
+                return Array(self.of(node.type), constant(node.dim))
+            case c_ast.Struct() | c_ast.Union():
+                return Struct({member.name: self.of(member.type) for member in node.decls or []})
+            case c_ast.IdentifierType():
+                name = node.names[-1]
+                return self._named[name] if name in self._named else Scalar(name == "float")
+        raise HysgenError(f"{type(node).__name__} at {node.coord}: not a type that generated C uses")
+
+
+def words(kind: Type) -> int:
+    """32-bit words of a value of this type; every scalar and pointer of the target has 32 bits."""
+    match kind:
+        case Array():
+            return kind.length * words(kind.of)
+        case Struct():
+            return sum(words(member) for member in kind.members.values())
+    return 1
+
+
+def constant(node: c_ast.Node) -> int:
+    """The value of an integer constant expression."""
+    match node:
+        case c_ast.Constant():
+            return int(node.value.rstrip("uUlL"), 0)
+        case c_ast.BinaryOp(op="+"):
+            return constant(node.left) + constant(node.right)
+        case c_ast.BinaryOp(op="-"):
+            return constant(node.left) - constant(node.right)
+        case c_ast.BinaryOp(op="*"):
+            return constant(node.left) * constant(node.right)
+        case c_ast.Cast():
+            return constant(node.expr)
+    raise HysgenError(f"{node.coord}: not an integer constant; generated loops and arrays have constant sizes")
