@@ -71,6 +71,24 @@ def test_a_light_slow_mode_is_right_over_1e6_samples() -> None:
     assert error < 100 * 2.0**-24 * np.abs(truth).max()
 
 
+def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> None:
+    term = Resonance((5.0, 50.0, 500.0, 5000.0, 20_000.0), (0.01, 0.02, 0.01, 0.3, 0.01))
+    model = flat(term, [1e-4] * term.size)
+    host = Host(model.name, generate(model))
+    u = chunk_of_input(5)[:200_000]
+    struct = host.instance(0.0, u[0])
+    layout = host.layout("flat_t")
+    first = layout["terms.resonance.position[0]"]
+    _, trace = host.run("simulate", struct, [u.view(np.uint32)], first=first, words=20)
+    truth = mode_states(u.astype(np.float64), term.steps(TS_S), term.start(float(u[0])))
+    single = trace[:-1].view(np.float32)
+    for j, zeta in enumerate(term.zeta):
+        for part, column in ((0, j), (1, 10 + j)):
+            motion = truth[1:, 2 * j + part]
+            error = np.abs(single[:, column] - motion).max()
+            assert error < (2 + 1 / zeta) * 2.0**-24 * np.abs(truth[:, 2 * j]).max()
+
+
 def test_amplitude_and_phase_do_not_drift_over_1e8_samples() -> None:
     f_Hz, samples, look = 49.9873, 10**8, 500_000
     model = flat(Periodic((f_Hz,)), [1.0, 0.0])
