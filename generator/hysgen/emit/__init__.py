@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hysgen.coefficients import Coefficients, coefficients
 from hysgen.emit.concerns import Concern
+from hysgen.emit.learning import learner_concern
 from hysgen.emit.parameters import block_sections, range_section, rule_section, term_sections
 from hysgen.emit.render import context, render
 from hysgen.files import write_whole
@@ -24,7 +25,7 @@ class Options:
 
 
 # Each gives its concern, or None if the options do not ask for it; in the order of the generated text.
-CONCERNS: list[Callable[[Model, Coefficients, Options], Concern | None]] = []
+CONCERNS: list[Callable[[Model, Coefficients, Options], Concern | None]] = [learner_concern]
 
 
 def generate(model: Model, options: Options | None = None) -> dict[str, str]:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from hysgen.arithmetic import ROUNDING
 from hysgen.coefficients import Coefficients
 from hysgen.emit.concerns import Concern
 from hysgen.emit.parameters import Constant, Section, Table
+from hysgen.emit.sums import polynomial, powers
 from hysgen.learner_numbers import (
+    COLUMNS_PER_PASS,
     FACTOR_GRID,
     FAST,
     GAIN_GRID,
@@ -18,44 +22,39 @@ from hysgen.learner_numbers import (
     REGRESSOR_GRID,
     SLOW,
     STEP_GRID,
+    WRITTEN_OUT,
     LearnerNumbers,
     Parameter,
     learner_numbers,
 )
+from hysgen.learner_status import LEARNER_COUNTERS, LEARNER_MEANINGS
 from hysgen.model import Model
-from hysgen.status import LEARNER_COUNTERS, LEARNER_MEANINGS
-
-WRITTEN_OUT = 24
-"""Up to this many parameters every element of U has its own lines; above, columns run in a loop to keep the code small."""
 
 SIDE_BY_SIDE = 6
 """Independent chains that stand side by side: they hide the latency of the C674x's multiplier and adder."""
 
-COLUMNS_PER_PASS = 4
-
 
 @dataclass(frozen=True)
 class Learned:
-    """Parameter i: its place in a bank, and its regressor before scaling."""
+    """Parameter i: its place in a bank (none for the bias), and its regressor."""
 
     i: int
     place: str
     regressor: str
-    value: str
 
 
 @dataclass(frozen=True)
 class Element:
-    """U_ij at its place in the packed array."""
+    """U_ij, or anything that belongs to row i and column j, and its place in its array."""
 
     i: int
     j: int
-    place: int
+    place: int = 0
 
 
 @dataclass(frozen=True)
 class Row:
-    """Row i of U in a slice of columns: blocks of elements; `ends`: column i, complete once x_i is added."""
+    """Row i of U in a slice of columns, in blocks of elements; `ends`: column i is complete once x_i is added."""
 
     i: int
     blocks: Sequence[Sequence[Element]]
@@ -72,13 +71,22 @@ class Column:
 
 @dataclass(frozen=True)
 class Slice:
-    """Columns first .. last - 1: what one call works off."""
+    """Columns first .. last - 1: what one call works off.
+
+    The blocks hold elements for the columns before, those of the slice, these and those before, these and the others.
+    """
 
     number: int
     first: int
     last: int
+    about: str
     rows: Sequence[Row]
     columns: Sequence[Column]
+    ends: Sequence[Element]
+    begun_blocks: Sequence[Sequence[Element]]
+    end_blocks: Sequence[Sequence[Element]]
+    done_blocks: Sequence[Sequence[Element]]
+    coming_blocks: Sequence[Sequence[Element]]
 
 
 def learner_concern(model: Model, numbers: Coefficients, _options: object) -> Concern | None:
@@ -86,77 +94,96 @@ def learner_concern(model: Model, numbers: Coefficients, _options: object) -> Co
     if model.learner is None:
         return None
     found = learner_numbers(model, numbers)
-    n = found.size
+    n, upper = found.size, model.name.upper()
     written_out = n <= WRITTEN_OUT
-    passes = 1 if model.learner.calls_per_update == 1 else model.learner.calls_per_update // 2
-    rows = [
-        f"#define {model.name.upper()}_LEARN_{flag.name:<10}  0x{int(flag):03x}u  /* {meaning} */"
-        for flag, meaning in LEARNER_MEANINGS.items()
-    ]
+    calls = model.learner.calls_per_update
+    firing = any(found.learns(group) for group in ("slope", "gain", "offset"))
     facts = {
-        "written_out": written_out,
         "n": n,
-        "padded": n if written_out else -(-n // COLUMNS_PER_PASS) * COLUMNS_PER_PASS,
-        "factors": n * (n - 1) // 2 if written_out else n * (-(-n // COLUMNS_PER_PASS) * COLUMNS_PER_PASS),
-        "side_by_side": SIDE_BY_SIDE,
+        "written_out": written_out,
+        "factors": n * (n - 1) // 2 if written_out else n * n,
         "columns_per_pass": COLUMNS_PER_PASS,
-        "learned": [_learned(i, parameter, found) for i, parameter in enumerate(found.parameters)],
-        "bias": found.learns("bias"),
-        "groups": found.settings.learned,
+        "learned": [_learned(i, parameter, model.name) for i, parameter in enumerate(found.parameters)],
+        "groups": {parameter.group for parameter in found.parameters},
+        "firing": firing,
+        "powers": powers(numbers.rules),
+        "weight": polynomial("weight", [f"{model.name}_strength[{k}]" for k in range(numbers.rules)]),
+        "fixed_rules": _fixed_sums(found) != "",
+        "fixed": _fixed(model, found),
+        "slices": [_slice(k, *ends, n) for k, ends in enumerate(itertools.pairwise(found.borders))],
+        "at_once": calls == 1,
+        "blocks": _blocks([Element(j - 1, j) for j in range(n)]),
+        "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
+        "pass_rows": [(i, [Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)]) for i in range(1, n)],
         "sliding_always": model.learner.forgetting < 1.0,
-        "refresh_every": model.learner.refresh,
+        "window": model.learner.window,
+        "refresh": model.learner.refresh,
         "outlier_run": model.learner.outlier_run,
         "settle": model.learner.settle,
-        "window_updates": model.learner.window,
-        "slices": _slices(n, passes, 1 if written_out else COLUMNS_PER_PASS),
-        "weighed": [range(k, min(k + SIDE_BY_SIDE, n)) for k in range(0, n, SIDE_BY_SIDE)],
-        "status_rows": rows,
+        "status_rows": [
+            f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /* {meaning} */"
+            for flag, meaning in LEARNER_MEANINGS.items()
+        ],
         "counters": list(LEARNER_COUNTERS),
         "grid": {
-            "regressor": np.float32(1.5 * 2**23 * REGRESSOR_GRID),
-            "factor": np.float32(1.5 * 2**23 * FACTOR_GRID),
-            "gain": np.float32(1.5 * 2**23 * GAIN_GRID),
-            "step": np.float32(1.5 * 2**23 * STEP_GRID),
+            name: np.float32(ROUNDING * np.float32(grid))
+            for name, grid in (
+                ("regressor", REGRESSOR_GRID),
+                ("factor", FACTOR_GRID),
+                ("gain", GAIN_GRID),
+                ("step", STEP_GRID),
+            )
         },
     }
-    return Concern("learn.c.j2", {"learner": facts}, _sections(found, model.name.upper()))
+    return Concern("learn.c.j2", {"learner": facts}, _sections(found, upper, firing))
 
 
-def _learned(i: int, parameter: Parameter, found: LearnerNumbers) -> Learned:
+def _learned(i: int, parameter: Parameter, name: str) -> Learned:
     """The C texts of parameter i."""
     if parameter.group == "bias":
-        return Learned(i, "", "1.0f", "")
+        return Learned(i, "", "1.0f")
+    j = parameter.index
     if parameter.group == "terms":
-        phi = sum(1 for other in found.parameters[:i] if other.group == "terms")
-        return Learned(i, f"weight[{parameter.index}]", f"phi[{parameter.index}]", f"learn_per_phi[{phi}]")
+        return Learned(i, f"weight[{j}]", f"phi[{j}] * {name}_learn_per_phi[{j}]")
     share = {"slope": " * y_share", "gain": " * u_share", "offset": ""}[parameter.group]
-    return Learned(i, f"{parameter.group}[{parameter.index}]", f"firing{parameter.index}{share}", "")
+    return Learned(i, f"{parameter.group}[{j}]", f"firing{j}{share}")
 
 
-def _slices(n: int, passes: int, grain: int) -> list[Slice]:
-    """The columns 0 .. n - 1 in `passes` slices of about equal work; borders are multiples of `grain`."""
-    work = np.cumsum(np.arange(1, n + 1))
-    borders = [0]
-    for number in range(1, passes):
-        border = int(np.searchsorted(work, work[-1] * number / passes)) + 1
-        borders.append(min(max(-(-border // grain) * grain, borders[-1]), n))
-    borders.append(n)
-    return [
-        Slice(number, first, last, _rows(first, last), _columns(first, last))
-        for number, (first, last) in enumerate(zip(borders, borders[1:], strict=False))
-    ]
+def _fixed_sums(found: LearnerNumbers) -> str:
+    """The sums over the rules that are not learned, in C."""
+    sums = {"slope": "y * sums.slope", "offset": "sums.offset", "gain": "u * sums.gain"}
+    return " + ".join(text for group, text in sums.items() if not found.learns(group))
 
 
-def _rows(first: int, last: int) -> list[Row]:
-    rows = []
-    for i in range(last):
-        elements = [_element(i, j) for j in range(max(first, i + 1), last)]
-        rows.append(Row(i, _blocks(elements), first <= i))
-    return rows
+def _fixed(model: Model, found: LearnerNumbers) -> str:
+    """The part of the prediction that is not learned, in C."""
+    sums = _fixed_sums(found)
+    parts = [f"({sums}) * per_weight"] if sums else []
+    if model.terms and not found.learns("terms"):
+        parts.append(f"{model.name}_terms_sum(&self->base, &self->terms)")
+    return f"{model.name}_settled({' + '.join(parts)})" if parts else "0.0f"
 
 
-def _columns(first: int, last: int) -> list[Column]:
-    return [Column(j, _blocks([_element(i, j) for i in range(j)])) for j in range(first, last)]
+def _slice(number: int, first: int, last: int, n: int) -> Slice:
+    """Columns first .. last - 1 of n."""
+    ends = [Element(j - 1, j) for j in range(first, last)]
+    return Slice(
+        number=number,
+        first=first,
+        last=last,
+        about="" if last - first == n else f", columns {first} to {last - 1}",
+        rows=[Row(i, _blocks(_row(i, first, last)), first <= i) for i in range(last)],
+        columns=[Column(j, _blocks([_element(i, j) for i in range(j)])) for j in range(first, last)],
+        ends=ends,
+        begun_blocks=_blocks([Element(j - 1, j) for j in range(first)]),
+        end_blocks=_blocks(ends),
+        done_blocks=_blocks([Element(j - 1, j) for j in range(last)]),
+        coming_blocks=_blocks([Element(j - 1, j) for j in range(first, n)]),
+    )
+
+
+def _row(i: int, first: int, last: int) -> list[Element]:
+    return [_element(i, j) for j in range(max(first, i + 1), last)]
 
 
 def _element(i: int, j: int) -> Element:
@@ -167,7 +194,7 @@ def _blocks(elements: list[Element]) -> list[list[Element]]:
     return [elements[k : k + SIDE_BY_SIDE] for k in range(0, len(elements), SIDE_BY_SIDE)]
 
 
-def _sections(found: LearnerNumbers, upper: str) -> list[Section]:
+def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
     """The learner's numbers for `<name>_params.h`."""
     n = f"{upper}_LEARNED"
     rules = f"{upper}_RULES"
@@ -204,7 +231,7 @@ def _sections(found: LearnerNumbers, upper: str) -> list[Section]:
         Table("learn_ceiling", n, found.ceiling),
         Table("learn_refresh", n, found.refresh),
     ]
-    if found.settings.learned[0] != "bias":
+    if firing:
         tables.append(Table("learn_firing", rules, found.firing))
     if len(found.per_phi):
         tables.append(Table("learn_per_phi", f"{len(found.per_phi)}", found.per_phi))

@@ -167,6 +167,23 @@ def _window_sums() -> list[Sum]:
     return [pairs(sum_, [f"v{k} * {table}[{k}]" for k in range(WINDOW)]) for sum_, table in tables.items()]
 
 
+def each(elements: Sequence[Any], text: str, joint: str = " ") -> str:
+    """`text` once per element, its fields i, j and place filled in: C that stands side by side, in lines of 92.
+
+    >>> from types import SimpleNamespace
+    >>> each([SimpleNamespace(i=0, j=3, place=3), SimpleNamespace(i=1, j=3, place=4)], "x{i} = u[{place}]", ", ")
+    'x0 = u[3], x1 = u[4]'
+    """
+    lines = [""]
+    for item in (text.format(i=e.i, j=e.j, place=e.place) for e in elements):
+        if lines[-1] and len(lines[-1]) + len(joint) + len(item) > 92:
+            lines[-1] += joint.rstrip()
+            lines.append(item)
+        else:
+            lines[-1] += joint + item if lines[-1] else item
+    return "\n            ".join(lines)
+
+
 def _status_rows(upper: str) -> list[str]:
     names = [f"{upper}_STATUS_{flag.name}" for flag in MEANINGS]
     wide = max(len(name) for name in names)
@@ -206,5 +223,5 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
-    environment.filters |= {"literal": literal, "aligned": aligned}
+    environment.filters |= {"literal": literal, "aligned": aligned, "each": each}
     return environment

@@ -1,7 +1,7 @@
 """The generated functions over lanes: each lane is one `<name>_t`, and a call steps all of them by one sample.
 
-    y(k+1) = (y S + O + u G) / W + sum_j theta_j phi_j         predict (y measured), simulate (y the last output)
-    u(k)   = ((y(k+1) - sum_j theta_j phi_j) W - (y S + O)) / G        inverse, Eq. (11)
+y(k+1) = (y S + O + u G) / W + sum_j theta_j phi_j         predict (y measured), simulate (y the last output)
+u(k)   = ((y(k+1) - sum_j theta_j phi_j) W - (y S + O)) / G        inverse, Eq. (11)
 """
 
 from __future__ import annotations

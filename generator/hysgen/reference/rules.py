@@ -1,6 +1,6 @@
 """The rules' sums over lanes: numerators and denominator of Eq. (4) from one exponential.
 
-    S(y) = sum_l v_l q_l1,   O(y) = sum_l v_l q_l3,   G(y) = sum_l v_l q_l2,   W(y) = sum_l v_l,   p_l = v_l / W
+S(y) = sum_l v_l q_l1,   O(y) = sum_l v_l q_l3,   G(y) = sum_l v_l q_l2,   W(y) = sum_l v_l,   p_l = v_l / W
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ def compare_task(
     arguments = task.subject.functions[task.function]
     heard = builds[0].host.channels if task.subject.listens else 0
     ranges = [limits[quantity] for quantity in (*arguments, *["channel"] * heard)]
-    for columns in chunks(task.style, ranges, samples, seed):
+    for columns in chunks(task.style, ranges, samples, seed, task.subject.piece):
         # Once one build's record of this piece is proved, the same record in another build is proved as well.
         proved: tuple[Words, Words, Words] | None = None
         for record in list(records):

@@ -30,11 +30,13 @@ def quantities(model: Model) -> Mapping[str, tuple[np.float32, np.float32]]:
     }
 
 
-def chunks(style: str, limits: list[tuple[np.float32, np.float32]], samples: int, seed: int) -> Iterator[list[Words]]:
-    """`samples` of each argument in pieces of at most CHUNK: the bits of one column per range in `limits`."""
+def chunks(
+    style: str, limits: list[tuple[np.float32, np.float32]], samples: int, seed: int, piece: int = CHUNK
+) -> Iterator[list[Words]]:
+    """`samples` of each argument in pieces: the bits of one column per range in `limits`."""
     rng = np.random.default_rng([seed, *style.encode()])
-    for first in range(0, samples, CHUNK):
-        n = min(CHUNK, samples - first)
+    for first in range(0, samples, piece):
+        n = min(piece, samples - first)
         yield [STYLES[style](rng, first, n, limit) for limit in limits]
 
 

@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.host import Host
+from hysgen.learner_status import LEARNER_COUNTERS
 from hysgen.model import Model
 from hysgen.reference.instance import Instance
+from hysgen.reference.learner import Learner
 from hysgen.status import COUNTERS
+from hysgen.verify.inputs import CHUNK
 
 Words = NDArray[np.uint32]
 Floats32 = NDArray[np.float32]
@@ -42,6 +45,7 @@ class Subject:
     start: a new struct, initialised by the C, and the same start in NumPy, one lane.
     wear: put a struct into a state that only months of use would reach.
     listens: its functions are driven with the auxiliary channels of the model.
+    piece: samples that are recorded at once; less where the state is large.
     """
 
     struct: str
@@ -51,6 +55,7 @@ class Subject:
     reference: Callable[[Model], Lanes]
     wear: Callable[[Host, Any], None]
     listens: bool
+    piece: int = CHUNK
 
 
 def _instance(model: Model) -> Lanes:
@@ -68,6 +73,24 @@ def _wear(host: Host, struct: Any) -> None:
     words[layout["active"]] = 1
 
 
+def _new_learner(host: Host) -> Any:
+    learner = host.struct(f"{host.name}_learner_t")
+    host.call("learn_init", learner, host.instance(float(START_UM), float(START_V)))
+    return learner
+
+
+def _learner(model: Model) -> Lanes:
+    return Learner(model, Instance(model, np.full(1, START_UM), np.full(1, START_V)))
+
+
+def _wear_learner(host: Host, struct: Any) -> None:
+    """Counters and age about to reach their end, the prior of the last parameter about to be put back."""
+    words, layout = host.words_of(struct), host.layout(f"{host.name}_learner_t")
+    for name in LEARNER_COUNTERS:
+        words[layout[name]] = 0xFFFFFF00
+    words[layout["age"]] = 0xFFFFFF00
+
+
 MODEL: Final = Subject(
     struct="t",
     functions={
@@ -83,5 +106,16 @@ MODEL: Final = Subject(
     listens=True,
 )
 
-SUBJECTS: Final[list[Subject]] = [MODEL]
+LEARNER: Final = Subject(
+    struct="learner_t",
+    functions={"learn": ("displacement", "voltage")},
+    first="d[0]",
+    start=_new_learner,
+    reference=_learner,
+    wear=_wear_learner,
+    listens=False,
+    piece=1 << 12,
+)
+
+SUBJECTS: Final[list[Subject]] = [MODEL, LEARNER]
 """Every struct that is compared; a subject whose functions the header does not declare is passed over."""

@@ -1,0 +1,69 @@
+"""What the generated learner reports: sticky bits of its status word, the counters beside it, answers of `_commit`."""
+
+from __future__ import annotations
+
+import enum
+
+
+class LearnerStatus(enum.IntFlag):
+    """Bits of a learner's `status`; set when it happened at least once, cleared by the caller or by `_learn_init`."""
+
+    REJECTED = 1
+    OUTSIDE = 2
+    RESTING = 4
+    OUTLIER = 8
+    CHANGED = 16
+    QUIET = 32
+    LIMITED = 64
+    CLAMPED = 128
+    RESTARTED = 256
+
+
+LEARNER_MEANINGS = {
+    LearnerStatus.REJECTED: "a sample was not finite or not plausible and taught nothing",
+    LearnerStatus.OUTSIDE: "a displacement lay outside the identified range and taught nothing",
+    LearnerStatus.RESTING: "the input rested and taught nothing",
+    LearnerStatus.OUTLIER: "an innovation was an outlier and taught nothing",
+    LearnerStatus.CHANGED: "so many outliers in a row that they are none: learnt from",
+    LearnerStatus.QUIET: "an innovation lay inside the dead zone and taught nothing",
+    LearnerStatus.LIMITED: "a step of the parameters was shortened",
+    LearnerStatus.CLAMPED: "a variance was limited",
+    LearnerStatus.RESTARTED: "the shadow went back to the reference parameters and the prior",
+}
+
+# Each counter of the struct, in its order, and the bit that goes with it. They stop at their largest value.
+LEARNER_COUNTERS: dict[str, LearnerStatus | None] = {
+    "updates": None,
+    "rejected": LearnerStatus.REJECTED,
+    "outside": LearnerStatus.OUTSIDE,
+    "resting": LearnerStatus.RESTING,
+    "outliers": LearnerStatus.OUTLIER,
+    "changes": LearnerStatus.CHANGED,
+    "quiet": LearnerStatus.QUIET,
+    "limited": LearnerStatus.LIMITED,
+    "clamped": LearnerStatus.CLAMPED,
+    "restarts": LearnerStatus.RESTARTED,
+}
+
+
+class Commit(enum.IntEnum):
+    """What `_commit` answers."""
+
+    BUSY = 0
+    COMMITTED = 1
+    REFUSED_YOUNG = 2
+    REFUSED_LIMIT = 3
+    REFUSED_WEIGHTS = 4
+    REFUSED_GAIN = 5
+    REFUSED_SLOPE = 6
+
+
+COMMIT_MEANINGS = {
+    Commit.BUSY: "not done yet: call again",
+    Commit.COMMITTED: "the shadow's parameters are active now",
+    Commit.REFUSED_YOUNG: "too few updates since the shadow restarted",
+    Commit.REFUSED_LIMIT: "a parameter is not finite or beyond its limit",
+    Commit.REFUSED_WEIGHTS: "the terms' weights moved so far that the inverse might build up past inputs",
+    Commit.REFUSED_GAIN: "the gain b(y) would come too close to zero or change its sign",
+    Commit.REFUSED_SLOPE: "the slope |df/dy| would come too close to 1",
+}
