@@ -18,12 +18,13 @@ DRAWS = 400
 
 @dataclass(frozen=True)
 class Gain:
-    """Free-run rms before and after in um, and the 95 % interval of the fall from one to the other."""
+    """Free-run rms before and after in um, the 95 % interval of the fall, and in what share of draws it is a fall."""
 
     before_um: float
     after_um: float
     low_um: float
     high_um: float
+    sure: float
 
     @property
     def fall_um(self) -> float:
@@ -43,7 +44,7 @@ def gain(before_um: Floats, after_um: Floats) -> Gain:
     falls = np.sqrt(squares[0][chosen].mean(axis=1)) - np.sqrt(squares[1][chosen].mean(axis=1))
     low, high = np.quantile(falls, [0.025, 0.975])
     root = [float(np.sqrt(np.mean(error * error))) for error in (before_um, after_um)]
-    return Gain(root[0], root[1], float(low), float(high))
+    return Gain(root[0], root[1], float(low), float(high), float(np.mean(falls > 0.0)))
 
 
 def _block_means(values: Floats, length: int) -> Floats:

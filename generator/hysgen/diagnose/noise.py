@@ -1,7 +1,7 @@
-"""The noise floor: what no model can explain, estimated without a model where the record allows.
+"""The noise floor: what no model can explain, estimated from what the best model leaves.
 
-From plateaus, where the input stands still long enough: scatter about a straight line, drift and creep taken out.
-Else from the innovation: second differences of what the probe leaves, in which smooth misfit vanishes.
+On plateaus, where the input stands still long enough: scatter about a straight line, so that an inexact level, drift or
+creep does not count. Else from the innovation: second differences, in which smooth misfit vanishes.
 """
 
 from __future__ import annotations
@@ -31,18 +31,25 @@ class NoiseFloor:
 
 
 def noise_floor(record: Record, left_um: Floats, lag_s: float) -> NoiseFloor:
-    """The noise floor of a record. left_um: (n,) what the best model leaves on some of its rows, in order.
+    """The noise floor of a record. left_um: (n,) what the best model leaves, all segments in order; NaN where it does not count.
 
     lag_s: time constant of the stage; a plateau counts from SETTLING of them on.
     """
     settling = max(4, round(SETTLING * lag_s / record.Ts_s))
-    scatter = [part for s in record.segments for part in _plateau_scatter(s.u_V, s.y_um, settling)]
+    edges = np.cumsum([0, *(segment.samples for segment in record.segments)])
+    parts = [left_um[a:b] for a, b in itertools.pairwise(edges)]
+    scatter = [
+        part
+        for segment, left in zip(record.segments, parts, strict=True)
+        for part in _plateau_scatter(segment.u_V, left, settling)
+    ]
     samples = sum(len(part) for part in scatter)
     if samples >= 200:
         # The median over plateaus, for on some the amplifier may still be under way.
         variances = [float(part @ part) / (len(part) - 2) for part in scatter]
         return NoiseFloor(float(np.sqrt(np.median(variances))), "plateaus", samples)
     second = left_um[2:] - 2.0 * left_um[1:-1] + left_um[:-2]
+    second = second[np.isfinite(second)]
     return NoiseFloor(float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)), "innovation", len(second))
 
 
@@ -53,11 +60,11 @@ def plateaus(u_V: Floats, shortest: int = SHORTEST_PLATEAU) -> list[tuple[int, i
     return [(int(a), int(b)) for a, b in itertools.pairwise(edges) if b - a >= shortest]
 
 
-def _plateau_scatter(u_V: Floats, y_um: Floats, settling: int) -> list[Floats]:
+def _plateau_scatter(u_V: Floats, left_um: Floats, settling: int) -> list[Floats]:
     parts = []
     for begin, end in plateaus(u_V):
-        y = y_um[begin + settling : end]
-        if len(y) >= 16:
+        y = left_um[begin + settling : end]
+        if len(y) >= 16 and np.isfinite(y).all():
             time = np.arange(len(y)) - 0.5 * (len(y) - 1)
             y = y - y.mean()
             parts.append(y - time * float(time @ y / (time @ time)))

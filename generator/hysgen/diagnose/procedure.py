@@ -28,6 +28,9 @@ from hysgen.record import Record
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
+SURE = 0.7
+"""Share of bootstrap draws in which an extension must lower the error of blocks that were left out of the fit."""
+
 
 @dataclass(frozen=True)
 class DiagnoseSettings:
@@ -117,7 +120,7 @@ def name_causes(
     signatures = _signatures(found)
     extensions = _extensions(found, signatures, prepared)
     agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
-    noise = noise_floor(prepared.identification(), found.fit.error[found.scene.rows], found.fit.chain.lag_s)
+    noise = noise_floor(prepared.identification(), _settled_error(found), found.fit.chain.lag_s)
     return Naming(
         prepared,
         found,
@@ -130,6 +133,13 @@ def name_causes(
         remainder(prepared, found, noise),
         experiment_for(prepared, agreed),
     )
+
+
+def _settled_error(found: Found) -> Floats:
+    """(n,) what the probe leaves, NaN where its unknown past still counts or a sample is corrupted."""
+    left = np.full_like(found.fit.error, np.nan)
+    left[found.scene.rows] = found.fit.error[found.scene.rows]
+    return left
 
 
 def _signatures(found: Found) -> dict[str, Signature]:
@@ -177,7 +187,7 @@ def _agreement(
         without = climb(prepared, extensions, [other for other in candidates if other != name], quick, skip)
         clean = skip[~found.corrupted[skip]] if len(found.corrupted) else skip
         alone[name] = gain(without.error_um[clean], whole.error_um[clean])
-        if alone[name].low_um <= 0.0:
+        if alone[name].sure < SURE:
             candidates.remove(name)
             refused.append(Refused(name, "its extension does not lower the model's free-run error for certain"))
     return candidates, alone, refused

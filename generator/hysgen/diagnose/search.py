@@ -24,8 +24,8 @@ Rows = NDArray[np.intp]
 Progress = Callable[[str], None]
 
 BLOCKS = 24
-KEEP_ABOVE = 0.93
-"""A cause stays only if the error without it, on blocks not fitted, would be 1/0.93 times as large."""
+KEEP_ABOVE = 0.85
+"""A part stays only if the error without it, on blocks not fitted, would be 1/0.85 times as large."""
 HELPS_BELOW = 0.98
 """A step forward is taken if the error falls below this share of what it was; two causes may need each other."""
 MOST_STEPS = 9
@@ -103,9 +103,10 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
 
 
 def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit without what it does not need, least needed first."""
+    """The fit without what it does not need, least needed first; each mode, line and channel for itself."""
     while True:
-        trials = [_alternative(part, fit.chain, name) for name in present(fit.chain)]
+        names = present(fit.chain)
+        trials = [refine(part, less, rounds=8) for name in names for less in causes()[name].lessened(fit.chain)]
         if not trials:
             return fit
         best = min(trials, key=lambda trial: rms(trial.error[checked]))

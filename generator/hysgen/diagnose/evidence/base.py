@@ -64,6 +64,10 @@ class Cause(abc.ABC):
     def without(self, chain: Chain) -> Chain:
         """The chain with this cause's part taken out."""
 
+    def lessened(self, chain: Chain) -> list[Chain]:
+        """Chains with one part of this cause taken out: one mode, line or channel of several, or all there is."""
+        return [self.without(chain)]
+
     @abc.abstractmethod
     def proposals(self, look: Look) -> list[Chain]:
         """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""

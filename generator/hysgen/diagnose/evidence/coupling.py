@@ -21,6 +21,10 @@ class Coupling(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, coupled=())
 
+    def lessened(self, chain: Chain) -> list[Chain]:
+        parts = chain.coupled
+        return [dataclasses.replace(chain, coupled=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+
     def proposals(self, look: Look) -> list[Chain]:
         chain = look.fit.chain
         left = [name for name in look.scene.runs[0].aux if name not in chain.coupled and _moves(look, name)]

@@ -27,6 +27,10 @@ class Periodic(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, lines_Hz=())
 
+    def lessened(self, chain: Chain) -> list[Chain]:
+        parts = chain.lines_Hz
+        return [dataclasses.replace(chain, lines_Hz=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+
     def proposals(self, look: Look) -> list[Chain]:
         chain = look.fit.chain
         if len(chain.lines_Hz) >= MOST_LINES:

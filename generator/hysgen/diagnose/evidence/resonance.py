@@ -29,6 +29,10 @@ class Resonance(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, modes=())
 
+    def lessened(self, chain: Chain) -> list[Chain]:
+        parts = chain.modes
+        return [dataclasses.replace(chain, modes=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+
     def proposals(self, look: Look) -> list[Chain]:
         """The best few of a grid of modes, judged by how much of the error their ringing alone would explain."""
         chain, scene = look.fit.chain, look.scene

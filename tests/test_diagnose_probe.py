@@ -1,0 +1,88 @@
+"""The probe: its linear part is exact, its estimates land on the truth, its standard errors mean what they say."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import StateSpace, lsim
+
+from hysgen.diagnose.probe import Chain, Mode, Operator, Run, Scene, refine, standard_errors
+from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.spikes import isolated
+from hysgen.kernels.preisach import rate_limited
+
+Floats = NDArray[np.float64]
+TS_S = 1e-3
+
+
+def staircase(rng: np.random.Generator, samples: int) -> Floats:
+    """Levels held for 20 samples each."""
+    return np.repeat(rng.uniform(0.0, 10.0, samples // 20 + 1), 20)[:samples]
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.3, 2.6])
+def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: float) -> None:
+    h = staircase(np.random.default_rng(1), 400)
+    mode = Mode(40.0, 0.05, 0.4)
+    w = 2 * math.pi * mode.f_Hz
+    # States: lag, mode, its rate. The mode carries 0.4 of what drives the lag of 4 ms.
+    A = np.array([[-250.0, 250.0 * 0.4, 0.0], [0.0, 0.0, 1.0], [0.0, -w * w, -2 * 0.05 * w]])
+    B = np.array([[250.0 * 0.6], [0.0], [w * w]])
+    fine = 100  # divides every delay above into whole steps of 10 us
+    held = np.repeat(h - h[0], fine)
+    _, y, _ = lsim(
+        StateSpace(A, B, np.array([[1.0, 0.0, 0.0]]), np.zeros((1, 1))),
+        held,
+        np.arange(held.size) * TS_S / fine,
+        interp=False,
+    )
+    late = round(delay * fine)
+    expected = h[0] + np.concatenate([np.zeros(late), np.ravel(y)])[::fine][: h.size]
+    got = respond(h, Chain(4e-3, delay, modes=(mode,)), TS_S)
+    # Both are exact for held inputs; what remains is rounding over 400 steps.
+    np.testing.assert_allclose(got, expected, atol=1e-9)
+
+
+def test_rate_limiter_reaches_every_level_it_can_and_never_faster() -> None:
+    u_V = np.array([0.0, 5.0, 5.0, 5.0, -1.0, 9.0])
+    np.testing.assert_array_equal(rate_limited(u_V, 2.0), [0.0, 2.0, 4.0, 5.0, 3.0, 5.0])
+
+
+def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
+    chain = Chain(
+        2e-3, 1.4, -3.0, 80.0, 5e3, 0.02, 0.1, (Mode(100.0, 0.03, 0.5),), -0.01, True, (50.0, 120.0), ("a",), True
+    )  # fmt: skip
+    assert len(chain.names()) == len(chain.coordinates())
+    again = chain.at(chain.coordinates())
+    np.testing.assert_allclose(again.coordinates(), chain.coordinates(), rtol=1e-14)
+    assert dataclasses.replace(again, lag_s=2e-3).drift == chain.drift
+
+
+def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
+    rng = np.random.default_rng(2)
+    u_V = np.cumsum(rng.normal(size=3000)) * 0.3
+    clean = 0.1 * respond(u_V, Chain(6e-3, 1.7), TS_S)
+    found, errors = [], []
+    for _ in range(20):
+        y_um = clean + 0.05 * rng.normal(size=3000)
+        operator = Operator(float(u_V.min()), float(u_V.max()), hats=0, curve=1, reaches=())
+        scene = Scene((Run(u_V, y_um, {}),), TS_S, np.arange(50, 3000), operator)
+        fit = refine(scene, Chain(3e-3, 0.5, delayed=True))
+        found.append(fit.chain.delay)
+        errors.append(standard_errors(scene, fit).coordinates["delay"])
+    # The mean of 20 lies within 4 standard errors of the mean; the spread of 20 is known to 1/sqrt(38) = 16 %,
+    # and 3 of those either way is a factor of 2.
+    assert abs(np.mean(found) - 1.7) < 4 * np.std(found) / math.sqrt(20)
+    assert 0.5 < np.mean(errors) / np.std(found, ddof=1) < 2.0
+
+
+def test_isolated_finds_single_corrupted_samples_and_spares_steps() -> None:
+    rng = np.random.default_rng(3)
+    error_um = 0.01 * rng.normal(size=2000)
+    error_um[1000:] += 1.0
+    error_um[[300, 700, 1500]] += [0.5, -0.4, 0.6]
+    assert np.flatnonzero(isolated(error_um)).tolist() == [300, 700, 1500]
