@@ -1,12 +1,12 @@
 """The error of the free run over a record, and how it changes with the parameters of a model.
 
-    J(x) = sum_k t(k) (yhat(k; x) - y(k))^2 + kappa ||R x - d||^2
+    J(x) = sum_k t(k) (yhat(k; x) - y(k))^2 + sum_i kappa_i ||R_i x - d_i||^2
 
     yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),   yhat(0) = y(0)
 
-||R x - d||^2 is the one-step error of the linear parameters, as `least_squares` left it. A little of it holds what the
-scored part of a free run leaves open, such as rules that were visited only while the state settled. From the parameters
-that minimise it, it can only rise, so whoever lowers J from there lowers the free-run error.
+Two quadratic forms in the linear parameters hold what the scored part of a free run leaves open: a little of the
+one-step error as `least_squares` left it, for rules that were visited only while the state settled, and the
+disagreement of the rules, see `spread`.
 
 A run depends on the terms through w(k) = theta . phi(k) alone, so a term's weights enter by the columns phi(k), and its
 shape parameters by dw/dshape, taken by central differences. `FreeRunError` keeps what does not change between steps.
@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.fit.least_squares import Information
+from hysgen.fit.spread import spread
 from hysgen.kernels import FreeRunSums, Rules, free_run_sums
 from hysgen.model import Model
 from hysgen.record import Record
@@ -30,8 +31,11 @@ from hysgen.terms import Drive, Term
 
 Floats = NDArray[np.float64]
 
-ANCHOR_SHARE = 0.1
+ONE_STEP_SHARE = 0.1
 """Part of the free-run error that the one-step error adds at the start."""
+
+SPREAD_SHARE = 0.01
+"""Part of the free-run error that rules add which disagree by one step of the grid."""
 
 SHAPE_STEP = 1e-4
 """Step of the central differences; shape parameters are logarithms or of that size."""
@@ -53,31 +57,36 @@ class FreeRunError:
 
     trust: weight of each sample, by segment; 0 where it is not scored.
     shaped: kinds of terms whose shape parameters may move, in the order of the model's terms.
-    one_step, kappa: the one-step error and its weight.
+    held: quadratic forms that hold the linear parameters, with their weights kappa.
     """
 
     record: Record
     drives: tuple[Drive, ...]
     trust: tuple[Floats, ...]
     shaped: frozenset[str] = frozenset()
-    one_step: Information | None = None
-    kappa: float = 0.0
+    held: tuple[tuple[float, Information], ...] = ()
 
-    def anchored(self, model: Model, one_step: Information, share: float = ANCHOR_SHARE) -> FreeRunError:
-        """The same error with kappa such that at `model` the one-step error makes up `share` of the free-run error."""
+    def held_near(self, model: Model, one_step: Information) -> FreeRunError:
+        """The same error with both forms, weighted by the free-run error of `model`.
+
+        There the one-step error makes up ONE_STEP_SHARE of it, and rules that disagree by a step of the grid
+        SPREAD_SHARE.
+        """
         free, single = self.sums(model).square_um2, one_step.square(model.parameters)
-        return dataclasses.replace(self, one_step=one_step, kappa=share * free / single if single > 0.0 else 0.0)
+        forms = [(SPREAD_SHARE * free / model.grid.step_um**2, spread(structure_of(model)))]
+        if single > 0.0:
+            forms.append((ONE_STEP_SHARE * free / single, one_step))
+        return dataclasses.replace(self, held=tuple(forms))
 
     def criterion(self, model: Model) -> Criterion:
         """J and its derivatives at a model; x holds model.parameters and then the shapes of the `shaped` terms."""
         sums = self.sums(model)
         value, gradient, hessian = sums.square_um2, sums.gradient, sums.hessian
-        if self.one_step is not None:
-            size = model.parameters.size
-            R, away = self.one_step.R, self.one_step.R @ model.parameters - self.one_step.d
-            value += self.kappa * self.one_step.square(model.parameters)
-            gradient[:size] += self.kappa * R.T @ away
-            hessian[:size, :size] += self.kappa * R.T @ R
+        size = model.parameters.size
+        for kappa, form in self.held:
+            value += kappa * form.square(model.parameters)
+            gradient[:size] += kappa * form.R.T @ (form.R @ model.parameters - form.d)
+            hessian[:size, :size] += kappa * form.R.T @ form.R
         return Criterion(value, gradient, hessian, sums.rms_um)
 
     def sums(self, model: Model) -> FreeRunSums:

@@ -52,7 +52,7 @@ def fit(
     if allowed is not None:
         outcome["least_squares_certified"] = allowed.violated(learnt.solve()).floor.size == 0
     if chosen.method == "refined":
-        error = free_run_error(record, structure, chosen.settle, trust, starts).anchored(model, learnt)
+        error = free_run_error(record, structure, chosen.settle, trust, starts).held_near(model, learnt)
         before = error.criterion(model)
         refined = refine(model, error, allowed, chosen.iterations, progress)
         model = refined.model

@@ -51,7 +51,7 @@ def refine(
     error: the error to lower, over its record. allowed: the set to stay in, or None for no restriction at all.
     progress: told the fraction done and one line, once per step.
     """
-    now = error.criterion(model)
+    now = start = error.criterion(model)
     held = certify(model) if allowed else None
     damping = FIRST_DAMPING
     steps = 0
@@ -60,7 +60,7 @@ def refine(
         while moved is None and damping <= MOST_DAMPING:
             candidate = error.moved(model, _step(now, damping, allowed, model.parameters))
             trial = error.criterion(candidate)
-            if trial.value < now.value and (held is None or _keeps(held, candidate)):
+            if _better(trial, now, start) and (held is None or _keeps(held, candidate)):
                 moved = candidate, trial
             else:
                 damping *= 10.0
@@ -87,6 +87,11 @@ def _step(now: Criterion, damping: float, allowed: CertifiedSet | None, paramete
     if allowed is None:
         return np.asarray(solve_triangular(R, d) / scale)
     return least_squares_inside(R * scale, d, allowed, parameters)
+
+
+def _better(trial: Criterion, now: Criterion, start: Criterion) -> bool:
+    """Whether J fell, and the free run, which is only a part of J, is no worse than at the start."""
+    return trial.value < now.value and trial.rms_um <= start.rms_um
 
 
 def _keeps(held: Certificates, candidate: Model) -> bool:
