@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from target_compiler import firmware, need_compiler
+from target_learn_shapes import AS_WRITTEN, SHAPES, in_blocks, measured
 from target_packets import CODE, Bench
 
 from hysgen.errors import TargetError
@@ -118,3 +119,11 @@ def test_random_forward_branches_stay_within_the_bounds_and_meet_them(seed: int)
     assert found.best <= min(cycles) <= max(cycles) <= found.worst
     if len(found.data_dependent) <= 1:
         assert (found.best, found.worst) == (min(cycles), max(cycles))
+
+
+def test_the_shape_of_an_update_changes_its_cycles_not_its_bits() -> None:
+    need_compiler()
+    of_loops, of_blocks = measured(SHAPES["loops of constant length"]()), measured(in_blocks(AS_WRITTEN))
+    assert of_blocks[2] == of_loops[2]
+    assert of_loops[0] > 5000
+    assert of_blocks[0] <= 2500  # what the period leaves for learning 18 parameters
