@@ -150,6 +150,6 @@ def test_channels_are_named_in_the_order_of_the_c() -> None:
 
 
 def test_a_model_without_extensions_says_nothing_of_them() -> None:
-    text = "".join(generate(load_model("appendix_a")).values())
+    text = "".join(text for name, text in generate(load_model("appendix_a")).items() if name.endswith((".c", ".h")))
     for word in ("terms", "_inputs_", "_aux(", "CHANNELS", "PREVIEW", "accumulate", "cosine_sine"):
         assert word not in text

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hysgen.coefficients import Coefficients
 from hysgen.emit.literals import bits, literal
 from hysgen.model import Model
+from hysgen.reference.accuracy import Accuracy
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,18 @@ def range_section(numbers: Coefficients) -> Section:
     )
 
 
+def error_section(errors: Accuracy, *, inverse: bool) -> Section:
+    """Measured distances of the float32 arithmetic from float64."""
+    constants = [Constant("PREDICT_ERROR_UM", _stated(errors.predict_um))]
+    if inverse:
+        constants.append(Constant("INVERSE_ERROR_V", _stated(errors.inverse_V)))
+    return Section(
+        "Worst error of one step against the float64 model, measured when this file was generated\n"
+        f"over {errors.samples} samples of the whole range, rounded up.",
+        constants,
+    )
+
+
 def rule_section(numbers: Coefficients, upper: str) -> Section:
     """The partition and the folded consequents."""
     rows = f"{upper}_BANK_RULES"
@@ -120,6 +133,12 @@ def term_sections(model: Model, numbers: Coefficients, upper: str) -> list[Secti
         sections.append(Section(f"Term `{term.kind}`: {term.describe()}.", tables=tables))
     weights = Table("weight", f"{upper}_WEIGHTS", numbers.bank.weight)
     return [*sections, Section("Weights theta of the terms' regressors, in their order.", tables=[weights])]
+
+
+def _stated(error: float) -> np.float32:
+    """`error` rounded up to 2 significant digits."""
+    unit = 10.0 ** (np.floor(np.log10(error)) - 1.0) if error > 0.0 else 1.0
+    return np.float32(np.ceil(error / unit) * unit)
 
 
 def _text(value: np.float32 | np.uint32) -> str:

@@ -184,6 +184,12 @@ def each(elements: Sequence[Any], text: str, joint: str = " ") -> str:
     return "\n            ".join(lines)
 
 
+def hexes(row: tuple[Sequence[int], Sequence[int], int]) -> str:
+    """Words of a row of the self-test, as C."""
+    arguments, channels, result = row
+    return ", ".join(f"0x{word:08x}u" for word in (*arguments, *channels, result))
+
+
 def _status_rows(upper: str) -> list[str]:
     names = [f"{upper}_STATUS_{flag.name}" for flag in MEANINGS]
     wide = max(len(name) for name in names)
@@ -223,5 +229,5 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
-    environment.filters |= {"literal": literal, "aligned": aligned, "each": each}
+    environment.filters |= {"literal": literal, "aligned": aligned, "each": each, "hexes": hexes}
     return environment

@@ -38,6 +38,10 @@ class Counts:
         """All kinds together."""
         return sum(dataclasses.astuple(self))
 
+    def to_json(self) -> dict[str, int]:
+        """Plain JSON values, by kind, and their total."""
+        return {**dataclasses.asdict(self), "total": self.total}
+
     def describe(self) -> str:
         """One line for people, kinds that do not occur left out."""
         words = {
