@@ -139,7 +139,7 @@ class Diagnosis:
         if self.unknown:
             lines.append(f"unknown: {self.unknown}")
         if not self.causes and not self.unknown:
-            lines.append("nothing: the paper's model leaves nothing that a cause would explain")
+            lines.append("nothing: what the paper's model leaves is not above what hysteresis and noise leave")
         lines.extend(f"not named: {refused.name}: {refused.why}" for refused in self.refused)
         if self.next_experiment:
             lines.append(f"next experiment: {self.next_experiment}")

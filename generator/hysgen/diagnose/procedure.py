@@ -44,7 +44,7 @@ class DiagnoseSettings:
 
     fit: FitSettings = field(default_factory=FitSettings)
     identify: float = 0.65
-    needed: float = 1.3
+    needed: float = 1.2
     price: Callable[[Model], Price] | None = None
 
 

@@ -14,10 +14,10 @@ from hysgen.diagnose.search import Found
 
 Floats = NDArray[np.float64]
 
-UNKNOWN_ABOVE = 0.0015
-"""Share of the span of y that the probe may leave: three times what hysteresis of any kind in the bank leaves."""
+UNKNOWN_ABOVE = 0.001
+"""Share of the span of y that the probe may leave: twice what hysteresis of any kind in the bank leaves."""
 
-OVER_NOISE = 4.0
+OVER_NOISE = 2.5
 
 
 def remainder(prepared: Prepared, found: Found, noise: NoiseFloor) -> str | None:

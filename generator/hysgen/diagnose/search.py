@@ -28,6 +28,9 @@ KEEP_ABOVE = 0.85
 """A part stays only if the error without it, on blocks not fitted, would be 1/0.85 times as large."""
 HELPS_BELOW = 0.98
 """A step forward is taken if the error falls below this share of what it was; two causes may need each other."""
+ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("saturation", "slew"))
+"""Pairs of causes of which the wrong one may come first."""
+
 MOST_STEPS = 9
 CANDIDATES = 4
 MOST_ROWS = 8000
@@ -62,7 +65,8 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
         usable, corrupted = _without_spikes(scene, fit)
         fitted, checked = _halves(usable)
         part = scene.using(fitted)
-    fit = _pruned(part, fit, checked)
+    fit = _pruned(part, _exchanged(part, fit, checked), checked)
+    fit = _restarted(part, fit, checked)
     usable, corrupted = _without_spikes(scene, fit)
     fitted, checked = _halves(usable)
     part = scene.using(fitted)
@@ -100,6 +104,33 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     best = min(refined, key=lambda trial: rms(trial.error[checked]) + trial.rms_um)
     helped = rms(best.error[checked]) < HELPS_BELOW * rms(fit.error[checked]) and best.rms_um < HELPS_BELOW * fit.rms_um
     return best if helped else None
+
+
+def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
+    """The fit with a cause exchanged for one that looks like it, where that explains more."""
+    for first, second in ALIKE:
+        for old, new in ((first, second), (second, first)):
+            if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
+                continue
+            bare = linear_fit(part, causes()[old].without(fit.chain))
+            trials = [linear_fit(part, chain) for chain in causes()[new].proposals(Look.at(part, bare))]
+            if not trials:
+                continue
+            other = refine(part, min(trials, key=lambda trial: trial.rms_um).chain)
+            if rms(other.error[checked]) < HELPS_BELOW * rms(fit.error[checked]):
+                fit = other
+    return fit
+
+
+def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
+    """The fit from the best of other starts, where that explains more."""
+    for name in present(fit.chain):
+        trials = [linear_fit(part, chain) for chain in causes()[name].restarts(part, fit.chain)]
+        for trial in sorted(trials, key=lambda trial: trial.rms_um)[:2]:
+            other = refine(part, trial.chain)
+            if other.rms_um < fit.rms_um and rms(other.error[checked]) < rms(fit.error[checked]):
+                fit = other
+    return fit
 
 
 def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:

@@ -24,9 +24,12 @@ def preisach_columns(v: Floats, radius: Floats, start: Floats, hat: Floats, curv
     """T_1(v) .. T_curve(v), then sum_i hat_ib T_p(z_i) for p = 1 .. degree and every b; z_i: play of radius_i on v.
 
     v: (n,); radius, start: (m,); hat: (m, b). Returns (curve + degree * b, n).
+    Raises ValueError for more than 64 plays, or more than 64 sums of hats.
     """
     library = kernel(_FILE, _DECLARATION)
     plays, hats = hat.shape
+    if plays > 64 or degree * hats > 64:
+        raise ValueError("at most 64 plays, and 64 hats times powers")
     out = np.empty((curve + degree * hats, v.size))
     library.lib.hysgen_preisach(
         v.size,

@@ -68,6 +68,10 @@ class Cause(abc.ABC):
         """Chains with one part of this cause taken out: one mode, line or channel of several, or all there is."""
         return [self.without(chain)]
 
+    def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
+        """The same chain with this cause's numbers elsewhere, where the fit is known to have several minima."""
+        return []
+
     @abc.abstractmethod
     def proposals(self, look: Look) -> list[Chain]:
         """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""

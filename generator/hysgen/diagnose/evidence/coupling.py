@@ -11,6 +11,9 @@ from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.terms.coupling import Coupling as CouplingTerm
 
+TAPS = 32
+"""Samples of a channel's past where one is not enough."""
+
 
 class Coupling(Cause):
     name = "coupling"
@@ -19,35 +22,45 @@ class Coupling(Cause):
         return bool(chain.coupled)
 
     def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, coupled=())
+        return dataclasses.replace(chain, coupled=(), taps=1)
 
     def lessened(self, chain: Chain) -> list[Chain]:
         parts = chain.coupled
-        return [dataclasses.replace(chain, coupled=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+        less = [dataclasses.replace(chain, coupled=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+        return less if chain.taps == 1 else [*less, dataclasses.replace(chain, taps=1)]
 
     def proposals(self, look: Look) -> list[Chain]:
         chain = look.fit.chain
         left = [name for name in look.scene.runs[0].aux if name not in chain.coupled and _moves(look, name)]
-        return [dataclasses.replace(chain, coupled=(*chain.coupled, name)) for name in left]
+        alone = [dataclasses.replace(chain, coupled=(*chain.coupled, name)) for name in left]
+        # A channel may act through the mechanics of the stage: then one sample of it is not enough.
+        if chain.taps == 1 and (left or chain.coupled):
+            alone.append(dataclasses.replace(chain, coupled=(*chain.coupled, *left), taps=TAPS))
+        return alone
 
     def signature(self, look: Look, rival: Fit) -> Signature:
-        """Each channel's gain against its standard error, the own input's share taken out of the channel."""
+        """Each channel's gain against its standard error, the own input's share taken out of the channel.
+
+        The gain over several samples is their sum; it counts as many standard errors as their root mean square does.
+        """
         scene, chain = look.scene, look.fit.chain
-        first = len(look.fit.weights) - len(chain.coupled)
-        gains = look.fit.weights[first:]
+        first = len(look.fit.weights) - len(chain.coupled) * chain.taps
+        weights = look.fit.weights[first:].reshape(-1, chain.taps)
         errors = standard_errors(scene, look.fit).disturbances[first - scene.hysteresis_size(chain) :]
-        z = np.abs(gains) / np.maximum(errors, 1e-15)
+        errors = errors.reshape(-1, chain.taps)
+        z = np.sqrt(np.mean((weights / np.maximum(errors, 1e-15)) ** 2, axis=1))
+        gains, spread = weights.sum(axis=1), np.sqrt((errors**2).sum(axis=1))
         listed = ", ".join(
             f"{name} {gain:.4g} +- {error:.1g} um per unit"
-            for name, gain, error in zip(chain.coupled, gains, errors, strict=True)
+            for name, gain, error in zip(chain.coupled, gains, spread, strict=True)
         )
         return Signature(
             holds=bool((z > 5.0).all()),
             z=float(z.min()),
-            text=f"the error follows {listed}",
+            text=f"the error follows {listed}" + (f", over {chain.taps} samples" if chain.taps > 1 else ""),
             parameters={
                 f"{name}_um_per_unit": Estimate(float(gain), float(error))
-                for name, gain, error in zip(chain.coupled, gains, errors, strict=True)
+                for name, gain, error in zip(chain.coupled, gains, spread, strict=True)
             },
         )
 
@@ -60,7 +73,12 @@ class Coupling(Cause):
             for name in fit.chain.coupled
         ]
         return Extension(
-            term=CouplingTerm(fit.chain.coupled, tuple(low for low, _ in ends), tuple(high for _, high in ends))
+            term=CouplingTerm(
+                fit.chain.coupled,
+                tuple(low for low, _ in ends),
+                tuple(high for _, high in ends),
+                fit.chain.taps,
+            )
         )
 
 

@@ -13,6 +13,8 @@ from hysgen.inputs.saturation import Saturation as SaturationBlock
 
 LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
 
+RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
+
 
 class Saturation(Cause):
     name = "saturation"
@@ -22,6 +24,17 @@ class Saturation(Cause):
 
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, low_V=None, high_V=None)
+
+    def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
+        """Levels further in: a level too far out can hide where the curve has been bent flat instead."""
+        span_V = scene.operator.high_V - scene.operator.low_V
+        trials = []
+        for step in RESTARTS:
+            if chain.high_V is not None:
+                trials.append(dataclasses.replace(chain, high_V=chain.high_V - step * span_V))
+            if chain.low_V is not None:
+                trials.append(dataclasses.replace(chain, low_V=chain.low_V + step * span_V))
+        return trials
 
     def proposals(self, look: Look) -> list[Chain]:
         chain, operator = look.fit.chain, look.scene.operator

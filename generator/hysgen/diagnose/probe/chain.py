@@ -36,7 +36,8 @@ class Chain:
     sample that sampling costs, negative where the channels of the record are not aligned; delayed: whether it is free.
     low_V, high_V: clamp. rate_V_per_s: rate limit. memory: whether h is a hysteresis operator or a single-valued curve.
     creep: share of a step moved per decade of time, from creep_from_s on. aging_per_s: relative change of the gain.
-    drift: whether there is a ramp. lines_Hz: disturbing lines. coupled: auxiliary channels.
+    drift: whether there is a ramp. lines_Hz: disturbing lines. coupled: auxiliary channels, each
+    with `taps` samples of its past.
     """
 
     lag_s: float
@@ -51,6 +52,7 @@ class Chain:
     drift: bool = False
     lines_Hz: tuple[float, ...] = ()
     coupled: tuple[str, ...] = ()
+    taps: int = 1
     delayed: bool = False
     memory: bool = True
 

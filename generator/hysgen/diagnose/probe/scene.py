@@ -144,6 +144,10 @@ class Scene:
             for line_Hz in chain.lines_Hz:
                 columns.extend((np.sin(2 * np.pi * line_Hz * t_s), np.cos(2 * np.pi * line_Hz * t_s)))
             bare = Chain(chain.lag_s, chain.delay)
-            columns.extend(respond(run.aux[name], bare, self.Ts_s) for name in chain.coupled)
+            for name in chain.coupled:
+                seen = respond(run.aux[name], bare, self.Ts_s)
+                columns.extend(
+                    np.concatenate([np.full(tap, seen[0]), seen[: len(seen) - tap]]) for tap in range(chain.taps)
+                )
             parts.append(np.stack(columns))
         return np.hstack(parts)
