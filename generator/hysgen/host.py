@@ -40,7 +40,7 @@ class Host:
     """A model's generated C, compiled by one toolchain.
 
     texts: file name -> text, as `emit.generate` returns them. Raises BuildError if the compiler refuses them.
-    channels: auxiliary channels that the model listens to.
+    channels: auxiliary channels that the model listens to; selftested: there is a self-test among the texts.
     """
 
     def __init__(self, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> None:
@@ -54,6 +54,9 @@ class Host:
         sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
         declared = _declarations(header) + "".join(_driver_declaration(entry) for entry in self.entries.values())
         declared += "int32_t driver_flushes(void);\n"
+        self.selftested = f"{name}_selftest.h" in texts
+        if self.selftested:
+            declared += f"uint32_t {name}_selftest(void);\n"
         self._library: Library = build([*sources, ("driver.c", driver)], declared, toolchain, libraries=())
 
     @property

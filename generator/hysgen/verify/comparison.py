@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hysgen.model import Model
 from hysgen.verify.builds import Build
 from hysgen.verify.induction import Difference, first_difference
-from hysgen.verify.inputs import STYLES, chunks, quantities
+from hysgen.verify.inputs import STYLES, chunks
 from hysgen.verify.report import Mismatch, Run
 from hysgen.verify.subjects import SUBJECTS, Lanes, Subject
 
@@ -70,11 +70,23 @@ def compare(
     model: Model, builds: Sequence[Build], samples: int, seed: int, progress: Progress
 ) -> Iterator[tuple[Run, list[Mismatch]]]:
     """Every step over its even share of `samples`, starts over START_SAMPLES besides; first difference per build."""
+    if builds[0].host.selftested:
+        yield _selftest(model, builds)
     todo = tasks(builds[0])
     steps = sum(task.function != "init" for task in todo)
     for task in todo:
         share = START_SAMPLES if task.function == "init" else -(-samples // steps)
         yield compare_task(model, builds, task, share, seed, progress)
+
+
+def _selftest(model: Model, builds: Sequence[Build]) -> tuple[Run, list[Mismatch]]:
+    """The generated self-test, once per build; its result is the number of its mismatches."""
+    found = []
+    for build in builds:
+        result = int(build.host.call("selftest"))
+        if result != 0:
+            found.append(Mismatch(model.name, "selftest", "fixed", str(build), 0, "result", result, 0, ()))
+    return Run(model.name, "selftest", "fixed", 1, len(builds)), found
 
 
 def compare_task(
@@ -85,11 +97,9 @@ def compare_task(
     records = [_record(build, task, lanes) for build in builds]
     found: list[Mismatch] = []
     done = 0
-    limits = quantities(model)
     arguments = task.subject.functions[task.function]
-    heard = builds[0].host.channels if task.subject.listens else 0
-    ranges = [limits[quantity] for quantity in (*arguments, *["channel"] * heard)]
-    for columns in chunks(task.style, ranges, samples, seed, task.subject.piece):
+    heard = ["channel"] * builds[0].host.channels if task.subject.listens else []
+    for columns in chunks(model, task.style, [*arguments, *heard], samples, seed, task.subject.piece):
         # Once one build's record of this piece is proved, the same record in another build is proved as well.
         proved: tuple[Words, Words, Words] | None = None
         for record in list(records):

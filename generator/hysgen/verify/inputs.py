@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hysgen.coefficients import Coefficients, coefficients
 from hysgen.model import Model
+from hysgen.reference.instance import Instance
 
 Words = NDArray[np.uint32]
 Floats32 = NDArray[np.float32]
@@ -31,13 +32,29 @@ def quantities(model: Model) -> Mapping[str, tuple[np.float32, np.float32]]:
 
 
 def chunks(
-    style: str, limits: list[tuple[np.float32, np.float32]], samples: int, seed: int, piece: int = CHUNK
+    model: Model, style: str, arguments: Sequence[str], samples: int, seed: int, piece: int = CHUNK
 ) -> Iterator[list[Words]]:
-    """`samples` of each argument in pieces: the bits of one column per range in `limits`."""
+    """`samples` of each argument, named by its quantity, in pieces: the bits of one column per argument.
+
+    References are what random or smooth inputs would reach, or else hardly any would be met without clamping.
+    """
     rng = np.random.default_rng([seed, *style.encode()])
+    ranges = quantities(model)
+    reachable = style in ("random", "smooth")
+    drawn = ["voltage" if quantity == "reference" and reachable else quantity for quantity in arguments]
     for first in range(0, samples, piece):
         n = min(piece, samples - first)
-        yield [STYLES[style](rng, first, n, limit) for limit in limits]
+        columns = [STYLES[style](rng, first, n, ranges[quantity]) for quantity in drawn]
+        if reachable and "reference" in arguments:
+            y, u = (columns[arguments.index(quantity)] for quantity in ("displacement", "reference"))
+            columns[arguments.index("reference")] = _reached(model, y, u)
+        yield columns
+
+
+def _reached(model: Model, y: Words, u: Words) -> Words:
+    """y(k+1) of the model at rest, from y under u."""
+    at_rest = Instance(model, y.view(np.float32), np.zeros(y.size, dtype=np.float32))
+    return at_rest.predict(y.view(np.float32), u.view(np.float32)).view(np.uint32)
 
 
 def _random(rng: np.random.Generator, first: int, n: int, limit: tuple[np.float32, np.float32]) -> Words:

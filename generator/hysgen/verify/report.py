@@ -64,8 +64,9 @@ class Report:
 
     @property
     def samples(self) -> int:
-        """Samples of the model itself that every build was compared over."""
-        return sum(run.samples for run in self.runs if run.model == self.model)
+        """Samples of the model itself that every build was compared over, starts and self-test left out."""
+        steps = (run for run in self.runs if run.model == self.model and run.function not in ("init", "selftest"))
+        return sum(run.samples for run in steps)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
