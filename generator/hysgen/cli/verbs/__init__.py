@@ -2,6 +2,32 @@
 
 from types import ModuleType
 
-from hysgen.cli.verbs import bank, describe, diagnose, experiments, fit, generate, score, verify
+from hysgen.cli.verbs import (
+    bank,
+    cost,
+    demo,
+    describe,
+    diagnose,
+    diff,
+    experiments,
+    fit,
+    generate,
+    refit,
+    score,
+    verify,
+)
 
-VERBS: tuple[ModuleType, ...] = (fit, score, describe, diagnose, generate, verify, experiments, bank)
+VERBS: tuple[ModuleType, ...] = (
+    fit,
+    score,
+    describe,
+    diagnose,
+    generate,
+    verify,
+    cost,
+    refit,
+    diff,
+    demo,
+    experiments,
+    bank,
+)

@@ -13,6 +13,7 @@ import numpy as np
 from hysgen.baselines import fit_baselines, score_baselines
 from hysgen.certificates import certify
 from hysgen.cli.console import Console
+from hysgen.cli.verbs.cost import cost_text
 from hysgen.cli.verbs.fit import memory_terms
 from hysgen.cost import cost
 from hysgen.emit import generate, write
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     report = verify(code, samples=arguments.samples, structures=1, progress=console.progress)
     console.say("\nhysgen verify\n" + "\n".join(report.lines()))
     price = cost(code)
-    console.say("\nhysgen cost\n" + price.table())
+    console.say("\nhysgen cost\n" + cost_text(price))
     console.say("\npictures\n" + "\n".join(f"  {path}" for path in written))
     console.write_json(
         {
