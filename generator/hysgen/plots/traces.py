@@ -34,7 +34,7 @@ def validation(
         below.plot(t_s[keep], error_um[keep], color=colours[name], label=f"{name}: {rms_um:.2g} µm rms")
     above.set(ylabel="displacement [µm]", title=title)
     below.set(xlabel="time [s]", ylabel="error [µm]")
-    fig.legend(loc="outside lower center", ncols=4)
+    fig.legend(loc="outside lower center", ncols=2)
     return fig
 
 
@@ -103,7 +103,7 @@ def horizon(
             color="#555555",
         )
     axes.set(xlabel="horizon [ms]", ylabel="error rms [µm]", title=title)
-    axes.legend(loc="lower right")
+    axes.legend(loc="upper left")
     return fig
 
 

@@ -97,7 +97,7 @@ def draw(folder: Path, unseen: Record, models: dict[str, Model], scores: dict[st
         for name, part in scores.items()
     }
     levels = {"noise floor": scores[PAPER].noise.rms_um}
-    title = "Bundled record, validation part: free run"
+    title = "Bundled record, rows that no fit has seen"
     return [
         style.save(validation(t_s, segment.y_um, stepped | runs, title, COLOURS), folder / "free-run.png"),
         style.save(loops(segment.u_V, segment.y_um, runs, title, COLOURS), folder / "loops.png"),
