@@ -8,7 +8,7 @@ model, models of other structures are generated, compiled and compared.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -16,8 +16,7 @@ from hysgen.certificates import certify
 from hysgen.emit import Options, generate
 from hysgen.emit.manifest import read_folder
 from hysgen.model import Model
-from hysgen.native import Toolchain
-from hysgen.verify.builds import builds, toolchains, versions
+from hysgen.verify.builds import COMPILERS, LEVELS, compiled, toolchains, versions
 from hysgen.verify.comparison import compare
 from hysgen.verify.report import Mismatch, Report, Run
 from hysgen.verify.structures import faint_model, random_model
@@ -35,33 +34,46 @@ def verify(
     samples: int = DEFAULT_SAMPLES,
     structures: int = DEFAULT_STRUCTURES,
     seed: int = 1,
+    compilers: Sequence[str] = COMPILERS,
+    levels: Sequence[str] = LEVELS,
     progress: Callable[[float, str], None] | None = None,
 ) -> Report:
     """Compare the C in a folder that `hysgen generate` wrote with the reference of the model beside it.
 
     samples: of the folder's model, in each build, over all functions; structures: other models, drawn from `seed` on.
+    compilers, levels: what to build with; a compiler that is missing is told in the report.
     progress: told the fraction done and what is being done.
     Raises HysgenError if the folder lacks its model or files, or no compiler is installed or takes the C.
     """
     generated = read_folder(folder)
     return verify_texts(
-        generated.model, generated.texts, samples, structures, seed, progress, altered=generated.altered
+        generated.model,
+        generated.texts,
+        samples=samples,
+        structures=structures,
+        seed=seed,
+        compilers=compilers,
+        levels=levels,
+        progress=progress,
+        altered=generated.altered,
     )
 
 
 def verify_texts(
     model: Model,
     texts: Mapping[str, str],
+    *,
     samples: int = DEFAULT_SAMPLES,
     structures: int = DEFAULT_STRUCTURES,
     seed: int = 1,
+    compilers: Sequence[str] = COMPILERS,
+    levels: Sequence[str] = LEVELS,
     progress: Callable[[float, str], None] | None = None,
-    chain: list[Toolchain] | None = None,
     altered: tuple[str, ...] = (),
 ) -> Report:
-    """`verify` for generated texts that need not lie in a folder; chain: the toolchains, by default all installed."""
+    """`verify` for generated texts that need not lie in a folder."""
     started = time.monotonic()
-    found, skipped = toolchains() if chain is None else (chain, [])
+    found, skipped = toolchains(compilers, levels)
     others = [faint_model(), *(random_model(seed + k) for k in range(structures - 1))] if structures > 0 else []
     todo = [(model, texts, samples), *((other, _texts(other), SAMPLES_PER_STRUCTURE) for other in others)]
     total, done = sum(share for _, _, share in todo), 0
@@ -70,7 +82,7 @@ def verify_texts(
     for current, current_texts, share in todo:
         if progress is not None:
             progress(done / total, f"compiling {current.name}")
-        made, unable = builds(current.name, current_texts, found)
+        made, unable = compiled(current.name, current_texts, found)
         skipped += [reason for reason in unable if reason not in skipped]
 
         def advance(compared: int, name: str = current.name) -> None:

@@ -27,19 +27,19 @@ class Build:
         return f"{self.toolchain}{', flush to zero' if self.flush else ''}"
 
 
-def toolchains(compilers: Sequence[str] = COMPILERS) -> tuple[list[Toolchain], list[str]]:
-    """The toolchains that are installed, and a line for each compiler that is not.
+def toolchains(compilers: Sequence[str], levels: Sequence[str]) -> tuple[list[Toolchain], list[str]]:
+    """Every level of the compilers that are installed, and a line for each compiler that is not.
 
-    Raises BuildError if none is.
+    levels: flags, those of one level in one string. Raises BuildError if no compiler is installed.
     """
     there = [compiler for compiler in compilers if shutil.which(compiler)]
     missing = [f"{name}: not installed, nothing was compared with it" for name in compilers if name not in there]
     if not there:
         raise BuildError(f"none of {', '.join(compilers)} is installed; install one to verify with")
-    return [Toolchain(compiler, (level,)) for compiler in there for level in LEVELS], missing
+    return [Toolchain(compiler, tuple(level.split())) for compiler in there for level in levels], missing
 
 
-def builds(name: str, texts: Mapping[str, str], chain: Sequence[Toolchain]) -> tuple[list[Build], list[str]]:
+def compiled(name: str, texts: Mapping[str, str], chain: Sequence[Toolchain]) -> tuple[list[Build], list[str]]:
     """Every build of generated texts, and a line if this machine cannot flush.
 
     Raises BuildError if a compiler refuses the generated C.
@@ -55,6 +55,6 @@ def versions(chain: Sequence[Toolchain]) -> list[str]:
     """One line per compiler: its version and the levels."""
     commands = dict.fromkeys(toolchain.command for toolchain in chain)
     return [
-        f"{compiler_version(command)} ({' '.join(t.flags[0] for t in chain if t.command == command)})"
+        f"{compiler_version(command)} ({', '.join(' '.join(t.flags) for t in chain if t.command == command)})"
         for command in commands
     ]
