@@ -206,7 +206,8 @@ def test_scales_and_channels_fit_the_size(term: Term) -> None:
     [
         ({"kind": "magic"}, "terms: kind 'magic' is unknown; this hysgen knows coupling, creep, drift"),
         ({"kind": "memory", "thresholds_V": [2.0, 1.0]}, "terms: memory: thresholds_V must be positive and rising"),
-        ({"kind": "creep", "tau_s": []}, "terms: creep: tau_s must be positive and rising"),
+        ({"kind": "creep", "tau_s": [], "shared": True}, "terms: creep: tau_s must be positive and rising"),
+        ({"kind": "creep", "tau_s": [1.0], "shared": 0}, "terms: creep: shared must be true or false"),
         ({"kind": "creep"}, "terms: creep: 'tau_s'"),
         ({"kind": "resonance", "f_Hz": [50.0], "zeta": [1.5]}, "terms: resonance: zeta must give each mode"),
         ({"kind": "resonance", "f_Hz": [50.0, 60.0], "zeta": [0.1]}, "terms: resonance: zeta must give each mode"),

@@ -86,7 +86,7 @@ def assert_equal_bits(model: Model, function: str, samples: int, start_V: float 
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.kind)
+@pytest.mark.parametrize("term", [*TERMS, Creep.spread(5, 1e-3, 10.0, shared=True)], ids=lambda term: term.kind)
 def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None:
     assert_equal_bits(extended([term]), function, 2500)
 

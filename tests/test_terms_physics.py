@@ -81,6 +81,24 @@ def test_creep_step_response_is_a_sum_of_exponentials() -> None:
         assert np.abs(phi[1:, j] - 10 * -np.expm1(-t[1:] / tau)).max() < 1e-10
 
 
+def test_creep_with_one_weight_goes_on_by_the_same_in_every_decade() -> None:
+    term = Creep.spread(9, 1e-3, 10.0, shared=True)
+    u = np.full(200_000, 100.0)
+    u[0] = 0.0
+    phi = term.regressors(Drive(u, TS_S))
+    free = Creep(term.tau_s).regressors(Drive(u, TS_S))
+    assert np.abs(phi[:, 0] - free.mean(axis=1)).max() < 1e-12
+    decades = phi[np.rint(np.array([0.003, 0.03, 0.3]) / TS_S).astype(int) + 1, 0]
+    # Two lags per decade, each a ninth of the step; what lags beyond 10 s would have added is below 1 % until 0.3 s.
+    assert np.diff(decades) == pytest.approx(np.full(2, 100 * 2 / 9), rel=0.01)
+    system = term.linear(TS_S)
+    assert system.C.shape == (1, 9)
+    assert system.C.sum() == pytest.approx(1.0)
+    assert term.size == len(term.gains(TS_S)) == len(term.scales(1.0)) == 1
+    assert Creep.from_json(term.to_json()) == term
+    assert term.with_shape(term.shape()).shared
+
+
 def test_creep_at_rest_under_the_first_input_does_not_move() -> None:
     phi = Creep.spread(4, 1e-2, 100.0).regressors(Drive(np.full(1000, 63.7), TS_S))
     assert np.array_equal(phi, np.full((1000, 4), 63.7))

@@ -2,9 +2,12 @@
 
     ds_j/dt = (u - s_j) / tau_j                                   slow first-order states, tau_j spread over decades
     s_j(k+1) = s_j(k) + a_j (u(k) - s_j(k)),   a_j = 1 - exp(-Ts / tau_j)     exact for an input held over a sample
-    phi_j(k) = s_j(k)                                             [V]
+    phi_j(k) = s_j(k)                                             [V], each lag with a weight of its own
+    phi(k)   = sum_j s_j(k) / m                                   [V], one weight for all: alike in every decade
 
-A few time constants per decade stand for the logarithmic creep of piezo ceramics. A record starts at rest under u(0).
+Piezo ceramics creep by the logarithm of time: lags evenly spaced over the decades, one weight for all. That is one
+parameter for the fit and the learner, and m lags that are nearly alike cannot lean on one another. Lags with weights of
+their own fit any other creep. A record starts at rest under u(0).
 In float32 a state is a sum of two words (module `twofloat`), because a_j may be smaller than the last bit of s_j.
 Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43 (creep as a chain of lags).
 """
@@ -24,7 +27,7 @@ from hysgen.terms.twofloat import accumulate
 
 @dataclass(frozen=True)
 class Creep:
-    """Lags with time constants `tau_s`, (m,) positive and rising.
+    """Lags with time constants `tau_s`, (m,) positive and rising; `shared`: one weight for all of them.
 
     Raises ValueError if they are not.
     """
@@ -33,6 +36,7 @@ class Creep:
     parts: ClassVar[tuple[str, ...]] = ("twofloat",)
     channels: ClassVar[tuple[str, ...]] = ()
     tau_s: tuple[float, ...]
+    shared: bool = False
 
     def __post_init__(self) -> None:
         tau = np.asarray(self.tau_s, dtype=np.float64)
@@ -40,12 +44,17 @@ class Creep:
             raise ValueError("tau_s must be positive and rising")
 
     @classmethod
-    def spread(cls, count: int, shortest_s: float, longest_s: float) -> Self:
+    def spread(cls, count: int, shortest_s: float, longest_s: float, shared: bool = False) -> Self:
         """`count` time constants, evenly spaced on a logarithmic axis, both ends included."""
-        return cls(tuple(float(tau) for tau in np.geomspace(shortest_s, longest_s, count)))
+        return cls(tuple(float(tau) for tau in np.geomspace(shortest_s, longest_s, count)), shared)
 
     @property
     def size(self) -> int:
+        return 1 if self.shared else self.lags
+
+    @property
+    def lags(self) -> int:
+        """m: number of slow states."""
         return len(self.tau_s)
 
     def rates(self, Ts_s: float) -> Floats:
@@ -56,15 +65,18 @@ class Creep:
         return (span_V,) * self.size
 
     def describe(self) -> str:
-        return "creep, time constants " + ", ".join(f"{tau:.3g}" for tau in self.tau_s) + " s"
+        weights = "one weight for" if self.shared else "a weight for each of"
+        return f"creep, {weights} the time constants " + ", ".join(f"{tau:.3g}" for tau in self.tau_s) + " s"
 
     def regressors(self, drive: Drive) -> Floats:
-        """(n, m) creep states in V."""
+        """(n, m) creep states in V, or (n, 1) their mean."""
         start = drive.start.get(self.kind, self.start(float(drive.u_V[0])))
-        return lag_states(drive.u_V, self.rates(drive.Ts_s), start)
+        states = lag_states(drive.u_V, self.rates(drive.Ts_s), start)
+        return states @ self._mix.T if self.shared else states
 
     def start(self, u_V: float) -> Floats:
-        return np.full(self.size, u_V)
+        """(m,) every lag at u_V."""
+        return np.full(self.lags, u_V)
 
     def settled(self, drive: Drive) -> int:
         samples = np.log(100.0) * self.tau_s[-1] / drive.Ts_s
@@ -72,7 +84,7 @@ class Creep:
 
     def linear(self, Ts_s: float) -> StateSpace:
         rates = self.rates(Ts_s)
-        return StateSpace(np.diag(1.0 - rates), rates, np.eye(self.size))
+        return StateSpace(np.diag(1.0 - rates), rates, self._mix)
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
         """The impulse response of a lag is positive and adds up to 1."""
@@ -83,36 +95,52 @@ class Creep:
         return np.asarray(np.log(self.tau_s))
 
     def with_shape(self, shape: Floats) -> Self:
-        return type(self)(tuple(float(tau) for tau in np.exp(np.sort(shape))))
+        return type(self)(tuple(float(tau) for tau in np.exp(np.sort(shape))), self.shared)
 
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
         """From 2 samples to 3 records: a slower state is a ramp that no record of this length tells from another."""
         low, high = np.log(2.0 * drive.Ts_s), np.log(3.0 * drive.Ts_s * drive.u_V.size)
-        return np.full(self.size, low), np.full(self.size, high)
+        return np.full(self.lags, low), np.full(self.lags, high)
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> CreepMirror:
-        return CreepMirror(self.constants(Ts_s)["rate"], u_V)
+        constants = self.constants(Ts_s)
+        return CreepMirror(constants["rate"], constants["mean"][0] if self.shared else None, u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        return {"rate": self.rates(Ts_s).astype(np.float32)}
+        rate = self.rates(Ts_s).astype(np.float32)
+        return {"rate": rate, "mean": np.array([1 / self.lags], np.float32)} if self.shared else {"rate": rate}
 
     def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "tau_s": list(self.tau_s)}
+        return {"kind": self.kind, "tau_s": list(self.tau_s), "shared": self.shared}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(tuple(float(tau) for tau in data["tau_s"]))
+        shared = data.get("shared", False)
+        if not isinstance(shared, bool):
+            raise TypeError("shared must be true or false")
+        return cls(tuple(float(tau) for tau in data["tau_s"]), shared)
+
+    @property
+    def _mix(self) -> Floats:
+        """(size, m) from lags to regressors."""
+        return np.full((1, self.lags), 1 / self.lags) if self.shared else np.eye(self.lags)
 
 
 class CreepMirror(Mirror):
     """Float32 lags over lanes, each a sum of two words; the state is every high word, then every low one."""
 
-    def __init__(self, rate: Floats32, u_V: Floats32) -> None:
-        self._rate = rate
+    def __init__(self, rate: Floats32, mean: np.float32 | None, u_V: Floats32) -> None:
+        self._rate, self._mean = rate, mean
         self._words = [(u_V.copy(), np.zeros_like(u_V)) for _ in rate]
 
     def regressors(self) -> list[Floats32]:
-        return [high for high, _ in self._words]
+        states = [high for high, _ in self._words]
+        if self._mean is None:
+            return states
+        total = states[0]
+        for state in states[1:]:
+            total = total + state
+        return [self._mean * total]
 
     def advance(self, u_V: Floats32) -> None:
         # The low word is left out of the difference: it is below the last bit of the high one.
