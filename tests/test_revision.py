@@ -1,0 +1,65 @@
+"""Identifying again: same structure, new numbers; only the numbers' file, self-test and manifest change."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from hysgen.emit import generate
+from hysgen.errors import ModelError
+from hysgen.fit import FitSettings, fit
+from hysgen.record import Record
+from hysgen.revision import compare, refit
+from hysgen.signals import nested_amplitudes
+from hysgen.stage import Stage, run
+from hysgen.terms.memory import Memory
+
+TS_S = 1e-4
+
+
+def record_of(stage: Stage, seed: int) -> Record:
+    u_V = nested_amplitudes(TS_S, (50.0, 20.0), 40.0, 25.0, 4)
+    return Record.from_arrays(u_V, run(stage, u_V, TS_S, seed).displacement_um, TS_S, source=f"seed {seed}")
+
+
+@pytest.fixture(scope="module")
+def records() -> tuple[Record, Record]:
+    """The stage, and the stage with an actuator that moves a tenth further."""
+    stage = Stage.nominal()
+    return record_of(stage, 1), record_of(dataclasses.replace(stage, stroke_um=1.1 * stage.stroke_um), 2)
+
+
+def test_refit_changes_only_the_numbers_of_the_generated_c(records: tuple[Record, Record]) -> None:
+    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    new, scores = refit(old, records[1])
+    before, after = generate(old), generate(new)
+    changed = {file for file in before if before[file] != after[file]}
+    assert changed == {"axis_params.h", "axis_selftest.c", "axis.json", "MANIFEST.json"}
+    assert before.keys() == after.keys()
+    assert scores.free_run.of_span_percent < 3.0
+
+
+def test_compare_finds_the_gain_that_moved_by_a_tenth(records: tuple[Record, Record]) -> None:
+    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    new, _ = refit(old, records[1])
+    moved = {change.what: change.percent for change in compare(old, new, records).changes}
+    # Ten percent were planted; noise and the fit's own freedom are worth a percent.
+    assert moved["DC gain, mid-range"] == pytest.approx(10.0, abs=1.5)
+    scores = compare(old, new, records).scores
+    assert scores[1][2] < 0.2 * scores[1][1]
+
+
+def test_models_of_different_structure_are_not_compared_number_by_number(records: tuple[Record, Record]) -> None:
+    old, new = (fit(records[0], FitSettings(rules=rules, method="batch")) for rules in (4, 5))
+    with pytest.raises(ModelError, match=r"structures differ \(4 rules, no terms against 5 rules, no terms\)"):
+        compare(old, new)
+
+
+def test_a_record_at_another_rate_is_refused(records: tuple[Record, Record]) -> None:
+    old = fit(records[0], FitSettings(method="batch"))
+    half = Record.from_arrays(records[1].segments[0].u_V[::2], records[1].segments[0].y_um[::2], 2 * TS_S)
+    with pytest.raises(ModelError, match="record at the model's rate"):
+        refit(old, half)
+    assert np.isfinite(old.parameters).all()
