@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +33,15 @@ def run(
     progress: Progress | None = None,
 ) -> BankResult:
     """Every category with every seed. jobs: processes to use. progress: told the fraction done and one line."""
-    work = list(product(categories, seeds))
+    work = [(category, seed) for seed in seeds for category in categories]
     verdicts: list[Verdict] = []
-    with ProcessPoolExecutor(jobs) as pool:
-        stream = pool.map(_one, work) if jobs > 1 else map(_one, work)
-        for done, verdict in enumerate(stream, start=1):
+    with contextlib.ExitStack() as stack:
+        pool = stack.enter_context(ProcessPoolExecutor(jobs)) if jobs > 1 else None
+        for done, verdict in enumerate(pool.map(_one, work) if pool else map(_one, work), start=1):
             verdicts.append(verdict)
             if progress is not None:
-                mark = "right" if verdict.exact else "WRONG"
-                progress(done / len(work), f"{mark} {verdict.category} {verdict.seed}: {', '.join(verdict.named)}")
+                mark = "right" if verdict.exact else "wrong"
+                progress(done / len(work), f"{mark}: {verdict.category} {verdict.seed}: {', '.join(verdict.named)}")
     return BankResult(tuple(verdicts), tuple(seeds))
 
 

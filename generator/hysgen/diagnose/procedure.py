@@ -38,13 +38,11 @@ class DiagnoseSettings:
 
     fit: settings of the Takagi-Sugeno fits; terms and blocks are the ladder's to choose.
     identify: share of a single record that is used for identification.
-    needed: by how much the probe's error must grow without a cause for the cause to be named.
     price: cycles and bytes of a model, if known (the command line passes the cost model).
     """
 
     fit: FitSettings = field(default_factory=FitSettings)
     identify: float = 0.65
-    needed: float = 1.2
     price: Callable[[Model], Price] | None = None
 
 
@@ -173,7 +171,7 @@ def _agreement(
     for name in in_order(list(signatures)):
         if not signatures[name].holds:
             refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
-        elif found.needs.get(name, np.inf) < settings.needed:
+        elif name in causes() and found.needs[name] < causes()[name].needed:
             refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
         else:
             candidates.append(name)

@@ -56,6 +56,9 @@ class Cause(abc.ABC):
 
     name: ClassVar[str]
 
+    needed: ClassVar[float] = 1.2
+    """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
+
     @abc.abstractmethod
     def present(self, chain: Chain) -> bool:
         """Whether the chain holds this cause's part."""

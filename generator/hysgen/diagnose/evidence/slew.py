@@ -19,6 +19,7 @@ QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.77, 0.83, 0.87, 0.9, 0.925, 0.95, 0.965, 0.9
 
 class Slew(Cause):
     name = "slew"
+    needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
 
     def present(self, chain: Chain) -> bool:
         return chain.rate_V_per_s is not None
