@@ -54,6 +54,12 @@ def test_called_functions_are_counted_in() -> None:
     assert machine.call("outer", 3.0).cycles == found.worst > 2 * of(machine, "inner").worst
 
 
+def test_a_return_through_another_register_is_a_return() -> None:
+    bench = Bench("or .S2 0,b3,b7\nmvk .S2 0,b3\nb .S2 b7\nnop 5", interpreted=True)
+    assert bounds(bench.image, bench.packets, "start") == CycleBounds(8, 8, ())
+    assert bench.run("start").counts.cycles == 8
+
+
 def test_a_loop_needs_a_limit_and_is_exact_with_it() -> None:
     need_compiler()
     text = (
@@ -77,7 +83,7 @@ def test_a_loop_needs_a_limit_and_is_exact_with_it() -> None:
     ("text", "complaint"),
     [
         ("loop:\n[a1] b .S1 loop\nnop 5\nb .S2 b3\nnop 5", "a loop without a limit"),
-        ("b .S2 b7\nnop 5", "a jump to the address in b7"),
+        ("nop 1\n__library:\nb .S2 b7\nnop 5", "the compiler's library jumps to the address in b7"),
         ("start:\ncallp .S2 start,b3\nb .S2 b3\nnop 5", "recursion is not bounded"),
         ("addkpc .S2 back,b3,0\nback:\nb .S2 b3\nnop 5", "a call through a pointer"),
         ("rcpsp .S1 a4,a5\nb .S2 b3\nnop 5", "not modelled"),

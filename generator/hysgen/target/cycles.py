@@ -4,10 +4,14 @@ Stalls are not modelled, so a way through the code fixes its cycles exactly. A f
 with the branches under way; where a branch depends on data, both ways are followed. Code without such branches has one
 way, and its cycles are a fact, not a measurement. A branch that can be taken again and again needs a limit from the
 caller.
+
+A jump through a register is taken for the return. That holds for what `toolchain` compiles, with -fno-jump-tables, from
+C without function pointers; a pointer that is called, not jumped to, is noticed and refused.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -81,7 +85,8 @@ class _Walk:
         self.packets = packets
         self.bounded = bounded
         self.limits = limits
-        self.entries = {symbol.address for symbol in image.symbols.values() if symbol.function}
+        self.owners = sorted((symbol.address, symbol.name) for symbol in image.symbols.values() if symbol.function)
+        self.entries = {address for address, _ in self.owners}
         self.data_dependent: set[int] = set()
 
     def extremes(self, start: _Place) -> tuple[int, int]:
@@ -154,11 +159,17 @@ class _Walk:
 
     def _branched(self, branch: int, action: Branch, way: _Place) -> _Place:
         target = action.target
-        if isinstance(target, Register) and target != _LINK:
-            raise TargetError(f"{branch:08x}: a jump to the address in {target}; only returns through b3 are followed")
+        if isinstance(target, Register) and target != _LINK and self._in_library(branch):
+            raise TargetError(
+                f"{branch:08x}: the compiler's library jumps to the address in {target}, by a table or so"
+            )
         there = None if isinstance(target, Register) else target
         taken = tuple(n + (at == branch) for at, n in zip(self.bounded, way.taken, strict=True))
         return replace(way, landing=(*way.landing, (BRANCH_DELAY + 1, there)), taken=taken)
+
+    def _in_library(self, address: int) -> bool:
+        """Whether the code is the compiler's own library, which is not compiled with FLAGS and may use jump tables."""
+        return self.owners[bisect_right(self.owners, (address, "~")) - 1][1].startswith("__")
 
     def _entered(self, place: _Place) -> _Place:
         """A branch that lands on a function with B3 set for it is a call: remember where it returns to."""
