@@ -32,7 +32,7 @@ ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("satur
 """Pairs of causes of which the wrong one may come first."""
 
 MOST_STEPS = 9
-CANDIDATES = 4
+CANDIDATES = 5
 MOST_ROWS = 8000
 
 
@@ -95,8 +95,7 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     firsts: list[Fit] = []
     for cause in causes().values():
         trials = [linear_fit(part, chain) for chain in cause.proposals(look)]
-        if trials:
-            firsts.append(min(trials, key=lambda trial: trial.rms_um))
+        firsts += sorted(trials, key=lambda trial: trial.rms_um)[: cause.tried]
     firsts.sort(key=lambda trial: trial.rms_um)
     refined = [refine(part, trial.chain, rounds=8) for trial in firsts[:CANDIDATES]]
     if not refined:

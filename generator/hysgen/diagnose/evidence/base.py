@@ -59,6 +59,9 @@ class Cause(abc.ABC):
     needed: ClassVar[float] = 1.2
     """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
 
+    tried: ClassVar[int] = 1
+    """How many of its proposals are refined in a step, the best first."""
+
     @abc.abstractmethod
     def present(self, chain: Chain) -> bool:
         """Whether the chain holds this cause's part."""

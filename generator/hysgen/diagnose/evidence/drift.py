@@ -10,7 +10,7 @@ from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 
-ZERO_UNCERTAIN = 0.1
+ZERO_UNCERTAIN = 0.25
 """Share of the span by which the stage's zero is uncertain: an aging gain turns that into a ramp of its own."""
 
 

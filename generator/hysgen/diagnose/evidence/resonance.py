@@ -22,6 +22,7 @@ MOST_MODES = 3
 
 class Resonance(Cause):
     name = "resonance"
+    tried = 2  # slow misfit can look like a mode before the mode does
 
     def present(self, chain: Chain) -> bool:
         return bool(chain.modes)
