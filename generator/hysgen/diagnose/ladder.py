@@ -20,14 +20,22 @@ from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.prepare import Prepared
 from hysgen.errors import FitError
 from hysgen.fit import FitSettings, fit
+from hysgen.learning import LearnerSettings
 from hysgen.model import Model
 from hysgen.record import Record
 from hysgen.simulate import free_run
+from hysgen.terms.drift import Drift
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 CHECK_BLOCKS = 12
+
+FOLLOWED = 0.02
+"""Time constant of the bias state, as a share of the record over which the drift was seen."""
+
+WIDEST_BIAS = 0.05
+"""Limit of the bias per sample, as a share of the range of y."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +97,26 @@ def climb(
     runs = free_run(model, level)
     error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
     return Rung(tuple(in_order(names)), model, error)
+
+
+def equipped(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:
+    """The model with what follows a running stage: a bias state against drift, a learner against aging, its gate.
+
+    span_s: length of the record. The bias starts at 0 and holds in a free run, so every score stays what it was.
+    """
+    if any(extension.ramp_um_per_s != 0.0 for extension in extensions):
+        tau_s = max(span_s * FOLLOWED, 100.0 * model.Ts_s)
+        limit_um = WIDEST_BIAS * (model.grid.y_max_um - model.grid.y_min_um)
+        terms, weights = (*model.terms, Drift(tau_s, limit_um)), np.append(model.weights, 1.0)
+        model = dataclasses.replace(model, terms=terms, weights=weights)
+    forgetting_s = min((e.forgetting_s for e in extensions if e.forgetting_s is not None), default=None)
+    if forgetting_s is not None or any(extension.gate for extension in extensions):
+        settings = LearnerSettings(noise_um=max(noise_um, 1e-9))
+        if forgetting_s is not None:
+            kept = min(max(1.0 - model.Ts_s / forgetting_s, 0.9), 1.0 - 1e-7)
+            settings = dataclasses.replace(settings, forgetting=kept, sliding=kept)
+        model = dataclasses.replace(model, learner=settings)
+    return model
 
 
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:

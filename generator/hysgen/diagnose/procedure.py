@@ -14,7 +14,7 @@ from hysgen.diagnose.diagnosis import Diagnosis, NamedCause, Price, Refused, con
 from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.extension import Extension
-from hysgen.diagnose.ladder import Rung, check_rows, climb, in_order
+from hysgen.diagnose.ladder import Rung, check_rows, climb, equipped, in_order
 from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms
@@ -222,7 +222,12 @@ def _written(naming: Naming, rungs: list[Rung], settings: DiagnoseSettings) -> D
         refused=tuple(naming.refused),
         unknown=naming.unknown,
         base=rungs[0].model,
-        model=rungs[-1].model,
+        model=equipped(
+            rungs[-1].model,
+            [naming.extensions[name] for name in agreed],
+            naming.found.scene.span_s,
+            noise.rms_um,
+        ),
         base_rms_um=levels[0],
         extended_rms_um=levels[-1],
         noise=noise,

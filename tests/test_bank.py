@@ -1,0 +1,87 @@
+"""The bank: records that hide an effect, and what has to be found in them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hysgen.bank import BankResult, run, scenario
+from hysgen.bank.result import Verdict
+from hysgen.bank.scenario import CATEGORIES, EFFECTS
+
+# What each parameter may be off by, from issue 4: relative, but delay in samples, lines in Hz, levels in ranges of u.
+BOUNDS = {
+    "resonance.f_Hz": 0.02,
+    "resonance.zeta": 0.30,
+    "delay.delay_samples": 0.2,
+    "periodic.f_Hz": 0.1,
+    "saturation.low_V": 0.01,
+    "saturation.high_V": 0.01,
+    "slew.rate_V_per_s": 0.05,
+    "creep.per_decade": 0.15,
+}
+
+SMALL = (
+    "creep",
+    "resonance",
+    "delay",
+    "saturation",
+    "slew",
+    "periodic",
+    "coupling",
+    "pair",
+    "memory",
+    "none",
+    "unknown",
+)
+
+
+@pytest.fixture(scope="module")
+def small() -> BankResult:
+    return run([3], SMALL)
+
+
+def test_required_causes_are_named_and_nothing_else(small: BankResult) -> None:
+    wrong = {(verdict.category, verdict.seed): verdict.named for verdict in small.judged() if not verdict.exact}
+    assert wrong == {}
+
+
+def test_parameters_of_named_causes_lie_within_the_bounds_of_the_issue(small: BankResult) -> None:
+    seen = small.parameter_errors()
+    assert {key: error for key, (_, error, _) in seen.items() if error > BOUNDS.get(key, np.inf)} == {}
+    assert len(seen) >= 5
+
+
+def test_same_seed_makes_the_same_scenario() -> None:
+    for category in CATEGORIES:
+        first, second = scenario(category, 7), scenario(category, 7)
+        assert first.stage == second.stage
+        np.testing.assert_array_equal(first.u_V, second.u_V)
+
+
+def test_category_plants_the_effect_that_it_is_named_after() -> None:
+    for effect in EFFECTS:
+        assert effect in scenario(effect, 11).planted
+    assert scenario("none", 11).planted == ()
+    assert scenario("memory", 11).planted == ("memory",)
+    assert "unknown" in scenario("unknown", 11).planted
+
+
+def verdict(required: tuple[str, ...], named: tuple[str, ...], planted: tuple[str, ...], category: str) -> Verdict:
+    return Verdict(category, 0, 1e3, "good", planted, required, named, dict.fromkeys(planted, 2.0), {}, 0.1, "")
+
+
+def test_rates_count_misses_and_false_alarms() -> None:
+    result = BankResult(
+        (
+            verdict(("memory", "creep"), ("memory", "creep"), ("memory", "creep"), "creep"),
+            verdict(("memory", "creep"), ("memory", "drift"), ("memory", "creep"), "creep"),
+            verdict(("memory",), ("memory",), ("memory",), "memory"),
+            verdict((), ("delay",), (), "none"),
+        ),
+        (0,),
+    )
+    assert result.exact_rate == 0.5
+    assert result.found_rate == 4 / 5
+    assert result.false_alarm_rate == 0.5
+    assert result.confusion() == {"creep": {"creep": 1, "drift": 1}, "nothing": {"nothing": 1, "delay": 1}}
