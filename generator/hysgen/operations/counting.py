@@ -226,7 +226,8 @@ class Program:
         cost, value = self._expression(node.expr, scope)
         if isinstance(node.expr, c_ast.Constant):
             return cost, value
-        return cost + (Counts(add=1) if value.type == FLOAT else _INTEGER), Value(value.type)
+        # Also -x of a float: it flips a bit.
+        return cost + _INTEGER, Value(value.type)
 
     def _assignment(self, node: c_ast.Assignment, scope: Scope) -> tuple[Counts, Value]:
         cost, value = self._expression(node.rvalue, scope)

@@ -1,0 +1,142 @@
+"""Costs: operation counts that a compiler confirms, sizes that the compiler confirms, a budget, honest labels."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import need
+from generated_models import everything, learning, smooth
+
+from hysgen.cost import cost, cost_of_texts
+from hysgen.emit import Options, generate, write
+from hysgen.errors import HysgenError
+from hysgen.host import Host
+from hysgen.model import Model
+from hysgen.model_file import load_model
+from hysgen.operations import figures
+from hysgen.operations.counting import Program
+from hysgen.operations.counts import Counts
+from hysgen.operations.cycles import Cycles, budget, estimated, per_sample
+from hysgen.operations.text import syntax_tree
+
+MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
+FUNCTIONS = ("predict", "simulate", "inverse")
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_counts_are_those_of_the_machine_code_without_optimisation(model: Model, tmp_path: Path) -> None:
+    """At -O0 gcc makes one instruction of each float operation, and inlines what it is told to."""
+    need("gcc")
+    texts = generate(model)
+    write(texts, tmp_path)
+    call = ["gcc", "-std=c99", "-O0", "-S", "-o", "-", f"{model.name}.c"]
+    run = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=True)
+    if "mulss" not in run.stdout:
+        pytest.skip("the instructions that are counted are those of x86-64")
+    counted = figures(model.name, texts).operations
+    for function in FUNCTIONS:
+        body = run.stdout.split(f"\n{model.name}_{function}:")[1].split(".cfi_endproc")[0]
+        found = {name: len(re.findall(rf"\t{name}\t", body)) for name in ("addss", "subss", "mulss", "comiss", "divss")}
+        assert counted[function].add == found["addss"] + found["subss"]
+        assert counted[function].multiply == found["mulss"]
+        assert counted[function].compare == found["comiss"]
+        assert found["divss"] == 0
+        assert counted[function].branch == 0, "the hot path has no branches"
+
+
+def test_counts_of_a_text_that_was_counted_by_hand() -> None:
+    """Loops multiplied out, calls inlined, the dearer side of an if, early returns, locals free, memory counted."""
+    text = """
+    #define N 3
+    typedef struct { float a[N]; uint32_t n; } hand_t;
+    static const float hand_c[N] = { 1.0f, 2.0f, -3.0f };
+    static inline float twice(float x, uint32_t *calls) { *calls += 1u; return x + x; }
+    float hand_run(hand_t *self, float u)
+    {
+        uint32_t calls = 0u;
+        float sum = 0.0f;
+        for (uint32_t i = 0u; i < N; ++i) { sum = sum + self->a[i] * hand_c[i]; }
+        if (u > 1.0f) { return twice(sum, &calls); }
+        self->n = calls;
+        self->a[0] = twice(sum, &calls) * u;
+        return sum;
+    }
+    """
+    program = Program(syntax_tree({"hand.c": text}, ("hand.c",)))
+    # Loop: 4 tests and branches, 3 times one product, one sum, two loads, one increment. After the if: the long way.
+    assert program.count("hand_run") == Counts(
+        add=3 + 1, multiply=3 + 1, compare=1, integer=4 + 3 + 1, load=6, store=2, branch=4 + 1
+    )
+    assert program.constant_words == 3
+    assert program.public() == ["hand_run"]
+
+
+@pytest.mark.parametrize(
+    ("body", "complaint"),
+    [
+        ("while (u > 0.0f) { u = u - 1.0f; } return u;", "While has no fixed cost"),
+        ("for (uint32_t i = 0u; i < *n; ++i) { u = u * u; } return u;", "not an integer constant"),
+        ("return u / 3.0f;", "float32 / is not part of the arithmetic"),
+        ("return sqrtf(u);", "sqrtf is not defined"),
+    ],
+)
+def test_code_without_a_fixed_cost_is_refused(body: str, complaint: str) -> None:
+    text = f"float bad(float u, const uint32_t *n) {{ {body} }}"
+    with pytest.raises(HysgenError, match=complaint):
+        Program(syntax_tree({"bad.c": text}, ("bad.c",))).count("bad")
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_sizes_are_those_of_the_compiler(model: Model) -> None:
+    texts = generate(model)
+    host = Host(model.name, texts)
+    for name, size in figures(model.name, texts).struct_bytes.items():
+        assert host.words_of(host.struct(name)).nbytes == size, name
+
+
+def test_prediction_stops_growing_with_the_number_of_rules() -> None:
+    def total(rules: int, function: str) -> int:
+        return figures(f"smooth_{rules}", generate(smooth(rules))).operations[function].total
+
+    for function in FUNCTIONS:
+        dense = [total(rules, function) for rules in (3, 6, 9, 12)]
+        windowed = {total(rules, function) for rules in (13, 20, 50)}
+        assert dense == sorted(dense)
+        assert len(windowed) == 1
+        assert windowed.pop() < 1.15 * dense[-1]
+
+
+def test_budget_is_the_papers() -> None:
+    assert budget(2e-5) == 7500
+    assert budget(1e-4, 100e6) == 10_000
+
+
+def test_one_sample_is_the_dearest_step_and_all_learning() -> None:
+    cycles = {"init": 900, "predict": 200, "inverse": 260, "learn": 1100, "commit": 300}
+    assert per_sample({name: Cycles(value, True) for name, value in cycles.items()}) == Cycles(260 + 1100 + 300, True)
+    mixed = {"predict": Cycles(200, True), "learn": Cycles(1100, False)}
+    assert per_sample(mixed) == Cycles(1300, False), "one estimate makes the sum an estimate"
+
+
+def test_estimates_are_called_estimates_and_measured_cycles_are_not(tmp_path: Path) -> None:
+    write(generate(load_model("appendix_a")), tmp_path)
+    told = cost(tmp_path, {"predict": 150})
+    by_name = {f.name: f for f in told.functions}
+    assert str(by_name["predict"].cycles) == "150 cycles"
+    assert "(estimate)" in str(by_name["inverse"].cycles)
+    assert by_name["inverse"].cycles == estimated(by_name["inverse"].operations)
+    rows = {row[0]: row for row in told.rows()}
+    assert rows["predict"][-2] == "150"
+    assert rows["inverse"][-2].startswith("~")
+    assert all(f.host_ns is not None and f.host_ns > 0 for f in told.functions if f.name != "init")
+    assert json.loads(json.dumps(told.to_json()))["budget"] == 7500
+
+
+def test_clock_of_the_options_sets_the_budget(tmp_path: Path) -> None:
+    write(generate(load_model("appendix_a"), Options(clock_Hz=100e6)), tmp_path)
+    assert cost(tmp_path, timed=False).budget == 2000
+    assert cost_of_texts(load_model("appendix_a"), generate(load_model("appendix_a")), timed=False).budget == 7500
