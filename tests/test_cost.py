@@ -99,12 +99,11 @@ def test_sizes_are_those_of_the_compiler(model: Model) -> None:
 
 
 def test_prediction_stops_growing_with_the_number_of_rules() -> None:
-    def total(rules: int, function: str) -> int:
-        return figures(f"smooth_{rules}", generate(smooth(rules))).operations[function].total
-
+    sizes = (3, 6, 12, 13, 20, 50)
+    counted = {rules: figures(f"smooth_{rules}", generate(smooth(rules))).operations for rules in sizes}
     for function in FUNCTIONS:
-        dense = [total(rules, function) for rules in (3, 6, 9, 12)]
-        windowed = {total(rules, function) for rules in (13, 20, 50)}
+        dense = [counted[rules][function].total for rules in sizes[:3]]
+        windowed = {counted[rules][function].total for rules in sizes[3:]}
         assert dense == sorted(dense)
         assert len(windowed) == 1
         assert windowed.pop() < 1.15 * dense[-1]
