@@ -219,5 +219,5 @@ def _contracting_inputs(model: Model) -> tuple[float, float] | None:
         if inner[0] >= inner[1]:
             return None
         if slope_extremum(model, inner).bound < 1.0:
-            return inner
+            return float(inner[0]), float(inner[1])
     return None

@@ -136,7 +136,7 @@ def rest_line(model: Model, u_V: Floats) -> tuple[Rest, ...]:
         inside = model.grid.y_min_um <= y <= model.grid.y_max_um
         a = float(slope(model, np.array([y]), np.array([u]))[0]) if inside else 0.0
         tau = -model.Ts_s / math.log(a) if 0.0 < a < 1.0 else None
-        rests.append(Rest(float(u), y, a, tau, (y_high - y_low) / (high - low), inside))
+        rests.append(Rest(float(u), y, a, tau, float((y_high - y_low) / (high - low)), inside))
     return tuple(rests)
 
 

@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
+from hysgen.enclosure import slope_extremum
 from hysgen.errors import FitError
 from hysgen.membership import membership_slopes, memberships
+from hysgen.model import Model
 from hysgen.regression import Structure
 
 Floats = NDArray[np.float64]
@@ -39,6 +41,9 @@ LOOP_LIMIT = 0.95
 ROUNDS = 60
 VIOLATION = 1e-6
 """By how much of a limit a half-space may be missed."""
+
+NARROW = 1e-4
+"""How closely the steepest place between the half-spaces is looked for."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +85,20 @@ class CertifiedSet:
     grid: HalfSpaces
 
     def violated(self, q: Floats) -> HalfSpaces:
-        """Half-spaces that contain the set but not q; none if q is inside."""
-        return self.grid.violated(q) + self._loop(q).violated(q)
+        """Half-spaces that contain the set but not q; none if q is inside.
+
+        Those on the grid first; if they all hold, the one at the steepest place of all, which may lie between them.
+        """
+        outside = self.grid.violated(q) + self._loop(q).violated(q)
+        return outside if outside.floor.size else self._steepest(q).violated(q)
+
+    def _steepest(self, q: Floats) -> HalfSpaces:
+        """|df/dy| <= limit at the place where it is largest."""
+        s, cut = self.structure, 3 * self.structure.grid.rules
+        rules = Model("candidate", 1.0, s.grid, q[:cut].reshape(-1, 3), s.u_min_V, s.u_max_V)
+        worst = slope_extremum(rules, narrow=NARROW)
+        assert worst.u_V is not None
+        return _slope_limits(s, np.array([worst.y_um]), worst.u_V, self.slope_limit)
 
     def _loop(self, q: Floats) -> HalfSpaces:
         """sum_j gamma_j s_j theta_j <= limit sign b(y) with s_j = sign theta_j, at the y of the smallest gain."""
@@ -104,18 +121,13 @@ def certified_set(structure: Structure, Ts_s: float, gain_um_per_V: float, slope
     if gain_um_per_V == 0.0:
         raise FitError("the displacement does not answer to the voltage at all; record with more drive")
     y = _displacements(structure)
-    p, slopes = memberships(y, structure.grid), membership_slopes(y, structure.grid)
     cut = 3 * structure.grid.rules
     gain = np.zeros((y.size, structure.size))
-    gain[:, 1:cut:3] = p / gain_um_per_V
+    gain[:, 1:cut:3] = memberships(y, structure.grid) / gain_um_per_V
     one = np.ones(y.size)
     parts = [HalfSpaces(gain, GAIN_FLOOR * one), HalfSpaces(-gain, -GAIN_CEILING * one)]
     for u_V in (structure.u_min_V, structure.u_max_V):
-        slope = np.zeros((y.size, structure.size))
-        slope[:, 0:cut:3] = p + y[:, None] * slopes
-        slope[:, 1:cut:3] = u_V * slopes
-        slope[:, 2:cut:3] = slopes
-        parts += [HalfSpaces(sign * slope / slope_limit, -one) for sign in (-1.0, 1.0)]
+        parts.append(_slope_limits(structure, y, u_V, slope_limit))
     grid = parts[0]
     for part in parts[1:]:
         grid = grid + part
@@ -134,37 +146,50 @@ def least_squares_inside(R: Floats, d: Floats, allowed: CertifiedSet, origin: Fl
     """
     start = np.zeros(allowed.structure.size) if origin is None else origin
     x = np.asarray(solve_triangular(R, d))
-    working = HalfSpaces(np.zeros((0, d.size)), np.zeros(0))
+    violated = allowed.violated(start + x[: start.size])
+    # With z = R x - d the task is min ||z||, G z >= h, G = rows R^-1, h = floor - G d.
+    inverse = np.asarray(solve_triangular(R, np.eye(d.size)))
+    G, h = np.zeros((0, d.size)), np.zeros(0)
     for _ in range(ROUNDS):
-        violated = allowed.violated(start + x[: start.size])
         if violated.floor.size == 0:
             return x
-        working = working + violated.steps_from(start, d.size)
-        x = _least_distance(R, d, working)
+        further = violated.steps_from(start, d.size)
+        rows = further.rows @ inverse
+        G, h = np.vstack([G, rows]), np.concatenate([h, further.floor - rows @ d])
+        x = inverse @ (_least_distance(G, h) + d)
+        violated = allowed.violated(start + x[: start.size])
     raise FitError(
         "no certified model lies near the least-squares fit; choose fewer rules, or allow uncertified models"
     )
 
 
-def _least_distance(R: Floats, d: Floats, inside: HalfSpaces) -> Floats:
-    """min ||R x - d|| with rows x >= floor. With z = R x - d: min ||z|| with G z >= h, G = rows R^-1, h = floor - G d.
+def _least_distance(G: Floats, h: Floats) -> Floats:
+    """The shortest z with G z >= h.
 
-    From u >= 0 that minimises ||[G'; h'] u - [0; 1]|| with residual r follows z = -r_1..p / r_p+1.
+    From u >= 0 that minimises ||[G'; h'] u - [0; 1]||, with residual r, follows z = -r_1..p / r_p+1.
     """
-    G = solve_triangular(R, inside.rows.T, trans="T").T
-    h = inside.floor - G @ d
     length = np.linalg.norm(G, axis=1)
     G, h = G / length[:, None], h / length
     # The problem is solved in units of its own distance, or the last row would drown or rule the others.
     unit = float(np.abs(h).max())
-    target = np.append(np.zeros(d.size), 1.0)
+    target = np.append(np.zeros(G.shape[1]), 1.0)
     matrix = np.vstack([G.T, h / unit])
     u, _ = nnls(matrix, target)
     residual = matrix @ u - target
     if abs(residual[-1]) <= np.finfo(np.float64).eps:
         raise FitError("the limits on slope and gain contradict each other; allow a larger slope")
-    z = -unit * residual[:-1] / residual[-1]
-    return np.asarray(solve_triangular(R, z + d))
+    return np.asarray(-unit * residual[:-1] / residual[-1])
+
+
+def _slope_limits(structure: Structure, y_um: Floats, u_V: float, limit: float) -> HalfSpaces:
+    """|df/dy| <= limit at displacements (n,) and one input, in units of the limit."""
+    p, rise = memberships(y_um, structure.grid), membership_slopes(y_um, structure.grid)
+    cut = 3 * structure.grid.rules
+    slope = np.zeros((y_um.size, structure.size))
+    slope[:, 0:cut:3] = p + y_um[:, None] * rise
+    slope[:, 1:cut:3] = u_V * rise
+    slope[:, 2:cut:3] = rise
+    return HalfSpaces(np.vstack([slope, -slope]) / limit, np.full(2 * y_um.size, -1.0))
 
 
 def _displacements(structure: Structure) -> Floats:

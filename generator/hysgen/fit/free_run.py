@@ -34,7 +34,7 @@ Floats = NDArray[np.float64]
 ONE_STEP_SHARE = 0.1
 """Part of the free-run error that the one-step error adds at the start."""
 
-SPREAD_SHARE = 0.01
+SPREAD_SHARE = 1e-3
 """Part of the free-run error that rules add which disagree by one step of the grid."""
 
 SHAPE_STEP = 1e-4

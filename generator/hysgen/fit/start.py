@@ -25,7 +25,7 @@ from hysgen.terms import Term
 Floats = NDArray[np.float64]
 
 CANDIDATES = 41
-"""Voltages tried, over three times the record's range, before the best is refined: the error need not be convex in c."""
+"""Voltages tried, over three times the record's range, before the best is refined: the error has several valleys."""
 
 
 @runtime_checkable
