@@ -1,8 +1,8 @@
-"""The noise floor: what no model can explain, estimated from what the best model leaves.
+"""The noise floor of a diagnosis: what no model can explain.
 
-From repeated periods, where the command repeats itself sample by sample: what differs between them. Else on plateaus,
-where the input stands still long enough: scatter about a straight line, so that an inexact level, drift or
-creep does not count. Else from the innovation: second differences, in which smooth misfit vanishes.
+From repeated periods of the command where there are any (`hysgen.noise`). Else from what the probe leaves, so that what
+a cause explains, such as hum on a plateau, does not count as noise: on plateaus, where the input stands still, its
+scatter about a straight line; without plateaus its second differences, in which smooth misfit vanishes.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen import noise
 from hysgen.record import Record
 
 Floats = NDArray[np.float64]
 
 SHORTEST_PLATEAU = 40
-SHORTEST_PERIOD = 100
-REPEATS = 0.01
 SETTLING = 12.0
 """Lags at the beginning of a plateau that are left to the dynamics to die out."""
 
@@ -40,9 +39,9 @@ def noise_floor(record: Record, left_um: Floats, lag_s: float) -> NoiseFloor:
 
     lag_s: time constant of the stage; a plateau counts from SETTLING of them on.
     """
-    repeated = _repeated(record)
-    if repeated is not None:
-        return repeated
+    repeated = noise.noise_floor(record)
+    if repeated.method == "periods":
+        return NoiseFloor(repeated.rms_um, "repeated periods", repeated.samples)
     settling = max(4, round(SETTLING * lag_s / record.Ts_s))
     edges = np.cumsum([0, *(segment.samples for segment in record.segments)])
     parts = [left_um[a:b] for a, b in itertools.pairwise(edges)]
@@ -59,37 +58,6 @@ def noise_floor(record: Record, left_um: Floats, lag_s: float) -> NoiseFloor:
     second = left_um[2:] - 2.0 * left_um[1:-1] + left_um[:-2]
     second = second[np.isfinite(second)]
     return NoiseFloor(float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)), "innovation", len(second))
-
-
-def _repeated(record: Record) -> NoiseFloor | None:
-    """From the differences between equal periods of the command, each less its mean and slope; None without any."""
-    square, samples = 0.0, 0
-    for segment in record.segments:
-        period = _period(segment.u_V)
-        if period is None:
-            continue
-        for begin in range(period, segment.samples - period + 1, period):
-            change = segment.y_um[begin : begin + period] - segment.y_um[begin - period : begin]
-            time = np.arange(period) - 0.5 * (period - 1)
-            change = change - change.mean()
-            change = change - time * float(time @ change / (time @ time))
-            square, samples = square + 0.5 * float(change @ change), samples + period - 2
-    return NoiseFloor(float(np.sqrt(square / samples)), "repeated periods", samples) if samples else None
-
-
-def _period(u_V: Floats) -> int | None:
-    """Samples after which the command repeats itself to 1 % of its rms; None if it does not."""
-    n = len(u_V)
-    v = u_V - u_V.mean()
-    power = float(v @ v) / n
-    spectrum = np.fft.rfft(v, 2 * n)
-    overlap = np.fft.irfft(spectrum * np.conj(spectrum), 2 * n)[: n // 2 + 1]
-    likeness = overlap / (power * (n - np.arange(len(overlap))) + 1e-300)
-    for period in np.argsort(-likeness[SHORTEST_PERIOD:])[:5] + SHORTEST_PERIOD:
-        change = v[period:] - v[:-period]
-        if float(np.mean(change * change)) < REPEATS**2 * power:
-            return int(period)
-    return None
 
 
 def plateaus(u_V: Floats, shortest: int = SHORTEST_PLATEAU) -> list[tuple[int, int]]:

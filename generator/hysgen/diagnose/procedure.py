@@ -129,7 +129,7 @@ def name_causes(
         refused,
         noise,
         remainder(prepared, found, noise),
-        experiment_for(prepared, agreed),
+        experiment_for(prepared),
     )
 
 

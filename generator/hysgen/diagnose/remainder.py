@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnose.misfit import turning_points
 from hysgen.diagnose.noise import NoiseFloor, plateaus
 from hysgen.diagnose.prepare import Prepared
 from hysgen.diagnose.probe import rms
@@ -18,6 +17,12 @@ UNKNOWN_ABOVE = 0.001
 """Share of the span of y that the probe may leave: twice what hysteresis of any kind in the bank leaves."""
 
 OVER_NOISE = 2.5
+
+FEWEST_TURNS = 12
+"""Turning points of the command below which memory cannot be told from a curve."""
+
+ALIKE = 0.7
+"""Swings are all alike if the small ones (20 %) reach this share of the large ones (80 %), in size or in length."""
 
 
 def remainder(prepared: Prepared, found: Found, noise: NoiseFloor) -> str | None:
@@ -54,21 +59,19 @@ def appearance(left: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:
     return ", ".join(words)
 
 
-def experiment_for(prepared: Prepared, named: Sequence[str]) -> str:
+def experiment_for(prepared: Prepared) -> str:
     """How to drive the stage to learn what this record cannot tell; empty if it can tell everything."""
     u_V = prepared.u_V[: prepared.cut]
-    span_V = float(np.ptp(u_V))
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(u_V)[np.diff(u_V) != 0])) != 0)
+    turns = turning_points(u_V)
+    swings_V, lengths = np.abs(np.diff(u_V[turns])), np.diff(turns)
     advice = []
-    if len(turns) < 12:
+    if len(turns) < FEWEST_TURNS:
         advice.append("more turning points: triangles or sines of falling amplitude")
-    swings = np.abs(np.diff(u_V[np.diff(u_V, append=u_V[-1]) != 0][turns])) if len(turns) > 2 else np.zeros(0)
-    large = swings[swings > 0.02 * span_V]
-    if len(large) > 2 and np.quantile(large, 0.1) > 0.7 * np.quantile(large, 0.9):
-        advice.append("nested amplitudes, 20 to 100 % of the range, to tell memory from lag")
-    gaps = np.diff(turns)
-    if len(gaps) > 2 and np.quantile(gaps, 0.9) < 2.0 * np.quantile(gaps, 0.1):
-        advice.append("two frequencies at least a decade apart, to tell delay and modes from lag")
+    else:
+        if np.quantile(swings_V, 0.2) > ALIKE * np.quantile(swings_V, 0.8):
+            advice.append("nested amplitudes, 20 to 100 % of the range, to tell memory from lag")
+        if np.quantile(lengths, 0.2) > ALIKE * np.quantile(lengths, 0.8):
+            advice.append("two frequencies at least a decade apart, to tell delay and modes from lag")
     if not plateaus(u_V):
         advice.append("plateaus of a second or more after full strokes, to tell creep from drift")
     return "drive with " + "; ".join(advice) if advice else ""
