@@ -1,0 +1,62 @@
+"""How long a fit takes, against the length of the record and against the number of rules.
+
+Run:  python benchmarks/bench_fit.py [LARGEST]      (largest record in samples, default 1e7)
+The limit to hold: 2 s for a batch fit of 1e6 samples and 6 rules on two cores.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import numpy as np
+
+from hysgen.cli.console import table
+from hysgen.fit import FitSettings, Method, fit
+from hysgen.model_file import load_model
+from hysgen.record import Record, Segment
+from hysgen.simulate import simulate
+from hysgen.terms import Drive
+from hysgen.terms.memory import Memory
+
+LENGTHS = (10_000, 100_000, 1_000_000, 10_000_000)
+RULES = (3, 6, 12, 20, 30, 50)
+MEMORY = (Memory.uniform(10, 38.0),)
+
+
+def record_of(samples: int) -> Record:
+    """What Appendix A answers to two beating sines, with 0.5 nm of noise."""
+    model = load_model("appendix_a")
+    t_s = model.Ts_s * np.arange(samples)
+    u_V = 50.0 + 20.0 * np.sin(2 * np.pi * 100.0 * t_s) * (1.0 + 0.9 * np.sin(2 * np.pi * 3.3 * t_s))
+    y_um = simulate(model, Drive(u_V, model.Ts_s), 2.2).y_um
+    y_um += 0.0005 * np.random.default_rng(0).normal(size=samples)
+    return Record.from_segments([Segment("0", u_V, y_um)], model.Ts_s)
+
+
+def seconds(record: Record, method: Method, rules: int, memory: bool = False) -> str:
+    """Time of one fit, certificates included."""
+    settings = FitSettings(method=method, rules=rules, terms=MEMORY if memory else ())
+    start = time.perf_counter()
+    fit(record, settings)
+    return f"{time.perf_counter() - start:.2f}"
+
+
+def main() -> None:
+    """Print two tables."""
+    largest = int(float(sys.argv[1])) if len(sys.argv) > 1 else LENGTHS[-1]
+    fit(record_of(1000))  # compiles the kernels
+    rows = []
+    for samples in (n for n in LENGTHS if n <= largest):
+        record = record_of(samples)
+        times = [seconds(record, method, 6) for method in ("batch", "rls", "refined")]
+        rows.append([f"{samples:.0e}", *times, seconds(record, "batch", 6, memory=True)])
+    print(table(["samples, 6 rules", "batch s", "rls s", "refined s", "batch s, 10 plays"], rows))
+    record = record_of(min(1_000_000, largest))
+    rows = [[str(rules), seconds(record, "batch", rules)] for rules in RULES]
+    print()
+    print(table([f"rules, {record.samples:.0e} samples", "batch s"], rows))
+
+
+if __name__ == "__main__":
+    main()

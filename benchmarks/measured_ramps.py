@@ -1,0 +1,51 @@
+"""The measured record dbo/ramps.csv: fitted on its first 5000 rows, scored in free run on the rest, beside the rivals.
+
+Run:  HYSGEN_DATA=/folder/of/the/records python benchmarks/measured_ramps.py
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from hysgen.baselines import fit_baselines, score_baselines
+from hysgen.certificates import certify
+from hysgen.cli.console import table
+from hysgen.fit import FitSettings, Method, estimate_starts, fit
+from hysgen.record import load_record
+from hysgen.scores import score
+from hysgen.terms import Term
+from hysgen.terms.memory import Memory
+
+ROWS_TO_FIT = 5000
+CASES: tuple[tuple[str, Method, tuple[Term, ...]], ...] = (
+    ("6 rules, Eq. (10)", "rls", ()),
+    ("6 rules, batch", "batch", ()),
+    ("6 rules, refined", "refined", ()),
+    ("6 rules, 10 plays, batch", "batch", (Memory.uniform(10, 1.6),)),
+    ("6 rules, 10 plays, refined", "refined", (Memory.uniform(10, 1.6),)),
+)
+
+
+def main() -> None:
+    """Print one table in um rms, and the certificates of each model."""
+    known, fresh = load_record(Path(os.environ["HYSGEN_DATA"]) / "dbo" / "ramps.csv").split_at(ROWS_TO_FIT)
+    rows, certificates = [], []
+    for label, method, terms in CASES:
+        model = fit(known, FitSettings(method=method, terms=terms))
+        found = score(model, fresh)
+        knowing = score(model, fresh, starts=estimate_starts(model, fresh)).free_run if terms else found.free_run
+        values = (found.one_step.e_rms_um, found.free_run.e_rms_um, knowing.e_rms_um)
+        rows.append([label, *(f"{value:.4f}" for value in values)])
+        certificates += [f"{label}: {line}" for line in certify(model).lines()]
+        persistence, noise = found.persistence.e_rms_um, found.noise
+    rows.append(["persistence", f"{persistence:.4f}", "", ""])
+    for label, rival in score_baselines(fit_baselines(known), fresh):
+        rows.append([label, "", f"{rival.e_rms_um:.4f}", ""])
+    print(f"{fresh.source}: {fresh.samples} samples, noise floor {noise.describe()}")
+    print(table(["um rms", "one step", "free run", "start estimated"], rows))
+    print("\n".join(certificates))
+
+
+if __name__ == "__main__":
+    main()
