@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from hysgen.emit import generate
+from hysgen.emit import Options, generate
 from hysgen.host import Host
 from hysgen.kernels.poles import lag_states, mode_states
 from hysgen.model import Grid, Model
@@ -38,7 +38,7 @@ def chunk_of_input(number: int) -> np.ndarray[tuple[int], np.dtype[np.float32]]:
 def test_creep_of_10_s_at_50_khz_is_right_over_1e7_samples() -> None:
     term = Creep((10.0, 1000.0))
     model = flat(term, [1e-3, 1e-3])
-    host = Host(model.name, generate(model))
+    host = Host(model.name, generate(model, Options(inverse=False)))
     first = chunk_of_input(0)
     struct, truth = host.instance(0.0, first[0]), np.full(2, float(first[0]))
     at = host.layout("flat_t")["terms.creep.high[0]"]
@@ -59,7 +59,7 @@ def test_creep_of_10_s_at_50_khz_is_right_over_1e7_samples() -> None:
 def test_a_light_slow_mode_is_right_over_1e6_samples() -> None:
     term = Resonance((2.0,), (0.01,))
     model = flat(term, [1e-3, 1e-3])
-    host = Host(model.name, generate(model))
+    host = Host(model.name, generate(model, Options(inverse=False)))
     u = chunk_of_input(3)
     struct = host.instance(0.0, u[0])
     layout = host.layout("flat_t")
@@ -74,7 +74,7 @@ def test_a_light_slow_mode_is_right_over_1e6_samples() -> None:
 def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> None:
     term = Resonance((5.0, 50.0, 500.0, 5000.0, 20_000.0), (0.01, 0.02, 0.01, 0.3, 0.01))
     model = flat(term, [1e-4] * term.size)
-    host = Host(model.name, generate(model))
+    host = Host(model.name, generate(model, Options(inverse=False)))
     u = chunk_of_input(5)[:200_000]
     struct = host.instance(0.0, u[0])
     layout = host.layout("flat_t")
@@ -92,7 +92,7 @@ def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> No
 def test_amplitude_and_phase_do_not_drift_over_1e8_samples() -> None:
     f_Hz, samples, look = 49.9873, 10**8, 500_000
     model = flat(Periodic((f_Hz,)), [1.0, 0.0])
-    host = Host(model.name, generate(model), None)
+    host = Host(model.name, generate(model, Options(inverse=False)))
     struct = host.instance(0.0, 0.0)
     rest = np.zeros(CHUNK, dtype=np.uint32)
     for _ in range((samples - look) // CHUNK):
