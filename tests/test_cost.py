@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import need
 from generated_models import everything, learning, smooth
+from target_compiler import need_compiler
 
 from hysgen.cost import cost, cost_of_texts
 from hysgen.emit import Options, generate, write
@@ -22,6 +23,10 @@ from hysgen.operations.counting import Program
 from hysgen.operations.counts import Counts
 from hysgen.operations.cycles import Cycles, budget, estimated, per_sample
 from hysgen.operations.text import syntax_tree
+from hysgen.target import toolchain
+from hysgen.target.assembly import instructions
+from hysgen.target.cycles import bounds
+from hysgen.target.packets import packets
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
 FUNCTIONS = ("predict", "simulate", "inverse")
@@ -133,6 +138,21 @@ def test_estimates_are_called_estimates_and_measured_cycles_are_not(tmp_path: Pa
     assert rows["inverse"][-2].startswith("~")
     assert all(f.host_ns is not None and f.host_ns > 0 for f in told.functions if f.name != "init")
     assert json.loads(json.dumps(told.to_json()))["budget"] == 7500
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_estimate_is_within_the_stated_factor_of_the_targets_code(model: Model) -> None:
+    """Stated in hysgen.operations.cycles: 0.7 .. 1.3 times the estimate."""
+    need_compiler()
+    texts = generate(model)
+    sources = [(name, text) for name, text in texts.items() if name.endswith((".c", ".h")) and "selftest" not in name]
+    firmware = toolchain.compile(sources)
+    code = packets(instructions(firmware.listing))
+    for function in FUNCTIONS:
+        found = bounds(firmware.image, code, f"{model.name}_{function}")
+        guess = estimated(figures(model.name, texts).operations[function]).value
+        assert found.constant, "the cycles must not depend on the data"
+        assert 0.7 < found.worst / guess < 1.3
 
 
 def test_clock_of_the_options_sets_the_budget(tmp_path: Path) -> None:

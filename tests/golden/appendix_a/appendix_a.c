@@ -232,11 +232,10 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V)
     appendix_a_note(self, &events);
 }
 
-/* The model's output under the input u, Eq. (4); the input acts on the state. */
-APPENDIX_A_INLINE float appendix_a_apply(appendix_a_t *self, const appendix_a_sums_t *sums, float y, float u)
+/* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */
+APPENDIX_A_INLINE float appendix_a_apply(appendix_a_t *self, float base, float gain, float per_weight, float u)
 {
-    const float base = y * sums->slope + sums->offset;
-    const float rules = (base + u * sums->gain) * appendix_a_reciprocal(sums->weight);
+    const float rules = (base + u * gain) * per_weight;
     const float y_next = appendix_a_settled(rules);
 
     self->y_um = y_next;
@@ -250,9 +249,11 @@ float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
     const float y = appendix_a_checked_y(self, y_um, &events);
     const float u = appendix_a_checked_u(self, u_V, &events);
     const appendix_a_sums_t sums = appendix_a_rule_sums(bank, y);
+    const float base = y * sums.slope + sums.offset;
+    const float per_weight = appendix_a_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = appendix_a_apply(self, &sums, y, u);
+    const float y_next = appendix_a_apply(self, base, sums.gain, per_weight, u);
 
     appendix_a_note(self, &events);
     return y_next;
@@ -267,9 +268,11 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
     const float y = appendix_a_limited(self->y_um, APPENDIX_A_Y_MIN_UM, APPENDIX_A_Y_MAX_UM, &events.y_clamped);
     const float u = appendix_a_checked_u(self, u_V, &events);
     const appendix_a_sums_t sums = appendix_a_rule_sums(bank, y);
+    const float base = y * sums.slope + sums.offset;
+    const float per_weight = appendix_a_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = appendix_a_apply(self, &sums, y, u);
+    const float y_next = appendix_a_apply(self, base, sums.gain, per_weight, u);
 
     appendix_a_note(self, &events);
     return y_next;
@@ -283,21 +286,22 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
     appendix_a_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
-    uint32_t unreachable;
     const float y = appendix_a_checked_y(self, y_um, &events);
+    const appendix_a_sums_t sums = appendix_a_rule_sums(bank, y);
     const float finite = appendix_a_finite(y_next_um, y, &rejected);
     const float wanted = appendix_a_limited(finite, APPENDIX_A_REFERENCE_MIN_UM, APPENDIX_A_REFERENCE_MAX_UM, &clamped);
-    const appendix_a_sums_t sums = appendix_a_rule_sums(bank, y);
-    const float target = wanted * sums.weight;
-    const float numerator = target - (y * sums.slope + sums.offset);
-    const float exact = appendix_a_settled(numerator * appendix_a_reciprocal(sums.gain));
+    const float base = y * sums.slope + sums.offset;
+    const float numerator = wanted * sums.weight - base;
+    const float per_gain = appendix_a_reciprocal(sums.gain);
+    const float per_weight = appendix_a_reciprocal(sums.weight);
+    const float exact = appendix_a_settled(numerator * per_gain);
     const float u = appendix_a_limited(exact, APPENDIX_A_U_MIN_V, APPENDIX_A_U_MAX_V, &events.u_clamped);
+    const uint32_t unreachable = events.u_clamped;
 
-    unreachable = events.u_clamped;
-    (void)appendix_a_apply(self, &sums, y, u);
-    self->u_V = u;
     self->status |= (clamped * APPENDIX_A_STATUS_REFERENCE_CLAMPED) | (unreachable * APPENDIX_A_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
     appendix_a_note(self, &events);
+    self->u_V = u;
+    (void)appendix_a_apply(self, base, sums.gain, per_weight, u);
     return u;
 }

@@ -77,8 +77,8 @@ float appendix_a_simulate(appendix_a_t *self, float u_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, APPENDIX_A_STATUS_UNREACHABLE is set.
  *
  * Worst error against float64 over these ranges: APPENDIX_A_INVERSE_ERROR_V in appendix_a_params.h.
- * 40 float +-, 49 float *, 6 float comparisons, 87 integer, 32 loads, 8 stores.
- * C674x: about 226 cycles (estimate). */
+ * 39 float +-, 48 float *, 6 float comparisons, 87 integer, 32 loads, 8 stores.
+ * C674x: about 225 cycles (estimate). */
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
 
 #endif

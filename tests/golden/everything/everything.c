@@ -633,11 +633,10 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS])
     self->status |= everything_terms_listen(&self->terms, aux);
 }
 
-/* The model's output under the input u that reaches the stage, Eq. (4); the input acts on the state. */
-EVERYTHING_INLINE float everything_apply(everything_t *self, const everything_sums_t *sums, float extra, float y, float u)
+/* The model's output under the input u that reaches the stage, Eq. (4), with base = y S + O; the input acts on the state. */
+EVERYTHING_INLINE float everything_apply(everything_t *self, float base, float gain, float per_weight, float extra, float u)
 {
-    const float base = y * sums->slope + sums->offset;
-    const float rules = (base + u * sums->gain) * everything_reciprocal(sums->weight);
+    const float rules = (base + u * gain) * per_weight;
     const float y_next = everything_settled(rules + extra);
 
     everything_terms_advance(&self->terms, u);
@@ -657,9 +656,11 @@ float everything_predict(everything_t *self, float y_um, float u_V)
     everything_terms_correct(&self->terms, y - self->y_um);
 
     const float extra = everything_terms_sum(bank, &self->terms);
+    const float base = y * sums.slope + sums.offset;
+    const float per_weight = everything_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = everything_apply(self, &sums, extra, y, v);
+    const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, v);
 
     everything_note(self, &events);
     return y_next;
@@ -676,9 +677,11 @@ float everything_simulate(everything_t *self, float u_V)
     const float v = everything_inputs_apply(&self->inputs, u);
     const everything_sums_t sums = everything_rule_sums(bank, y);
     const float extra = everything_terms_sum(bank, &self->terms);
+    const float base = y * sums.slope + sums.offset;
+    const float per_weight = everything_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = everything_apply(self, &sums, extra, y, v);
+    const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, v);
 
     everything_note(self, &events);
     return y_next;
@@ -692,24 +695,25 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     everything_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
-    uint32_t unreachable;
     const float y = everything_checked_y(self, y_um, &events);
-    const float finite = everything_finite(y_next_um, y, &rejected);
-    const float wanted = everything_limited(finite, EVERYTHING_REFERENCE_MIN_UM, EVERYTHING_REFERENCE_MAX_UM, &clamped);
     const everything_sums_t sums = everything_rule_sums(bank, y);
     const float extra = everything_terms_sum(bank, &self->terms);
-    const float target = (wanted - extra) * sums.weight;
-    const float numerator = target - (y * sums.slope + sums.offset);
-    const float exact = everything_settled(numerator * everything_reciprocal(sums.gain));
+    const float finite = everything_finite(y_next_um, y, &rejected);
+    const float wanted = everything_limited(finite, EVERYTHING_REFERENCE_MIN_UM, EVERYTHING_REFERENCE_MAX_UM, &clamped);
+    const float base = y * sums.slope + sums.offset;
+    const float numerator = (wanted - extra) * sums.weight - base;
+    const float per_gain = everything_reciprocal(sums.gain);
+    const float per_weight = everything_reciprocal(sums.weight);
+    const float exact = everything_settled(numerator * per_gain);
     const float inside = everything_limited(exact, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &events.u_clamped);
     const float v = everything_inputs_reach(&self->inputs, inside);
     const float u = everything_inputs_command(&self->inputs, v);
+    const uint32_t unreachable = events.u_clamped | (uint32_t)(everything_bits(v) != everything_bits(inside));
 
-    unreachable = events.u_clamped | (uint32_t)(everything_bits(v) != everything_bits(inside));
-    (void)everything_apply(self, &sums, extra, y, v);
-    self->u_V = u;
     self->status |= (clamped * EVERYTHING_STATUS_REFERENCE_CLAMPED) | (unreachable * EVERYTHING_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
     everything_note(self, &events);
+    self->u_V = u;
+    (void)everything_apply(self, base, sums.gain, per_weight, extra, v);
     return u;
 }

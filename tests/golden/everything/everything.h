@@ -133,7 +133,7 @@ void everything_init(everything_t *self, float y_um, float u_V);
  * returns  y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM in everything_params.h.
- * 113 float +-, 73 float *, 18 float comparisons, 165 integer, 121 loads, 31 stores.
+ * 112 float +-, 73 float *, 18 float comparisons, 166 integer, 121 loads, 31 stores.
  * C674x: about 451 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
@@ -162,8 +162,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
  * Worst error against float64 over these ranges: EVERYTHING_INVERSE_ERROR_V in everything_params.h.
- * 111 float +-, 81 float *, 18 float comparisons, 175 integer, 111 loads, 29 stores.
- * C674x: about 454 cycles (estimate). */
+ * 110 float +-, 80 float *, 18 float comparisons, 175 integer, 111 loads, 29 stores.
+ * C674x: about 452 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 #endif

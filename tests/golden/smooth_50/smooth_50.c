@@ -281,11 +281,10 @@ void smooth_50_init(smooth_50_t *self, float y_um, float u_V)
     smooth_50_note(self, &events);
 }
 
-/* The model's output under the input u, Eq. (4); the input acts on the state. */
-SMOOTH_50_INLINE float smooth_50_apply(smooth_50_t *self, const smooth_50_sums_t *sums, float y, float u)
+/* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */
+SMOOTH_50_INLINE float smooth_50_apply(smooth_50_t *self, float base, float gain, float per_weight, float u)
 {
-    const float base = y * sums->slope + sums->offset;
-    const float rules = (base + u * sums->gain) * smooth_50_reciprocal(sums->weight);
+    const float rules = (base + u * gain) * per_weight;
     const float y_next = smooth_50_settled(rules);
 
     self->y_um = y_next;
@@ -299,9 +298,11 @@ float smooth_50_predict(smooth_50_t *self, float y_um, float u_V)
     const float y = smooth_50_checked_y(self, y_um, &events);
     const float u = smooth_50_checked_u(self, u_V, &events);
     const smooth_50_sums_t sums = smooth_50_rule_sums(bank, y);
+    const float base = y * sums.slope + sums.offset;
+    const float per_weight = smooth_50_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = smooth_50_apply(self, &sums, y, u);
+    const float y_next = smooth_50_apply(self, base, sums.gain, per_weight, u);
 
     smooth_50_note(self, &events);
     return y_next;
@@ -316,9 +317,11 @@ float smooth_50_simulate(smooth_50_t *self, float u_V)
     const float y = smooth_50_limited(self->y_um, SMOOTH_50_Y_MIN_UM, SMOOTH_50_Y_MAX_UM, &events.y_clamped);
     const float u = smooth_50_checked_u(self, u_V, &events);
     const smooth_50_sums_t sums = smooth_50_rule_sums(bank, y);
+    const float base = y * sums.slope + sums.offset;
+    const float per_weight = smooth_50_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = smooth_50_apply(self, &sums, y, u);
+    const float y_next = smooth_50_apply(self, base, sums.gain, per_weight, u);
 
     smooth_50_note(self, &events);
     return y_next;
@@ -332,21 +335,22 @@ float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
     smooth_50_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
-    uint32_t unreachable;
     const float y = smooth_50_checked_y(self, y_um, &events);
+    const smooth_50_sums_t sums = smooth_50_rule_sums(bank, y);
     const float finite = smooth_50_finite(y_next_um, y, &rejected);
     const float wanted = smooth_50_limited(finite, SMOOTH_50_REFERENCE_MIN_UM, SMOOTH_50_REFERENCE_MAX_UM, &clamped);
-    const smooth_50_sums_t sums = smooth_50_rule_sums(bank, y);
-    const float target = wanted * sums.weight;
-    const float numerator = target - (y * sums.slope + sums.offset);
-    const float exact = smooth_50_settled(numerator * smooth_50_reciprocal(sums.gain));
+    const float base = y * sums.slope + sums.offset;
+    const float numerator = wanted * sums.weight - base;
+    const float per_gain = smooth_50_reciprocal(sums.gain);
+    const float per_weight = smooth_50_reciprocal(sums.weight);
+    const float exact = smooth_50_settled(numerator * per_gain);
     const float u = smooth_50_limited(exact, SMOOTH_50_U_MIN_V, SMOOTH_50_U_MAX_V, &events.u_clamped);
+    const uint32_t unreachable = events.u_clamped;
 
-    unreachable = events.u_clamped;
-    (void)smooth_50_apply(self, &sums, y, u);
-    self->u_V = u;
     self->status |= (clamped * SMOOTH_50_STATUS_REFERENCE_CLAMPED) | (unreachable * SMOOTH_50_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
     smooth_50_note(self, &events);
+    self->u_V = u;
+    (void)smooth_50_apply(self, base, sums.gain, per_weight, u);
     return u;
 }

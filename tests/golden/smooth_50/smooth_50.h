@@ -78,8 +78,8 @@ float smooth_50_simulate(smooth_50_t *self, float u_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, SMOOTH_50_STATUS_UNREACHABLE is set.
  *
  * Worst error against float64 over these ranges: SMOOTH_50_INVERSE_ERROR_V in smooth_50_params.h.
- * 63 float +-, 91 float *, 6 float comparisons, 88 integer, 63 loads, 8 stores.
- * C674x: about 299 cycles (estimate). */
+ * 62 float +-, 90 float *, 6 float comparisons, 88 integer, 63 loads, 8 stores.
+ * C674x: about 298 cycles (estimate). */
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um);
 
 #endif
