@@ -61,8 +61,8 @@ FAULTS = {
     "last bit of a constant": ("stage_params.h", "0.911089778f", "0.911089838f", "predict", "result"),
     "order of operations": (
         "stage.c",
-        "(base + u * sums->gain) * stage_reciprocal(sums->weight)",
-        "base * stage_reciprocal(sums->weight) + u * sums->gain * stage_reciprocal(sums->weight)",
+        "(base + u * gain) * per_weight",
+        "base * per_weight + u * gain * per_weight",
         "predict",
         "result",
     ),
@@ -103,8 +103,8 @@ FAULTS = {
     ),
     "what the input blocks hold back arrives": (
         "stage.c",
-        "stage_apply(self, &sums, extra, y, v)",
-        "stage_apply(self, &sums, extra, y, u)",
+        "stage_apply(self, base, sums.gain, per_weight, extra, v)",
+        "stage_apply(self, base, sums.gain, per_weight, extra, u)",
         "predict",
         "result",
     ),

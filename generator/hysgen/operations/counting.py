@@ -269,4 +269,3 @@ def _passes(node: c_ast.For) -> int:
         raise HysgenError(f"{node.coord}: a generated loop runs while its index is below a constant")
     step = constant(node.next.rvalue) if isinstance(node.next, c_ast.Assignment) else 1
     return max(0, -(-(constant(node.cond.right) - first) // step))
-

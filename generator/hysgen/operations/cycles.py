@@ -2,10 +2,10 @@
 
     cycles = 60 + 0.75 operations + 20 branches          (stall-free, gcc 12.2 for the C674x)
 
-Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules, with and without terms and input blocks,
-compiled as in hysgen.target) the cycles of the compiled code were 0.74 to 1.23 times this estimate, those of a learner of
-18 parameters 1.16 times. The constant is the latency of the chain exponential, sums, reciprocal; a branch costs its jump
-and the overlap that it prevents. tests/test_cost.py holds the estimate to 0.7 .. 1.3.
+Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules, with and without terms and input
+blocks, compiled as in hysgen.target) the cycles of the compiled code were 0.74 to 1.23 times this estimate, those of a
+learner of 18 parameters 1.16 times. The constant is the latency of the chain exponential, sums, reciprocal; a branch
+costs its jump and the overlap that it prevents. tests/test_cost.py holds the estimate to 0.7 .. 1.3.
 """
 
 from __future__ import annotations
