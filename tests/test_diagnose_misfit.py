@@ -40,11 +40,11 @@ def test_spectrum_shows_a_line_at_its_frequency_with_its_rms() -> None:
 
 def test_turning_points_ignore_noise_on_the_command() -> None:
     rng = np.random.default_rng(2)
-    turns = np.array([0, 100, 250, 300, 420, 499])
-    u_V = np.interp(np.arange(500), turns, [0.0, 10.0, 2.0, 7.0, 0.0, 9.0]) + 0.01 * rng.normal(size=500)
+    turns = np.array([0, 1000, 2500, 3000, 4200, 4999])
+    u_V = np.interp(np.arange(5000), turns, [0.0, 10.0, 2.0, 7.0, 0.0, 9.0]) + 0.01 * rng.normal(size=5000)
     found = turning_points(u_V)
     assert len(found) == len(turns)
-    assert np.abs(found - turns).max() <= 3  # within the noise the top is flat
+    assert np.abs(found - turns).max() <= 10  # the top is as flat as the noise: 0.01 V at 0.01 V per sample, some times
 
 
 def test_interval_of_a_gain_covers_it_although_errors_are_correlated() -> None:
