@@ -1,0 +1,33 @@
+"""Measured records: what is named on them, and what it gains on rows that were not looked at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hysgen.diagnose import DiagnoseSettings, Diagnosis, diagnose
+from hysgen.record import Record
+
+FITTED_ROWS = 5000
+
+
+@pytest.fixture(scope="module")
+def ramps(measured: Path) -> Diagnosis:
+    rows = np.loadtxt(measured / "dbo" / "ramps.csv", delimiter=",", skiprows=1)
+    record = Record.from_arrays(rows[:, 1], rows[:, 2], 0.005)
+    return diagnose(record, settings=DiagnoseSettings(identify=FITTED_ROWS / record.samples))
+
+
+def test_memory_is_named_on_the_micromanipulator(ramps: Diagnosis) -> None:
+    assert "memory" in ramps.names
+    assert "unknown" not in ramps.names
+    assert ramps.held_rows.min() == FITTED_ROWS
+
+
+def test_extension_takes_most_of_the_error_on_the_micromanipulator(ramps: Diagnosis) -> None:
+    # Issue 4: the paper's model leaves about 0.47 um there, the hold noise is 0.067 um.
+    assert ramps.base_rms_um == pytest.approx(0.47, abs=0.02)
+    assert ramps.noise.rms_um == pytest.approx(0.067, abs=0.01)
+    assert ramps.extended_rms_um < 0.3 * ramps.base_rms_um
