@@ -125,6 +125,7 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "terms": terms,
         "weights": sum(term.size for term in model.terms),
         "corrected": any(term.corrects for term in terms),
+        "bounded": any("twofloat" in term.parts for term in model.terms),
         "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
         "channels": channels_of(model.terms),
         "blocks": block_texts(model, numbers),

@@ -131,7 +131,7 @@ APPENDIX_A_INLINE float appendix_a_settled(float x)
     return appendix_a_float(bits & appendix_a_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)));
 }
 
-/* x limited to [low, high]. */
+/* x limited to [low, high]; low wins if they cross. */
 APPENDIX_A_INLINE float appendix_a_limited(float x, float low, float high, uint32_t *clamped)
 {
     const uint32_t below = (uint32_t)(x < low);
@@ -141,7 +141,7 @@ APPENDIX_A_INLINE float appendix_a_limited(float x, float low, float high, uint3
 
     *clamped = below | above;
     return appendix_a_float(
-        (appendix_a_bits(x) & ~(raise | lower)) | (appendix_a_bits(low) & raise) | (appendix_a_bits(high) & lower));
+        (appendix_a_bits(x) & ~(raise | lower)) | (appendix_a_bits(low) & raise) | (appendix_a_bits(high) & lower & ~raise));
 }
 
 /* A displacement inside the identified range, whatever came in. */

@@ -131,7 +131,15 @@ EVERYTHING_INLINE float everything_settled(float x)
     return everything_float(bits & everything_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)));
 }
 
-/* x limited to [low, high]. */
+/* A state before it is kept: 0 if it is not finite or its magnitude reaches the limit, which no sound state does. */
+EVERYTHING_INLINE float everything_inside(float x, float limit)
+{
+    const uint32_t bits = everything_bits(x);
+
+    return everything_float(bits & everything_mask((uint32_t)((bits & 0x7fffffffu) < everything_bits(limit))));
+}
+
+/* x limited to [low, high]; low wins if they cross. */
 EVERYTHING_INLINE float everything_limited(float x, float low, float high, uint32_t *clamped)
 {
     const uint32_t below = (uint32_t)(x < low);
@@ -141,7 +149,7 @@ EVERYTHING_INLINE float everything_limited(float x, float low, float high, uint3
 
     *clamped = below | above;
     return everything_float(
-        (everything_bits(x) & ~(raise | lower)) | (everything_bits(low) & raise) | (everything_bits(high) & lower));
+        (everything_bits(x) & ~(raise | lower)) | (everything_bits(low) & raise) | (everything_bits(high) & lower & ~raise));
 }
 
 /* A displacement inside the identified range, whatever came in. */
@@ -324,7 +332,7 @@ EVERYTHING_INLINE void everything_accumulate(float *high, float *low, float delt
     const float sum = *high + t;
 
     *low = t - (sum - *high);
-    *high = sum;
+    *high = everything_inside(sum, 1048576.0f);
 }
 
 /* Cosine and sine of 2 pi phase / 2^32, worst error 1.9e-7. The nearest quadrant is taken off in integers; what is left,

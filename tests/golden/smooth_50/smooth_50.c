@@ -131,7 +131,7 @@ SMOOTH_50_INLINE float smooth_50_settled(float x)
     return smooth_50_float(bits & smooth_50_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)));
 }
 
-/* x limited to [low, high]. */
+/* x limited to [low, high]; low wins if they cross. */
 SMOOTH_50_INLINE float smooth_50_limited(float x, float low, float high, uint32_t *clamped)
 {
     const uint32_t below = (uint32_t)(x < low);
@@ -141,7 +141,7 @@ SMOOTH_50_INLINE float smooth_50_limited(float x, float low, float high, uint32_
 
     *clamped = below | above;
     return smooth_50_float(
-        (smooth_50_bits(x) & ~(raise | lower)) | (smooth_50_bits(low) & raise) | (smooth_50_bits(high) & lower));
+        (smooth_50_bits(x) & ~(raise | lower)) | (smooth_50_bits(low) & raise) | (smooth_50_bits(high) & lower & ~raise));
 }
 
 /* A displacement inside the identified range, whatever came in. */
