@@ -111,7 +111,10 @@ def learner_concern(model: Model, numbers: Coefficients, _options: object) -> Co
         "fixed_rules": _fixed_sums(found) != "",
         "fixed": _fixed(model, found),
         "slices": [_slice(k, *ends, n) for k, ends in enumerate(itertools.pairwise(found.borders))],
+        "chains": [[Element(j - 1, j) for j in range(c, n, SIDE_BY_SIDE)] for c in range(min(SIDE_BY_SIDE, n))],
         "at_once": calls == 1,
+        "states": _states(model, numbers),
+        "factor_columns": [Column(j, _blocks([_element(i, j) for i in range(j)])) for j in range(n)],
         "blocks": _blocks([Element(j - 1, j) for j in range(n)]),
         "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
         "pass_rows": [(i, [Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)]) for i in range(1, n)],
@@ -136,6 +139,16 @@ def learner_concern(model: Model, numbers: Coefficients, _options: object) -> Co
         },
     }
     return Concern("learn.c.j2", {"learner": facts}, _sections(found, upper, firing))
+
+
+def _states(model: Model, numbers: Coefficients) -> list[tuple[str, int]]:
+    """Structs that the learner takes over from an instance, and their bytes."""
+    u = numbers.rest_V.reshape(1)
+    inputs = sum(len(block.mirror(u, model.Ts_s).state()) for block in model.blocks)
+    terms = sum(len(term.mirror(u, model.Ts_s).state()) for term in model.terms)
+    # The inputs also keep what they let through last.
+    sizes = {"inputs": 4 * (inputs + 1) if model.blocks else 0, "terms": 4 * terms}
+    return [(part, size) for part, size in sizes.items() if size]
 
 
 def _learned(i: int, parameter: Parameter, name: str) -> Learned:
