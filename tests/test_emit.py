@@ -78,7 +78,7 @@ def test_new_numbers_change_parameters_and_nothing_of_the_algorithm() -> None:
     for model in (load_model("appendix_a"), everything(), learning()):
         moved = dataclasses.replace(
             model,
-            grid=dataclasses.replace(model.grid, y_max_um=model.grid.y_max_um + 0.25),
+            grid=dataclasses.replace(model.grid, y_min_um=model.grid.y_min_um - 0.1, y_max_um=4.0),
             consequents=model.consequents * 0.97,
             weights=model.weights * 1.03,
             u_max_V=110.0,

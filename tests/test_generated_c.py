@@ -42,7 +42,7 @@ def test_chained_run_of_c_equals_chained_run_of_reference_bit_for_bit(function: 
         rng.uniform(low, high, 1500).astype(np.float32)
         for low, high in ((0.3, 4.1), (-30.0, 130.0), (0.3, 4.1), (15.0, 30.0))
     )
-    y[::97], u[::89], y[5::101], channel[::77] = np.nan, np.inf, -np.inf, np.nan
+    y[::97], u[::89], y[5::101], y_next[::83], channel[::77] = np.nan, np.inf, -np.inf, np.nan, np.nan
     inputs = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
 
     struct = host.instance(2.0, 30.0)
