@@ -26,7 +26,7 @@ def memberships(y_um: Floats, grid: Grid) -> Floats:
 def membership_slopes(y_um: Floats, grid: Grid) -> Floats:
     """Derivatives dp_l/dy inside the grid, (n, L) in 1/um; rows sum to 0.
 
-        dp_l/dy = p_l (g_l - sum_j p_j g_j),   g_l = -(y - c_l)/sigma^2
+    dp_l/dy = p_l (g_l - sum_j p_j g_j),   g_l = -(y - c_l)/sigma^2
     """
     p = memberships(y_um, grid)
     g = -(grid.clamp(y_um)[:, None] - grid.centres_um) / grid.step_um**2
