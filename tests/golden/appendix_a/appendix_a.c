@@ -131,7 +131,7 @@ APPENDIX_A_INLINE float appendix_a_settled(float x)
     return appendix_a_float(bits & appendix_a_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)));
 }
 
-/* x limited to [low, high]; low wins if they cross. */
+/* x limited to [low, high]. */
 APPENDIX_A_INLINE float appendix_a_limited(float x, float low, float high, uint32_t *clamped)
 {
     const uint32_t below = (uint32_t)(x < low);
@@ -141,7 +141,7 @@ APPENDIX_A_INLINE float appendix_a_limited(float x, float low, float high, uint3
 
     *clamped = below | above;
     return appendix_a_float(
-        (appendix_a_bits(x) & ~(raise | lower)) | (appendix_a_bits(low) & raise) | (appendix_a_bits(high) & lower & ~raise));
+        (appendix_a_bits(x) & ~(raise | lower)) | (appendix_a_bits(low) & raise) | (appendix_a_bits(high) & lower));
 }
 
 /* A displacement inside the identified range, whatever came in. */
@@ -242,6 +242,7 @@ APPENDIX_A_INLINE float appendix_a_apply(appendix_a_t *self, float base, float g
     return y_next;
 }
 
+/* y(k+1) from measured y(k) and u(k). */
 float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];
@@ -261,6 +262,7 @@ float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
 
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
+/* y(k+1) from the last output and u(k). */
 float appendix_a_simulate(appendix_a_t *self, float u_V)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];
@@ -280,6 +282,7 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+/* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];

@@ -46,7 +46,8 @@ typedef struct {
 /* Start at displacement y_um [um] under the input u_V [V], with the parameters of appendix_a_params.h in both banks. */
 void appendix_a_init(appendix_a_t *self, float y_um, float u_V);
 
-/* One step ahead of a measured displacement, Eq. (4).
+/* One step ahead of a measured displacement, Eq. (4):
+ *     y(k+1) = sum_l p_l(y) (q_l1 y + q_l2 u + q_l3)
  *
  * y_um     displacement y(k) [um], limited to APPENDIX_A_Y_MIN_UM .. APPENDIX_A_Y_MAX_UM; if it is not finite, the
  *          last output stands in for it
@@ -55,19 +56,20 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V);
  * returns  y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: APPENDIX_A_PREDICT_ERROR_UM in appendix_a_params.h.
- * 35 float +-, 40 float *, 4 float comparisons, 71 integer, 32 loads, 7 stores.
- * C674x: about 202 cycles (estimate). */
+ * 35 float +-, 40 float *, 4 float comparisons, 67 integer, 32 loads, 7 stores.
+ * C674x: about 199 cycles (estimate). */
 float appendix_a_predict(appendix_a_t *self, float y_um, float u_V);
 
 /* One step of the free run: as appendix_a_predict, from the last output instead of a measured displacement.
  *
  * Each step adds at most APPENDIX_A_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
  * that distance stays below APPENDIX_A_PREDICT_ERROR_UM / (1 - s).
- * 35 float +-, 40 float *, 4 float comparisons, 61 integer, 32 loads, 7 stores.
- * C674x: about 194 cycles (estimate). */
+ * 35 float +-, 40 float *, 4 float comparisons, 57 integer, 32 loads, 7 stores.
+ * C674x: about 191 cycles (estimate). */
 float appendix_a_simulate(appendix_a_t *self, float u_V);
 
-/* The input that takes the displacement from y(k) to y(k+1), Eq. (11); it is applied to the model's state.
+/* The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
+ *     u(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3)) / sum_l p_l(y) q_l2
  *
  * y_um       displacement y(k) [um], as in appendix_a_predict
  * y_next_um  reference y(k+1) [um], limited to APPENDIX_A_REFERENCE_MIN_UM .. APPENDIX_A_REFERENCE_MAX_UM; if it is
@@ -77,8 +79,8 @@ float appendix_a_simulate(appendix_a_t *self, float u_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, APPENDIX_A_STATUS_UNREACHABLE is set.
  *
  * Worst error against float64 over these ranges: APPENDIX_A_INVERSE_ERROR_V in appendix_a_params.h.
- * 39 float +-, 48 float *, 6 float comparisons, 93 integer, 32 loads, 8 stores.
- * C674x: about 230 cycles (estimate). */
+ * 39 float +-, 48 float *, 6 float comparisons, 87 integer, 32 loads, 8 stores.
+ * C674x: about 225 cycles (estimate). */
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
 
 #endif

@@ -139,7 +139,7 @@ EVERYTHING_INLINE float everything_inside(float x, float limit)
     return everything_float(bits & everything_mask((uint32_t)((bits & 0x7fffffffu) < everything_bits(limit))));
 }
 
-/* x limited to [low, high]; low wins if they cross. */
+/* x limited to [low, high]. */
 EVERYTHING_INLINE float everything_limited(float x, float low, float high, uint32_t *clamped)
 {
     const uint32_t below = (uint32_t)(x < low);
@@ -149,7 +149,7 @@ EVERYTHING_INLINE float everything_limited(float x, float low, float high, uint3
 
     *clamped = below | above;
     return everything_float(
-        (everything_bits(x) & ~(raise | lower)) | (everything_bits(low) & raise) | (everything_bits(high) & lower & ~raise));
+        (everything_bits(x) & ~(raise | lower)) | (everything_bits(low) & raise) | (everything_bits(high) & lower));
 }
 
 /* A displacement inside the identified range, whatever came in. */
@@ -232,9 +232,11 @@ static void everything_slew_init(everything_slew_t *self, float u)
 /* v(k) = min(max(u(k), v(k-1) - fall), v(k-1) + rise) */
 EVERYTHING_INLINE float everything_slew_apply(everything_slew_t *self, float u)
 {
-    uint32_t held;
+    const float low = self->last_V - everything_slew_fall[0];
+    const float high = self->last_V + everything_slew_rise[0];
+    const float slow = (u > high) ? high : u;
 
-    self->last_V = everything_limited(u, self->last_V - everything_slew_fall[0], self->last_V + everything_slew_rise[0], &held);
+    self->last_V = (slow < low) ? low : slow;
     return self->last_V;
 }
 
@@ -374,9 +376,11 @@ EVERYTHING_INLINE void everything_memory_regressors(const everything_memory_t *s
 /* z = max(u - r, min(u + r, z)) */
 EVERYTHING_INLINE float everything_memory_play(float z, float u, float half_width)
 {
-    uint32_t moved;
+    const float low = u - half_width;
+    const float high = u + half_width;
+    const float pulled = (z > high) ? high : z;
 
-    return everything_limited(z, u - half_width, u + half_width, &moved);
+    return (pulled < low) ? low : pulled;
 }
 
 EVERYTHING_INLINE void everything_memory_advance(everything_memory_t *self, float u)
@@ -652,6 +656,7 @@ EVERYTHING_INLINE float everything_apply(everything_t *self, float base, float g
     return y_next;
 }
 
+/* y(k+1) from measured y(k) and u(k). */
 float everything_predict(everything_t *self, float y_um, float u_V)
 {
     const everything_bank_t *bank = &self->bank[self->active];
@@ -676,6 +681,7 @@ float everything_predict(everything_t *self, float y_um, float u_V)
 
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
+/* y(k+1) from the last output and u(k). */
 float everything_simulate(everything_t *self, float u_V)
 {
     const everything_bank_t *bank = &self->bank[self->active];
@@ -697,6 +703,7 @@ float everything_simulate(everything_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+/* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 float everything_inverse(everything_t *self, float y_um, float y_next_um)
 {
     const everything_bank_t *bank = &self->bank[self->active];

@@ -124,7 +124,8 @@ typedef struct {
 /* Start at displacement y_um [um] under the input u_V [V], with the parameters of everything_params.h in both banks. */
 void everything_init(everything_t *self, float y_um, float u_V);
 
-/* One step ahead of a measured displacement, Eq. (4).
+/* One step ahead of a measured displacement, Eq. (4):
+ *     y(k+1) = sum_l p_l(y) (q_l1 y + q_l2 v + q_l3) + sum_j theta_j phi_j
  *
  * y_um     displacement y(k) [um], limited to EVERYTHING_Y_MIN_UM .. EVERYTHING_Y_MAX_UM; if it is not finite, the
  *          last output stands in for it
@@ -133,16 +134,16 @@ void everything_init(everything_t *self, float y_um, float u_V);
  * returns  y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM in everything_params.h.
- * 112 float +-, 73 float *, 18 float comparisons, 208 integer, 121 loads, 31 stores.
- * C674x: about 482 cycles (estimate). */
+ * 112 float +-, 73 float *, 18 float comparisons, 140 integer, 121 loads, 31 stores, 10 branches.
+ * C674x: about 631 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
 /* One step of the free run: as everything_predict, from the last output instead of a measured displacement.
  *
  * Each step adds at most EVERYTHING_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
  * that distance stays below EVERYTHING_PREDICT_ERROR_UM / (1 - s).
- * 105 float +-, 72 float *, 16 float comparisons, 181 integer, 113 loads, 28 stores.
- * C674x: about 446 cycles (estimate). */
+ * 105 float +-, 72 float *, 16 float comparisons, 115 integer, 113 loads, 28 stores, 10 branches.
+ * C674x: about 597 cycles (estimate). */
 float everything_simulate(everything_t *self, float u_V);
 
 /* Auxiliary channels of the coming sample, before the call that uses them:
@@ -150,7 +151,8 @@ float everything_simulate(everything_t *self, float u_V);
  * A sample that is not finite counts as the one before; without a call the channels stay as they are. */
 void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
 
-/* The input that takes the displacement from y(k) to y(k+1), Eq. (11); it is applied to the model's state.
+/* The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
+ *     v(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3) - sum_j theta_j phi_j) / sum_l p_l(y) q_l2
  *
  * y_um       displacement y(k) [um], as in everything_predict
  * y_next_um  reference y(k+1) [um], limited to EVERYTHING_REFERENCE_MIN_UM .. EVERYTHING_REFERENCE_MAX_UM; if it is
@@ -162,8 +164,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
  * Worst error against float64 over these ranges: EVERYTHING_INVERSE_ERROR_V in everything_params.h.
- * 110 float +-, 80 float *, 18 float comparisons, 213 integer, 111 loads, 29 stores.
- * C674x: about 481 cycles (estimate). */
+ * 110 float +-, 80 float *, 18 float comparisons, 145 integer, 111 loads, 29 stores, 10 branches.
+ * C674x: about 630 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 #endif

@@ -131,7 +131,7 @@ SMOOTH_50_INLINE float smooth_50_settled(float x)
     return smooth_50_float(bits & smooth_50_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)));
 }
 
-/* x limited to [low, high]; low wins if they cross. */
+/* x limited to [low, high]. */
 SMOOTH_50_INLINE float smooth_50_limited(float x, float low, float high, uint32_t *clamped)
 {
     const uint32_t below = (uint32_t)(x < low);
@@ -141,7 +141,7 @@ SMOOTH_50_INLINE float smooth_50_limited(float x, float low, float high, uint32_
 
     *clamped = below | above;
     return smooth_50_float(
-        (smooth_50_bits(x) & ~(raise | lower)) | (smooth_50_bits(low) & raise) | (smooth_50_bits(high) & lower & ~raise));
+        (smooth_50_bits(x) & ~(raise | lower)) | (smooth_50_bits(low) & raise) | (smooth_50_bits(high) & lower));
 }
 
 /* A displacement inside the identified range, whatever came in. */
@@ -291,6 +291,7 @@ SMOOTH_50_INLINE float smooth_50_apply(smooth_50_t *self, float base, float gain
     return y_next;
 }
 
+/* y(k+1) from measured y(k) and u(k). */
 float smooth_50_predict(smooth_50_t *self, float y_um, float u_V)
 {
     const smooth_50_bank_t *bank = &self->bank[self->active];
@@ -310,6 +311,7 @@ float smooth_50_predict(smooth_50_t *self, float y_um, float u_V)
 
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
+/* y(k+1) from the last output and u(k). */
 float smooth_50_simulate(smooth_50_t *self, float u_V)
 {
     const smooth_50_bank_t *bank = &self->bank[self->active];
@@ -329,6 +331,7 @@ float smooth_50_simulate(smooth_50_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+/* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
 {
     const smooth_50_bank_t *bank = &self->bank[self->active];

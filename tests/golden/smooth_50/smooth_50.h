@@ -47,7 +47,8 @@ typedef struct {
 /* Start at displacement y_um [um] under the input u_V [V], with the parameters of smooth_50_params.h in both banks. */
 void smooth_50_init(smooth_50_t *self, float y_um, float u_V);
 
-/* One step ahead of a measured displacement, Eq. (4).
+/* One step ahead of a measured displacement, Eq. (4):
+ *     y(k+1) = sum_l p_l(y) (q_l1 y + q_l2 u + q_l3)
  *
  * y_um     displacement y(k) [um], limited to SMOOTH_50_Y_MIN_UM .. SMOOTH_50_Y_MAX_UM; if it is not finite, the
  *          last output stands in for it
@@ -56,19 +57,20 @@ void smooth_50_init(smooth_50_t *self, float y_um, float u_V);
  * returns  y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: SMOOTH_50_PREDICT_ERROR_UM in smooth_50_params.h.
- * 58 float +-, 82 float *, 4 float comparisons, 72 integer, 63 loads, 7 stores.
- * C674x: about 274 cycles (estimate). */
+ * 58 float +-, 82 float *, 4 float comparisons, 68 integer, 63 loads, 7 stores.
+ * C674x: about 272 cycles (estimate). */
 float smooth_50_predict(smooth_50_t *self, float y_um, float u_V);
 
 /* One step of the free run: as smooth_50_predict, from the last output instead of a measured displacement.
  *
  * Each step adds at most SMOOTH_50_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
  * that distance stays below SMOOTH_50_PREDICT_ERROR_UM / (1 - s).
- * 58 float +-, 82 float *, 4 float comparisons, 62 integer, 63 loads, 7 stores.
- * C674x: about 267 cycles (estimate). */
+ * 58 float +-, 82 float *, 4 float comparisons, 58 integer, 63 loads, 7 stores.
+ * C674x: about 264 cycles (estimate). */
 float smooth_50_simulate(smooth_50_t *self, float u_V);
 
-/* The input that takes the displacement from y(k) to y(k+1), Eq. (11); it is applied to the model's state.
+/* The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
+ *     u(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3)) / sum_l p_l(y) q_l2
  *
  * y_um       displacement y(k) [um], as in smooth_50_predict
  * y_next_um  reference y(k+1) [um], limited to SMOOTH_50_REFERENCE_MIN_UM .. SMOOTH_50_REFERENCE_MAX_UM; if it is
@@ -78,8 +80,8 @@ float smooth_50_simulate(smooth_50_t *self, float u_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, SMOOTH_50_STATUS_UNREACHABLE is set.
  *
  * Worst error against float64 over these ranges: SMOOTH_50_INVERSE_ERROR_V in smooth_50_params.h.
- * 62 float +-, 90 float *, 6 float comparisons, 94 integer, 63 loads, 8 stores.
- * C674x: about 302 cycles (estimate). */
+ * 62 float +-, 90 float *, 6 float comparisons, 88 integer, 63 loads, 8 stores.
+ * C674x: about 298 cycles (estimate). */
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um);
 
 #endif
