@@ -18,7 +18,7 @@ BLOCK = 6
 # gcc's first scheduling pass and its expression forwarding undo an order that is written down on purpose.
 AS_WRITTEN = '__attribute__((optimize("no-schedule-insns", "no-tree-ter")))'
 PHASE = '__asm__ volatile("" ::: "memory");'
-FLAGS = {"-O2 -fsched-pressure": (), "-O2": ("-fno-sched-pressure",), "-O3": ("-O3", "-fno-sched-pressure")}
+FLAGS = {"FLAGS": (), "-fno-sched-pressure": ("-fno-sched-pressure",), "and -O3": ("-O3", "-fno-sched-pressure")}
 
 
 def place(i: int, j: int) -> str:
