@@ -66,15 +66,17 @@ def test_counts_of_a_text_that_was_counted_by_hand() -> None:
         float sum = 0.0f;
         for (uint32_t i = 0u; i < N; ++i) { sum = sum + self->a[i] * hand_c[i]; }
         if (u > 1.0f) { return twice(sum, &calls); }
+        u = (u < 0.0f) ? sum : u;
         self->n = calls;
         self->a[0] = twice(sum, &calls) * u;
         return sum;
     }
     """
     program = Program(syntax_tree({"hand.c": text}, ("hand.c",)))
-    # Loop: 4 tests and branches, 3 times one product, one sum, two loads, one increment. After the if: the long way.
+    # Loop: 4 tests and branches, 3 times one product, one sum, two loads, one increment. After the if the long way: a
+    # selection, two stores, the call, a product.
     assert program.count("hand_run") == Counts(
-        add=3 + 1, multiply=3 + 1, compare=1, integer=4 + 3 + 1, load=6, store=2, branch=4 + 1
+        add=3 + 1, multiply=3 + 1, compare=2, integer=4 + 3 + 1 + 1, load=6, store=2, branch=4 + 1
     )
     assert program.constant_words == 3
     assert program.public() == ["hand_run"]

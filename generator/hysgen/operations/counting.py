@@ -163,7 +163,9 @@ class Program:
             case c_ast.TernaryOp():
                 condition = self._expression(node.cond, scope)[0]
                 (one, value), (other, _) = (self._expression(side, scope) for side in (node.iftrue, node.iffalse))
-                return condition + Counts(branch=1) + worse(one, other), value
+                # Between two values that are there already it is a selection, not a jump.
+                chosen = _INTEGER if one.total == other.total == 0 else Counts(branch=1)
+                return condition + chosen + worse(one, other), value
             case c_ast.InitList():
                 parts = [self._expression(part, scope)[0] for part in node.exprs]
                 return sum(parts, _NOTHING), Value(INTEGER)

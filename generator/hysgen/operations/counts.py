@@ -12,8 +12,9 @@ class Counts:
     """Operations of one call.
 
     add: float32 additions and subtractions; multiply: float32 multiplications; compare: float32 comparisons;
-    convert: between float32 and integers; integer: everything on integers but addresses; load, store: 32-bit words of
-    the caller's structs and of constant tables (local variables count as registers); branch: jumps of ifs and loops.
+    convert: between float32 and integers; integer: everything on integers but addresses, and selections `c ? a : b` of
+    values that are there; load, store: 32-bit words of the caller's structs and of constant tables (local variables
+    count as registers); branch: jumps of ifs and loops.
     """
 
     add: int = 0

@@ -19,12 +19,12 @@ from hysgen.model import Model
 from hysgen.verify.builds import COMPILERS, LEVELS, compiled, toolchains, versions
 from hysgen.verify.comparison import compare
 from hysgen.verify.report import Mismatch, Report, Run
-from hysgen.verify.structures import faint_model, random_model
+from hysgen.verify.structures import faint_model, kin, random_model
 
 __all__ = ["Mismatch", "Report", "Run", "verify", "verify_texts"]
 
 DEFAULT_SAMPLES: Final = 1_000_000
-DEFAULT_STRUCTURES: Final = 4
+DEFAULT_STRUCTURES: Final = 5
 SAMPLES_PER_STRUCTURE: Final = 40_000
 
 
@@ -40,7 +40,8 @@ def verify(
 ) -> Report:
     """Compare the C in a folder that `hysgen generate` wrote with the reference of the model beside it.
 
-    samples: of the folder's model, in each build, over all functions; structures: other models, drawn from `seed` on.
+    samples: of the folder's model, in each build, over all functions. structures: other models: the same structure with
+    other numbers, one with very small numbers, then models drawn from `seed` on.
     compilers, levels: what to build with; a compiler that is missing is told in the report.
     progress: told the fraction done and what is being done.
     Raises HysgenError if the folder lacks its model or files, or no compiler is installed or takes the C.
@@ -74,7 +75,8 @@ def verify_texts(
     """`verify` for generated texts that need not lie in a folder."""
     started = time.monotonic()
     found, skipped = toolchains(compilers, levels)
-    others = [faint_model(), *(random_model(seed + k) for k in range(structures - 1))] if structures > 0 else []
+    drawn = [kin(model, seed), faint_model(), *(random_model(seed + k) for k in range(structures))]
+    others = drawn[:structures]
     todo = [(model, texts, samples), *((other, _texts(other), SAMPLES_PER_STRUCTURE) for other in others)]
     total, done = sum(share for _, _, share in todo), 0
     runs: list[Run] = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from hysgen.model import Model
 from hysgen.verify.builds import Build
 from hysgen.verify.induction import Difference, first_difference
-from hysgen.verify.inputs import STYLES, chunks
+from hysgen.verify.inputs import SHARES, STYLES, chunks
 from hysgen.verify.report import Mismatch, Run
 from hysgen.verify.subjects import SUBJECTS, Lanes, Subject
 
@@ -69,13 +70,13 @@ def tasks(build: Build) -> list[Task]:
 def compare(
     model: Model, builds: Sequence[Build], samples: int, seed: int, progress: Progress
 ) -> Iterator[tuple[Run, list[Mismatch]]]:
-    """Every step over its even share of `samples`, starts over START_SAMPLES besides; first difference per build."""
+    """Every step over its share of `samples`, starts over START_SAMPLES besides; the first difference per build."""
     if builds[0].host.selftested:
         yield _selftest(model, builds)
     todo = tasks(builds[0])
-    steps = sum(task.function != "init" for task in todo)
+    functions = len({task.function for task in todo} - {"init"})
     for task in todo:
-        share = START_SAMPLES if task.function == "init" else -(-samples // steps)
+        share = START_SAMPLES if task.function == "init" else math.ceil(SHARES[task.style] * samples / functions)
         yield compare_task(model, builds, task, share, seed, progress)
 
 

@@ -101,3 +101,5 @@ def _specials(limit: tuple[np.float32, np.float32]) -> Words:
 
 
 STYLES: Final[Mapping[str, Style]] = {"random": _random, "smooth": _smooth, "edges": _edges, "patterns": _patterns}
+SHARES: Final[Mapping[str, float]] = {"random": 0.25, "smooth": 0.4, "edges": 0.2, "patterns": 0.15}
+"""Part of the samples that each style gets; the smooth ones are the long run."""

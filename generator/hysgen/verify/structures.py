@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import Any, Final
 
@@ -45,6 +46,13 @@ def random_model(seed: int) -> Model:
         weights=weights,
         blocks=tuple(block_from_json(data) for data in _blocks(rng)),
     )
+
+
+def kin(model: Model, seed: int) -> Model:
+    """The same structure with other numbers: every parameter changed by up to 5 %."""
+    rng = np.random.default_rng(seed)
+    changed = model.with_parameters(model.parameters * rng.uniform(0.95, 1.05, model.parameters.size))
+    return dataclasses.replace(changed, name=f"{model.name}_kin")
 
 
 def faint_model() -> Model:

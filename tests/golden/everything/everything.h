@@ -134,16 +134,16 @@ void everything_init(everything_t *self, float y_um, float u_V);
  * returns  y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM in everything_params.h.
- * 112 float +-, 73 float *, 18 float comparisons, 140 integer, 121 loads, 31 stores, 10 branches.
- * C674x: about 631 cycles (estimate). */
+ * 112 float +-, 73 float *, 18 float comparisons, 150 integer, 121 loads, 31 stores.
+ * C674x: about 439 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
 /* One step of the free run: as everything_predict, from the last output instead of a measured displacement.
  *
  * Each step adds at most EVERYTHING_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
  * that distance stays below EVERYTHING_PREDICT_ERROR_UM / (1 - s).
- * 105 float +-, 72 float *, 16 float comparisons, 115 integer, 113 loads, 28 stores, 10 branches.
- * C674x: about 597 cycles (estimate). */
+ * 105 float +-, 72 float *, 16 float comparisons, 125 integer, 113 loads, 28 stores.
+ * C674x: about 404 cycles (estimate). */
 float everything_simulate(everything_t *self, float u_V);
 
 /* Auxiliary channels of the coming sample, before the call that uses them:
@@ -164,8 +164,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
  * Worst error against float64 over these ranges: EVERYTHING_INVERSE_ERROR_V in everything_params.h.
- * 110 float +-, 80 float *, 18 float comparisons, 145 integer, 111 loads, 29 stores, 10 branches.
- * C674x: about 630 cycles (estimate). */
+ * 110 float +-, 80 float *, 18 float comparisons, 155 integer, 111 loads, 29 stores.
+ * C674x: about 437 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 #endif
