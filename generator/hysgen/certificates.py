@@ -154,12 +154,15 @@ def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> 
         return 0.0, 0.0
     if gain_lowest <= 0.0 <= gain_highest:
         return np.inf, np.inf
+    zero, size, nonlinear = inverse_filter(model, gain_lowest, gain_highest)
+    return zero, nonlinear * size if nonlinear > 0.0 else 0.0
+
+
+def inverse_filter(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float, float]:
+    """Largest modulus of the zeros, largest ||(b + T)^-1||_1 over frozen gains b in between, sum |theta_j| gamma_j."""
     A, B, theta_C, nonlinear = _feedback(model)
-    zero = loop = 0.0
-    for b in np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS):
-        modulus, size = _inverse_filter(A, B, theta_C, float(b))
-        zero, loop = max(zero, modulus), max(loop, nonlinear * size if nonlinear > 0.0 else 0.0)
-    return zero, loop
+    filters = [_inverse_filter(A, B, theta_C, float(b)) for b in np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS)]
+    return max(zero for zero, _ in filters), max(size for _, size in filters), nonlinear
 
 
 def _feedback(model: Model) -> tuple[Floats, Floats, Floats, float]:

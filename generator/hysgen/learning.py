@@ -42,8 +42,8 @@ class LearnerSettings:
         y(k+1) = y(k).
     calls_per_update: calls of `_learn` over which one update is spread: 1, or an even number.
     mature: updates since the last restart before `_commit` accepts the shadow.
-    gain_floor_um_per_V, slope_limit: what the committed |b(y)| and |df/dy| must keep. points, points_per_call: where
-        `_commit` checks them, and how many per call.
+    gain_floor_um_per_V, slope_limit: what the committed |b(y)| and |df/dy| must keep.
+    points, points_per_call: displacements at which `_commit` checks them, and how many of them per call.
     Raises ModelError if a value is outside its range.
     """
 
@@ -67,8 +67,8 @@ class LearnerSettings:
     mature: int = 1024
     gain_floor_um_per_V: float | None = None
     slope_limit: float | None = None
-    points: int = 64
-    points_per_call: int = 2
+    points: int | None = None
+    points_per_call: int = 1
 
     def __post_init__(self) -> None:
         if self.learned != BIAS and (
@@ -96,8 +96,8 @@ class LearnerSettings:
             "1, or an even number up to 32",
         )
         _require(0 <= self.mature <= 2**24, "mature", self.mature, "0 to 2^24 updates")
-        _require(4 <= self.points <= 1024, "points", self.points, "4 to 1024")
-        _require(1 <= self.points_per_call <= self.points, "points_per_call", self.points_per_call, "1 to points")
+        _require(self.points is None or 4 <= self.points <= 1024, "points", self.points, "4 to 1024")
+        _require(1 <= self.points_per_call <= 64, "points_per_call", self.points_per_call, "1 to 64")
         for name in ("dead_zone_um", "rest_V"):
             value = getattr(self, name)
             _require(value is None or 0.0 <= value < math.inf, name, value, "0 or more")
@@ -128,7 +128,9 @@ def _read(name: str, default: Any, value: Any) -> Any:
     number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if isinstance(default, int) and number and isinstance(value, int):
         return value
-    if (isinstance(default, float) or default is None) and number:
+    if name == "points" and number and isinstance(value, int):
+        return value
+    if (isinstance(default, float) or (default is None and name != "points")) and number:
         return float(value)
     if default is None and value is None:
         return None

@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from hysgen.certificates import certify
+from hysgen.certificates import Certificates, certify
 from hysgen.coefficients import Coefficients, coefficients
 from hysgen.emit.certified import require_budget, require_inverse
+from hysgen.emit.committing import commit_concern
 from hysgen.emit.concerns import Concern
 from hysgen.emit.learning import learner_concern
 from hysgen.emit.manifest import MANIFEST, manifest, model_file
@@ -46,7 +47,7 @@ class Options:
 
 
 # Each gives its concern, or None if the model does not ask for it; in the order of the generated text.
-CONCERNS: list[Callable[[Model, Coefficients, Options], Concern | None]] = [learner_concern]
+CONCERNS: list[Callable[[Model, Coefficients, Certificates], Concern | None]] = [learner_concern, commit_concern]
 
 
 def generate(model: Model, options: Options | None = None) -> dict[str, str]:
@@ -62,7 +63,7 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     numbers = coefficients(model)
     upper = model.name.upper()
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
-    concerns = [concern for build in CONCERNS if (concern := build(model, numbers, chosen)) is not None]
+    concerns = [concern for build in CONCERNS if (concern := build(model, numbers, certificates)) is not None]
     sections = [range_section(numbers), rule_section(numbers, upper), *block_sections(model)]
     sections += term_sections(model, numbers, upper)
     sections += [section for concern in concerns for section in concern.sections]

@@ -89,7 +89,7 @@ class Slice:
     coming_blocks: Sequence[Sequence[Element]]
 
 
-def learner_concern(model: Model, numbers: Coefficients, _options: object) -> Concern | None:
+def learner_concern(model: Model, numbers: Coefficients, _certificates: object) -> Concern | None:
     """What a model with learner settings adds to the generated files; None for one without."""
     if model.learner is None:
         return None
@@ -113,6 +113,7 @@ def learner_concern(model: Model, numbers: Coefficients, _options: object) -> Co
         "slices": [_slice(k, *ends, n) for k, ends in enumerate(itertools.pairwise(found.borders))],
         "chains": [[Element(j - 1, j) for j in range(c, n, SIDE_BY_SIDE)] for c in range(min(SIDE_BY_SIDE, n))],
         "at_once": calls == 1,
+        "calls": calls,
         "states": _states(model, numbers),
         "factor_columns": [Column(j, _blocks([_element(i, j) for i in range(j)])) for j in range(n)],
         "blocks": _blocks([Element(j - 1, j) for j in range(n)]),

@@ -1,0 +1,62 @@
+"""What `_commit` adds to the generated files."""
+
+from __future__ import annotations
+
+from hysgen.certificates import Certificates
+from hysgen.coefficients import Coefficients
+from hysgen.commit_numbers import CommitNumbers, commit_numbers
+from hysgen.emit.concerns import Concern
+from hysgen.emit.parameters import Constant, Section, Table
+from hysgen.learner_status import COMMIT_MEANINGS
+from hysgen.model import Model
+
+
+def commit_concern(model: Model, numbers: Coefficients, certificates: Certificates) -> Concern | None:
+    """The commit of a model with learner settings; None for one without.
+
+    Raises CertificateError if the model's own parameters would not pass.
+    """
+    if model.learner is None:
+        return None
+    found = commit_numbers(model, numbers, certificates)
+    upper = model.name.upper()
+    facts = {
+        "answer_rows": [
+            f"#define {upper}_{answer.name:<15}  {int(answer)}u  /* {meaning} */"
+            for answer, meaning in COMMIT_MEANINGS.items()
+        ],
+        "bias": "bias" in model.learner.learned,
+        "weights": bool(model.terms) and "terms" in model.learner.learned,
+        "mature": model.learner.mature,
+        "points": found.points,
+        "points_per_call": model.learner.points_per_call,
+    }
+    return Concern("commit.c.j2", {"commit": facts}, [_section(found, upper, weights=bool(facts["weights"]))])
+
+
+def _section(found: CommitNumbers, upper: str, *, weights: bool) -> Section:
+    constants = [
+        Constant("COMMIT_HALF_UM", found.half_um),
+        Constant("COMMIT_GAIN_REST", found.gain_rest),
+        Constant("COMMIT_SLOPE_REST_1", found.slope_rest_1),
+        Constant("COMMIT_SLOPE_REST_3", found.slope_rest_3),
+        Constant("COMMIT_SIGN", found.sign),
+        Constant("COMMIT_GAIN_FLOOR", found.gain_floor),
+        Constant("COMMIT_GAIN_CEILING", found.gain_ceiling),
+        Constant("COMMIT_SLOPE_LIMIT", found.slope_limit),
+    ]
+    tables = [
+        Table("commit_unfold", f"{upper}_RULES", found.unfold),
+        Table("commit_y", f"{found.points}", found.y_um),
+        Table("commit_table", f"{found.table.size}", found.table.ravel()),
+    ]
+    if weights:
+        constants.append(Constant("COMMIT_WEIGHT_BUDGET", found.weight_budget))
+        tables.append(Table("commit_gamma", f"{upper}_WEIGHTS", found.gammas))
+    return Section(
+        "Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the\n"
+        "memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''\n"
+        "over the strengths w_l at each check point.",
+        constants,
+        tables,
+    )
