@@ -38,8 +38,8 @@ def test_prandtl_ishlinskii_is_the_papers_twenty_plays_and_finds_itself() -> Non
     fresh = Record.from_segments([Segment("0", fresh_u, np.zeros(1400))], TS_S)
     truth = PrandtlIshlinskii(thresholds, weights, 1.5)
     # Neighbouring plays are nearly alike, so weights are ill determined and the prediction is what can be compared.
-    np.testing.assert_allclose(found.free_run(record)[0], y, atol=1e-9)
-    np.testing.assert_allclose(found.free_run(fresh)[0], truth.free_run(fresh)[0], atol=1e-6)
+    np.testing.assert_allclose(found.free_run(record)[0], y, atol=1e-9, rtol=0)
+    np.testing.assert_allclose(found.free_run(fresh)[0], truth.free_run(fresh)[0], atol=1e-6, rtol=0)
 
 
 def test_proportional_is_the_straight_line_and_its_own_inverse() -> None:
@@ -48,7 +48,7 @@ def test_proportional_is_the_straight_line_and_its_own_inverse() -> None:
     line = fit_proportional(record)
     assert line.K_V_per_um == pytest.approx(12.5, rel=1e-9)
     assert line.offset_um == pytest.approx(2.0, rel=1e-9)
-    np.testing.assert_allclose(line.inverse(line.free_run(record)[0]), u, atol=1e-9)
+    np.testing.assert_allclose(line.inverse(line.free_run(record)[0]), u, atol=1e-9, rtol=0)
 
 
 @pytest.mark.parametrize("delay", [0, 3])
@@ -63,12 +63,12 @@ def test_arx_finds_itself_and_runs_free_from_the_first_measured_samples(delay: i
     record = Record.from_segments([Segment("0", u, y), Segment("1", u, y)], TS_S)
     found = fit_arx(record, 2, 3, delay)
     # Noise-free, so the weights are known to rounding times the condition of the regressors, about 1e5.
-    np.testing.assert_allclose(found.a, a, atol=1e-8)
-    np.testing.assert_allclose(found.b_um_per_V, b, atol=1e-8)
+    np.testing.assert_allclose(found.a, a, atol=1e-8, rtol=0)
+    np.testing.assert_allclose(found.b_um_per_V, b, atol=1e-8, rtol=0)
     assert found.first == 3 + delay
     assert found.stable
     for run in found.free_run(record):
-        np.testing.assert_allclose(run, y, atol=1e-7)
+        np.testing.assert_allclose(run, y, atol=1e-7, rtol=0)
 
 
 def test_rivals_are_scored_in_free_run_by_the_models_own_score() -> None:

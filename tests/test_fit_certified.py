@@ -89,7 +89,7 @@ def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
 def test_the_small_gain_of_the_terms_is_kept_below_its_limit() -> None:
     # The truth feeds 1.5 times as much of the past input back as the present input moves: no inverse is stable.
     terms = (Memory.uniform(3, 15.0),)
-    weights = 1.5 * 0.004 * np.array([0.5, 0.3, 0.2])
+    weights = 1.5 * 0.004 * np.array([0.5, -0.3, 0.2])
     truth = Model("t", TS_S, Grid(-5, 25, 6), np.tile([0.9, 0.004, 0.0], (6, 1)), 0, 100, terms, weights)
     u = random_drive(4000, 5)
     y = simulate(truth, Drive(u, TS_S), 4.0).y_um
@@ -100,6 +100,21 @@ def test_the_small_gain_of_the_terms_is_kept_below_its_limit() -> None:
         inside = fit(record, FitSettings(method=method, terms=terms))
         assert certify(inside).loop <= 0.95 * (1 + 1e-4)
         assert certify(inside).inverse_holds
+
+
+def test_the_gain_is_kept_away_from_zero_where_the_record_says_it_vanishes() -> None:
+    # A stage at its stop, badly measured: at the upper end of y the input moves nothing.
+    u = random_drive(6000, 7)
+    y = np.empty(u.size)
+    y[0] = 1.0
+    for n in range(u.size - 1):
+        y[n + 1] = y[n] + 0.2 * (min(0.08 * u[n], 4.0) - y[n])
+    record = Record.from_segments([Segment("0", u, y + 0.1 * np.random.default_rng(0).normal(size=u.size))], TS_S)
+    assert not certify(fit(record, FitSettings(method="batch", certified=False))).gain_holds
+    for method in get_args(Method)[1:]:
+        certificate = certify(fit(record, FitSettings(method=method)))
+        assert certificate.gain_holds
+        assert certificate.contraction_holds
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.3, 0.9, 0.999]))

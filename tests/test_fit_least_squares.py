@@ -40,7 +40,7 @@ def test_rls_is_equation_10_sample_by_sample(forgetting: float, epsilon: float) 
     kernel = recursive_least_squares(record, structure, forgetting, 1e4, epsilon)
     # The same products in another order: rounding of P, 1e4 * 1e-16, times squared regressors up to 1e4, enters K each
     # of the 600 times, and forgetting lets it grow by 0.995^-600 = 20: 1e-5 in all.
-    np.testing.assert_allclose(kernel, q, atol=1e-5)
+    np.testing.assert_allclose(kernel, q, atol=1e-5, rtol=0)
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 0.3])
@@ -53,7 +53,7 @@ def test_rls_ends_at_the_batch_optimum_with_prior_one_over_alpha(forgetting: flo
     regressors, _ = stacked(record, structure)
     # P starts at 1e6, so the recursion carries rounding of 1e6 * 1e-16 of what it has seen: 1e-10 um per um, and its
     # growth over 3000 samples; predictions agree to 1e-6 um, a thousandth of the sensor's resolution.
-    np.testing.assert_allclose(regressors @ recursive, regressors @ batch, atol=1e-6)
+    np.testing.assert_allclose(regressors @ recursive, regressors @ batch, atol=1e-6, rtol=0)
 
 
 @pytest.mark.parametrize("forgetting", [1.0, 0.998])
@@ -68,7 +68,7 @@ def test_batch_is_the_weighted_ridge_optimum(forgetting: float) -> None:
     target = np.concatenate([np.sqrt(weight) * y, np.full(X.shape[1], np.sqrt(prior) * 0.5)])
     expected = np.linalg.lstsq(rows, target, rcond=None)[0]
     # Both are backward stable; the solutions differ by the condition of the rows, about 1e6, times 1e-16.
-    np.testing.assert_allclose(learnt.solve(), expected, atol=1e-8 * np.abs(expected).max())
+    np.testing.assert_allclose(learnt.solve(), expected, atol=1e-8 * np.abs(expected).max(), rtol=0)
     away = rows @ expected - target
     assert learnt.square(expected) == pytest.approx(float(away @ away), rel=1e-9)
 
@@ -88,9 +88,9 @@ def test_samples_without_trust_do_not_count_whatever_they_hold() -> None:
     expected = np.linalg.lstsq(rows, np.concatenate([target[counted], np.zeros(len(prior))]), rcond=None)[0]
     scale = np.abs(expected).max()
     batch = information(spoilt, structure, trust=[trust]).solve()
-    np.testing.assert_allclose(batch, expected, atol=1e-7 * scale)
+    np.testing.assert_allclose(batch, expected, atol=1e-7 * scale, rtol=0)
     recursive = recursive_least_squares(spoilt, structure, trust=[trust])
-    np.testing.assert_allclose(X[counted] @ recursive, X[counted] @ expected, atol=1e-6)
+    np.testing.assert_allclose(X[counted] @ recursive, X[counted] @ expected, atol=1e-6, rtol=0)
 
 
 def test_triangularisation_keeps_the_sum_of_squares_and_the_condition() -> None:

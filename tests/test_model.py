@@ -45,7 +45,7 @@ def test_membership_slopes_are_the_derivatives(grid: Grid, place: float) -> None
     step = 1e-4 * grid.step_um
     difference = (memberships(y + step, grid) - memberships(y - step, grid)) / (2 * step)
     # Central differences over 1e-4 of a step: 1e-8 by curvature, 1e-8 by the 1e-9 to which y is known in steps.
-    np.testing.assert_allclose(membership_slopes(y, grid) * grid.step_um, difference * grid.step_um, atol=1e-4)
+    np.testing.assert_allclose(membership_slopes(y, grid) * grid.step_um, difference * grid.step_um, atol=1e-4, rtol=0)
 
 
 def test_regressors_of_the_rules_are_those_of_equation_9() -> None:
@@ -113,7 +113,7 @@ def test_shipped_appendices_are_the_papers_tables(name: str) -> None:
     model = load_model(name)
     np.testing.assert_array_equal(model.consequents, PRINTED_CONSEQUENTS[name])
     # The ends of the range are printed to 1e-4 um and so are the centres between them: at most 1e-4 apart.
-    np.testing.assert_allclose(model.grid.centres_um, PRINTED_CENTRES_UM[name], atol=1.0001e-4)
+    np.testing.assert_allclose(model.grid.centres_um, PRINTED_CENTRES_UM[name], atol=1.0001e-4, rtol=0)
     # sigma is the range, known to 1e-4 um, over five steps, and printed to 1e-4 um.
     assert abs(model.grid.step_um - PRINTED_SIGMA_UM[name]) < 0.7e-4
     assert (model.u_min_V, model.u_max_V, model.Ts_s) == (-20.0, 120.0, 2e-5)

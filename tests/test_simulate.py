@@ -71,7 +71,7 @@ def test_free_run_kernel_is_the_loop_over_the_equations(seed: int, rules: int, m
     record = made_by(model, 300, seed)
     run = free_run(model, record)[0]
     scale = model.grid.y_max_um - model.grid.y_min_um
-    np.testing.assert_allclose(run.y_um, record.segments[0].y_um, atol=CLOSE * max(scale, 100.0))
+    np.testing.assert_allclose(run.y_um, record.segments[0].y_um, atol=CLOSE * max(scale, 100.0), rtol=0)
 
 
 @given(st.integers(0, 10_000), st.integers(2, 40), st.booleans())
@@ -86,7 +86,7 @@ def test_one_step_kernel_is_the_loop_over_the_equations(seed: int, rules: int, m
     w = play_by_the_definition(model, u)
     expected = [y[0], *(by_the_equations(model, y[k], u[k], w[k]) for k in range(199))]
     run = one_step(model, record)[0]
-    np.testing.assert_allclose(run.y_um, expected, atol=CLOSE * max(span, 100.0))
+    np.testing.assert_allclose(run.y_um, expected, atol=CLOSE * max(span, 100.0), rtol=0)
     assert run.y_clamped == np.count_nonzero((y[:-1] < model.grid.y_min_um) | (y[:-1] > model.grid.y_max_um))
 
 
@@ -95,9 +95,10 @@ def test_the_window_of_nineteen_rules_drops_nothing_that_float64_can_see() -> No
     y = np.linspace(-3.5, 7.5, 5001)
     rows = np.empty((y.size, 180))
     rule_rows((grid.y_min_um, grid.y_max_um, grid.step_um), 60, y, np.ones_like(y), rows)
-    # rules.h drops 6e-20 of the nearest rule; the recurrence for powers of r rounds at most 20 times.
-    np.testing.assert_allclose(rows, rule_regressors(y, np.ones_like(y), grid), atol=1e-14)
-    np.testing.assert_allclose(rows[:, 2::3].sum(axis=1), 1.0, atol=1e-14)
+    # rules.h drops 6e-20 of the nearest rule. (y - y_min)/h, up to 60, is rounded by 7e-15, which enters the exponent,
+    # and the regressor is y, up to 7 um, times p.
+    np.testing.assert_allclose(rows, rule_regressors(y, np.ones_like(y), grid), atol=1e-13, rtol=0)
+    np.testing.assert_allclose(rows[:, 2::3].sum(axis=1), 1.0, atol=1e-14, rtol=0)
 
 
 def test_the_regression_never_pairs_samples_of_two_segments() -> None:
@@ -114,7 +115,7 @@ def test_regression_rows_times_parameters_are_the_one_step_predictions() -> None
     rows = np.vstack([part.regressors for part in regression_rows(record, structure_of(model), chunk=100)])
     predicted = np.concatenate([run.y_um[1:] for run in one_step(model, record)])
     # Two orders of summation of products of up to 100 um.
-    np.testing.assert_allclose(rows @ model.parameters, predicted, atol=1e-11 * np.abs(predicted).max())
+    np.testing.assert_allclose(rows @ model.parameters, predicted, atol=1e-11 * np.abs(predicted).max(), rtol=0)
 
 
 def test_segments_are_run_apart_each_from_its_own_first_sample() -> None:
