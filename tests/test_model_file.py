@@ -35,7 +35,7 @@ def same(one: Model, other: Model) -> bool:
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 20), st.booleans())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, derandomize=True)
 def test_model_file_keeps_every_bit(seed: int, rules: int, extended: bool) -> None:
     model = random_model(seed, rules, terms=TERMS if extended else ())
     read = parse_model(dump_model(model), "m.json")
@@ -133,7 +133,7 @@ NOT_JSON = {
     "nothing": b"",
     "half a file": dump_model(random_model(2)).encode()[:400],
     "NaN": dump_model(random_model(2)).replace("2e-05", "NaN").encode(),
-    "a field twice": b'{"schema": "hysgen-model", "schema": "hysgen-model"}',
+    "a field twice": dump_model(random_model(2)).replace('"name": ', '"name": "first", "name": ').encode(),
     "a deep nest": b"[" * 100_000,
     "not text": bytes(range(256)),
     "a list": b"[1, 2]",
