@@ -9,6 +9,8 @@ import pytest
 from target_packets import CODE, DATA, bits, run
 
 from hysgen.errors import TargetError
+from hysgen.target.assembly import instructions
+from hysgen.target.packets import packets
 
 both_engines = pytest.mark.parametrize("interpreted", [True, False], ids=["interpreter", "engine"])
 
@@ -280,6 +282,10 @@ def test_what_is_not_modelled_matters_only_when_reached(interpreted: bool) -> No
             "addsp .L1 a4,a4,a5\n|| addsp .S1 a4,a4,a6\n|| or .D1 0,a4,a7",
             "register read port of a4 used 5 times",
         ),
+        (
+            "addsp .L1 a4,a4,a5\n|| addsp .S1 a4,a4,a6\n|| stw .D1T1 a4,*+a8(0)",
+            "register read port of a4 used 5 times",
+        ),
         ("or .L1X 0,b4,a5\n|| or .S1X 0,b5,a6", "cross path 1X would have to carry b4 and b5"),
         ("or .L1X 0,b4,a5\n|| or .S1X 0,b4,a6\n|| or .D1X 0,b4,a7", "cross path 1X serves 3 units"),
         ("or .L1 0,b4,a5", "b4 is out of reach of unit L1"),
@@ -294,6 +300,14 @@ def test_a_packet_beyond_the_processors_resources_is_refused(packet: str, compla
     for interpreted in (True, False):
         with pytest.raises(TargetError, match=complaint):
             run(packet, interpreted, a8=DATA, b8=DATA)
+
+
+def test_bars_join_neighbours_only() -> None:
+    # Code that ends one section and a bar that starts another are not one packet.
+    apart = f"{CODE:x}:\t00000000 \tnop 1\n{CODE + 64:x}:\t00000000 \t|| mvk .S1 1,a4"
+    found = packets(instructions(apart))
+    assert [len(packet.instructions) for packet in found.values()] == [1, 1]
+    assert "parallel to nothing" in str(found[CODE + 64].refusal)
 
 
 @both_engines

@@ -7,6 +7,7 @@ import subprocess
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from target_compiler import firmware, need_compiler
 
@@ -60,6 +61,18 @@ def test_sizes_are_those_of_the_program() -> None:
     sizes = program.section_bytes
     assert (sizes[".rodata"], sizes[".data"], sizes[".bss"]) == (24, 4, 400)
     assert 0 < program.function_bytes("f") <= sizes[".text"]
+    assert [name for name, symbol in program.image.symbols.items() if symbol.function] == ["f"]
+    machine = program.machine(interpreted=True)
+    assert machine.read("table", 6, np.int32).tolist() == [1, 2, 3, 4, 5, 6]
+    assert machine.read("counter", 1, np.int32).tolist() == [7]
+    assert not machine.read("room", 100, np.int32).any()
+
+
+def test_idle_cycles_that_encode_as_zeros_are_in_the_listing() -> None:
+    need_compiler()
+    text = 'void idle(void); void idle(void) { __asm__ volatile("nop 1\\n nop 1\\n nop 1\\n nop 1\\n nop 1"); }'
+    program = toolchain.compile([("idle.c", text)])
+    assert program.machine(interpreted=True).call("idle").cycles == 5 + 6
 
 
 def test_the_same_texts_give_the_same_program() -> None:

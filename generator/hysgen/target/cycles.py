@@ -153,9 +153,7 @@ class _Walk:
             yield replace(way, link=link)
 
     def _may_be_taken(self, branch: int, way: _Place) -> bool:
-        """Within its limit, and the only branch of its packet that is taken: two would be refused when run."""
-        within = branch not in self.limits or way.taken[self.bounded.index(branch)] < self.limits[branch]
-        return within and all(due != BRANCH_DELAY + 1 for due, _ in way.landing)
+        return branch not in self.limits or way.taken[self.bounded.index(branch)] < self.limits[branch]
 
     def _branched(self, branch: int, action: Branch, way: _Place) -> _Place:
         target = action.target
