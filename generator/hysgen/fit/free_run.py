@@ -37,6 +37,9 @@ ONE_STEP_SHARE = 0.1
 SPREAD_SHARE = 1e-3
 """Part of the free-run error that rules add which disagree by one step of the grid."""
 
+SETTLING_TRUST = 0.03
+"""What a sample counts while the terms' unknown start still shows: enough to hold rules that are visited only then."""
+
 SHAPE_STEP = 1e-4
 """Step of the central differences; shape parameters are logarithms or of that size."""
 
@@ -148,17 +151,18 @@ def free_run_error(
 ) -> FreeRunError:
     """The error over a record of models with this structure.
 
-    settle: samples at the start of each segment that are not scored; None: until the terms have forgotten how they
-    started, at most a quarter of the segment, for a term that never forgets must not silence the record.
+    settle: samples at the start of each segment that are not scored. None: until the terms have forgotten how they
+    started, but at most a quarter of the segment, samples count only SETTLING_TRUST.
     """
     drives = drives_of(record, structure, starts)
     weights = []
     for drive, weight in zip(drives, trust or full_trust(record), strict=True):
-        first = settle
-        if first is None:
-            forgotten = max((term.settled(drive) for term in structure.terms), default=0)
-            first = min(forgotten, drive.u_V.size // 4)
         scored = weight.copy()
-        scored[:first] = 0.0
+        if settle is not None:
+            scored[:settle] = 0.0
+        else:
+            # A term that never forgets must not silence the record.
+            forgotten = max((term.settled(drive) for term in structure.terms), default=0)
+            scored[: min(forgotten, drive.u_V.size // 4)] *= SETTLING_TRUST
         weights.append(scored)
     return FreeRunError(record, tuple(drives), tuple(weights), frozenset(shaped))

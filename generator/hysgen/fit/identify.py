@@ -59,7 +59,7 @@ def fit(
         outcome |= {
             "steps": refined.steps,
             "free_run_rms_um": {"least_squares": before.rms_um, "refined": refined.criterion.rms_um},
-            "scored_samples": int(sum(np.count_nonzero(weight[1:]) for weight in error.trust)),
+            "scored_weight": float(sum(weight[1:].sum() for weight in error.trust)),
         }
     return _finished(model, record, chosen, outcome)
 

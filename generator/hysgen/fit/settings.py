@@ -25,9 +25,10 @@ class FitSettings:
     input_range_V: for which the model is to answer; None: what the record holds.
     terms: extension terms, fitted together with the rules. blocks: what the input passes through before the stage.
     settle: samples at the start of each segment that are simulated but not scored in the refinement, because the state
-    of the terms before the record is unknown; None: until the terms have forgotten it, at most a quarter of the
-    segment. certified: keep "batch" and "refined" inside the set of models whose certificates hold; "rls" is never
-    touched. slope_limit: the largest |df/dy| allowed then. iterations: most Gauss-Newton steps.
+    of the terms before the record is unknown; None: until the terms have forgotten it, but at most a quarter of the
+    segment, samples count a little (see `free_run`).
+    certified: keep "batch" and "refined" inside the set of models whose certificates hold; "rls" is never touched.
+    slope_limit: the largest |df/dy| allowed then. iterations: most Gauss-Newton steps.
 
     Raises FitError naming the field if a value is out of its domain.
     """
