@@ -1,4 +1,4 @@
-"""Planted faults: every pipeline rule turned wrong, in the interpreter and in the engine, fails the test that holds it."""
+"""Planted faults: every pipeline rule turned wrong, in interpreter and engine, fails the test that holds it."""
 
 from __future__ import annotations
 
