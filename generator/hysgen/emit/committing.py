@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from hysgen.certificates import Certificates
 from hysgen.coefficients import Coefficients
 from hysgen.commit_numbers import CommitNumbers, commit_numbers
@@ -27,8 +29,6 @@ def commit_concern(model: Model, numbers: Coefficients, certificates: Certificat
         ],
         "bias": "bias" in model.learner.learned,
         "weights": bool(model.terms) and "terms" in model.learner.learned,
-        "mature": model.learner.mature,
-        "points": found.points,
         "points_per_call": model.learner.points_per_call,
     }
     return Concern("commit.c.j2", {"commit": facts}, [_section(found, upper, weights=bool(facts["weights"]))])
@@ -36,6 +36,8 @@ def commit_concern(model: Model, numbers: Coefficients, certificates: Certificat
 
 def _section(found: CommitNumbers, upper: str, *, weights: bool) -> Section:
     constants = [
+        Constant("COMMIT_MATURE", np.uint32(found.settings.mature)),
+        Constant("COMMIT_POINTS", np.uint32(found.points)),
         Constant("COMMIT_HALF_UM", found.half_um),
         Constant("COMMIT_GAIN_REST", found.gain_rest),
         Constant("COMMIT_SLOPE_REST_1", found.slope_rest_1),

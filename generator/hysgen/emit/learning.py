@@ -114,16 +114,11 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         "chains": [[Element(j - 1, j) for j in range(c, n, SIDE_BY_SIDE)] for c in range(min(SIDE_BY_SIDE, n))],
         "at_once": calls == 1,
         "calls": calls,
-        "states": _states(model, numbers),
         "factor_columns": [Column(j, _blocks([_element(i, j) for i in range(j)])) for j in range(n)],
         "blocks": _blocks([Element(j - 1, j) for j in range(n)]),
         "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
         "pass_rows": [(i, [Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)]) for i in range(1, n)],
         "sliding_always": model.learner.forgetting < 1.0,
-        "window": model.learner.window,
-        "refresh": model.learner.refresh,
-        "outlier_run": model.learner.outlier_run,
-        "settle": model.learner.settle,
         "status_rows": [
             f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /* {meaning} */"
             for flag, meaning in LEARNER_MEANINGS.items()
@@ -140,16 +135,6 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         },
     }
     return Concern("learn.c.j2", {"learner": facts}, _sections(found, upper, firing))
-
-
-def _states(model: Model, numbers: Coefficients) -> list[tuple[str, int]]:
-    """Structs that the learner takes over from an instance, and their bytes."""
-    u = numbers.rest_V.reshape(1)
-    inputs = sum(len(block.mirror(u, model.Ts_s).state()) for block in model.blocks)
-    terms = sum(len(term.mirror(u, model.Ts_s).state()) for term in model.terms)
-    # The inputs also keep what they let through last.
-    sizes = {"inputs": 4 * (inputs + 1) if model.blocks else 0, "terms": 4 * terms}
-    return [(part, size) for part, size in sizes.items() if size]
 
 
 def _learned(i: int, parameter: Parameter, name: str) -> Learned:
@@ -212,7 +197,7 @@ def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
     """The learner's numbers for `<name>_params.h`."""
     n = f"{upper}_LEARNED"
     rules = f"{upper}_RULES"
-    share = np.float32(found.floor_um)
+    settings, share = found.settings, found.floor_um
     levels = [
         Constant("LEARN_Y_LOW_UM", found.y_low_um),
         Constant("LEARN_Y_HIGH_UM", found.y_high_um),
@@ -233,6 +218,11 @@ def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
         Constant("LEARN_LIMIT_UM", found.limit_um),
         Constant("LEARN_LEAST_VARIANCE", np.float32(LEAST_VARIANCE)),
         Constant("LEARN_LARGEST_DENOMINATOR", found.largest_denominator),
+        Constant("LEARN_OUTLIER_RUN", np.uint32(settings.outlier_run)),
+        Constant("LEARN_SETTLING", np.uint32(settings.settle // 2)),
+        Constant("LEARN_SETTLED", np.uint32(settings.settle)),
+        Constant("LEARN_REFRESH_EVERY", np.uint32(settings.refresh)),
+        Constant("LEARN_WINDOW", np.uint32(settings.window)),
         Constant("LEARN_INFLATE_FIRST", found.inflate_first),
         Constant("LEARN_INFLATE", found.inflate),
         Constant("LEARN_PER_Y", found.per_y),
@@ -252,7 +242,8 @@ def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
     return [
         Section("Learner: plausible displacements, rest, levels of the innovation and how fast they follow.", levels),
         Section(
-            "Learner: outlier gate, dead zone, restart (ratios of mean squares), limits, forgetting 1/lambda.",
+            "Learner: outlier gate, dead zone, restart (ratios of mean squares), limits, updates, forgetting\n"
+            "1/lambda.",
             protections,
         ),
         Section(

@@ -50,7 +50,7 @@ Mask = NDArray[np.bool_]
 _VECTORS = ("d", "x", "theta", "theta_low", "reference", "f", "g", "l", "k")
 _NUMBERS = ("per_alpha", "inflate", "innovation_um", "fixed_um", "y_um", "u_V", "mean_u_V", "scale_um", "moving_um")
 _ERRORS = ("error", "reference_error", "step_error")
-_WORDS = ("phase", "fresh", "rested", "measuring", "since_refresh", "turn", "run", "age", "version", "status")
+_WORDS = ("phase", "fresh", "rested", "measuring", "since_refresh", "turn", "run", "age", "status")
 
 _LAST = np.uint32(0xFFFFFFFF)
 _ONE, _TWO, _FOUR, _ZERO = np.float32(1.0), np.float32(2.0), np.float32(4.0), np.float32(0.0)
@@ -83,7 +83,6 @@ class Learner:
         self.error, self.reference_error, self.step_error = scalar.copy(), scalar.copy(), scalar.copy()
         self.phase, self.fresh, self.rested, self.measuring = (word.copy() for _ in range(4))
         self.since_refresh, self.turn, self.run, self.age = (word.copy() for _ in range(4))
-        self.version: Words = word.copy()
         self.status: Words = word.copy()
         self.counters: dict[str, Words] = {name: word.copy() for name in LEARNER_COUNTERS}
         self.inputs, self.terms = copy.deepcopy(instance.inputs), copy.deepcopy(instance.terms)
@@ -173,7 +172,6 @@ class Learner:
             setattr(self, name, np.where(where, _ZERO, getattr(self, name)))
         for name in ("phase", "run", "age"):
             setattr(self, name, np.where(where, np.uint32(0), getattr(self, name)))
-        self.version = self.version + where.astype(np.uint32)
 
     def _take(self, where: Mask, y: Floats32) -> Floats32:
         """e = y - x' theta, which the running levels follow; then a restart or the beginning of an update."""
@@ -323,7 +321,6 @@ class Learner:
         self.theta = np.where(where, theta, self.theta)
         beyond = where & (bits_of(magnitude(theta)) >= bits_of(np.asarray(numbers.limit_um))).any(axis=0)
         self.phase = np.where(where, np.uint32(0), self.phase)
-        self.version = self.version + where.astype(np.uint32)
         self._note("restarts", beyond)
         self._restart(beyond)
         counted = where & ~beyond
