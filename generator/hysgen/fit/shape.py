@@ -92,13 +92,13 @@ def fit_shape(
 
 
 def residuals(model: Model, error: FreeRunError) -> list[Floats]:
-    """Free-run errors yhat - y of the scored samples, segment by segment."""
+    """Free-run errors yhat - y of the scored samples, each times the root of its weight, segment by segment."""
     rules = Rules(structure_of(model).range_um, model.consequents)
     found = []
     for segment, drive, trust in zip(error.record.segments, error.drives, error.trust, strict=True):
         w_um = term_output(model, drive)
         y_um, _ = kernels.free_run(rules, drive.u_V, w_um, float(segment.y_um[0]))
-        found.append((y_um - segment.y_um)[1:][trust[1:] > 0.0])
+        found.append((np.sqrt(trust) * (y_um - segment.y_um))[1:][trust[1:] > 0.0])
     return found
 
 
