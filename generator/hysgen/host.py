@@ -52,7 +52,7 @@ class Host:
         facts = {"name": name, "entries": list(self.entries.values()), "channels": self.channels}
         driver = render("driver.c.j2", facts)
         sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
-        declared = _declarations(header) + "".join(_driver_declaration(entry) for entry in self.entries.values())
+        declared = declarations(header) + "".join(_driver_declaration(entry) for entry in self.entries.values())
         declared += "int32_t driver_flushes(void);\n"
         self.selftested = f"{name}_selftest.h" in texts
         if self.selftested:
@@ -115,7 +115,7 @@ class Host:
         return out, trace
 
 
-def _declarations(header: str) -> str:
+def declarations(header: str) -> str:
     """What cffi is to know of a generated header: its text without comments and directives, sizes filled in."""
     text = re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
     sizes = dict(re.findall(r"^#define (\w+) (\d+)$", text, re.MULTILINE))
