@@ -45,7 +45,7 @@ def test_e_r_has_no_value_where_the_displacement_is_not_positive() -> None:
     record = record_of(([0.0] * 3, [-5.0, -4.0, -3.0]))
     found = score_prediction(record, [np.full(3, -4.0)])
     assert found.e_r_percent is None
-    assert "-" in score_lines([("x", found)])[1].split()
+    assert "-" in score_lines([("x", found)])[2].split()
     json.dumps(found.to_json(), allow_nan=False)
 
 

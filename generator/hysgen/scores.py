@@ -22,6 +22,7 @@ from hysgen.noise import NoiseFloor, noise_floor
 from hysgen.record import Record
 from hysgen.regression import Starts
 from hysgen.simulate import HorizonCurve, Run, free_run, horizon_curve, one_step
+from hysgen.tables import table
 
 Floats = NDArray[np.float64]
 
@@ -96,14 +97,17 @@ class Scores:
 
 def score_lines(rows: Sequence[tuple[str, Score]]) -> list[str]:
     """One line per named score under a heading, columns aligned."""
-    width = max(len(name) for name, _ in rows)
-    lines = [f"{'':{width}}  e_rms um    max um  max e_r %  of span %"]
-    for name, score in rows:
-        e_r = "-" if score.e_r_percent is None else f"{score.e_r_percent:.3f}"
-        lines.append(
-            f"{name:{width}}  {score.e_rms_um:8.5f}  {score.largest_um:8.5f}  {e_r:>9}  {score.of_span_percent:9.3f}"
-        )
-    return lines
+    cells = [
+        [
+            name,
+            f"{score.e_rms_um:.5f}",
+            f"{score.largest_um:.5f}",
+            "-" if score.e_r_percent is None else f"{score.e_r_percent:.3f}",
+            f"{score.of_span_percent:.3f}",
+        ]
+        for name, score in rows
+    ]
+    return table(["", "e_rms um", "max um", "max e_r %", "of span %"], cells).splitlines()
 
 
 def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int = 0) -> Score:

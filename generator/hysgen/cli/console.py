@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
@@ -13,28 +13,6 @@ from typing import Any, TextIO
 from hysgen.files import write_whole
 
 SECONDS_BETWEEN_PLAIN_LINES = 5.0
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Columns aligned by their widest cell: the first to the left, numbers to the right.
-
-    >>> print(table(["model", "rms"], [["base", "0.47"], ["extended", "0.1"]]))
-    model      rms
-    --------  ----
-    base      0.47
-    extended   0.1
-    """
-    cells = [list(header), *[list(row) for row in rows]]
-    widths = [max(len(row[j]) for row in cells) for j in range(len(header))]
-
-    def line(row: Sequence[str]) -> str:
-        aligned = [
-            row[0].ljust(widths[0]),
-            *[cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True)],
-        ]
-        return "  ".join(aligned).rstrip()
-
-    return "\n".join([line(cells[0]), "  ".join("-" * width for width in widths), *[line(row) for row in cells[1:]]])
 
 
 @dataclass

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import struct
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+from hysgen.tables import table
 
 SMALLEST_NORMAL = 0x00800000
 
@@ -74,25 +75,20 @@ class Report:
 
     def lines(self) -> list[str]:
         """The report as text: one line per function and model, then what was skipped and what differs."""
-        rows = [("model", "function", "samples", "builds", "result")]
+        rows = []
         keys = dict.fromkeys((run.model, run.function) for run in self.runs)
         for model, function in keys:
             runs = [run for run in self.runs if (run.model, run.function) == (model, function)]
             wrong = len({m.build for m in self.mismatches if (m.model, m.function) == (model, function)})
             total, builds = sum(run.samples for run in runs), max(run.builds for run in runs)
             rows.append((model, function, f"{total}", f"{builds}", f"{wrong} differ" if wrong else "equal"))
-        text = _table(rows)
+        text = [table(("model", "function", "samples", "builds", "result"), rows, left=2)]
         text += [f"builds: {', '.join(self.builds)}"]
         text += [f"NOT COMPARED: {reason}" for reason in self.skipped]
         text += [f"ALTERED: {reason}" for reason in self.altered]
         text += [f"DIFFERENT: {mismatch}" for mismatch in self.mismatches]
         verdict = "equal in every bit" if self.equal else "NOT EQUAL"
         return [*text, f"{self.model}: {verdict} over {self.samples} samples per build, {self.seconds:.1f} s"]
-
-
-def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
 
 
 def _shown(bits: int) -> str:

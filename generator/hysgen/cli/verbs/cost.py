@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysgen.cli.console import Console, table
+from hysgen.cli.console import Console
 from hysgen.cost import Cost, cost
 from hysgen.emit.manifest import read_folder
+from hysgen.tables import table
 from hysgen.target.generated import cycles
 
 

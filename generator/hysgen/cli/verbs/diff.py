@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from hysgen.cli.console import Console, table
+from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, read_records
 from hysgen.model_file import load_model
 from hysgen.revision import Comparison, compare
+from hysgen.tables import table
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

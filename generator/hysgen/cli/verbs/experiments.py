@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysgen.cli.console import Console, table
+from hysgen.cli.console import Console
 from hysgen.experiments.modelling import EXPERIMENTS, Outcome, repeat
 from hysgen.experiments.tracking import CASES, Tracking, track_case
 from hysgen.plots import style
 from hysgen.plots.experiments import modelling_figures, tracking_figure
+from hysgen.tables import table
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysgen.cli.console import Console, table
+from hysgen.cli.console import Console
 from hysgen.emit.manifest import read_folder
+from hysgen.tables import table
 from hysgen.target.generated import verify_on_target
 from hysgen.verify import DEFAULT_SAMPLES, DEFAULT_STRUCTURES, verify
 
