@@ -24,6 +24,7 @@ LAST_BIT = 2.0**-24
 
 TERMS: list[Term] = [
     Memory.uniform(10, 40.0),
+    Memory.polynomial(5, 3, -75.0, 95.0),
     Creep.spread(3, 1e-3, 10.0),
     Resonance((50.0, 730.0), (0.01, 0.3)),
     Periodic((50.0, 101.7)),
@@ -69,7 +70,7 @@ def mirrored(term: Term, over: Drive) -> np.ndarray[Any, Any]:
 
 
 def test_every_kind_stands_in_this_list() -> None:
-    assert sorted(kinds()) == sorted(term.kind for term in TERMS)
+    assert set(kinds()) == {term.kind for term in TERMS}
     assert all(isinstance(term, Term) for term in TERMS)
 
 
@@ -93,6 +94,8 @@ def test_mirror_agrees_with_float64(term: Term) -> None:
     # 1, which a mode multiplies by 1/zeta; coupling subtracts a middle 12 times its range; the sine claims 1.9e-7.
     claims = {"resonance": 2 + 1 / 0.01, "periodic": 1.9e-7 / LAST_BIT, "coupling": 13.0}
     error = np.abs(single - truth).max(axis=0) / (LAST_BIT * np.abs(truth).max(axis=0))
+    # T_3 multiplies the three roundings of its place by up to 9.
+    claims |= {"memory": 20.0} if isinstance(term, Memory) and term.degree > 1 else {}
     assert error.max() < claims.get(term.kind, 3.0)
 
 
@@ -101,7 +104,8 @@ def test_start_is_rest_under_a_constant_input(term: Term) -> None:
     phi = term.regressors(Drive(np.full(50, 37.5), TS_S, drive(50).aux))
     state = term.start(37.5)
     if term.kind in ("memory", "creep", "resonance"):
-        assert np.abs(phi - state).max() < 1e-13 * SPAN_V
+        assert np.abs(phi[:, : state.size] - state).max() < 1e-13 * SPAN_V
+        assert np.ptp(phi, axis=0).max() < 1e-13 * SPAN_V
 
 
 @by_kind
@@ -112,6 +116,8 @@ def test_a_segment_continues_from_the_state_of_the_one_before(term: Term) -> Non
     if isinstance(term, Coupling):
         taps = whole[cut].reshape(len(term.channels), term.taps)
         state = taps[:, :0:-1].ravel()
+    if isinstance(term, Memory):
+        state = state[: term.plays]
     assert over.innovation_um is not None
     rest = Drive(
         over.u_V[cut:],

@@ -29,12 +29,17 @@ from hysgen.terms.resonance import Resonance
 from hysgen.verify.induction import first_difference
 
 TERMS: list[Term] = [
-    Memory.uniform(5, 60.0),
+    Memory.polynomial(2, 3, -5.0, 105.0),
     Creep.spread(3, 1e-3, 10.0),
     Resonance((50.0, 730.0), (0.01, 0.3)),
     Periodic((50.0, 101.7)),
     Coupling(("temperature", "other drive [V]"), (20.0, -1.0), (24.0, 3.0), taps=3),
     Drift(0.01, 0.05),
+]
+OTHERS: list[Term] = [
+    Creep.spread(5, 1e-3, 10.0, shared=True),
+    Memory.uniform(5, 60.0),
+    Memory.polynomial(4, 2, -5.0, 105.0),
 ]
 BLOCKS: list[InputBlock] = [Saturation(-5.0, 95.0), Slew(2e6, 1.5e6), Delay(3.4)]
 FUNCTIONS = ("predict", "simulate", "inverse")
@@ -84,7 +89,7 @@ def assert_equal_bits(model: Model, function: str, samples: int, start_V: float 
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize("term", [*TERMS, Creep.spread(5, 1e-3, 10.0, shared=True)], ids=lambda term: term.kind)
+@pytest.mark.parametrize("term", [*TERMS, *OTHERS], ids=lambda term: f"{term.kind}{term.size}")
 def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None:
     assert_equal_bits(extended([term]), function, 20_000)
 

@@ -2,7 +2,11 @@
 
     z_j(k) = max(u(k) - r_j, min(u(k) + r_j, z_j(k-1)))        play (backlash) of half-width r_j [V]
     phi_j(k) = z_j(k-1)                                        taken before u(k) acts
+    phi(k)   = T_2(x_j), T_3(x_j)                              beside it up to `degree`, T_m Chebyshev's polynomials
+    x_j      = clamp((z_j(k-1) - middle) / half, -1, 1)        of where the play stands in `range_V`
 
+Plays alone weigh every level of the input alike. A Preisach operator with a density weighs by the level too: it is the
+sum over r of a function of z_r (Brokate and Sprekels, 1996, chapter 2.4), which T_2 and T_3 follow.
 The state one sample old costs nothing in accuracy and keeps the model affine in u(k). Thresholds beyond the largest
 half-amplitude in the record never move and cannot be identified, so they are placed inside it.
 Where the plays stand before a record is unknown: centred on u(0) by default, or as a past that `remembering` describes
@@ -12,65 +16,105 @@ Source: Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989); Brokate a
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from hysgen.arithmetic import LEAST
 from hysgen.kernels import play_operators
 from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+
+ONE = np.float32(1.0)
+ROOT_2 = np.float32(np.sqrt(2.0))
+"""T_2 as (sqrt(2) x - 1)(sqrt(2) x + 1): no product of two tiny numbers, so nothing becomes denormal."""
 
 
 @dataclass(frozen=True)
 class Memory:
-    """Play operators with half-widths `thresholds_V`, (n,) positive and rising.
+    """Play operators with half-widths `thresholds_V`, (m,) positive and rising.
 
-    Raises ValueError if they are not.
+    degree: 1, 2 or 3, of the polynomials; above 1 range_V must hold the lowest and the highest input.
+    Raises ValueError if they do not.
     """
 
     kind: ClassVar[str] = "memory"
     parts: ClassVar[tuple[str, ...]] = ()
     channels: ClassVar[tuple[str, ...]] = ()
     thresholds_V: tuple[float, ...]
+    degree: int = 1
+    range_V: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         r = np.asarray(self.thresholds_V, dtype=np.float64)
         if r.size == 0 or not np.isfinite(r).all() or r[0] <= 0 or (np.diff(r) <= 0).any():
             raise ValueError("thresholds_V must be positive and rising")
+        if self.degree not in (1, 2, 3):
+            raise ValueError("degree must be 1, 2 or 3")
+        if (self.range_V is None) != (self.degree == 1):
+            raise ValueError("range_V belongs to a degree above 1, and to no other")
+        if self.range_V is not None and not (np.isfinite(self.range_V).all() and self.range_V[0] < self.range_V[1]):
+            raise ValueError("range_V must hold the lowest input, then the highest")
 
     @classmethod
     def uniform(cls, count: int, largest_half_amplitude_V: float) -> Self:
         """`count` thresholds spread evenly inside (0, largest_half_amplitude_V)."""
         return cls(tuple(float(r) for r in largest_half_amplitude_V * np.arange(1, count + 1) / (count + 1)))
 
+    @classmethod
+    def polynomial(cls, count: int, degree: int, low_V: float, high_V: float) -> Self:
+        """`count` plays up to the half range, closer together near 0, where the small loops are decided."""
+        r = 0.5 * (high_V - low_V) * (np.arange(1, count + 1) / (count + 1)) ** 1.5
+        return cls(tuple(float(x) for x in r), degree, (low_V, high_V) if degree > 1 else None)
+
     @property
-    def size(self) -> int:
+    def plays(self) -> int:
+        """m: number of play operators."""
         return len(self.thresholds_V)
 
+    @property
+    def size(self) -> int:
+        return self.plays * self.degree
+
+    @property
+    def middle_and_half_V(self) -> tuple[float, float]:
+        """The middle and half the width of range_V, as float32 has them, so that model and C scale by the same."""
+        low, high = self.range_V or (-1.0, 1.0)
+        middle = np.float32(0.5 * (low + high))
+        return (float(middle) if abs(middle) >= LEAST else 0.0), 0.5 * (high - low)
+
     def scales(self, span_V: float) -> tuple[float, ...]:
-        return (span_V,) * self.size
+        return (span_V,) * self.plays + (1.0,) * (self.size - self.plays)
 
     def describe(self) -> str:
-        return f"{self.size} play operators, half-widths {self.thresholds_V[0]:.3g} .. {self.thresholds_V[-1]:.3g} V"
+        bent = "" if self.degree == 1 else f", polynomials up to degree {self.degree}"
+        widths = f"half-widths {self.thresholds_V[0]:.3g} .. {self.thresholds_V[-1]:.3g} V"
+        return f"{self.plays} play operators, {widths}{bent}"
 
     def regressors(self, drive: Drive) -> Floats:
-        """(n, size) play outputs in V, one sample old."""
+        """(n, size) play outputs in V, one sample old; then T_2 of every play, then T_3."""
         start = drive.start.get(self.kind, self.start(float(drive.u_V[0])))
         plays = play_operators(drive.u_V, np.asarray(self.thresholds_V), start)
-        return np.vstack([start[None, :], plays[:-1]])
+        z = np.vstack([start[None, :], plays[:-1]])
+        if self.degree == 1:
+            return z
+        middle, half = self.middle_and_half_V
+        x = np.clip((z - middle) / half, -1.0, 1.0)
+        return np.hstack([z, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x][: self.degree])
 
     def start(self, u_V: float) -> Floats:
-        return np.full(self.size, u_V)
+        return np.full(self.plays, u_V)
 
     def remembering(self, past_V: Sequence[float], u_V: float) -> Floats:
-        """(size,) state after an input that turned at each of past_V and then went to u_V.
+        """(m,) state after an input that turned at each of past_V and then went to u_V.
 
         The plays start centred on the first turn. One turn c gives the states clip(c, u - r_j, u + r_j): what is left
         of oscillations that died out around c, so that c is the one unknown of a stage that was switched on at rest.
         """
         turns = np.asarray([*past_V, u_V], dtype=np.float64)
-        track = play_operators(turns, np.asarray(self.thresholds_V), np.full(self.size, turns[0]))
+        track = play_operators(turns, np.asarray(self.thresholds_V), np.full(self.plays, turns[0]))
         return np.array(track[-1])
 
     def settled(self, drive: Drive) -> int:
@@ -85,8 +129,12 @@ class Memory:
         return None
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
-        """A play never leaves the range of its input, and two runs of it are never further apart than their inputs."""
-        return (1.0,) * self.size
+        """A play never leaves the range of its input, and two runs of it are never further apart than their inputs.
+
+        |T_m'| <= m^2 on [-1, 1].
+        """
+        half = self.middle_and_half_V[1]
+        return (1.0,) * self.plays + tuple(m * m / half for m in range(2, self.degree + 1) for _ in range(self.plays))
 
     def shape(self) -> Floats:
         """(1,) logarithm of the widest threshold; the others keep their ratio to it."""
@@ -94,35 +142,59 @@ class Memory:
 
     def with_shape(self, shape: Floats) -> Self:
         widen = float(np.exp(shape[0])) / self.thresholds_V[-1]
-        return type(self)(tuple(widen * r for r in self.thresholds_V))
+        return dataclasses.replace(self, thresholds_V=tuple(widen * r for r in self.thresholds_V))
 
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
         half = max(0.5 * float(np.ptp(drive.u_V)), np.finfo(np.float64).tiny)
         return np.log([0.05 * half]), np.log([half])
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> PlayMirror:
-        return PlayMirror(self.constants(Ts_s)["half_width"], u_V)
+        return PlayMirror(self.constants(Ts_s), self.degree, u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        return {"half_width": np.asarray(self.thresholds_V, dtype=np.float32)}
+        constants = {"half_width": np.asarray(self.thresholds_V, dtype=np.float32)}
+        if self.degree > 1:
+            middle, half = self.middle_and_half_V
+            constants["middle"] = np.array([middle], dtype=np.float32)
+            constants["per_half"] = np.array([1.0 / half], dtype=np.float32)
+        return constants
 
     def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "thresholds_V": list(self.thresholds_V)}
+        told: dict[str, Any] = {"kind": self.kind, "thresholds_V": list(self.thresholds_V)}
+        return told if self.range_V is None else {**told, "degree": self.degree, "range_V": list(self.range_V)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(tuple(float(r) for r in data["thresholds_V"]))
+        thresholds = tuple(float(r) for r in data["thresholds_V"])
+        if "range_V" not in data:
+            return cls(thresholds, int(data.get("degree", 1)))
+        low, high = (float(end) for end in data["range_V"])
+        return cls(thresholds, int(data["degree"]), (low, high))
 
 
 class PlayMirror(Mirror):
     """Float32 play operators over lanes; `low = u - r`, `high = u + r`, then the two comparisons of the C."""
 
-    def __init__(self, half_width: Floats32, u_V: Floats32) -> None:
-        self._half_width = half_width
-        self._play = [u_V.copy() for _ in half_width]
+    def __init__(self, constants: Mapping[str, Floats32], degree: int, u_V: Floats32) -> None:
+        self._half_width = constants["half_width"]
+        self._degree = degree
+        self._scale = [constants[name][0] for name in ("middle", "per_half")] if degree > 1 else []
+        self._play = [u_V.copy() for _ in self._half_width]
 
     def regressors(self) -> list[Floats32]:
-        return [play.copy() for play in self._play]
+        plays = [play.copy() for play in self._play]
+        if self._degree == 1:
+            return plays
+        places = [self._place(play) for play in plays]
+        even = [(ROOT_2 * x - ONE) * (ROOT_2 * x + ONE) for x in places]
+        odd = [x * ((t + t) - ONE) for x, t in zip(places, even, strict=True)]
+        return [*plays, *even, *odd][: len(plays) * self._degree]
+
+    def _place(self, play: Floats32) -> Floats32:
+        middle, per_half = self._scale
+        x = (play - middle) * per_half
+        x = np.where(x < -ONE, -ONE, x)
+        return np.where(x > ONE, ONE, x)
 
     def advance(self, u_V: Floats32) -> None:
         for j, r in enumerate(self._half_width):

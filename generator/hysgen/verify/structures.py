@@ -65,7 +65,7 @@ def faint_model() -> Model:
 def _terms(rng: np.random.Generator) -> list[Mapping[str, Any]]:
     count = int(rng.integers(1, 13))
     choices: list[Mapping[str, Any]] = [
-        {"kind": "memory", "thresholds_V": list(np.cumsum(rng.uniform(0.5, 8.0, count)))},
+        {"kind": "memory", "thresholds_V": list(np.cumsum(rng.uniform(0.5, 8.0, count))), **_bent(rng)},
         {"kind": "creep", "tau_s": sorted(rng.uniform(1e-3, 10.0, 3))},
         {"kind": "resonance", "f_Hz": [float(rng.uniform(100.0, 2000.0))], "zeta": [0.02]},
         {"kind": "periodic", "f_Hz": [50.0, 150.0]},
@@ -73,6 +73,12 @@ def _terms(rng: np.random.Generator) -> list[Mapping[str, Any]]:
         {"kind": "coupling", "channels": ["other"], "low": [0.0], "high": [40.0], "taps": int(rng.integers(1, 4))},
     ]
     return [choice for choice in choices if rng.random() < 0.4]
+
+
+def _bent(rng: np.random.Generator) -> Mapping[str, Any]:
+    """Polynomials of the plays, or none."""
+    degree = int(rng.integers(1, 4))
+    return {"degree": degree, "range_V": [-20.0, 100.0]} if degree > 1 else {}
 
 
 def _blocks(rng: np.random.Generator) -> list[Mapping[str, Any]]:
