@@ -47,7 +47,7 @@ class Host:
         self.name = name
         header = texts[f"{name}.h"]
         self.entries = {entry.name: entry for entry in entries(name, header)}
-        told = re.search(r"^#define \w+_CHANNELS (\d+)$", header, re.MULTILINE)
+        told = re.search(r"^#define \w+_CHANNELS (\d+)u$", header, re.MULTILINE)
         self.channels = int(told[1]) if told else 0
         facts = {"name": name, "entries": list(self.entries.values()), "channels": self.channels}
         driver = render("driver.c.j2", facts)
@@ -118,7 +118,7 @@ class Host:
 def declarations(header: str) -> str:
     """What cffi is to know of a generated header: its text without comments and directives, sizes filled in."""
     text = re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
-    sizes = dict(re.findall(r"^#define (\w+) (\d+)$", text, re.MULTILINE))
+    sizes = dict(re.findall(r"^#define (\w+) (\d+)u$", text, re.MULTILINE))
     text = re.sub(r"^#.*$", "", text, flags=re.MULTILINE)
     return re.sub(r"\[(\w+)\]", lambda match: f"[{sizes.get(match[1], match[1])}]", text)
 

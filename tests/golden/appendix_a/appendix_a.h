@@ -10,8 +10,8 @@
 
 #include <stdint.h>
 
-#define APPENDIX_A_RULES 6
-#define APPENDIX_A_BANK_RULES 6
+#define APPENDIX_A_RULES 6u
+#define APPENDIX_A_BANK_RULES 6u
 
 /* Bits of `status`, sticky until the caller clears them or calls appendix_a_init. */
 #define APPENDIX_A_STATUS_Y_CLAMPED          0x01u  /* a displacement lay outside the identified range and was limited to it */

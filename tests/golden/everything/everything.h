@@ -17,12 +17,12 @@
 
 #include <stdint.h>
 
-#define EVERYTHING_RULES 6
-#define EVERYTHING_BANK_RULES 6
-#define EVERYTHING_WEIGHTS 14
-#define EVERYTHING_CHANNELS 1
+#define EVERYTHING_RULES 6u
+#define EVERYTHING_BANK_RULES 6u
+#define EVERYTHING_WEIGHTS 14u
+#define EVERYTHING_CHANNELS 1u
 /* Every argument of everything_inverse belongs to a sample this much later than its result. */
-#define EVERYTHING_PREVIEW 3
+#define EVERYTHING_PREVIEW 3u
 
 /* Bits of `status`, sticky until the caller clears them or calls everything_init. */
 #define EVERYTHING_STATUS_Y_CLAMPED          0x01u  /* a displacement lay outside the identified range and was limited to it */

@@ -10,9 +10,9 @@
 
 #include <stdint.h>
 
-#define SMOOTH_50_RULES 50
-#define SMOOTH_50_WINDOW 11
-#define SMOOTH_50_BANK_RULES 60
+#define SMOOTH_50_RULES 50u
+#define SMOOTH_50_WINDOW 11u
+#define SMOOTH_50_BANK_RULES 60u
 
 /* Bits of `status`, sticky until the caller clears them or calls smooth_50_init. */
 #define SMOOTH_50_STATUS_Y_CLAMPED          0x01u  /* a displacement lay outside the identified range and was limited to it */
