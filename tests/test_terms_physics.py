@@ -199,3 +199,31 @@ def test_drift_stays_within_its_limit_in_float32() -> None:
     assert [float(bias) for bias in mirror.regressors()[0]] == [0.25, -0.25]
     mirror.correct(np.array([-0.1, 0.1], dtype=np.float32))
     assert abs(float(mirror.regressors()[0][0])) < 0.25
+
+
+def test_plays_with_polynomials_follow_a_preisach_density_that_plays_alone_do_not() -> None:
+    u = np.concatenate([level + size * np.sin(np.linspace(0, 6 * np.pi, 600)) for level, size in LOOPS])
+    r = np.linspace(0.02, 0.98, 60) * 50.0
+    plays = Memory(tuple(r)).regressors(Drive(u, TS_S, start={"memory": np.zeros(60)}))
+    # A density that falls with the level: loops are smaller high up than low down.
+    target = (plays - 0.004 * plays**2) @ np.exp(-r / 20.0)
+    left = []
+    for degree in (1, 2, 3):
+        phi = Memory.polynomial(6, degree, -50.0, 50.0).regressors(Drive(u, TS_S, start={"memory": np.zeros(6)}))
+        phi = np.column_stack([phi, u**0, u, u**2])
+        left.append(float(np.std(target - phi @ np.linalg.lstsq(phi, target, rcond=None)[0])))
+    assert left[1] < 0.3 * left[0]
+    assert left[2] <= left[1]
+
+
+LOOPS = ((0.0, 50.0), (20.0, 25.0), (-25.0, 20.0), (30.0, 15.0), (0.0, 10.0), (-30.0, 15.0))
+
+
+def test_gain_of_a_polynomial_play_is_its_steepest_slope_and_no_more() -> None:
+    plays = Memory.polynomial(4, 3, -20.0, 60.0)
+    u = np.concatenate([np.linspace(-20.0, 60.0, 4001), np.linspace(60.0, -20.0, 4001)])
+    phi = plays.regressors(Drive(u, TS_S))
+    steepest = np.abs(np.diff(phi, axis=0)).max(axis=0) / np.abs(np.diff(u)).max()
+    bounds = np.array(plays.gains(TS_S))
+    assert (steepest <= bounds * (1 + 1e-9)).all()
+    assert (steepest > 0.97 * bounds).all()  # 4000 steps resolve the steepest place of T_3 to 1 %

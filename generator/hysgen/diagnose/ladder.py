@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnose.extension import Extension
-from hysgen.diagnose.prepare import Prepared
+from hysgen.diagnose.prepare import Prepared, reach_um
 from hysgen.errors import FitError
 from hysgen.fit import FitSettings, fit
 from hysgen.learning import LearnerSettings
@@ -87,7 +87,14 @@ def climb(
         trust[skip] = 0.0
     level = levelled(prepared, chosen)
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
-    asked = dataclasses.replace(settings, terms=terms, blocks=blocks, settle=0, input_range_V=prepared.record.u_range_V)
+    asked = dataclasses.replace(
+        settings,
+        terms=terms,
+        blocks=blocks,
+        settle=0,
+        input_range_V=prepared.record.u_range_V,
+        displacement_range_um=reach_um(prepared),
+    )
     weights = _by_segment(trust, [s.samples for s in part.segments])
     try:
         model = fit(part, asked, trust=weights)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnose.probe import Operator, Run, Scene
 from hysgen.errors import RecordError
+from hysgen.kernels.poles import lag_states
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
@@ -27,6 +28,9 @@ FEWEST = 400
 
 SETTLED_RANGE = 0.9
 """The first excursion has settled the memory once the input has run through this share of its range."""
+
+LAGS = (0.3, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0)
+"""Time constants in samples among which the range that a command reaches is looked for."""
 
 LATEST_SETTLED, EARLIEST_SETTLED = 0.3, 0.03
 """If that takes longer than the first share of a segment, it counts as settled at the second, and the start guessed."""
@@ -74,6 +78,28 @@ class Prepared:
         # The range is that of the whole command, which is known beforehand; the probe must not extrapolate.
         low_V, high_V = self.record.u_range_V
         return Scene(runs, self.record.Ts_s, self.fit_rows, Operator(low_V, high_V))
+
+
+def reach_um(prepared: Prepared) -> tuple[float, float]:
+    """The range of displacement that the whole command will visit, as far as the identification part tells.
+
+        y(k) = c + g x(k),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k))
+
+    c, g and tau from the identification part, x from the whole command, which is known beforehand. A model whose grid
+    ends where the identification part ends could not follow a plateau that it only ever touched in passing.
+    """
+    record, rows = prepared.record, prepared.fit_rows
+    y_um = prepared.y_um
+    best, reached = np.inf, prepared.identification().y_range_um
+    for lag in LAGS:
+        rate = np.array([-np.expm1(-1.0 / lag)])
+        x = np.concatenate([lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments])
+        gain, offset = np.polyfit(x[rows], y_um[rows], 1)
+        left = float(np.mean((y_um[rows] - offset - gain * x[rows]) ** 2))
+        if left < best:
+            ends = sorted((offset + gain * float(x.min()), offset + gain * float(x.max())))
+            best, reached = left, (ends[0], ends[1])
+    return reached
 
 
 def prepare(record: Record, holdout: Record | None = None, identify: float = IDENTIFY) -> Prepared:

@@ -38,7 +38,9 @@ GAIN_FLOOR, GAIN_CEILING = 0.05, 4.0
 LOOP_LIMIT = 0.95
 """Small gain that the nonlinear terms may have around the inverse."""
 
-ROUNDS = 60
+ROUNDS = 400
+"""Rounds of adding half-spaces: 30 weights of nonlinear terms took up to 120, each sign of a weight being one."""
+
 VIOLATION = 1e-6
 """By how much of a limit a half-space may be missed."""
 

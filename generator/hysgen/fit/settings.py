@@ -23,6 +23,7 @@ class FitSettings:
     forgetting: lambda; alpha: P(0) = alpha I, i.e. a prior of weight 1/alpha; epsilon: q(0) = epsilon [1, 1, ...].
     margin: part of the displacement range added to the grid at each end; the paper's is 0.
     input_range_V: for which the model is to answer; None: what the record holds.
+    displacement_range_um: that the grid covers in any case; None: what the record holds.
     terms: extension terms, fitted together with the rules. blocks: what the input passes through before the stage.
     settle: samples at the start of each segment that are simulated but not scored in the refinement, because the state
     of the terms before the record is unknown; None: until the terms have forgotten it, but at most a quarter of the
@@ -41,6 +42,7 @@ class FitSettings:
     epsilon: float = 0.0
     margin: float = 0.0
     input_range_V: tuple[float, float] | None = None
+    displacement_range_um: tuple[float, float] | None = None
     terms: tuple[Term, ...] = ()
     blocks: tuple[InputBlock, ...] = ()
     settle: int | None = None

@@ -3,7 +3,8 @@
     z_j(k) = max(u(k) - r_j, min(u(k) + r_j, z_j(k-1)))        play (backlash) of half-width r_j [V]
     phi_j(k) = z_j(k-1)                                        taken before u(k) acts
     phi(k)   = T_2(x_j), T_3(x_j)                              beside it up to `degree`, T_m Chebyshev's polynomials
-    x_j      = clamp((z_j(k-1) - middle) / half, -1, 1)        of where the play stands in `range_V`
+    x_j      = clamp((z_j(k-1) - middle) / half, -a_j, a_j)    of where the play stands in range_V; a_j = 1 - r_j/half,
+                                                               for no play that was moved once stands further out
 
 Plays alone weigh every level of the input alike. A Preisach operator with a density weighs by the level too: it is the
 sum over r of a function of z_r (Brokate and Sprekels, 1996, chapter 2.4), which T_2 and T_3 follow.
@@ -57,6 +58,8 @@ class Memory:
             raise ValueError("range_V belongs to a degree above 1, and to no other")
         if self.range_V is not None and not (np.isfinite(self.range_V).all() and self.range_V[0] < self.range_V[1]):
             raise ValueError("range_V must hold the lowest input, then the highest")
+        if self.range_V is not None and r[-1] >= 0.5 * (self.range_V[1] - self.range_V[0]):
+            raise ValueError("thresholds_V must lie below half the width of range_V")
 
     @classmethod
     def uniform(cls, count: int, largest_half_amplitude_V: float) -> Self:
@@ -85,6 +88,11 @@ class Memory:
         middle = np.float32(0.5 * (low + high))
         return (float(middle) if abs(middle) >= LEAST else 0.0), 0.5 * (high - low)
 
+    @property
+    def reach(self) -> Floats:
+        """(m,) a_j: largest |x_j|."""
+        return np.asarray(1.0 - np.asarray(self.thresholds_V) / self.middle_and_half_V[1])
+
     def scales(self, span_V: float) -> tuple[float, ...]:
         return (span_V,) * self.plays + (1.0,) * (self.size - self.plays)
 
@@ -101,7 +109,7 @@ class Memory:
         if self.degree == 1:
             return z
         middle, half = self.middle_and_half_V
-        x = np.clip((z - middle) / half, -1.0, 1.0)
+        x = np.clip((z - middle) / half, -self.reach, self.reach)
         return np.hstack([z, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x][: self.degree])
 
     def start(self, u_V: float) -> Floats:
@@ -131,10 +139,11 @@ class Memory:
     def gains(self, Ts_s: float) -> tuple[float, ...]:
         """A play never leaves the range of its input, and two runs of it are never further apart than their inputs.
 
-        |T_m'| <= m^2 on [-1, 1].
+        |T_2'| <= 4 a and |T_3'| <= max(3, 12 a^2 - 3) on [-a, a].
         """
-        half = self.middle_and_half_V[1]
-        return (1.0,) * self.plays + tuple(m * m / half for m in range(2, self.degree + 1) for _ in range(self.plays))
+        half, a = self.middle_and_half_V[1], self.reach
+        steepest = np.concatenate([4.0 * a, np.maximum(3.0, 12.0 * a * a - 3.0)]) / half
+        return (1.0,) * self.plays + tuple(float(x) for x in steepest[: self.size - self.plays])
 
     def shape(self) -> Floats:
         """(1,) logarithm of the widest threshold; the others keep their ratio to it."""
@@ -157,6 +166,7 @@ class Memory:
             middle, half = self.middle_and_half_V
             constants["middle"] = np.array([middle], dtype=np.float32)
             constants["per_half"] = np.array([1.0 / half], dtype=np.float32)
+            constants["reach"] = self.reach.astype(np.float32)
         return constants
 
     def to_json(self) -> dict[str, Any]:
@@ -178,23 +188,23 @@ class PlayMirror(Mirror):
     def __init__(self, constants: Mapping[str, Floats32], degree: int, u_V: Floats32) -> None:
         self._half_width = constants["half_width"]
         self._degree = degree
-        self._scale = [constants[name][0] for name in ("middle", "per_half")] if degree > 1 else []
+        self._bend = [constants[name] for name in ("middle", "per_half", "reach")] if degree > 1 else []
         self._play = [u_V.copy() for _ in self._half_width]
 
     def regressors(self) -> list[Floats32]:
         plays = [play.copy() for play in self._play]
         if self._degree == 1:
             return plays
-        places = [self._place(play) for play in plays]
+        places = [self._place(j, play) for j, play in enumerate(plays)]
         even = [(ROOT_2 * x - ONE) * (ROOT_2 * x + ONE) for x in places]
         odd = [x * ((t + t) - ONE) for x, t in zip(places, even, strict=True)]
         return [*plays, *even, *odd][: len(plays) * self._degree]
 
-    def _place(self, play: Floats32) -> Floats32:
-        middle, per_half = self._scale
-        x = (play - middle) * per_half
-        x = np.where(x < -ONE, -ONE, x)
-        return np.where(x > ONE, ONE, x)
+    def _place(self, j: int, play: Floats32) -> Floats32:
+        middle, per_half, reach = self._bend
+        x = (play - middle[0]) * per_half[0]
+        x = np.where(x < -reach[j], -reach[j], x)
+        return np.asarray(np.where(x > reach[j], reach[j], x))
 
     def advance(self, u_V: Floats32) -> None:
         for j, r in enumerate(self._half_width):

@@ -78,7 +78,7 @@ def _terms(rng: np.random.Generator) -> list[Mapping[str, Any]]:
 def _bent(rng: np.random.Generator) -> Mapping[str, Any]:
     """Polynomials of the plays, or none."""
     degree = int(rng.integers(1, 4))
-    return {"degree": degree, "range_V": [-20.0, 100.0]} if degree > 1 else {}
+    return {"degree": degree, "range_V": [-100.0, 120.0]} if degree > 1 else {}
 
 
 def _blocks(rng: np.random.Generator) -> list[Mapping[str, Any]]:
