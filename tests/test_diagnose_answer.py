@@ -12,12 +12,9 @@ import pytest
 
 from hysgen.bank.scenario import Scenario, scenario
 from hysgen.diagnose import DiagnoseSettings, Diagnosis, diagnose
-from hysgen.diagnose.misfit import misfit
 from hysgen.diagnose.procedure import name_causes
 from hysgen.errors import RecordError
 from hysgen.fit import FitSettings
-from hysgen.plots.diagnosis import error_figure, ladder_figure, misfit_figure
-from hysgen.plots.style import png_bytes
 from hysgen.record import Record
 from hysgen.stage import run as measure
 
@@ -67,13 +64,6 @@ def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]
 
 def test_same_record_gives_the_same_answer(hum: tuple[Record, Diagnosis]) -> None:
     assert diagnose(hum[0], settings=QUICK).to_json() == hum[1].to_json()
-
-
-def test_pictures_are_drawn_the_same_every_time(hum: tuple[Record, Diagnosis]) -> None:
-    record, found = hum
-    wrong = misfit(found.base, record, found.noise.rms_um)
-    for draw in (lambda: misfit_figure(wrong), lambda: ladder_figure(found), lambda: error_figure(found, record.Ts_s)):
-        assert png_bytes(draw()) == png_bytes(draw())
 
 
 def test_separate_holdout_is_scored_and_not_fitted() -> None:

@@ -108,14 +108,17 @@ def one_step(model: Model, record: Record, starts: Starts | None = None) -> tupl
 
 
 def horizon_curve(
-    model: Model, record: Record, steps: Sequence[int] | None = None, starts: Starts | None = None
+    model: Model, record: Record, steps: Sequence[int] | None = None, starts: Starts | None = None, first: int = 0
 ) -> HorizonCurve:
     """Error against the horizon over all segments; a drift term holds what it knew at each start.
 
     steps: rising numbers of samples; by default 1, 2, 5, 10, ... up to a quarter of the shortest segment.
+    first: rows of the record before it move the states of the terms, but are not scored.
     Raises RecordError if a segment is shorter than the longest horizon or the sampling period is not the model's.
     """
-    shortest = min(segment.samples for segment in record.segments)
+    ends = np.cumsum([segment.samples for segment in record.segments])
+    scored = [min(max(int(end) - first, 0), s.samples) for end, s in zip(ends, record.segments, strict=True)]
+    shortest = min((count for count in scored if count), default=0)
     horizons = np.array(sorted(set(steps)) if steps else default_horizons(shortest), dtype=np.int64)
     if horizons[0] < 1 or horizons[-1] >= shortest:
         raise RecordError(
@@ -124,15 +127,16 @@ def horizon_curve(
     square, largest = np.zeros(horizons.size), np.zeros(horizons.size)
     count = np.zeros(horizons.size, dtype=np.int64)
     decade = np.array([len(str(step)) for step in horizons])
-    for part in _driven(model, record, starts):
+    for part, kept in zip(_driven(model, record, starts), scored, strict=True):
+        begin = part.segment.samples - kept
         for group in (decade == value for value in np.unique(decade)):
-            stride = max(1, -(-part.segment.samples * int(horizons[group][-1]) // STEPS_PER_DECADE))
+            stride = max(1, -(-kept * int(horizons[group][-1]) // STEPS_PER_DECADE))
             sums = kernels.horizon_errors(
                 rules_of(model),
-                part.drive.u_V,
-                part.w_um,
-                part.bias_um,
-                part.segment.y_um,
+                part.drive.u_V[begin:],
+                part.w_um[begin:],
+                part.bias_um[begin:],
+                part.segment.y_um[begin:],
                 stride,
                 horizons[group],
             )

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.errors import RecordError
 from hysgen.model import Model
 from hysgen.record import Record
 from hysgen.simulate import HorizonCurve, free_run, horizon_curve
@@ -81,18 +82,26 @@ class Misfit:
         }
 
 
-def misfit(model: Model, record: Record, noise_um: float = 0.0) -> Misfit:
+def misfit(
+    model: Model, record: Record, noise_um: float = 0.0, error_um: Floats | None = None, first: int = 0
+) -> Misfit:
     """What a model's free run over a record gets wrong; noise_um: the noise floor.
 
-    Raises RecordError if the record's sampling period is not the model's.
+    error_um: (n,) simulated - measured over the joined record, if it is known already.
+    first: rows before it only lead up to what is looked at.
+    Raises RecordError if the record's sampling period is not the model's, or no row is left.
     """
-    runs = free_run(model, record)
-    errors = [run.y_um - s.y_um for run, s in zip(runs, record.segments, strict=True)]
-    error = np.concatenate(errors)
+    if not 0 <= first < record.samples:
+        raise RecordError(f"{record.source}: no row is left from row {first} on; it has {record.samples}")
+    if error_um is None:
+        runs = free_run(model, record)
+        error_um = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, record.segments, strict=True)])
+    pieces = np.split(error_um, np.cumsum([s.samples for s in record.segments])[:-1])
     swings = [_swings(s.u_V, record.Ts_s) for s in record.segments]
-    time_s = np.concatenate([record.Ts_s * np.arange(s.samples, dtype=np.float64) for s in record.segments])
-    level_V = np.concatenate([s.u_V for s in record.segments])
-    amplitude_V, f_Hz, direction, since_s = (np.concatenate(parts) for parts in zip(*swings, strict=True))
+    time_s = np.concatenate([record.Ts_s * np.arange(s.samples, dtype=np.float64) for s in record.segments])[first:]
+    level_V = np.concatenate([s.u_V for s in record.segments])[first:]
+    amplitude_V, f_Hz, direction, since_s = (np.concatenate(parts)[first:] for parts in zip(*swings, strict=True))
+    error = error_um[first:]
     profiles = (
         profile("amplitude of the swing", "V", amplitude_V, error),
         profile("frequency of the swing", "Hz", f_Hz, error, logarithmic=True),
@@ -106,10 +115,19 @@ def misfit(model: Model, record: Record, noise_um: float = 0.0) -> Misfit:
         rms_um=float(np.sqrt(power)),
         largest_um=float(np.abs(error).max()),
         above_noise=max(0.0, 1.0 - noise_um**2 / max(power, 1e-300)),
-        horizon=horizon_curve(model, record),
+        horizon=horizon_curve(model, record, first=first),
         profiles=profiles,
-        spectrum=spectrum(max(errors, key=len), record.Ts_s),
+        spectrum=spectrum(max(_from(pieces, first), key=len), record.Ts_s),
     )
+
+
+def _from(pieces: Sequence[Floats], first: int) -> list[Floats]:
+    """The pieces without the `first` rows of their whole."""
+    kept, at = [], 0
+    for piece in pieces:
+        kept.append(piece[max(first - at, 0) :])
+        at += len(piece)
+    return kept
 
 
 def profile(
@@ -138,6 +156,16 @@ def profile(
     return Profile(
         quantity, unit, tuple(bounds.tolist()), tuple(rms.tolist()), tuple(mean.tolist()), tuple(samples.tolist())
     )
+
+
+def spread(profile: Profile) -> str:
+    """Smallest and largest rms of a profile, and where, in words."""
+    rms = np.array(profile.rms_um)
+    edges = zip(profile.edges[:-1], profile.edges[1:], strict=True)
+    named = profile.unit.split(", ")
+    centres = named if len(named) == len(rms) else [f"{0.5 * (a + b):.3g} {profile.unit}" for a, b in edges]
+    low, high = int(np.nanargmin(rms)), int(np.nanargmax(rms))
+    return f"{rms[low]:.2g} um ({centres[low]}) .. {rms[high]:.2g} um ({centres[high]})"
 
 
 def spectrum(error_um: Floats, Ts_s: float, bands: int = 60) -> Spectrum:

@@ -38,12 +38,12 @@ class DiagnoseSettings:
 
     fit: settings of the Takagi-Sugeno fits; terms and blocks are the ladder's to choose.
     identify: share of a single record that is used for identification.
-    price: cycles and bytes of a model, if known (the command line passes the cost model).
+    price: cycles and bytes of a model, or None where they are not known (`hysgen.report.price`).
     """
 
     fit: FitSettings = field(default_factory=FitSettings)
     identify: float = 0.65
-    price: Callable[[Model], Price] | None = None
+    price: Callable[[Model], Price | None] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,4 +244,6 @@ def _price(before: Model, after: Model, settings: DiagnoseSettings) -> Price | N
     if settings.price is None:
         return None
     low, high = settings.price(before), settings.price(after)
+    if low is None or high is None:
+        return None
     return Price(high.cycles - low.cycles, high.bytes - low.bytes)

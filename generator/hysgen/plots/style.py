@@ -50,6 +50,13 @@ def png_bytes(fig: Figure, dpi: int = 150) -> bytes:
     return stream.getvalue()
 
 
+def svg_bytes(fig: Figure) -> bytes:
+    """The figure as SVG, text as outlines; the same figure gives the same bytes (salted names, no date)."""
+    stream = io.BytesIO()
+    fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return stream.getvalue()
+
+
 def save(fig: Figure, path: Path) -> Path:
     """Write the figure whole, as PNG."""
     write_whole(path, png_bytes(fig))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 
 import numpy as np
@@ -105,6 +106,21 @@ def horizon(
     axes.set(xlabel="horizon [ms]", ylabel="error rms [µm]", title=title)
     axes.legend(loc="upper left")
     return fig
+
+
+def envelope(t_s: Floats, values: Floats, pieces: int = 1000) -> tuple[Floats, Floats]:
+    """Lowest and highest value of each of `pieces` stretches, in the order of time: no peak is lost in thinning.
+
+    t_s, values: (n,). Returns the samples as they are if there are few.
+    """
+    if values.size <= 2 * pieces:
+        return t_s, values
+    bounds = np.linspace(0, values.size, pieces + 1).astype(np.intp)
+    kept = []
+    for low, high in itertools.pairwise(bounds):
+        part = values[low:high]
+        kept += sorted({low + int(part.argmin()), low + int(part.argmax())})
+    return t_s[kept], values[kept]
 
 
 def thinned(samples: int) -> slice:

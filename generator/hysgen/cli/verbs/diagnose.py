@@ -12,9 +12,13 @@ from pathlib import Path
 from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, parse_rows, read_records
 from hysgen.cli.verbs.fit import c_name
-from hysgen.diagnose import DiagnoseSettings, diagnose
+from hysgen.diagnose import DiagnoseSettings
+from hysgen.diagnose.study import Study, study
+from hysgen.files import write_whole
 from hysgen.fit import FitSettings
 from hysgen.model_file import save_model
+from hysgen.report.price import price_of
+from hysgen.report.terminal import diagnosis_text
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,6 +26,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rows", metavar="A:B", help="identify on rows A to B and hold the rows after B out")
     parser.add_argument("--holdout", nargs="+", metavar="RECORD", help="records to score on instead of the last part")
     parser.add_argument("-o", "--output", metavar="MODEL", help="write the extended model")
+    parser.add_argument("--plots", metavar="DIR", help="write the pictures, as PNG")
+    parser.add_argument("--report", metavar="FILE.html", help="write the report: one page that needs no other file")
     parser.add_argument("--rules", type=int, default=FitSettings().rules, help="fuzzy rules L (default %(default)s)")
     add_record_options(parser)
 
@@ -35,11 +41,27 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             holdout = record.rows(stop, record.samples)
         record = record.rows(start, stop)
     name = c_name(arguments.output) if arguments.output else "stage"
-    settings = DiagnoseSettings(fit=FitSettings(name=name, rules=arguments.rules))
-    found = diagnose(record, holdout, settings, console.progress)
-    console.say(found.table())
+    settings = DiagnoseSettings(fit=FitSettings(name=name, rules=arguments.rules), price=price_of)
+    found = study(record, holdout, settings, console.progress)
+    console.say(diagnosis_text(found) + "\n")
     if arguments.output:
-        save_model(found.model, Path(arguments.output))
-        console.say(f"\nwritten: {arguments.output}")
+        save_model(found.diagnosis.model, Path(arguments.output))
+        console.say(f"written: {arguments.output}")
+    if arguments.plots:
+        for path in write_pictures(found, Path(arguments.plots)):
+            console.say(f"written: {path}")
+    if arguments.report:
+        from hysgen.report.diagnosis import diagnosis_page
+
+        write_whole(Path(arguments.report), diagnosis_page(found).html())
+        console.say(f"written: {arguments.report}")
     console.write_json(found.to_json())
     return 0
+
+
+def write_pictures(found: Study, folder: Path) -> list[Path]:
+    """Every picture of the diagnosis as PNG."""
+    from hysgen.plots import style
+    from hysgen.plots.diagnosis import pictures
+
+    return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in pictures(found)]

@@ -1,0 +1,113 @@
+"""A diagnosis beside the record it was made of: what people look at, as numbers and as pictures."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnose.diagnosis import Diagnosis
+from hysgen.diagnose.misfit import Misfit, misfit
+from hysgen.diagnose.prepare import prepare
+from hysgen.diagnose.procedure import DiagnoseSettings, Progress, diagnose
+from hysgen.record import Record
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """The longest stretch of held-out samples in one segment, (n,) each; simulated by the base and the extended model.
+
+    A ramp or a change of gain that the diagnosis named counts as followed in `extended_um`.
+    """
+
+    t_s: Floats
+    u_V: Floats
+    measured_um: Floats
+    base_um: Floats
+    extended_um: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """record: identification and held-out part joined; cut: first held-out row.
+
+    before, after: error of the held-out part, of the base and of the extended model.
+    span_um: range of the displacement over the whole record, what percentages refer to.
+    """
+
+    diagnosis: Diagnosis
+    record: Record
+    cut: int
+    before: Misfit
+    after: Misfit
+    span_um: float
+
+    @property
+    def improved(self) -> bool:
+        """Whether there is an extended model to show beside the base."""
+        return bool(self.diagnosis.causes)
+
+    def percent(self, rms_um: float) -> float:
+        """An error as a percentage of the span."""
+        return 100.0 * rms_um / self.span_um
+
+    def held_out(self) -> Stretch:
+        """What was measured and simulated where nothing was fitted."""
+        edges = np.cumsum([0, *(segment.samples for segment in self.record.segments)])
+        rows = self.diagnosis.held_rows
+        parts = [rows[(rows >= low) & (rows < high)] for low, high in itertools.pairwise(edges)]
+        number = int(np.argmax([len(part) for part in parts]))
+        segment, offset = self.record.segments[number], int(edges[number])
+        chosen = slice(int(parts[number][0]), int(parts[number][-1]) + 1)
+        inside = slice(chosen.start - offset, chosen.stop - offset)
+        measured = segment.y_um[inside]
+        base, extended = (self.diagnosis.errors_um[i][1][chosen] for i in (0, -1))
+        time_s = segment.start_s + self.record.Ts_s * np.arange(inside.start, inside.stop, dtype=np.float64)
+        return Stretch(time_s, segment.u_V[inside], measured, measured + base, measured + extended)
+
+    def to_json(self) -> dict[str, Any]:
+        """The diagnosis, and the error of the held-out part sorted by everything, as plain JSON values."""
+        return self.diagnosis.to_json() | {
+            "record": {
+                "source": self.record.source,
+                "digest": self.record.digest,
+                "samples": self.record.samples,
+                "identified_rows": [0, self.cut],
+                "span_um": self.span_um,
+            },
+            "error_of_base": self.before.to_json(),
+            "error_of_extended": self.after.to_json(),
+        }
+
+
+def study(
+    record: Record,
+    holdout: Record | None = None,
+    settings: DiagnoseSettings | None = None,
+    progress: Progress | None = None,
+) -> Study:
+    """Diagnose a record and sort the error of its held-out part. Raises RecordError or FitError with one line."""
+    chosen = settings or DiagnoseSettings()
+    return studied(diagnose(record, holdout, chosen, progress), record, holdout, chosen.identify)
+
+
+def studied(diagnosis: Diagnosis, record: Record, holdout: Record | None, identify: float) -> Study:
+    """A diagnosis that was made of these records, with the error of its held-out part."""
+    prepared = prepare(record, holdout, identify)
+    first, noise_um = int(diagnosis.held_rows[0]), diagnosis.noise.rms_um
+    low_um, high_um = prepared.record.y_range_um
+    base, extended = diagnosis.errors_um[0][1], diagnosis.errors_um[-1][1]
+    return Study(
+        diagnosis,
+        prepared.record,
+        prepared.cut,
+        misfit(diagnosis.base, prepared.record, noise_um, base, first),
+        misfit(diagnosis.model, prepared.record, noise_um, extended, first),
+        max(high_um - low_um, math.ulp(1.0)),
+    )

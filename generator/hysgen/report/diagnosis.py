@@ -1,0 +1,166 @@
+"""The report of a diagnosis: one page that a colleague understands without running anything."""
+
+from __future__ import annotations
+
+from hysgen.certificates import certify
+from hysgen.cost import Cost, cost_of_texts
+from hysgen.diagnose.study import Study
+from hysgen.emit import Options, generate
+from hysgen.errors import HysgenError
+from hysgen.plots.diagnosis import pictures
+from hysgen.plots.picture import Picture
+from hysgen.report.page import KeyFigure, Page, Section, Table
+from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
+from hysgen.report.words import ladder_header, ladder_rows, parameter_text, price_of_all, verdict
+from hysgen.verify import verify_texts
+from hysgen.verify.report import Report
+
+SAMPLES = 100_000
+"""Samples of each build over which the report compares the generated C."""
+
+
+def diagnosis_page(study: Study) -> Page:
+    """The whole report. Generates the extended model's C, compares it on this machine, and counts its cost."""
+    drawn = {picture.name: picture for picture in pictures(study)}
+    report, price, why_not = _proof(study)
+    return Page(
+        title=f"{named(study.record.source)}: what the simulation gets wrong",
+        lead=verdict(study),
+        figures=key_figures(study, report, price),
+        sections=[
+            _loops(drawn),
+            _error(drawn, study),
+            _causes(study),
+            _ladder(drawn, study),
+            model_section(study.diagnosis.model),
+            equivalence_section(report, why_not),
+            cost_section(price, why_not),
+            provenance_section(
+                study.diagnosis.model,
+                [
+                    ("record", study.record.source),
+                    ("record SHA-256", study.record.digest),
+                    ("identified on", f"rows 0 to {study.cut - 1}"),
+                    ("scored on", f"rows {study.cut} to {study.record.samples - 1}"),
+                    ("sampling period", f"{study.record.Ts_s:.6g} s"),
+                ],
+            ),
+        ],
+    )
+
+
+def named(source: str) -> str:
+    """The file of a record, without the rows that were taken of it.
+
+    >>> named("a.csv[0:50], a.csv[50:99]")
+    'a.csv'
+    """
+    return ", ".join(dict.fromkeys(part.partition("[")[0] for part in source.split(", ")))
+
+
+def key_figures(study: Study, report: Report | None, price: Cost | None) -> list[KeyFigure]:
+    """What to remember of the page."""
+    found = study.diagnosis
+    figures = [
+        KeyFigure("free run, paper's model", f"{found.base_rms_um:.3g} µm", f"{_span(study, found.base_rms_um)}"),
+    ]
+    if study.improved:
+        extended = found.extended_rms_um
+        figures.append(KeyFigure("free run, extended", f"{extended:.3g} µm", _span(study, extended)))
+    figures.append(KeyFigure("noise floor", f"{found.noise.rms_um:.2g} µm", f"from {found.noise.source}"))
+    total = price_of_all(study)
+    if total is not None:
+        note = f"+{total.bytes} bytes" + (f"; {100 * price.share:.2g} % of a sample in all" if price else "")
+        figures.append(KeyFigure("price a sample", f"+{total.cycles} cycles", note))
+    if report is not None:
+        figures.append(
+            KeyFigure(
+                "generated C", "equal bits" if report.equal else "NOT EQUAL", f"{report.samples} samples per build"
+            )
+        )
+    return figures
+
+
+def _loops(drawn: dict[str, Picture]) -> Section:
+    return Section(
+        "Measured and simulated loops",
+        text=["Held-out part of the record: no choice was made on it. Grey is measured."],
+        pictures=[drawn[name] for name in ("loops-before", "loops-after") if name in drawn],
+    )
+
+
+def _error(drawn: dict[str, Picture], study: Study) -> Section:
+    named = [drawn[name] for name in drawn if name in ("horizon", "time", "spectrum") or name.startswith("error-by-")]
+    after = f", {100 * study.after.above_noise:.0f} % of that of the extended model" if study.improved else ""
+    return Section(
+        "Where the error lies",
+        text=[
+            f"{100 * study.before.above_noise:.0f} % of the power of the paper's model's error stands above the noise "
+            f"floor{after}. One step ahead every model looks good; the free run is what a simulation is worth."
+        ],
+        pictures=named,
+        notes=["Steps: rms, dotted: mean. Empty where the record has no such samples. Error: simulated - measured."],
+    )
+
+
+def _causes(study: Study) -> Section:
+    found = study.diagnosis
+    ranked = sorted(found.causes, key=lambda cause: -cause.share)
+    rows = [
+        [
+            cause.name,
+            f"{100 * cause.share:.1f} %",
+            f"{cause.confidence:.3f}",
+            cause.evidence,
+            parameter_text(study, cause.name),
+        ]
+        for cause in ranked
+    ]
+    if found.unknown:
+        rows.append(["unknown", f"{100 * found.unexplained_fraction:.1f} %", "", found.unknown, ""])
+    tables = [Table(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
+    if found.refused:
+        refused = [[item.name, item.why] for item in found.refused]
+        tables.append(Table(["cause", "why not"], refused, "Looked at closely and not named", left=2))
+    return Section(
+        "Causes and their evidence",
+        text=[] if rows else ["None: what the paper's model leaves is not above what hysteresis and noise leave."],
+        tables=tables if rows else tables[1:],
+        notes=[
+            "A cause is named only if a signature of its own and the gain on data left out of the fit agree.",
+            *([f"Next experiment: {found.next_experiment}."] if found.next_experiment else []),
+        ],
+    )
+
+
+def _ladder(drawn: dict[str, Picture], study: Study) -> Section:
+    found = study.diagnosis
+    return Section(
+        "What each extension gains, and its price",
+        pictures=[drawn["ladder"]],
+        tables=[Table(ladder_header(), ladder_rows(study))],
+        notes=[
+            f"Free run over the held-out part; noise floor from {found.noise.source}. Gain: fall of the rms, 95 % "
+            "interval by block bootstrap. Of the error: share of its power above the noise. Cycles: estimated, of the "
+            "dearest of predict, simulate and inverse.",
+            f"Not explained: {100 * found.unexplained_fraction:.1f} % of the base error's power above the noise.",
+        ],
+    )
+
+
+def _proof(study: Study) -> tuple[Report | None, Cost | None, str]:
+    """Equal bits and cost of the extended model's C; or why there are none."""
+    model = study.diagnosis.model
+    try:
+        texts = generate(model, Options(inverse=certify(model).inverse_holds))
+        price = cost_of_texts(model, texts, timed=False)
+    except HysgenError as fault:
+        return None, None, str(fault)
+    try:
+        return verify_texts(model, texts, samples=SAMPLES, structures=0), price, ""
+    except HysgenError as fault:
+        return None, price, str(fault)
+
+
+def _span(study: Study, rms_um: float) -> str:
+    return f"{study.percent(rms_um):.2g} % of the stroke, held out"

@@ -1,0 +1,133 @@
+"""Sections that every report may have: the model and its certificates, equal bits, cost against budget, provenance."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import scipy
+
+import hysgen
+from hysgen.certificates import certify
+from hysgen.cost import Cost
+from hysgen.dynamics import dynamics
+from hysgen.files import digest
+from hysgen.model import Model
+from hysgen.model_file import dump_model
+from hysgen.report.page import Section, Table
+from hysgen.verify.report import Report
+
+
+def model_section(model: Model) -> Section:
+    """What the model is as a system, and what is guaranteed of it."""
+    held = certify(model)
+    facts = [
+        ["rules", f"{model.grid.rules} over {model.grid.y_min_um:.4g} .. {model.grid.y_max_um:.4g} um"],
+        ["input range", f"{model.u_min_V:.4g} .. {model.u_max_V:.4g} V"],
+        ["sampling period", f"{model.Ts_s:.6g} s"],
+        *[[f"term {term.kind}", term.describe()] for term in model.terms],
+        *[[f"input {block.kind}", block.describe()] for block in model.blocks],
+        *([["learner", f"forgetting {model.learner.forgetting:.9g}"]] if model.learner else []),
+    ]
+    verdicts = [
+        ["gain of one sign: the inverse exists", _holds(held.gain_holds), held.lines()[0]],
+        ["contraction: the free run is stable", _holds(held.contraction_holds), held.lines()[1]],
+        ["inverse stable", _holds(held.inverse_holds), held.lines()[2]],
+    ]
+    return Section(
+        "Model and certificates",
+        text=[dynamics(model).describe().splitlines()[0]],
+        tables=[
+            Table(["part", "what it is"], facts, "Model", left=2),
+            Table(["certificate", "holds", "how close"], verdicts, "Certificates over the whole range", left=3),
+        ],
+        notes=[f"{3 * model.grid.rules} consequents and {model.weights.size} weights of terms."],
+    )
+
+
+def equivalence_section(report: Report | None, why_not: str = "") -> Section:
+    """Whether the generated C equals its float32 reference, and over what."""
+    title = "Generated C against its reference"
+    if report is None:
+        return Section(title, text=[f"Not compared: {why_not}."])
+    said = (
+        f"Equal in every bit over {report.samples} samples per build."
+        if report.equal
+        else f"NOT EQUAL: {len(report.mismatches)} runs differ."
+    )
+    rows: dict[tuple[str, str], list[str]] = {}
+    for run in report.runs:
+        key = (run.model, run.function)
+        wrong = sum((m.model, m.function) == key for m in report.mismatches)
+        samples = sum(other.samples for other in report.runs if (other.model, other.function) == key)
+        rows[key] = [run.model, run.function, f"{samples}", f"{run.builds}", f"{wrong} differ" if wrong else "equal"]
+    return Section(
+        title,
+        text=[said],
+        tables=[Table(["model", "function", "samples", "builds", "result"], list(rows.values()), left=2)],
+        notes=[
+            f"Builds: {', '.join(report.builds)}.",
+            *(f"Not compared: {reason}." for reason in report.skipped),
+            *(f"Altered: {reason}." for reason in report.altered),
+            *(f"Different: {mismatch}." for mismatch in report.mismatches),
+        ],
+    )
+
+
+def cost_section(price: Cost | None, why_not: str = "") -> Section:
+    """Cycles against the sample period, operations and bytes."""
+    title = "Cost against budget"
+    if price is None:
+        return Section(title, text=[f"Not known: {why_not}."])
+    rows = [
+        [
+            f.name,
+            f"{f.cycles.value}" if f.cycles.measured else f"~{f.cycles.value}",
+            f"{100.0 * f.cycles.value / price.budget:.2g} %",
+            f"{f.operations.add + f.operations.multiply}",
+            f"{f.operations.load + f.operations.store}",
+        ]
+        for f in price.functions
+    ]
+    measured = all(f.cycles.measured for f in price.functions)
+    return Section(
+        title,
+        text=[
+            f"One sample takes {price.per_sample} of {price.budget} at {1e-3 / price.Ts_s:.4g} kHz and "
+            f"{price.clock_Hz / 1e6:.4g} MHz: {100.0 * price.share:.2g} %."
+        ],
+        tables=[Table(["function", "C674x cycles", "of a period", "float operations", "loads and stores"], rows)],
+        notes=[
+            "Bytes: "
+            + ", ".join(f"{name} {size}" for name, size in price.struct_bytes.items())
+            + f", constants {price.constant_bytes}.",
+            *([] if measured else ["~ cycles are estimated from the operations; init runs once, not in every sample."]),
+            "Memory stalls, caches and interrupts are not modelled; nothing has run on silicon.",
+        ],
+    )
+
+
+def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> Section:
+    """What made this page: the record, the model, the settings of the fit, the versions."""
+    fit = model.history.get("fit", {})
+    rows = [
+        *[list(fact) for fact in facts],
+        ["model", f"{model.name}, SHA-256 {digest(dump_model(model).encode())}"],
+        ["fit settings", _settings(fit if isinstance(fit, dict) else {})],
+        ["hysgen", hysgen.__version__],
+        ["Python, NumPy, SciPy", f"{platform.python_version()}, {np.__version__}, {scipy.__version__}"],
+    ]
+    return Section("Provenance", tables=[Table(["what", "which"], rows, left=2)])
+
+
+def _settings(fit: Mapping[str, Any]) -> str:
+    """Plain settings; the structure stands elsewhere."""
+    plain = {key: value for key, value in fit.items() if key not in ("terms", "blocks")}
+    return ", ".join(f"{key} {json.dumps(value)}" for key, value in plain.items()) or "not told by the model"
+
+
+def _holds(holds: bool) -> str:
+    return "yes" if holds else "NO"
