@@ -14,13 +14,23 @@ from typing import Any
 
 import numpy as np
 
-from hysgen.dynamics import rest_line
+from hysgen.certificates import certify
+from hysgen.dynamics import SAMPLES_PER_PERIOD, loop, rest_line
 from hysgen.errors import ModelError
 from hysgen.fit import FitSettings, fit
 from hysgen.fit.refine import Progress
 from hysgen.model import Model
 from hysgen.record import Record
 from hysgen.scores import Scores, score
+
+DRIFT = "drift"
+"""The kind of term that is not fitted: it follows measured samples, with the weight 1."""
+
+SLOW, FAST = 0.01, 0.3
+"""Frequencies of the loops that are compared, as parts of the corner frequency of the old model's lag."""
+
+WORSE, OVER_NOISE = 1.5, 2.0
+"""A structure no longer fits if the error is this much larger than it was, and stands this much above the noise."""
 
 LEVELS = 9
 """Displacements between the ranges' ends at which two models are compared."""
@@ -45,12 +55,14 @@ class Change:
 class Comparison:
     """What moved from one model to another: properties as a person thinks of them, rules, and scores on records.
 
+    centres_um: where each rule stood and stands; rules: by how much q1, q2, q3 of each moved.
     scores: for each record (source, free-run rms of the old model, of the new one) in um.
     """
 
     old: str
     new: str
     changes: tuple[Change, ...]
+    centres_um: tuple[tuple[float, float], ...]
     rules: tuple[tuple[float, float, float], ...]
     scores: tuple[tuple[str, float, float], ...]
 
@@ -60,6 +72,7 @@ class Comparison:
             "old": self.old,
             "new": self.new,
             "changes": [dataclasses.asdict(change) | {"percent": change.percent} for change in self.changes],
+            "centres_um": [list(pair) for pair in self.centres_um],
             "rules_change": [list(rule) for rule in self.rules],
             "free_run_rms_um": [{"record": s, "old": before, "new": after} for s, before, after in self.scores],
         }
@@ -76,9 +89,33 @@ def refit(model: Model, record: Record, progress: Progress | None = None) -> tup
             "record at the model's rate, or fit a new model"
         )
     again = fit(record, settings_of(model), progress=progress)
-    again = dataclasses.replace(again, learner=model.learner)
+    for index, term in enumerate(model.terms):
+        if term.kind == DRIFT:
+            at = sum(other.size for other in model.terms[:index])
+            terms = (*again.terms[:index], term, *again.terms[index:])
+            again = dataclasses.replace(again, terms=terms, weights=np.insert(again.weights, at, 1.0))
+    again = dataclasses.replace(again, learner=model.learner, certificates=certify(again).to_json())
     scores = score(again, record)
     return dataclasses.replace(again, scores={"identification": scores.to_json()}), scores
+
+
+def structure_fits(old: Model, scores: Scores) -> tuple[bool, str]:
+    """Whether a structure still fits: `scores` are of the refitted model on its own record, `old` tells its own.
+
+    It does if the free run misses the record by no more than WORSE times what the old model missed its own by, as a
+    part of the span, or by no more than OVER_NOISE times the noise floor. In words, too.
+    """
+    percent, noise_um = scores.free_run.of_span_percent, scores.noise.rms_um
+    before = old.scores.get("identification", {}).get("free_run", {}).get("of_span_percent")
+    if before is None:
+        return (
+            True,
+            f"free run {percent:.3g} % of span; the old model does not tell its own score to compare with",
+        )
+    told = f"free run {percent:.3g} % of span, {before:.3g} % before, noise {noise_um:.3g} um"
+    if percent <= WORSE * before or scores.free_run.e_rms_um <= OVER_NOISE * noise_um:
+        return True, f"still fits ({told})"
+    return False, f"NO LONGER FITS ({told})"
 
 
 def settings_of(model: Model) -> FitSettings:
@@ -90,7 +127,7 @@ def settings_of(model: Model) -> FitSettings:
     structure = {
         "name": model.name,
         "rules": model.grid.rules,
-        "terms": model.terms,
+        "terms": tuple(term for term in model.terms if term.kind != DRIFT),
         "blocks": model.blocks,
         "input_range_V": (model.u_min_V, model.u_max_V),
     }
@@ -102,42 +139,69 @@ def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Compariso
 
     Raises ModelError if the structures differ: then there is nothing to compare number by number.
     """
-    if old.grid.rules != new.grid.rules or [t.kind for t in old.terms] != [t.kind for t in new.terms]:
+    if _shape(old) != _shape(new):
         raise ModelError(
             f"{old.name} and {new.name}: structures differ ({_structure(old)} against {_structure(new)}); "
             "score both on one record instead"
         )
+    loops_Hz = _loop_frequencies(old)
     changes = [
         Change("displacement, low end", "um", old.grid.y_min_um, new.grid.y_min_um),
         Change("displacement, high end", "um", old.grid.y_max_um, new.grid.y_max_um),
     ]
     changes += [
         Change(what, unit, before, after)
-        for (what, unit, before), (_, _, after) in zip(_physics(old), _physics(new), strict=True)
+        for (what, unit, before), (_, _, after) in zip(_physics(old, loops_Hz), _physics(new, loops_Hz), strict=True)
     ]
-    if old.weights.size:
-        changes.append(Change("sum of the terms' weights", "", float(old.weights.sum()), float(new.weights.sum())))
     moved = new.consequents - old.consequents
     scores = [
         (record.source, score(old, record).free_run.e_rms_um, score(new, record).free_run.e_rms_um)
         for record in records
     ]
-    return Comparison(old.name, new.name, tuple(changes), tuple((a, b, c) for a, b, c in moved.tolist()), tuple(scores))
+    centres = zip(old.grid.centres_um.tolist(), new.grid.centres_um.tolist(), strict=True)
+    rules = tuple((a, b, c) for a, b, c in moved.tolist())
+    return Comparison(old.name, new.name, tuple(changes), tuple(centres), rules, tuple(scores))
 
 
-def _physics(model: Model) -> list[tuple[str, str, float]]:
-    """DC gain and time constant in the middle of the input range, and the rest position at its ends."""
+def _physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, float]]:
+    """DC gain and time constant in the middle of the input range, where it rests at the ends, its loops, its terms."""
     low_V, high_V = model.u_min_V, model.u_max_V
     rests = rest_line(model, np.linspace(low_V, high_V, LEVELS))
-    middle = rests[LEVELS // 2]
-    return [
+    middle, amplitude_V = rests[LEVELS // 2], 0.45 * (high_V - low_V)
+    found = [
         ("DC gain, mid-range", "um/V", middle.gain_um_per_V),
         ("time constant, mid-range", "ms", 1e3 * (middle.tau_s or 0.0)),
         ("at rest at the lowest input", "um", rests[0].y_um),
         ("at rest at the highest input", "um", rests[-1].y_um),
     ]
+    for f_Hz in loops_Hz:
+        closed = loop(model, f_Hz, 0.5 * (low_V + high_V), amplitude_V)
+        # The area is the integral of the opening over the input's 2 A.
+        found.append((f"loop width at {f_Hz:.3g} Hz, mean", "um", closed.area_umV / (2.0 * amplitude_V)))
+        found.append((f"gain at {f_Hz:.3g} Hz", "um/V", closed.span_um / (2.0 * amplitude_V)))
+    start = 0
+    for term in model.terms:
+        weights = model.weights[start : start + term.size]
+        start += term.size
+        found.append((f"{term.kind}: sum of its {term.size} weights", "", float(weights.sum())))
+    return found
+
+
+def _loop_frequencies(model: Model) -> list[float]:
+    """A slow and a fast sine, both slow enough for the sampling rate."""
+    rests = rest_line(model, np.array([0.5 * (model.u_min_V + model.u_max_V)]))
+    corner_Hz = 1.0 / (2.0 * np.pi * (rests[0].tau_s or 10.0 * model.Ts_s))
+    highest_Hz = 1.0 / (SAMPLES_PER_PERIOD * model.Ts_s)
+    return [min(part * corner_Hz, part / FAST * highest_Hz) for part in (SLOW, FAST)]
+
+
+def _shape(model: Model) -> tuple[int, list[tuple[str, int]], list[str]]:
+    """What two models must have in common to be compared number by number."""
+    terms = [(term.kind, term.size) for term in model.terms]
+    return model.grid.rules, terms, [block.kind for block in model.blocks]
 
 
 def _structure(model: Model) -> str:
-    kinds = ", ".join(term.kind for term in model.terms) or "no terms"
+    parts = [f"{term.kind} of {term.size}" for term in model.terms] + [block.kind for block in model.blocks]
+    kinds = ", ".join(parts) or "no terms"
     return f"{model.grid.rules} rules, {kinds}"

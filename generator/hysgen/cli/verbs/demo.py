@@ -6,6 +6,7 @@ What it does is what the other verbs do; each step says which one.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     extended = fit(known, FitSettings(name="stage", terms=memory_terms(known, PLAYS)), progress=console.progress)
     scores = {PAPER: score(paper, unseen), EXTENDED: score(extended, unseen)}
     for model in (paper, extended):
-        save_model(model, folder / f"{model.name}.json")
+        told = dataclasses.replace(model, scores={"identification": score(model, known).to_json()})
+        save_model(told, folder / f"{model.name}.json")
     console.say(f"hysgen fit   {folder / 'paper.json'}, {folder / 'stage.json'}")
     console.say(f"\nhysgen score, on rows that the fit has not seen\n{score_table(scores, known, unseen)}\n")
     console.say("\n".join(certify(extended).lines()))

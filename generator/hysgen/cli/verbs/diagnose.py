@@ -7,6 +7,7 @@ records of --holdout, or else the last part of the record.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from pathlib import Path
 
 from hysgen.cli.console import Console
@@ -16,9 +17,11 @@ from hysgen.diagnose import DiagnoseSettings
 from hysgen.diagnose.study import Study, study
 from hysgen.files import write_whole
 from hysgen.fit import FitSettings
+from hysgen.model import Model
 from hysgen.model_file import save_model
 from hysgen.report.price import price_of
 from hysgen.report.terminal import diagnosis_text
+from hysgen.scores import score
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +48,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     found = study(record, holdout, settings, console.progress)
     console.say(diagnosis_text(found) + "\n")
     if arguments.output:
-        save_model(found.diagnosis.model, Path(arguments.output))
+        save_model(scored(found), Path(arguments.output))
         console.say(f"written: {arguments.output}")
     if arguments.plots:
         for path in write_pictures(found, Path(arguments.plots)):
@@ -57,6 +60,14 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         console.say(f"written: {arguments.report}")
     console.write_json(found.to_json())
     return 0
+
+
+def scored(found: Study) -> Model:
+    """The extended model with its scores on the rows that identified it, which a refit is compared with."""
+    model = found.diagnosis.model
+    return dataclasses.replace(
+        model, scores={"identification": score(model, found.record.rows(0, found.cut)).to_json()}
+    )
 
 
 def write_pictures(found: Study, folder: Path) -> list[Path]:

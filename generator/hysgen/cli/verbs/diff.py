@@ -44,11 +44,14 @@ def comparison_text(comparison: Comparison) -> str:
         for source, before, after in comparison.scores
     ]
     rules = [
-        [f"{number}", *(f"{value:+.3g}" for value in rule)] for number, rule in enumerate(comparison.rules, start=1)
+        [f"{number}", f"{before:.4g} -> {after:.4g}", *(f"{value:+.3g}" for value in rule)]
+        for number, (rule, (before, after)) in enumerate(
+            zip(comparison.rules, comparison.centres_um, strict=True), start=1
+        )
     ]
     return "\n\n".join(
         [
             table([f"{comparison.old} -> {comparison.new}", "old", "new", "change"], rows),
-            table(["rule moved by", "q1 [um/um]", "q2 [um/V]", "q3 [um]"], rules),
+            table(["rule", "centre [um]", "q1 [um/um]", "q2 [um/V]", "q3 [um]"], rules),
         ]
     )

@@ -1,12 +1,18 @@
-"""Generate the C of a model: header, source, parameters, self-test, manifest."""
+"""Generate the C of a model: header, source, parameters, self-test, manifest.
+
+With --check nothing is written: exit code 0 says that every file in the folder is what would be generated now, 1 that
+some are stale, which are then listed.
+"""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.emit import Options, generate, write
+from hysgen.emit.freshness import stale
 from hysgen.model_file import load_model
 
 
@@ -14,14 +20,31 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one: appendix_a, appendix_b")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     parser.add_argument("--no-inverse", action="store_true", help="leave the inverse out")
+    parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     model = load_model(arguments.model)
     texts = generate(model, Options(inverse=not arguments.no_inverse))
     folder = Path(arguments.output)
+    if arguments.check:
+        return check(texts, folder, console)
     write(texts, folder)
     for name, text in texts.items():
         console.say(f"written: {folder / name} ({len(text.encode())} bytes)")
     console.write_json({"model": model.name, "files": {name: len(text.encode()) for name, text in texts.items()}})
     return 0
+
+
+def check(texts: Mapping[str, str], folder: Path, console: Console) -> int:
+    """0 if every file is up to date; else 1, with the list of those that are not."""
+    found = stale(texts, folder)
+    for item in found:
+        console.say(f"stale: {folder / item.name}: {str(item).partition(': ')[2]}")
+    console.say(
+        f"{folder}: {len(found)} of {len(texts)} files are stale; generate them again"
+        if found
+        else f"{folder}: all {len(texts)} files are up to date"
+    )
+    console.write_json({"up_to_date": not found, "stale": [vars(item) for item in found]})
+    return 1 if found else 0

@@ -1,0 +1,40 @@
+"""Whether generated files are still those of their model: compared byte by byte with what would be generated now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Stale:
+    """A file that is not as it should be: `missing`, or `differs`, then from which line on (counted from 1)."""
+
+    name: str
+    fault: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.fault}" + (f" from line {self.line} on" if self.line else "")
+
+
+def stale(texts: Mapping[str, str], folder: Path) -> list[Stale]:
+    """The files of `folder` that are not what `texts` (file name -> text) says, by name."""
+    found = []
+    for name in sorted(texts):
+        try:
+            data = (folder / name).read_bytes()
+        except OSError:
+            found.append(Stale(name, "missing"))
+            continue
+        if data != texts[name].encode():
+            found.append(Stale(name, "differs", _first_difference(data, texts[name].encode())))
+    return found
+
+
+def _first_difference(one: bytes, other: bytes) -> int:
+    """Number of the first line that differs."""
+    mine, theirs = one.split(b"\n"), other.split(b"\n")
+    pairs = enumerate(zip(mine, theirs, strict=False), start=1)
+    return next((number for number, (a, b) in pairs if a != b), min(len(mine), len(theirs)) + 1)
