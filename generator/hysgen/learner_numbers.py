@@ -171,6 +171,21 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
     )
 
 
+def learned_model(model: Model, numbers: Coefficients, learner: LearnerNumbers, theta: Floats) -> Model:
+    """`model` with the learned parameters theta, (n,) float64, the others unchanged."""
+    consequents, weights = model.consequents.copy(), model.weights.copy()
+    column = {"slope": 0, "gain": 1, "offset": 2}
+    for parameter, number in zip(learner.parameters, theta / learner.scale.astype(np.float64), strict=True):
+        if parameter.group == "bias":
+            consequents[:, 2] += number
+        elif parameter.group == "terms":
+            weights[parameter.index] = number
+        else:
+            strength = float(numbers.fold[parameter.index])
+            consequents[parameter.index, column[parameter.group]] = number / strength
+    return model.with_parameters(np.concatenate([consequents.ravel(), weights]))
+
+
 def _parameters(
     model: Model,
     settings: LearnerSettings,

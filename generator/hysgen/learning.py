@@ -36,7 +36,7 @@ class LearnerSettings:
     noise_um: rms noise of the displacement. dead_zone_um: innovations below it teach nothing while memory slides.
     outlier_ratio: an innovation this many times the usual one is an outlier. outlier_run: so many in a row are none.
     step_um, limit_um: largest change of a parameter per update, and largest parameter, as their share in y(k+1).
-    rest_V: an input that stays this close to its mean of the last 5 ms (at 50 kHz) teaches nothing.
+    rest_V: an input that stays this close to its mean of the last 5 ms (at 50 kHz) teaches nothing; 0 lets all teach.
     settle: updates after which the shadow is compared with the reference parameters and with y(k+1) = y(k).
     worse, lost: the shadow restarts where its rms error is `worse` times the reference's, or `lost` times that of
         y(k+1) = y(k).
@@ -48,8 +48,8 @@ class LearnerSettings:
     """
 
     learned: tuple[str, ...] = GROUPS
-    forgetting: float = 0.9999
-    alpha: float = 1.0
+    forgetting: float = 0.999
+    alpha: float = 1e-3
     window: int = 131072
     sliding: float = 0.9999
     refresh: int = 8

@@ -105,7 +105,7 @@ class Learner:
         self._work()
         keeping = (self.phase == 0) & usable & (u_lost == 0)
         self._keep(keeping, y, v)
-        self.rested = (magnitude(away) <= numbers.rest_V).astype(np.uint32)
+        self.rested = (magnitude(away) < numbers.rest_V).astype(np.uint32)
         self.mean_u_V = settled(self.mean_u_V + _FAST * away)
         self.u_V = u
         for term in self.terms:

@@ -1,0 +1,49 @@
+/* Eq. (10) in float32 exactly as printed: K = P x / (lambda + x' P x), q += K e, P = (I - K x') P / lambda.
+ * Returns the first row after which P had a diagonal element that was not positive, or anything was not finite, plus 1;
+ * 0 if none had. regressors: rows of `size`; targets in um. P and q are worked on. */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { MOST = 64 };
+
+uint64_t printed_run(size_t rows, size_t size, const float *regressors, const float *target, float lambda, float *P, float *q)
+{
+    for (size_t k = 0; k < rows; ++k) {
+        const float *x = &regressors[k * size];
+        float Px[MOST], xP[MOST], K[MOST];
+        float error = target[k];
+        float denominator = lambda;
+        int whole = 1;
+
+        for (size_t i = 0; i < size; ++i) {
+            Px[i] = 0.0f;
+            xP[i] = 0.0f;
+            for (size_t j = 0; j < size; ++j) {
+                Px[i] += P[i * size + j] * x[j];
+                xP[i] += x[j] * P[j * size + i];
+            }
+            error -= x[i] * q[i];
+        }
+        for (size_t i = 0; i < size; ++i) {
+            denominator += x[i] * Px[i];
+        }
+        for (size_t i = 0; i < size; ++i) {
+            K[i] = Px[i] / denominator;
+            q[i] += K[i] * error;
+        }
+        for (size_t i = 0; i < size; ++i) {
+            for (size_t j = 0; j < size; ++j) {
+                P[i * size + j] = (P[i * size + j] - K[i] * xP[j]) / lambda;
+            }
+        }
+        for (size_t i = 0; i < size; ++i) {
+            whole &= P[i * size + i] > 0.0f && isfinite(P[i * size + i]) && isfinite(q[i]);
+        }
+        if (!whole) {
+            return (uint64_t)k + 1u;
+        }
+    }
+    return 0u;
+}

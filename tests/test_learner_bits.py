@@ -1,0 +1,96 @@
+"""The generated learner equals its float32 reference in every bit of its state, whatever it is made to swallow."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from conftest import need
+from generated_models import everything, smooth
+from learner_bench import Pair, corrupted, lagging, sized, texts_of
+
+from hysgen.learning import LEARNED, LearnerSettings
+from hysgen.model import Model
+from hysgen.model_file import load_model
+from hysgen.native import Toolchain
+from hysgen.terms.memory import Memory
+from hysgen.verify.builds import compiled
+from hysgen.verify.comparison import Task, compare_task
+from hysgen.verify.inputs import STYLES
+from hysgen.verify.subjects import LEARNER
+
+SUBSETS = [LEARNED["bias"], LEARNED["terms"], LEARNED["rules"], ("gain",), ("offset",), ("slope", "offset", "terms")]
+
+
+@pytest.mark.parametrize("size", [6, 18, 24, 40])
+def test_generated_learner_equals_reference_bit_for_bit_sample_by_sample(size: int) -> None:
+    """Every compared word after every sample of one chain: the reference really runs it in a row."""
+    assert Pair(sized(size, settle=256)).first_difference(*corrupted(600)) is None
+
+
+@pytest.mark.parametrize("learned", SUBSETS, ids="+".join)
+def test_a_subset_of_the_parameters_learns_bit_for_bit(learned: tuple[str, ...]) -> None:
+    model = dataclasses.replace(
+        smooth(5, (Memory.uniform(3, 60.0),)), learner=LearnerSettings(learned=learned, settle=128)
+    )
+    assert Pair(model).first_difference(*corrupted(600)) is None
+
+
+@pytest.mark.parametrize(("size", "calls"), [(6, 2), (18, 6)])
+def test_a_spread_update_equals_its_reference_after_every_call(size: int, calls: int) -> None:
+    assert Pair(sized(size, calls_per_update=calls, settle=64)).first_difference(*corrupted(600)) is None
+
+
+def test_terms_blocks_and_drift_of_the_learner_are_its_own_and_equal() -> None:
+    model = dataclasses.replace(everything(), learner=LearnerSettings(learned=("gain", "offset", "terms")))
+    assert Pair(model).first_difference(*corrupted(500)) is None
+
+
+@pytest.mark.parametrize("toolchain", [Toolchain("gcc", ("-O3",)), Toolchain("clang", ("-O2",))], ids=str)
+@pytest.mark.parametrize("size", [6, 18, 24, 40])
+def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size: int, toolchain: Toolchain) -> None:
+    need(toolchain.command)
+    model = sized(size, settle=512)
+    builds, _ = compiled(model.name, texts_of(model), [toolchain])
+    for style in STYLES:
+        _, wrong = compare_task(model, builds, Task(LEARNER, "learn", style), 2000, 7, lambda samples: None)
+        assert not wrong, wrong[0]
+
+
+@pytest.mark.parametrize(
+    ("intact", "planted"),
+    [
+        ("self->theta_low[3] = low3 - (sum3 - high3);", "self->theta_low[3] = 0.0f;"),
+        ("self->turn = (j + 1u <", "self->turn = (j + 2u <"),
+        ("f5 = f5 + m5;", "f5 = m5 + f5 * 1.0000001f;"),
+        ("const uint32_t usable = 1u ^ (y_lost | implausible);", "const uint32_t usable = 1u ^ y_lost;"),
+    ],
+)
+def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
+    model = dataclasses.replace(load_model("appendix_a"), learner=LearnerSettings())
+    texts = texts_of(model)
+    assert intact in texts["appendix_a.c"]
+    texts["appendix_a.c"] = texts["appendix_a.c"].replace(intact, planted)
+    assert Pair(model, texts).first_difference(*corrupted(600)) is not None
+
+
+@pytest.mark.parametrize("calls", [2, 6])
+def test_an_update_spread_over_calls_gives_the_bits_of_one_at_once(calls: int) -> None:
+    """The spread learner uses the samples c i and c i + 1; the other one is shown just these, cut apart by NaN."""
+    y, u = lagging(600 * calls + 2)
+    spread = Pair(spread_model(calls))
+    spread.run(y[: 600 * calls + 1], u[: 600 * calls + 1])
+    first = calls * np.arange(600)
+    cut_y = np.stack([np.full(600, np.nan, np.float32), y[first], y[first + 1]], axis=1).ravel()
+    cut_u = np.stack([u[first], u[first], u[first + 1]], axis=1).ravel()
+    once = Pair(spread_model(1))
+    once.run(cut_y, cut_u)
+    assert spread.learner.updates == once.learner.updates > 500
+    for group in ("d", "u", "theta", "theta_low"):
+        assert list(getattr(spread.learner, group)) == list(getattr(once.learner, group)), group
+
+
+def spread_model(calls: int) -> Model:
+    """Nothing is gated, for a sample that is not learnt from would end its update early and shift what follows."""
+    return sized(18, calls_per_update=calls, rest_V=0.0, dead_zone_um=0.0, outlier_ratio=1e6)
