@@ -53,6 +53,25 @@ def test_a_record_becomes_a_scored_model_and_its_c(
     assert {"axis_one.h", "axis_one.c", "axis_one_params.h"} <= {path.name for path in (tmp_path / "c").iterdir()}
 
 
+def test_a_learner_is_asked_for_when_fitting_or_when_generating(record: Path, model: Path, tmp_path: Path) -> None:
+    """--learn makes `_learn` and `_commit`, of the parameters that it names; --learn none takes them out again."""
+    learning = tmp_path / "learning.json"
+    fit = ["fit", str(record), "--method", "batch", "--learn", "bias", "--learn-noise", "0.001", "-o", str(learning)]
+    assert main(fit) == 0
+    settings = json.loads(learning.read_text())["learner"]
+    assert (settings["learned"], settings["noise_um"]) == (["bias"], 0.001)
+    calls = {
+        "kept": (learning, []),
+        "none": (learning, ["--learn", "none"]),
+        "terms": (model, ["--learn", "terms", "--calls-per-update", "2"]),
+    }
+    for name, (path, options) in calls.items():
+        assert main(["generate", str(path), *options, "-o", str(tmp_path / name)]) == 0
+    assert "#define LEARNING_LEARNED 1\n" in (tmp_path / "kept" / "learning.h").read_text()
+    assert "_learn(" not in (tmp_path / "none" / "learning.h").read_text()
+    assert "#define AXIS_ONE_LEARNED 6\n" in (tmp_path / "terms" / "axis_one.h").read_text()
+
+
 def test_the_same_call_writes_the_same_bytes(record: Path, tmp_path: Path) -> None:
     for name in ("first", "second"):
         assert main(["fit", str(record), "--method", "batch", "--name", "m", "-o", str(tmp_path / f"{name}.json")]) == 0
@@ -76,6 +95,8 @@ def test_json_on_stdout_is_alone_there(model: Path, capsys: pytest.CaptureFixtur
         (["score", "no_such_model", "{record}"], "no_such_model"),
         (["describe", "appendix_z"], "appendix_z"),
         (["generate", "appendix_a"], "-o"),
+        (["generate", "appendix_a", "--learn", "terms", "-o", "x"], "the model has none"),
+        (["generate", "appendix_a", "--learn", "all", "--learn-forgetting", "1.5", "-o", "x"], "forgetting 1.5"),
         (["polish"], "polish"),
     ],
 )

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from hysgen.certificates import certify
 from hysgen.cli.console import Console
+from hysgen.cli.learner import add_learner_options, with_learner
 from hysgen.cli.records import add_record_options, parse_rows, read_records
 from hysgen.fit import FitSettings, fit
 from hysgen.model_file import model_to_json, save_model
@@ -60,6 +61,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--uncertified", action="store_true", help="do not keep the fit inside the models whose certificates hold"
     )
+    add_learner_options(parser)
     add_record_options(parser)
 
 
@@ -83,6 +85,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     for warning in check_for_fit(record, settings.rules, parameters):
         console.warn(warning)
     model = fit(record, settings, progress=console.progress)
+    model = with_learner(model, arguments)
     scores = score(model, record)
     model = dataclasses.replace(model, scores={"identification": scores.to_json()})
     save_model(model, Path(arguments.output))

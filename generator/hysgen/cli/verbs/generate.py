@@ -1,4 +1,4 @@
-"""Generate the C of a model: header, source, parameters, self-test, manifest.
+"""Generate the C of a model: header, source, parameters, self-test, manifest; with --learn, the learner too.
 
 With --check nothing is written: exit code 0 says that every file in the folder is what would be generated now, 1 that
 some are stale, which are then listed.
@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hysgen.cli.console import Console
+from hysgen.cli.learner import add_learner_options, with_learner
 from hysgen.emit import Options, generate, write
 from hysgen.emit.freshness import stale
 from hysgen.model_file import load_model
@@ -21,10 +22,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     parser.add_argument("--no-inverse", action="store_true", help="leave the inverse out")
     parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
+    add_learner_options(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    model = load_model(arguments.model)
+    model = with_learner(load_model(arguments.model), arguments)
     texts = generate(model, Options(inverse=not arguments.no_inverse))
     folder = Path(arguments.output)
     if arguments.check:
