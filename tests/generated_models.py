@@ -51,3 +51,16 @@ def smooth(rules: int, terms: tuple[Memory, ...] = ()) -> Model:
 def learning() -> Model:
     """Appendix A with a learner."""
     return dataclasses.replace(load_model("appendix_a"), name="learning", learner=LearnerSettings())
+
+
+def extended() -> Model:
+    """Appendix A with ten plays, two creep states, and a learner of the weights and the offsets."""
+    terms = (Memory.uniform(10, 60.0), Creep.spread(2, 1e-2, 10.0))
+    weights = np.concatenate([1e-5 / np.array(term.scales(1.0)) for term in terms])
+    return dataclasses.replace(
+        load_model("appendix_a"),
+        name="extended",
+        terms=terms,
+        weights=weights,
+        learner=LearnerSettings(learned=("offset", "terms")),
+    )

@@ -36,6 +36,12 @@ def entries(name: str, header: str) -> list[Entry]:
     return [Entry(function, state, floats.count(","), result) for result, function, state, floats in found]
 
 
+def channels(header: str) -> int:
+    """How many auxiliary channels the model behind a header listens to."""
+    told = re.search(r"^#define \w+_CHANNELS (\d+)u$", header, re.MULTILINE)
+    return int(told[1]) if told else 0
+
+
 class Host:
     """A model's generated C, compiled by one toolchain.
 
@@ -47,8 +53,7 @@ class Host:
         self.name = name
         header = texts[f"{name}.h"]
         self.entries = {entry.name: entry for entry in entries(name, header)}
-        told = re.search(r"^#define \w+_CHANNELS (\d+)u$", header, re.MULTILINE)
-        self.channels = int(told[1]) if told else 0
+        self.channels = channels(header)
         facts = {"name": name, "entries": list(self.entries.values()), "channels": self.channels}
         driver = render("driver.c.j2", facts)
         sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]

@@ -72,7 +72,7 @@ def compare(
 ) -> Iterator[tuple[Run, list[Mismatch]]]:
     """Every step over its share of `samples`, starts over START_SAMPLES besides; the first difference per build."""
     if builds[0].host.selftested:
-        yield _selftest(model, builds)
+        yield compare_selftest(model, builds)
     todo = tasks(builds[0])
     functions = len({task.function for task in todo} - {"init"})
     for task in todo:
@@ -80,7 +80,7 @@ def compare(
         yield compare_task(model, builds, task, share, seed, progress)
 
 
-def _selftest(model: Model, builds: Sequence[Build]) -> tuple[Run, list[Mismatch]]:
+def compare_selftest(model: Model, builds: Sequence[Build]) -> tuple[Run, list[Mismatch]]:
     """The generated self-test, once per build; its result is the number of its mismatches."""
     found = []
     for build in builds:
