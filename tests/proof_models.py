@@ -1,4 +1,4 @@
-"""What the proofs are made for: the paper's models, one that learns, and one with every term, every block and a learner.
+"""What proofs are made for: the paper's models, one that learns, an extended one, and one with everything there is.
 
 python tests/proof_models.py DIR     writes what is generated for each of them into DIR
 """
