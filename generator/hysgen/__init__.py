@@ -1,3 +1,68 @@
-"""hysgen: from measured records of a piezo stage to verified float32 C."""
+"""hysgen: from measured records of a piezo stage to verified float32 C.
+
+    import hysgen
+
+    record = hysgen.load_record("record.csv")
+    study = hysgen.diagnose(record)
+    hysgen.generate(study.model).write("firmware/stage")
+
+The functions and types are those of `hysgen.api`, loaded when they are first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+_EXPORTED = (
+    "Columns",
+    "Cost",
+    "DiagnoseSettings",
+    "FitSettings",
+    "Generated",
+    "HysgenError",
+    "Model",
+    "Options",
+    "Record",
+    "Report",
+    "Scores",
+    "Study",
+    "cost",
+    "diagnose",
+    "fit",
+    "generate",
+    "load_model",
+    "load_record",
+    "save_model",
+    "score",
+    "verify",
+)
+
+if TYPE_CHECKING:
+    from hysgen.api import *  # noqa: F403
+
+
+class _Package(ModuleType):
+    """The package with its functions in front: `hysgen.fit` is the function, `from hysgen.fit import ...` the room.
+
+    Importing a room would bind its module to the same name; the setter below lets that pass by.
+    """
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *_EXPORTED})
+
+
+def _exported(name: str) -> property:
+    def found(_: ModuleType) -> Any:
+        return getattr(importlib.import_module("hysgen.api"), name)
+
+    return property(found, lambda _, __: None)
+
+
+for _name in _EXPORTED:
+    setattr(_Package, _name, _exported(_name))
+sys.modules[__name__].__class__ = _Package

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.inputs import InputBlock, check_chain
 from hysgen.learning import LearnerSettings
@@ -63,8 +64,8 @@ class Grid:
         return np.clip(y_um, self.y_min_um, self.y_max_um)
 
 
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, repr=False)
+class Model(Displayed):
     """A Takagi-Sugeno hysteresis model with its extension terms.
 
     consequents: (L, 3), columns q_l1 [um/um], q_l2 [um/V], q_l3 [um].
@@ -112,6 +113,20 @@ class Model:
         kinds = [term.kind for term in self.terms]
         if len(set(kinds)) != len(kinds):
             raise ModelError(f"terms: {', '.join(kinds)}: a kind of term may stand once in a model")
+
+    def summary(self) -> Summary:
+        """Its structure, range and parts."""
+        grid = self.grid
+        rows = [
+            ["rules", f"{grid.rules} over {grid.y_min_um:.4g} .. {grid.y_max_um:.4g} um"],
+            ["input", f"{self.u_min_V:.4g} .. {self.u_max_V:.4g} V"],
+            ["sampling period", f"{1e6 * self.Ts_s:.6g} us"],
+            *([f"input {block.kind}", block.describe()] for block in self.blocks),
+            *([f"term {term.kind}", term.describe()] for term in self.terms),
+            ["learner", "none" if self.learner is None else f"forgetting {self.learner.forgetting:.9g}"],
+        ]
+        kinds = ", ".join(["rules", *(term.kind for term in self.terms), *(block.kind for block in self.blocks)])
+        return Summary(f"Model {self.name}: {kinds}, {self.parameters.size} parameters", ["part", "what"], rows, left=2)
 
     @property
     def parameters(self) -> Floats:

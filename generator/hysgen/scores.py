@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.display import Displayed, Summary
 from hysgen.model import Model
 from hysgen.noise import NoiseFloor, noise_floor
 from hysgen.record import Record
@@ -52,8 +53,8 @@ class Score:
         }
 
 
-@dataclass(frozen=True)
-class Scores:
+@dataclass(frozen=True, repr=False)
+class Scores(Displayed):
     """All scores of a model on a record. settle: samples at the start of each segment that were not scored."""
 
     model: str
@@ -67,6 +68,7 @@ class Scores:
     noise: NoiseFloor
     y_clamped: int
     u_clamped: int
+    Ts_s: float
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -83,21 +85,35 @@ class Scores:
             "unit": "um",
         }
 
-    def table(self) -> str:
+    def summary(self) -> Summary:
         """A small table for people."""
         rows = [("free run", self.free_run), ("one step", self.one_step), ("persistence, one step", self.persistence)]
-        lines = [f"{self.model} on {self.source}, {self.free_run.samples} samples scored", *score_lines(rows)]
-        lines.append(f"noise floor {self.noise.describe()}")
         curve = zip(self.horizon.steps, self.horizon.rms_um, strict=True)
-        lines.append("rms after steps: " + ", ".join(f"{steps}: {rms:.4g}" for steps, rms in curve) + " um")
+        notes = [
+            f"noise floor {self.noise.describe()}",
+            "rms after steps: " + ", ".join(f"{steps}: {rms:.4g}" for steps, rms in curve) + " um",
+        ]
         if self.y_clamped or self.u_clamped:
-            lines.append(f"outside the model's range in the free run: y {self.y_clamped}, u {self.u_clamped} samples")
-        return "\n".join(lines)
+            outside = f"y {self.y_clamped}, u {self.u_clamped} samples"
+            notes.append(f"outside the model's range in the free run: {outside}")
+        title = f"{self.model} on {self.source}: {self.free_run.samples} samples scored"
+        return Summary(title, SCORE_HEADER, _score_rows(rows), notes)
+
+    def table(self) -> str:
+        """The summary as text."""
+        return self.summary().text()
+
+
+SCORE_HEADER = ["", "e_rms um", "max um", "max e_r %", "of span %"]
 
 
 def score_lines(rows: Sequence[tuple[str, Score]]) -> list[str]:
     """One line per named score under a heading, columns aligned."""
-    cells = [
+    return table(SCORE_HEADER, _score_rows(rows)).splitlines()
+
+
+def _score_rows(rows: Sequence[tuple[str, Score]]) -> list[list[str]]:
+    return [
         [
             name,
             f"{score.e_rms_um:.5f}",
@@ -107,7 +123,6 @@ def score_lines(rows: Sequence[tuple[str, Score]]) -> list[str]:
         ]
         for name, score in rows
     ]
-    return table(["", "e_rms um", "max um", "max e_r %", "of span %"], cells).splitlines()
 
 
 def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int = 0) -> Score:
@@ -159,6 +174,7 @@ def score(
         noise=noise_floor(record),
         y_clamped=sum(run.y_clamped for run in free),
         u_clamped=sum(run.u_clamped for run in free),
+        Ts_s=model.Ts_s,
     )
 
 

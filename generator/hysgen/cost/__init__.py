@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from hysgen.cost.timing import nanoseconds
+from hysgen.display import Displayed, Summary
 from hysgen.emit.manifest import read_folder
 from hysgen.host import Host
 from hysgen.model import Model
@@ -32,8 +33,8 @@ class FunctionCost:
     host_ns: float | None
 
 
-@dataclass(frozen=True)
-class Cost:
+@dataclass(frozen=True, repr=False)
+class Cost(Displayed):
     """functions: public ones, in the order of the source; struct_bytes: every public struct, constant_bytes: tables.
 
     per_sample: the dearest step, and learning if there is any; budget: cycles of a sample period at clock_Hz.
@@ -74,6 +75,11 @@ class Cost:
             "Ts_s": self.Ts_s,
             "host": self.host,
         }
+
+    def summary(self) -> Summary:
+        """One row per function, and below what the columns mean."""
+        title = f"Cost of {self.model}: {self.per_sample} of {self.budget} a sample, {100.0 * self.share:.2g} %"
+        return Summary(title, self.header(), self.rows(), self.notes())
 
     def header(self) -> list[str]:
         """Column heads of `rows`."""

@@ -14,6 +14,8 @@ from hysgen.diagnose.diagnosis import Diagnosis
 from hysgen.diagnose.misfit import Misfit, misfit
 from hysgen.diagnose.prepare import prepare
 from hysgen.diagnose.procedure import DiagnoseSettings, Progress, diagnose
+from hysgen.display import Displayed, Summary
+from hysgen.model import Model
 from hysgen.record import Record
 
 Floats = NDArray[np.float64]
@@ -33,8 +35,8 @@ class Stretch:
     extended_um: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Displayed):
     """record: identification and held-out part joined; cut: first held-out row.
 
     before, after: error of the held-out part, of the base and of the extended model.
@@ -47,6 +49,37 @@ class Study:
     before: Misfit
     after: Misfit
     span_um: float
+
+    @property
+    def model(self) -> Model:
+        """The extended model."""
+        return self.diagnosis.model
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The causes that were named."""
+        return self.diagnosis.names
+
+    def summary(self) -> Summary:
+        """The ladder, and the evidence of each cause."""
+        found = self.diagnosis
+        rows = [["paper's model", f"{found.base_rms_um:.4g}", f"{self.percent(found.base_rms_um):.2g} %", ""]]
+        rows += [
+            [
+                f"+ {c.name}",
+                f"{c.step.after_um:.4g}",
+                f"{self.percent(c.step.after_um):.2g} %",
+                f"{100 * c.share:.1f} %",
+            ]
+            for c in found.causes
+        ]
+        rows.append(["noise floor", f"{found.noise.rms_um:.4g}", f"{self.percent(found.noise.rms_um):.2g} %", ""])
+        named = ", ".join(self.names) or "no cause"
+        notes = [f"{cause.name}: {cause.evidence}" for cause in found.causes]
+        notes += [f"unknown: {found.unknown}"] if found.unknown else []
+        notes += [f"next experiment: {found.next_experiment}"] if found.next_experiment else []
+        header = ["free run, held out", "rms um", "of stroke", "of the error"]
+        return Summary(f"Diagnosis of {self.record.source}: {named}", header, rows, notes)
 
     @property
     def improved(self) -> bool:

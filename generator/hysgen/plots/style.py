@@ -61,3 +61,9 @@ def save(fig: Figure, path: Path) -> Path:
     """Write the figure whole, as PNG."""
     write_whole(path, png_bytes(fig))
     return path
+
+
+def save_svg(fig: Figure, path: Path) -> Path:
+    """Write the figure whole, as SVG."""
+    write_whole(path, svg_bytes(fig))
+    return path

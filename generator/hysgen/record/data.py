@@ -11,6 +11,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysgen.display import Displayed, Summary
 from hysgen.errors import RecordError
 from hysgen.record.channels import Channels
 from hysgen.record.checks import check_values
@@ -67,8 +68,8 @@ class Segment:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(Displayed):
     """A measured record: one or more segments sampled at one period.
 
     segments: in the order of the file, or of the files.
@@ -152,6 +153,23 @@ class Record:
             ", ".join(dict.fromkeys(record.source for record in records)),
             tuple(dict.fromkeys(line for record in records for line in record.warnings)),
         )
+
+    def summary(self) -> Summary:
+        """Its segments with their ranges."""
+        rows = [
+            [
+                part.name,
+                f"{part.samples}",
+                f"{self.Ts_s * part.samples:.4g}",
+                f"{part.u_V.min():.4g} .. {part.u_V.max():.4g}",
+                f"{part.y_um.min():.4g} .. {part.y_um.max():.4g}",
+            ]
+            for part in self.segments
+        ]
+        channels = [f"further channels: {', '.join(self.aux_names)}"] if self.aux_names else []
+        title = f"Record {self.source}: {self.samples} samples at {1e-3 / self.Ts_s:.4g} kHz"
+        header = ["segment", "samples", "s", "voltage V", "displacement um"]
+        return Summary(title, header, rows, [*channels, *(f"warning: {line}" for line in self.warnings)])
 
     @property
     def samples(self) -> int:

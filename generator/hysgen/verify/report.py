@@ -7,6 +7,7 @@ import struct
 from dataclasses import dataclass
 from typing import Any
 
+from hysgen.display import Displayed, Summary
 from hysgen.tables import table
 
 SMALLEST_NORMAL = 0x00800000
@@ -46,8 +47,8 @@ class Run:
     builds: int
 
 
-@dataclass(frozen=True)
-class Report:
+@dataclass(frozen=True, repr=False)
+class Report(Displayed):
     """builds: compilers, levels and flushing that were compared; skipped: what was not, and why; seconds: wall time."""
 
     model: str
@@ -73,22 +74,29 @@ class Report:
         """Plain JSON values."""
         return dataclasses.asdict(self) | {"equal": self.equal, "samples": self.samples}
 
-    def lines(self) -> list[str]:
-        """The report as text: one line per function and model, then what was skipped and what differs."""
+    def summary(self) -> Summary:
+        """One row per function and model, then what was skipped and what differs."""
         rows = []
         keys = dict.fromkeys((run.model, run.function) for run in self.runs)
         for model, function in keys:
             runs = [run for run in self.runs if (run.model, run.function) == (model, function)]
             wrong = len({m.build for m in self.mismatches if (m.model, m.function) == (model, function)})
             total, builds = sum(run.samples for run in runs), max(run.builds for run in runs)
-            rows.append((model, function, f"{total}", f"{builds}", f"{wrong} differ" if wrong else "equal"))
-        text = [table(("model", "function", "samples", "builds", "result"), rows, left=2)]
-        text += [f"builds: {', '.join(self.builds)}"]
-        text += [f"NOT COMPARED: {reason}" for reason in self.skipped]
-        text += [f"ALTERED: {reason}" for reason in self.altered]
-        text += [f"DIFFERENT: {mismatch}" for mismatch in self.mismatches]
+            rows.append([model, function, f"{total}", f"{builds}", f"{wrong} differ" if wrong else "equal"])
         verdict = "equal in every bit" if self.equal else "NOT EQUAL"
-        return [*text, f"{self.model}: {verdict} over {self.samples} samples per build, {self.seconds:.1f} s"]
+        notes = [
+            f"builds: {', '.join(self.builds)}",
+            *(f"NOT COMPARED: {reason}" for reason in self.skipped),
+            *(f"ALTERED: {reason}" for reason in self.altered),
+            *(f"DIFFERENT: {mismatch}" for mismatch in self.mismatches),
+        ]
+        title = f"{self.model}: {verdict} over {self.samples} samples per build"
+        return Summary(title, ["model", "function", "samples", "builds", "result"], rows, notes, left=2)
+
+    def lines(self) -> list[str]:
+        """The report as text, the verdict last."""
+        told = self.summary()
+        return [table(told.header, told.rows, told.left), *told.notes, f"{told.title}, {self.seconds:.1f} s"]
 
 
 def _shown(bits: int) -> str:

@@ -1,0 +1,77 @@
+"""How results show themselves: one line as `repr`, a table when printed or in a notebook, a picture on request."""
+
+from __future__ import annotations
+
+import abc
+import html
+import importlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hysgen.errors import HysgenError
+from hysgen.tables import table
+
+
+@dataclass(frozen=True)
+class Summary:
+    """title: one line; header, rows: a table, may be empty, its first `left` columns words; notes: lines below it."""
+
+    title: str
+    header: Sequence[str] = ()
+    rows: Sequence[Sequence[str]] = ()
+    notes: Sequence[str] = ()
+    left: int = 1
+
+    def text(self) -> str:
+        """For terminals."""
+        body = [table(self.header, self.rows, self.left)] if self.rows else []
+        return "\n".join([self.title, *body, *self.notes])
+
+    def html(self) -> str:
+        """For notebooks: plain elements without style or script."""
+        lines = [f"<p><strong>{html.escape(self.title)}</strong></p>"]
+        if self.rows:
+            lines.append("<table><thead><tr>" + _cells(self.header, "th") + "</tr></thead><tbody>")
+            lines += ["<tr>" + _cells(row, "td") + "</tr>" for row in self.rows]
+            lines.append("</tbody></table>")
+        lines += [f"<p>{html.escape(note)}</p>" for note in self.notes]
+        return "\n".join(lines)
+
+
+class Displayed(abc.ABC):
+    """A result that people look at."""
+
+    @abc.abstractmethod
+    def summary(self) -> Summary:
+        """What there is to see."""
+
+    def plot(self, *what: Any) -> Any:
+        """A picture that shows itself in a notebook; `.save(path)` writes it, `.figure` is matplotlib's.
+
+        what: depends on the kind of result, see docs/api.md.
+        Raises HysgenError if there is nothing to plot or matplotlib is not installed.
+        """
+        try:
+            # Pictures stand behind results in the house; only this door leads there, and only when it is opened.
+            drawing = importlib.import_module("hysgen.plots.results")
+        except ModuleNotFoundError as fault:
+            missing = str(fault.name).partition(".")[0]
+            raise HysgenError(f"{missing} is not installed; pip install {missing} to plot") from fault
+        return drawing.draw(self, *what)
+
+    def __repr__(self) -> str:
+        return f"<{self.summary().title}>"
+
+    def __str__(self) -> str:
+        return self.summary().text()
+
+    def _repr_html_(self) -> str:
+        return self.summary().html()
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        printer.text(repr(self) if cycle else str(self))
+
+
+def _cells(cells: Sequence[str], tag: str) -> str:
+    return "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells)
