@@ -89,6 +89,13 @@ class StageState:
         """The voltage across the ceramic at the present instant."""
         return float(self._plant.hysteresis.u_V)
 
+    @property
+    def address(self) -> tuple[int, int]:
+        """Of the compiled step, `double (*)(void *plant, double u_V)`, and of its plant: for C that drives a stage."""
+        lib, ffi = self._library.lib, self._ffi
+        step = ffi.addressof(lib, "plant_step")
+        return int(ffi.cast("uintptr_t", step)), int(ffi.cast("uintptr_t", self._plant))
+
     def step(self, u_V: float, channels: Sequence[float] = ()) -> float:
         """Hold u_V for one sampling period; the reading at its end in um. A u_V that is not a number holds the last.
 

@@ -1,0 +1,107 @@
+/* board.c: the host's board, for tests and for the tracking benchmark. */
+
+#include "board.h"
+
+#include <string.h>
+
+static uint32_t faulty(const board_t *board, uint32_t fault)
+{
+    return (uint32_t)(board->fault == fault) & (uint32_t)(board->sample >= board->fault_from)
+        & (uint32_t)(board->sample < board->fault_until);
+}
+
+/* The byte that power allows to be changed next: 1 as long as there is power. */
+static uint32_t powered(board_t *board)
+{
+    if (board->bytes_to_cut == HOST_NO_CUT) {
+        return 1u;
+    }
+    if (board->bytes_to_cut == 0u) {
+        return 0u;
+    }
+    board->bytes_to_cut -= 1u;
+    return 1u;
+}
+
+float board_displacement_um(board_t *board)
+{
+    return board->reading_um;
+}
+
+float board_reference_um(board_t *board)
+{
+    return board->reference_um[board->sample];
+}
+
+uint32_t board_amplifier(board_t *board)
+{
+    return (faulty(board, HOST_FAULT_LIMITS) != 0u ? BOARD_AMPLIFIER_LIMITS : 0u)
+        | (faulty(board, HOST_FAULT_AMPLIFIER) != 0u ? BOARD_AMPLIFIER_FAILED : 0u);
+}
+
+void board_voltage(board_t *board, float u_V)
+{
+    const uint32_t clips = faulty(board, HOST_FAULT_SATURATED);
+    float reading_um;
+
+    board->output_V = u_V;
+    board->applied_V = ((clips != 0u) & (u_V > board->fault_value)) ? board->fault_value : u_V;
+    reading_um = (float)board->step(board->plant, (double)board->applied_V);
+    board->sample += 1u;
+    if (faulty(board, HOST_FAULT_READING) != 0u) {
+        board->reading_um = board->fault_value;
+    } else if (faulty(board, HOST_FAULT_STUCK) == 0u) {
+        board->reading_um = reading_um;
+    }
+}
+
+/* A host has no cycles of a C6748 to show: time passes only where a test says so. */
+uint32_t board_cycles(board_t *board)
+{
+    if (faulty(board, HOST_FAULT_LATE) != 0u) {
+        board->cycles += (uint32_t)board->fault_value;
+    }
+    return board->cycles;
+}
+
+uint32_t board_overrun(board_t *board)
+{
+    return faulty(board, HOST_FAULT_OVERRUN);
+}
+
+uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin)
+{
+    const uint32_t count = (board->incoming_count < room) ? board->incoming_count : room;
+
+    *begin = board->incoming_begins;
+    if (count != 0u) {
+        memcpy(bytes, board->incoming, count);
+        board->incoming += count;
+    }
+    board->incoming_count -= count;
+    board->incoming_begins = 0u;
+    return count;
+}
+
+void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+{
+    memcpy(bytes, &board->store[slot][offset], count);
+}
+
+void board_store_erase(board_t *board, uint32_t slot)
+{
+    for (uint32_t i = 0u; i < BOARD_SLOT_BYTES; ++i) {
+        if (powered(board) != 0u) {
+            board->store[slot][i] = 0xFFu;
+        }
+    }
+}
+
+void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+{
+    for (uint32_t i = 0u; i < count; ++i) {
+        if (powered(board) != 0u) {
+            board->store[slot][offset + i] = bytes[i];
+        }
+    }
+}

@@ -1,0 +1,42 @@
+/* board_type.h: the host's board. A plant in place of stage and converters, arrays in place of reference and store, and
+ * faults that a test switches on. */
+
+#ifndef BOARD_TYPE_H
+#define BOARD_TYPE_H
+
+#include <stdint.h>
+
+#define HOST_FAULT_NONE       0u
+#define HOST_FAULT_STUCK      1u  /* the sensor repeats its reading */
+#define HOST_FAULT_READING    2u  /* the sensor gives `fault_value` */
+#define HOST_FAULT_SATURATED  3u  /* the amplifier passes at most `fault_value` volts on, and does not tell */
+#define HOST_FAULT_LIMITS     4u  /* the amplifier tells that it is at its limit */
+#define HOST_FAULT_AMPLIFIER  5u  /* the amplifier tells that it failed */
+#define HOST_FAULT_LATE       6u  /* interrupts take `fault_value` cycles */
+#define HOST_FAULT_OVERRUN    7u  /* the next interrupt waits already */
+
+#define HOST_NO_CUT 0xFFFFFFFFu
+
+typedef struct board {
+    double (*step)(void *plant, double u_V);  /* holds u_V for a period, returns the reading at its end */
+    void *plant;
+    const float *reference_um;  /* one per sample */
+    uint32_t sample;
+    float reading_um;
+    float output_V;             /* as the D/A has it */
+    float applied_V;            /* as the amplifier passes it on */
+
+    uint32_t fault;
+    uint32_t fault_from;        /* first sample of the fault, */
+    uint32_t fault_until;       /* first sample after it */
+    float fault_value;
+    uint32_t cycles;
+
+    const uint8_t *incoming;    /* bytes of an image on their way, */
+    uint32_t incoming_count;
+    uint32_t incoming_begins;   /* the first of them is the first of an image */
+    uint8_t store[2][4096];
+    uint32_t bytes_to_cut;      /* bytes that the store still changes before the power fails, or HOST_NO_CUT */
+} board_t;
+
+#endif

@@ -1,0 +1,47 @@
+/* board.h: what the firmware asks of a board. One folder of firmware/board/ per board implements it.
+ *
+ * board_t is the board's own struct, defined in its board_type.h; main owns the only instance.
+ * Called in the 50 kHz interrupt: the first six. Called in the idle loop: the others. */
+
+#ifndef BOARD_H
+#define BOARD_H
+
+#include <stdint.h>
+
+#include "board_type.h"
+
+#define BOARD_AMPLIFIER_LIMITS  0x1u  /* the amplifier is at its current or voltage limit */
+#define BOARD_AMPLIFIER_FAILED  0x2u  /* the amplifier reports a fault, or is not switched on */
+
+#define BOARD_SLOTS       2u
+#define BOARD_SLOT_BYTES  4096u
+
+/* Displacement y(k) [um]: the sample that the A/D took at this interrupt. */
+float board_displacement_um(board_t *board);
+
+/* Reference [um] for the sample MODEL_PREVIEW + 1 after this interrupt. */
+float board_reference_um(board_t *board);
+
+/* BOARD_AMPLIFIER_ bits, 0 if all is well. */
+uint32_t board_amplifier(board_t *board);
+
+/* Put u(k) [V] out; it acts until the next call. */
+void board_voltage(board_t *board, float u_V);
+
+/* Free-running counter of processor cycles; it may wrap. */
+uint32_t board_cycles(board_t *board);
+
+/* 1 if the next period's interrupt is waiting already: this one took too long. */
+uint32_t board_overrun(board_t *board);
+
+/* Bytes of a parameter image that arrived since the last call, at most `room`; returns how many. `*begin` is set to 1
+ * if the first of them is the first of an image: whatever came before and was not whole is forgotten. */
+uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin);
+
+/* Parameter store: memory that survives power off. Writing turns bytes of an erased slot into `bytes`; both may be cut
+ * off anywhere by a power failure. Offsets and counts are in bytes and multiples of 4. */
+void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count);
+void board_store_erase(board_t *board, uint32_t slot);
+void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count);
+
+#endif

@@ -1,0 +1,273 @@
+#include "controller.h"
+
+#include "number.h"
+
+/* The voltage one step of at most `step` nearer to `target`. */
+static float controller_towards(float from, float target, float step)
+{
+    return from + number_limited(target - from, -step, step);
+}
+
+static uint32_t controller_moves(controller_state_t state)
+{
+    return (uint32_t)((state != CONTROLLER_OFF) & (state != CONTROLLER_TRIP) & (state != CONTROLLER_TRIPPED));
+}
+
+void controller_init(controller_t *self, const settings_t *settings)
+{
+    self->settings = settings;
+    self->state = CONTROLLER_OFF;
+    self->request = CONTROLLER_NO_REQUEST;
+    self->committing = 0u;
+    self->status = 0u;
+    self->upward = 1u;
+    self->held = 0u;
+    self->offset_um = 0.0f;
+    self->output_V = settings->off_V;
+    self->reference_um = MODEL_Y_MIN_UM;
+    self->wanted_um = MODEL_Y_MIN_UM;
+    for (uint32_t i = 0u; i < CONTROLLER_LINE; ++i) {
+        self->asked_um[i] = MODEL_Y_MIN_UM;
+        self->expected_um[i] = MODEL_Y_MIN_UM;
+    }
+    self->oldest = 0u;
+    self->samples = 0u;
+    watchdog_init(&self->watchdog, settings);
+    trim_init(&self->trim);
+    model_init(&self->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
+    model_learn_init(&self->learner, &self->model);
+    self->bank = self->model.bank[self->model.active];
+}
+
+uint32_t controller_install(controller_t *self, const model_bank_t *bank)
+{
+    if ((self->state != CONTROLLER_OFF) & (self->state != CONTROLLER_TRIPPED)) {
+        return 0u;
+    }
+    self->bank = *bank;
+    return 1u;
+}
+
+/* The model starts where the stage is, under the voltage that it has, with the parameters to begin with. */
+static void controller_begin(controller_t *self)
+{
+    model_init(&self->model, self->watchdog.reading_um, self->output_V);
+    self->model.bank[0] = self->bank;
+    self->model.bank[1] = self->bank;
+    trim_init(&self->trim);
+    self->upward = 1u;
+    self->held = 0u;
+    self->offset_um = 0.0f;
+    self->state = CONTROLLER_LOOP;
+}
+
+static void controller_take_request(controller_t *self)
+{
+    const uint32_t request = self->request;
+
+    self->request = CONTROLLER_NO_REQUEST;
+    if ((request == CONTROLLER_START) & (self->state == CONTROLLER_OFF)) {
+        self->state = CONTROLLER_RISE;
+    }
+    if ((request == CONTROLLER_STOP) & (controller_moves(self->state) != 0u)) {
+        self->state = CONTROLLER_FALL;
+    }
+    if (request == CONTROLLER_CLEAR) {
+        /* A processor that fails its self-test stays where it is. */
+        self->status &= STATUS_FAULT_SELFTEST;
+        watchdog_init(&self->watchdog, self->settings);
+        if ((self->state == CONTROLLER_TRIPPED) & (self->status == 0u)) {
+            self->state = CONTROLLER_OFF;
+        }
+    }
+}
+
+/* What the model's range leaves of a displacement of the stage. */
+static float controller_in_range(const controller_t *self, float y_um)
+{
+    return number_limited(y_um, MODEL_Y_MIN_UM + self->offset_um, MODEL_Y_MAX_UM + self->offset_um);
+}
+
+/* The reference of this call as the inverse is to have it: a number, in range, no faster than `step`. */
+static float controller_reference(controller_t *self, float reference_um, float step)
+{
+    float within;
+
+    if (number_finite(reference_um) == 0u) {
+        self->status |= STATUS_REFERENCE_INVALID;
+    } else {
+        self->wanted_um = reference_um;
+    }
+    within = controller_in_range(self, self->wanted_um);
+    if (within != self->wanted_um) {
+        self->status |= STATUS_REFERENCE_LIMITED;
+    }
+    return controller_towards(self->reference_um, within, step);
+}
+
+/* Where the output stands against the model's range: -1 at its lower end, 1 at its upper. */
+static int32_t controller_at_limit(const controller_t *self)
+{
+    return (int32_t)(self->output_V >= MODEL_U_MAX_V) - (int32_t)(self->output_V <= MODEL_U_MIN_V);
+}
+
+/* Feed-forward through the inverse, Eq. (11), with trim and learning as the settings have them. */
+static float controller_follow(controller_t *self, float reference_um)
+{
+    const settings_t *settings = self->settings;
+    const float y_um = self->watchdog.reading_um;
+    const uint32_t now = self->oldest;
+    float correction = 0.0f;
+    float u_V;
+
+    self->status |= watchdog_follow(&self->watchdog, settings, self->expected_um[now]);
+    if ((settings->options & SETTINGS_TRIM) != 0u) {
+        if (trim_step(&self->trim, settings, self->asked_um[now] - y_um, controller_at_limit(self)) != 0u) {
+            self->status |= STATUS_TRIM_LIMITED;
+        }
+        correction = self->trim.correction_um;
+    }
+    u_V = model_inverse(&self->model, self->model.y_um, reference_um - self->offset_um + correction);
+    if (self->model.status != 0u) {
+        self->status |= STATUS_MODEL;
+    }
+    self->reference_um = reference_um;
+    self->asked_um[now] = reference_um;
+    self->expected_um[now] = self->model.y_um + self->offset_um - correction;
+    self->oldest = (now + 1u < CONTROLLER_LINE) ? now + 1u : 0u;
+    if ((settings->options & SETTINGS_LEARN) != 0u) {
+        if (self->committing == 0u) {
+            model_learn(&self->learner, y_um - self->offset_um, u_V);
+        } else {
+            self->status |= STATUS_LEARN_SKIPPED;
+        }
+    }
+    return u_V;
+}
+
+/* The model is at rest behind the loop: from here on the inverse drives. */
+static void controller_take_over(controller_t *self)
+{
+    self->reference_um = self->model.y_um + self->offset_um;
+    for (uint32_t i = 0u; i < CONTROLLER_LINE; ++i) {
+        self->asked_um[i] = self->reference_um;
+        self->expected_um[i] = self->reference_um;
+    }
+    self->oldest = 0u;
+    model_learn_init(&self->learner, &self->model);
+    self->state = CONTROLLER_APPROACH;
+}
+
+/* Voltage of the states in which the firmware itself chooses it, the model following. */
+static float controller_loop(controller_t *self)
+{
+    const settings_t *settings = self->settings;
+    const float target_V = (self->upward != 0u) ? settings->loop_high_V : settings->loop_middle_V;
+    const float u_V = controller_towards(self->output_V, target_V, settings->ramp_V);
+
+    if (u_V == target_V) {
+        if (self->upward != 0u) {
+            self->upward = 0u;
+        } else {
+            self->state = CONTROLLER_HOLD;
+        }
+    }
+    (void)model_simulate(&self->model, u_V);
+    return u_V;
+}
+
+/* The voltage that the present state asks for; moves on to the next state where it is due. */
+static float controller_wish(controller_t *self, float reference_um)
+{
+    const settings_t *settings = self->settings;
+    float u_V = settings->off_V;
+    float next_um;
+
+    switch (self->state) {
+    case CONTROLLER_RISE:
+        u_V = controller_towards(self->output_V, settings->loop_low_V, settings->ramp_V);
+        if (u_V == settings->loop_low_V) {
+            controller_begin(self);
+        }
+        break;
+    case CONTROLLER_LOOP:
+        u_V = controller_loop(self);
+        break;
+    case CONTROLLER_HOLD:
+        u_V = self->output_V;
+        self->offset_um += settings->offset_smoothing
+            * (self->watchdog.reading_um - self->model.y_um - self->offset_um);
+        (void)model_simulate(&self->model, u_V);
+        self->held += 1u;
+        if (self->held >= settings->hold_samples) {
+            controller_take_over(self);
+        }
+        break;
+    case CONTROLLER_APPROACH:
+        next_um = controller_reference(self, reference_um, settings->approach_um);
+        u_V = controller_follow(self, next_um);
+        if (next_um == controller_in_range(self, self->wanted_um)) {
+            self->state = CONTROLLER_TRACK;
+        }
+        break;
+    case CONTROLLER_TRACK:
+        next_um = controller_reference(self, reference_um, settings->reference_step_um);
+        if (next_um != controller_in_range(self, self->wanted_um)) {
+            self->status |= STATUS_REFERENCE_SLEWED;
+        }
+        u_V = controller_follow(self, next_um);
+        break;
+    case CONTROLLER_FALL:
+        u_V = controller_towards(self->output_V, settings->off_V, settings->ramp_V);
+        if (u_V == settings->off_V) {
+            self->state = CONTROLLER_OFF;
+        }
+        break;
+    case CONTROLLER_TRIP:
+        u_V = controller_towards(self->output_V, settings->off_V, settings->fall_V);
+        if (u_V == settings->off_V) {
+            self->state = CONTROLLER_TRIPPED;
+        }
+        break;
+    default:
+        break;
+    }
+    return u_V;
+}
+
+float controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier)
+{
+    const settings_t *settings = self->settings;
+    float wish_V;
+    float within_V;
+
+    self->samples += 1u;
+    if (self->request != CONTROLLER_NO_REQUEST) {
+        controller_take_request(self);
+    }
+    self->status |= watchdog_reading(&self->watchdog, settings, y_um, self->output_V);
+    self->status |= watchdog_amplifier(&self->watchdog, settings, amplifier);
+    if (((self->status & STATUS_FAULTS) != 0u) & (self->state != CONTROLLER_TRIPPED)) {
+        self->state = CONTROLLER_TRIP;
+    }
+    wish_V = controller_wish(self, reference_um);
+    /* Whatever was wished, even if it is no number: the voltage stays inside its range and below its rate. */
+    if (number_finite(wish_V) == 0u) {
+        wish_V = self->output_V;
+        self->status |= STATUS_OUTPUT_LIMITED;
+    }
+    within_V = number_limited(wish_V, settings->low_V, settings->high_V);
+    if (within_V != wish_V) {
+        self->status |= STATUS_OUTPUT_LIMITED;
+    }
+    self->output_V = controller_towards(self->output_V, within_V, settings->step_V);
+    if (self->output_V != within_V) {
+        self->status |= STATUS_OUTPUT_SLEWED;
+    }
+    return self->output_V;
+}
+
+void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun)
+{
+    self->status |= watchdog_time(&self->watchdog, self->settings, cycles, overrun);
+}

@@ -1,0 +1,84 @@
+/* controller.h: from reading and reference to voltage, once per sample: feed-forward through the model's inverse, with
+ * safe start and stop around it.
+ *
+ *     OFF -> RISE -> LOOP -> HOLD -> APPROACH -> TRACK        start
+ *     any of these but OFF -> FALL -> OFF                     stop
+ *     any of them -> TRIP -> TRIPPED -> OFF                   fault; back to OFF by `clear` only
+ *
+ * RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the plays of model
+ * and stage forget what was before. HOLD waits until the lag has settled and takes the offset between
+ * stage and model (the sensor's zero, what crept before): the only reading that the feed-forward ever uses. APPROACH
+ * brings the reference from where the model is to where the caller wants it, TRACK follows it. */
+
+#ifndef CONTROLLER_H
+#define CONTROLLER_H
+
+#include <stdint.h>
+
+#include "model.h"
+#include "settings.h"
+#include "status.h"
+#include "trim.h"
+#include "watchdog.h"
+
+typedef enum {
+    CONTROLLER_OFF = 0,
+    CONTROLLER_RISE = 1,
+    CONTROLLER_LOOP = 2,
+    CONTROLLER_HOLD = 3,
+    CONTROLLER_APPROACH = 4,
+    CONTROLLER_TRACK = 5,
+    CONTROLLER_FALL = 6,
+    CONTROLLER_TRIP = 7,
+    CONTROLLER_TRIPPED = 8
+} controller_state_t;
+
+/* What the caller may ask for; taken at the next sample. */
+#define CONTROLLER_NO_REQUEST     0u
+#define CONTROLLER_START          1u  /* from OFF */
+#define CONTROLLER_STOP           2u  /* from any state in which the stage moves */
+#define CONTROLLER_CLEAR          3u  /* status and counters; from TRIPPED also back to OFF */
+
+#define CONTROLLER_LINE (MODEL_PREVIEW + 1u)
+
+typedef struct {
+    const settings_t *settings;
+    controller_state_t state;
+    volatile uint32_t request;
+    volatile uint32_t committing;   /* the idle loop is inside the model's commit */
+    uint32_t status;
+    uint32_t upward;         /* LOOP: on the way up */
+    uint32_t held;           /* samples in HOLD */
+    float offset_um;         /* displacement of the stage beyond the model's, as HOLD found it */
+    float output_V;          /* voltage that was put out last */
+    float reference_um;      /* reference that the inverse was asked for last, without trim */
+    float wanted_um;         /* last reference of the caller that was one */
+    float asked_um[CONTROLLER_LINE];     /* references on their way to the present, oldest at `oldest` */
+    float expected_um[CONTROLLER_LINE];  /* what the model says of the samples in between */
+    uint32_t oldest;
+    uint32_t samples;        /* since init; wraps */
+    watchdog_t watchdog;
+    trim_t trim;
+    model_t model;
+    model_learner_t learner;
+    model_bank_t bank;       /* parameters that every start begins with */
+} controller_t;
+
+/* Off, with the parameters that the firmware was built with. */
+void controller_init(controller_t *self, const settings_t *settings);
+
+/* One sample.
+ *
+ * y_um          displacement y(k) [um] as read
+ * reference_um  wanted displacement [um] of sample k + MODEL_PREVIEW + 1
+ * amplifier     BOARD_AMPLIFIER_ bits
+ * returns       u(k) [V] inside the settings' range, at most step_V from the one before */
+float controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier);
+
+/* After a sample: how long it took. */
+void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun);
+
+/* Parameters for the next start; only while OFF or TRIPPED. Returns 1 if taken. */
+uint32_t controller_install(controller_t *self, const model_bank_t *bank);
+
+#endif

@@ -1,0 +1,11 @@
+/* crc32.h: the CRC-32 of Ethernet and zlib (polynomial 0x04C11DB7, reflected). It finds every single flipped bit, every
+ * burst of up to 32 bits, and in images of these sizes every three flipped bits. */
+
+#ifndef CRC32_H
+#define CRC32_H
+
+#include <stdint.h>
+
+uint32_t crc32(const uint8_t *bytes, uint32_t count);
+
+#endif

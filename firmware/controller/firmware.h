@@ -1,0 +1,39 @@
+/* firmware.h: the image as a whole: boot, interrupt, idle loop. main owns the one instance. */
+
+#ifndef FIRMWARE_H
+#define FIRMWARE_H
+
+#include <stdint.h>
+
+#include "board.h"
+#include "controller.h"
+#include "store.h"
+
+typedef struct {
+    controller_t controller;
+    store_t store;
+    image_bench_t bench;
+    uint8_t incoming[IMAGE_BYTES];
+    uint32_t received;           /* bytes of an image that is arriving */
+    uint32_t image_answer;       /* of the image that arrived last */
+    uint32_t image_pending;      /* bytes in `incoming` wait until the controller is off */
+    uint32_t commit_answer;      /* of the commit that was finished last */
+    uint32_t commits;            /* that made a shadow active */
+    uint32_t commit_last;        /* sample of the last attempt */
+    uint32_t committing;         /* an attempt is under way, over several calls of firmware_idle */
+    uint32_t ticked;             /* sample after which firmware_idle worked last */
+    uint32_t cycles_last;        /* of the interrupt */
+    uint32_t cycles_most;
+    uint32_t selftest;           /* mismatches at boot; 0: this processor computes what was verified */
+} firmware_t;
+
+/* Self-test, parameters from the store, everything off. The interrupt may be enabled afterwards. */
+void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings);
+
+/* Every 20 us. */
+void firmware_interrupt(firmware_t *self, board_t *board);
+
+/* Again and again in between: takes parameter images, commits what was learnt. */
+void firmware_idle(firmware_t *self, board_t *board);
+
+#endif

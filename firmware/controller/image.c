@@ -1,0 +1,91 @@
+#include "image.h"
+
+#include "crc32.h"
+#include "number.h"
+
+/* Largest number that a parameter can be: products of a few of them stay finite. */
+#define IMAGE_LARGEST 1.0e6f
+
+/* Calls of the model's commit: one snapshot, the check points, writing, switching; and one to spare. */
+#define IMAGE_MOST_CALLS (MODEL_COMMIT_POINTS + 4u)
+
+static const uint32_t image_digest[4] = MODEL_DIGEST;
+
+uint32_t image_word(const uint8_t *bytes, uint32_t i)
+{
+    const uint8_t *at = &bytes[4u * i];
+
+    return (uint32_t)at[0] | ((uint32_t)at[1] << 8) | ((uint32_t)at[2] << 16) | ((uint32_t)at[3] << 24);
+}
+
+static float image_number(const uint8_t *bytes, uint32_t i)
+{
+    return number_of(image_word(bytes, IMAGE_HEADER + i));
+}
+
+/* 1 if x is 0 or a normal number of a size that a parameter can have. */
+static uint32_t image_plausible(float x)
+{
+    const uint32_t size = number_bits(x) & 0x7FFFFFFFu;
+
+    return (uint32_t)(size == 0u) | ((uint32_t)(size >= 0x00800000u) & (uint32_t)(size <= number_bits(IMAGE_LARGEST)));
+}
+
+uint32_t image_check(const uint8_t *bytes, uint32_t count)
+{
+    uint32_t same = 1u;
+    uint32_t plausible = 1u;
+
+    if (count != IMAGE_BYTES) {
+        return IMAGE_INCOMPLETE;
+    }
+    if ((image_word(bytes, 0u) != IMAGE_MAGIC) | (image_word(bytes, 1u) != IMAGE_VERSION)) {
+        return IMAGE_UNKNOWN;
+    }
+    if (image_word(bytes, IMAGE_WORDS - 1u) != crc32(bytes, IMAGE_BYTES - 4u)) {
+        return IMAGE_DAMAGED;
+    }
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        same &= (uint32_t)(image_word(bytes, 3u + i) == image_digest[i]);
+    }
+    same &= (uint32_t)(image_word(bytes, 2u) == IMAGE_BYTES);
+    same &= (uint32_t)(image_word(bytes, 7u) == MODEL_RULES) & (uint32_t)(image_word(bytes, 8u) == MODEL_WEIGHTS);
+    if (same == 0u) {
+        return IMAGE_FOREIGN;
+    }
+    for (uint32_t i = 0u; i < IMAGE_NUMBERS; ++i) {
+        plausible &= image_plausible(image_number(bytes, i));
+    }
+    return (plausible != 0u) ? IMAGE_GOOD : IMAGE_NO_NUMBER;
+}
+
+/* The model's own commit is the judge: a learner on the bench is told that the image's numbers are what it learnt, old
+ * enough to be committed, and commits them to the bench's model, never to the one that drives the stage. */
+uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank)
+{
+    model_bank_t *offered;
+    uint32_t answer = MODEL_BUSY;
+
+    model_init(&bench->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
+    offered = &bench->model.bank[bench->model.active];
+    for (uint32_t l = 0u; l < MODEL_RULES; ++l) {
+        offered->slope[l] = image_number(bytes, l);
+        offered->offset[l] = image_number(bytes, MODEL_RULES + l);
+        offered->gain[l] = image_number(bytes, 2u * MODEL_RULES + l);
+    }
+#if MODEL_WEIGHTS > 0
+    for (uint32_t j = 0u; j < MODEL_WEIGHTS; ++j) {
+        offered->weight[j] = image_number(bytes, 3u * MODEL_RULES + j);
+    }
+#endif
+    model_learn_init(&bench->learner, &bench->model);
+    bench->learner.age = MODEL_COMMIT_MATURE;
+    for (uint32_t i = 0u; (i < IMAGE_MOST_CALLS) & (answer == MODEL_BUSY); ++i) {
+        answer = model_commit(&bench->model, &bench->learner);
+    }
+    if (answer != MODEL_COMMITTED) {
+        return IMAGE_UNCERTIFIED + answer;
+    }
+    *bank = bench->model.bank[bench->model.active];
+    return IMAGE_GOOD;
+}

@@ -1,0 +1,55 @@
+/* image.h: a model's parameters as bytes that can be sent to running firmware.
+ *
+ * Words of 32 bits, little-endian on the wire and in the store, whatever the processor:
+ *
+ *      0      magic "HYSI"
+ *      1      version of this format
+ *      2      bytes of the whole image
+ *      3 .. 6 digest of all that the numbers must fit: ranges, partition, shapes of terms and input blocks
+ *      7, 8   rules, weights
+ *      9 ..   slope[], offset[], gain[] of the rules, weight[] of the terms: float32, as in the model's bank
+ *      last   CRC-32 of all bytes before
+ *
+ * An image is whole (size, CRC), right (magic, version, digest, rules, weights), of numbers (finite, no denormals), and
+ * certified: gain, slope and the terms' loop stay within the limits that the model's own commit keeps. Otherwise it is
+ * refused and nothing changes. */
+
+#ifndef IMAGE_H
+#define IMAGE_H
+
+#include <stdint.h>
+
+#include "model.h"
+
+#define IMAGE_MAGIC    0x49535948u
+#define IMAGE_VERSION  1u
+#define IMAGE_HEADER   9u
+#define IMAGE_NUMBERS  (3u * MODEL_RULES + MODEL_WEIGHTS)
+#define IMAGE_WORDS    (IMAGE_HEADER + IMAGE_NUMBERS + 1u)
+#define IMAGE_BYTES    (4u * IMAGE_WORDS)
+
+/* Answers: why an image is refused. */
+#define IMAGE_GOOD         0u
+#define IMAGE_INCOMPLETE   1u  /* bytes are missing, or there are too many */
+#define IMAGE_UNKNOWN      2u  /* not an image, or of another version */
+#define IMAGE_DAMAGED      3u  /* the CRC does not fit the bytes */
+#define IMAGE_FOREIGN      4u  /* numbers of another structure, range or partition */
+#define IMAGE_NO_NUMBER    5u  /* a parameter is not finite, denormal or absurdly large */
+#define IMAGE_UNCERTIFIED  6u  /* 6 + the answer of the model's commit, which is 2 or more */
+
+/* Everything that one image's certification needs besides the image; 10 to 40 KiB, so it is the caller's. */
+typedef struct {
+    model_t model;
+    model_learner_t learner;
+} image_bench_t;
+
+/* Whole, right and of numbers? */
+uint32_t image_check(const uint8_t *bytes, uint32_t count);
+
+/* The certificates of an image that image_check found good. If they hold, its numbers are in *bank. */
+uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank);
+
+/* Word i of the image. */
+uint32_t image_word(const uint8_t *bytes, uint32_t i);
+
+#endif

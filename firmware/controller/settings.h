@@ -1,0 +1,56 @@
+/* settings.h: the numbers of a stage and its amplifier that are not the model's. One const instance per board.
+ *
+ * "per sample" is one period of 20 us: 0.05 V per sample is 2500 V/s. */
+
+#ifndef SETTINGS_H
+#define SETTINGS_H
+
+#include <stdint.h>
+
+#define SETTINGS_TRIM   0x1u  /* feedback trim */
+#define SETTINGS_LEARN  0x2u  /* on-line learning, with commit */
+
+typedef struct {
+    uint32_t options;
+
+    /* Output. It never leaves low_V .. high_V and never moves faster than step_V, whatever happens elsewhere. */
+    float off_V;    /* when off */
+    float low_V;
+    float high_V;
+    float step_V;   /* largest change per sample */
+    float ramp_V;   /* change per sample of start and stop */
+    float fall_V;   /* change per sample on the way down after a fault */
+
+    /* Start: the loop from low over high to middle that sets the hysteresis, inside the model's range; hold_samples of
+     * rest, in which the offset between stage and model is taken; then the way to the reference. */
+    float loop_low_V;
+    float loop_high_V;
+    float loop_middle_V;
+    uint32_t hold_samples;
+    float offset_smoothing;  /* share of the way to the new offset per sample */
+    float approach_um;  /* change of the reference per sample until it is caught */
+
+    /* Reference. */
+    float reference_step_um;  /* largest change per sample */
+
+    /* Watchdog. Readings outside low_um .. high_um are no displacements. */
+    float low_um;
+    float high_um;
+    float stuck_V;             /* the input moved this far while the reading stayed the same to the last bit, */
+    uint32_t stuck_samples;    /* for at least so many samples */
+    float follow_um;           /* |reading - model| beyond which the stage does not follow, */
+    uint32_t follow_samples;   /* for so many samples in a row */
+    uint32_t bad_samples;      /* so many readings in a row that are none, or amplifier limits, or late samples */
+    uint32_t budget_cycles;    /* of one interrupt */
+
+    /* Feedback trim, see trim.h. */
+    float trim_integral;    /* share of the residual that one sample adds */
+    float trim_proportion;  /* of the smoothed residual */
+    float trim_smoothing;   /* share of the way to the new residual per sample */
+    float trim_limit_um;
+
+    /* Learning: samples between two attempts to commit. */
+    uint32_t commit_pause;
+} settings_t;
+
+#endif

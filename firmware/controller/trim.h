@@ -1,0 +1,29 @@
+/* trim.h: feedback trim, a PI controller on the residual of the feed-forward.
+ *
+ *     e(k) = r(k) - y(k),   f(k) = f(k-1) + smoothing (e(k) - f(k-1))
+ *     i(k) = i(k-1) + integral e(k),   c(k) = i(k) + proportion f(k),   both limited to +-limit
+ *
+ * c [um] is added to the reference that the inverse is asked for: the correction passes through the model, so the
+ * model's memory sees the voltage that the stage sees. Anti-windup: while the output is limited the integral does not
+ * move further in the direction of the limit. */
+
+#ifndef TRIM_H
+#define TRIM_H
+
+#include <stdint.h>
+
+#include "settings.h"
+
+typedef struct {
+    float integral_um;
+    float smooth_um;
+    float correction_um;
+} trim_t;
+
+void trim_init(trim_t *self);
+
+/* One sample. limited: -1 if the output is at its lower limit, 1 at its upper, 0 at none. Returns 1 if the correction
+ * is at its limit. */
+uint32_t trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited);
+
+#endif

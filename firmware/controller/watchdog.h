@@ -1,0 +1,35 @@
+/* watchdog.h: is what comes in believable, does the stage do what the model says, is there time left? */
+
+#ifndef WATCHDOG_H
+#define WATCHDOG_H
+
+#include <stdint.h>
+
+#include "settings.h"
+
+typedef struct {
+    float reading_um;        /* last reading that was one */
+    uint32_t bad;            /* readings in a row that were none */
+    float same_V;            /* input when the reading last changed, */
+    uint32_t same;           /* and samples since then */
+    uint32_t astray;         /* samples in a row in which the stage did not follow */
+    uint32_t limits;         /* samples in a row with the amplifier at its limit */
+    uint32_t late;           /* interrupts in a row that took too long */
+} watchdog_t;
+
+void watchdog_init(watchdog_t *self, const settings_t *settings);
+
+/* A reading [um] that came while the input was u_V: what may be used in its place stands in self->reading_um.
+ * Returns STATUS_ bits. */
+uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V);
+
+/* The reading against what the model expected of this sample. Returns STATUS_ bits. */
+uint32_t watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um);
+
+/* BOARD_AMPLIFIER_ bits of this sample. Returns STATUS_ bits. */
+uint32_t watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier);
+
+/* Cycles that the interrupt took, and whether it overran. Returns STATUS_ bits. */
+uint32_t watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun);
+
+#endif

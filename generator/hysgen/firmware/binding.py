@@ -1,0 +1,97 @@
+"""model.h: which generated model a firmware drives, and the digest of what its parameters must fit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+import hysgen
+from hysgen.certificates import certify
+from hysgen.coefficients import coefficients
+from hysgen.commit_numbers import commit_numbers
+from hysgen.emit import generate
+from hysgen.emit.parameters import Constant
+from hysgen.emit.render import render
+from hysgen.errors import ModelError
+from hysgen.files import digest
+from hysgen.inputs import preview
+from hysgen.model import Model
+from hysgen.terms import channels_of
+
+BINDING: Final = "model.h"
+DIGEST_WORDS: Final = 4
+
+
+def firmware_model(model: Model) -> dict[str, str]:
+    """File name -> text of the folder in firmware/models/ that belongs to `model`: its C, and model.h.
+
+    Raises ModelError if the firmware cannot drive it, and whatever `generate` raises.
+    """
+    require_drivable(model)
+    return generate(model) | {BINDING: binding(model)}
+
+
+def require_drivable(model: Model) -> None:
+    """Raise ModelError where the firmware lacks what `model` needs, or the model what the firmware needs."""
+    if model.learner is None:
+        raise ModelError(
+            f"{model.name}: has no learner settings, whose commit certifies parameter images; fit or generate with "
+            "a learner"
+        )
+    if model.terms and "terms" not in model.learner.learned:
+        raise ModelError(f"{model.name}: learner: without the terms, commit does not certify their weights; learn them")
+    if channels_of(model.terms):
+        raise ModelError(f"{model.name}: listens to auxiliary channels, which the firmware's board layer does not have")
+
+
+def binding(model: Model) -> str:
+    """The text of model.h."""
+    numbers = coefficients(model)
+    commit = commit_numbers(model, numbers, certify(model))
+    constants = [
+        Constant("Y_MIN_UM", numbers.y_min_um),
+        Constant("Y_MAX_UM", numbers.y_max_um),
+        Constant("U_MIN_V", numbers.u_min_V),
+        Constant("U_MAX_V", numbers.u_max_V),
+        Constant("COMMIT_POINTS", np.uint32(commit.points)),
+        Constant("COMMIT_MATURE", np.uint32(commit.settings.mature)),
+    ]
+    facts = {
+        "name": model.name,
+        "NAME": model.name.upper(),
+        "version": hysgen.__version__,
+        "weights": len(model.weights),
+        "preview": preview(model.blocks),
+        "constants": constants,
+        "digest": [f"0x{word:08x}u" for word in structure_digest(model)],
+    }
+    return render("firmware/model.h.j2", facts)
+
+
+def structure_digest(model: Model) -> tuple[int, ...]:
+    """Four words of the SHA-256 of all that parameters must fit, as little-endian float32: two models with the same
+    digest differ in nothing but the numbers of a bank, and in how these were found."""
+    numbers = coefficients(model)
+    fixed = {
+        "name": model.name,
+        "Ts_s": model.Ts_s.hex(),
+        "rules": numbers.rules,
+        "ranges": _hex([numbers.y_min_um, numbers.y_max_um, numbers.u_min_V, numbers.u_max_V]),
+        "partition": _hex([numbers.origin_um, numbers.per_step, *numbers.strength]),
+        "terms": [[term.kind, term.size, _shapes(term.constants(model.Ts_s))] for term in model.terms],
+        "blocks": [[block.kind, _shapes(block.constants(model.Ts_s))] for block in model.blocks],
+    }
+    whole = digest(json.dumps(fixed, sort_keys=True).encode())
+    return tuple(int(whole[8 * i : 8 * i + 8], 16) for i in range(DIGEST_WORDS))
+
+
+def _shapes(tables: Mapping[str, NDArray[Any]]) -> dict[str, str]:
+    return {name: np.ascontiguousarray(values).tobytes().hex() for name, values in tables.items()}
+
+
+def _hex(values: list[np.float32]) -> str:
+    return np.array(values, dtype="<f4").tobytes().hex()

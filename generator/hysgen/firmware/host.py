@@ -1,0 +1,277 @@
+"""The complete image on this machine: controller, generated model and host board, driving the virtual stage.
+
+Nothing is left out or replaced but the board: the same C as on the target reads, supervises, inverts, learns, commits,
+takes parameter images and keeps them in a store that can lose its power at any byte.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from enum import IntEnum, IntFlag
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
+from hysgen.host import declarations
+from hysgen.native import Library, Toolchain, build
+from hysgen.stage import StageState
+
+Floats32 = NDArray[np.float32]
+
+HEADERS: Final = ("settings.h", "status.h", "trim.h", "watchdog.h", "controller.h")
+IMAGE_WORDS_BESIDES: Final = 10
+SLOT_BYTES: Final = 4096
+NO_CUT: Final = 0xFFFFFFFF
+
+
+class State(IntEnum):
+    """Where the controller is (controller.h)."""
+
+    OFF = 0
+    RISE = 1
+    LOOP = 2
+    HOLD = 3
+    APPROACH = 4
+    TRACK = 5
+    FALL = 6
+    TRIP = 7
+    TRIPPED = 8
+
+
+class Request(IntEnum):
+    """What may be asked of it."""
+
+    START = 1
+    STOP = 2
+    CLEAR = 3
+
+
+class Status(IntFlag):
+    """Bits of the firmware's status word (status.h)."""
+
+    SENSOR_INVALID = 0x1
+    SENSOR_RANGE = 0x2
+    REFERENCE_INVALID = 0x4
+    REFERENCE_LIMITED = 0x8
+    REFERENCE_SLEWED = 0x10
+    OUTPUT_LIMITED = 0x20
+    OUTPUT_SLEWED = 0x40
+    AMPLIFIER_LIMITS = 0x80
+    TRIM_LIMITED = 0x100
+    DEADLINE_MISSED = 0x200
+    MODEL = 0x400
+    LEARN_SKIPPED = 0x800
+    IMAGE_REFUSED = 0x1000
+    IMAGE_FALLBACK = 0x2000
+    FAULT_SELFTEST = 0x10000
+    FAULT_SENSOR = 0x20000
+    FAULT_STUCK = 0x40000
+    FAULT_FOLLOW = 0x80000
+    FAULT_AMPLIFIER = 0x100000
+    FAULT_DEADLINE = 0x200000
+
+
+class Fault(IntEnum):
+    """What the host's board can suffer from (board/host/board_type.h)."""
+
+    NONE = 0
+    STUCK = 1
+    READING = 2
+    SATURATED = 3
+    LIMITS = 4
+    AMPLIFIER = 5
+    LATE = 6
+    OVERRUN = 7
+
+
+@dataclass(frozen=True)
+class Settings:
+    """settings.h, with the values of the virtual stage: an amplifier of -20 .. 120 V, a sensor of -3.3 .. 13.1 um."""
+
+    trim: bool = False
+    learn: bool = False
+    off_V: float = 0.0
+    low_V: float = -20.0
+    high_V: float = 120.0
+    step_V: float = 1.5
+    ramp_V: float = 0.02
+    fall_V: float = 0.05
+    loop_low_V: float = 22.0
+    loop_high_V: float = 56.0
+    loop_middle_V: float = 39.0
+    hold_samples: int = 4096
+    offset_smoothing: float = 2.0**-9
+    approach_um: float = 0.001
+    reference_step_um: float = 0.02
+    low_um: float = -3.2
+    high_um: float = 13.0
+    stuck_V: float = 0.5
+    stuck_samples: int = 64
+    follow_um: float = 0.5
+    follow_samples: int = 50
+    bad_samples: int = 8
+    budget_cycles: int = 7500
+    trim_integral: float = 0.004
+    trim_proportion: float = 0.05
+    trim_smoothing: float = 0.05
+    trim_limit_um: float = 0.25
+    commit_pause: int = 25_000
+
+
+@dataclass(frozen=True)
+class Log:
+    """What a run shows, each (n,): reading before each sample [um], voltage put out behind it [V], State."""
+
+    reading_um: Floats32
+    output_V: Floats32
+    state: NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Image:
+    """The compiled host image of one model. texts: its generated C and model.h, by file name."""
+
+    name: str
+    library: Library = field(repr=False)
+
+    @classmethod
+    def compile(cls, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> Image:
+        """Compile controller, model and host board. Raises BuildError if the compiler refuses them."""
+        own = dict([*read_sources(CONTROLLER), *read_sources(HOST_BOARD)])
+        generated = {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
+        declared = _declarations(name, own, generated)
+        return cls(name, build([*own.items(), *generated.items()], declared, toolchain, libraries=()))
+
+
+class HostFirmware:
+    """The image booted on a board that holds a stage. Attributes of the C structs: `firmware`, `board`."""
+
+    def __init__(self, image: Image, stage: StageState, settings: Settings | None = None) -> None:
+        self.image = image
+        self.stage = stage
+        self._ffi, self._lib = image.library.ffi, image.library.lib
+        self.board = self._ffi.new("board_t *")
+        self.firmware = self._ffi.new("firmware_t *")
+        self._settings = self._ffi.new("settings_t *", _settings(settings or Settings()))
+        self._kept: list[Any] = []
+        step, plant = stage.address
+        self.board.step = self._ffi.cast("double (*)(void *, double)", step)
+        self.board.plant = self._ffi.cast("void *", plant)
+        self.board.reading_um = stage.y_um
+        self.board.bytes_to_cut = NO_CUT
+        self._ffi.memmove(self.board.store, b"\xff" * (2 * SLOT_BYTES), 2 * SLOT_BYTES)
+        self.boot()
+
+    def boot(self) -> None:
+        """Power on: everything but the store is forgotten."""
+        self._ffi.memmove(self.firmware, b"\xa5" * self._ffi.sizeof("firmware_t"), self._ffi.sizeof("firmware_t"))
+        self._lib.firmware_boot(self.firmware, self.board, self._settings)
+
+    @property
+    def state(self) -> State:
+        return State(self.firmware.controller.state)
+
+    @property
+    def status(self) -> Status:
+        return Status(self.firmware.controller.status)
+
+    def request(self, request: Request) -> None:
+        """To be taken at the next sample."""
+        self.firmware.controller.request = int(request)
+
+    def run(self, reference_um: NDArray[np.float64] | Floats32) -> Log:
+        """One sample per reference: interrupt, then idle loop."""
+        wanted = np.ascontiguousarray(reference_um, dtype=np.float32)
+        n = wanted.size
+        log = Log(np.empty(n, np.float32), np.empty(n, np.float32), np.empty(n, np.uint8))
+        self.board.reference_um = self._ffi.from_buffer("float const *", wanted)
+        self.board.fault_from = max(0, self.board.fault_from - self.board.sample)
+        self.board.fault_until = max(0, self.board.fault_until - self.board.sample)
+        self.board.sample = 0
+        self._lib.host_run(
+            self.firmware,
+            self.board,
+            n,
+            self._ffi.from_buffer("float *", log.reading_um),
+            self._ffi.from_buffer("float *", log.output_V),
+            self._ffi.from_buffer("uint8_t *", log.state),
+        )
+        return log
+
+    def start(self, reference_um: float, most: int = 100_000) -> Log:
+        """Start and wait until the reference is tracked, or a fault ends it, at most `most` samples."""
+        self.request(Request.START)
+        logs = []
+        for _ in range(-(-most // 1000)):
+            logs.append(self.run(np.full(1000, reference_um)))
+            if self.state in (State.TRACK, State.TRIPPED):
+                break
+        joined = (np.concatenate([getattr(log, each.name) for log in logs]) for each in fields(Log))
+        return Log(*joined)
+
+    def fail(self, fault: Fault, value: float = 0.0, after: int = 0, samples: int = 0xFFFFFFFF) -> None:
+        """Let the board suffer `fault` from the sample `after` of the next run on, for so many samples."""
+        self.board.sample = 0
+        self.board.fault = int(fault)
+        self.board.fault_value = value
+        self.board.fault_from = after
+        self.board.fault_until = min(after + samples, 0xFFFFFFFF)
+
+    def send(self, data: bytes, begins: bool = True) -> int:
+        """Bytes of a parameter image over the wire while the stage is off; returns `image_answer` afterwards."""
+        kept = self._ffi.new("uint8_t []", data or b"\0")
+        self.board.incoming, self.board.incoming_count = kept, len(data)
+        self.board.incoming_begins = int(begins)
+        for _ in range(len(data) // 64 + 2):
+            self._lib.firmware_idle(self.firmware, self.board)
+        return int(self.firmware.image_answer)
+
+    def bank(self) -> bytes:
+        """The parameters that the next start begins with."""
+        return bytes(self._ffi.buffer(self._ffi.addressof(self.firmware.controller, "bank")))
+
+    def slot(self, slot: int) -> Any:
+        """The bytes of a slot of the store, as a live buffer."""
+        return self._ffi.buffer(self.board.store[slot], SLOT_BYTES)
+
+
+def _settings(settings: Settings) -> dict[str, float]:
+    values = {each.name: getattr(settings, each.name) for each in fields(Settings)}
+    return {"options": 1 * values.pop("trim") + 2 * values.pop("learn"), **values}
+
+
+def _declarations(name: str, own: Mapping[str, str], generated: Mapping[str, str]) -> str:
+    """What cffi is to know: the structs of model, controller and board, and the functions that are called."""
+    model = generated["model.h"]
+    names = re.findall(r"^typedef \w+ model_\w+;$", model, re.MULTILINE)
+    header = declarations(generated[f"{name}.h"])
+    sizes = _sizes(name, generated)
+    controller = "".join(declarations(own[file]) for file in HEADERS)
+    parts = [header, *names, declarations(own["board_type.h"]), controller, _structs(own["image.h"])]
+    parts += [_structs(own["store.h"]), _structs(own["firmware.h"])]
+    text = "\n".join(parts)
+    for word, number in sizes.items():
+        text = text.replace(f"[{word}]", f"[{number}]")
+    return text + (
+        "\nvoid firmware_boot(firmware_t *, board_t *, const settings_t *);"
+        "\nvoid firmware_idle(firmware_t *, board_t *);"
+        "\nvoid host_run(firmware_t *, board_t *, size_t, float *, float *, uint8_t *);\n"
+    )
+
+
+def _structs(header: str) -> str:
+    """The struct definitions of a header, without its functions."""
+    return "\n".join(re.findall(r"^typedef struct \{.*?^\} \w+;$", declarations(header), re.MULTILINE | re.DOTALL))
+
+
+def _sizes(name: str, generated: Mapping[str, str]) -> dict[str, int]:
+    told = dict(re.findall(rf"^#define {name.upper()}_(\w+) (\d+)$", generated[f"{name}.h"], re.MULTILINE))
+    numbers = 3 * int(told["RULES"]) + int(told.get("WEIGHTS", 0))
+    return {
+        "CONTROLLER_LINE": int(told.get("PREVIEW", 0)) + 1,
+        "IMAGE_BYTES": 4 * (IMAGE_WORDS_BESIDES + numbers),
+    }

@@ -1,0 +1,30 @@
+"""The firmware's own C: beside the package in a checkout, inside it in a wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import hysgen
+from hysgen.errors import BuildError
+
+CONTROLLER: Final = "controller"
+HOST_BOARD: Final = "board/host"
+TARGET_BOARD: Final = "board/c6748"
+
+Sources = list[tuple[str, str]]
+
+
+def firmware_folder() -> Path:
+    """Where controller/ and board/ are. Raises BuildError if the installation lacks them."""
+    package = Path(hysgen.__file__).resolve().parent
+    for folder in (package / "firmware", package.parents[1] / "firmware"):
+        if (folder / CONTROLLER).is_dir():
+            return folder
+    raise BuildError(f"{package}: the firmware's C is missing; install hysgen again")
+
+
+def read_sources(folder: str) -> Sources:
+    """(file name, text) of the C in one folder of the firmware, by name."""
+    paths = sorted((firmware_folder() / folder).glob("*.[ch]"))
+    return [(path.name, path.read_text(encoding="utf-8")) for path in paths]
