@@ -24,7 +24,7 @@ def commit_concern(model: Model, numbers: Coefficients, certificates: Certificat
     upper = model.name.upper()
     facts = {
         "answer_rows": [
-            f"#define {upper}_{answer.name:<15}  {int(answer)}u  /* {meaning} */"
+            f"#define {upper}_{answer.name:<15}  {int(answer)}u  /**< {meaning} */"
             for answer, meaning in COMMIT_MEANINGS.items()
         ],
         "bias": "bias" in model.learner.learned,

@@ -120,7 +120,7 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         "pass_rows": [(i, [Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)]) for i in range(1, n)],
         "sliding_always": model.learner.forgetting < 1.0,
         "status_rows": [
-            f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /* {meaning} */"
+            f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
             for flag, meaning in LEARNER_MEANINGS.items()
         ],
         "counters": list(LEARNER_COUNTERS),

@@ -195,7 +195,7 @@ def _status_rows(upper: str) -> list[str]:
     names = [f"{upper}_STATUS_{flag.name}" for flag in MEANINGS]
     wide = max(len(name) for name in names)
     return [
-        f"#define {name:<{wide}}  0x{int(flag):02x}u  /* {meaning} */"
+        f"#define {name:<{wide}}  0x{int(flag):02x}u  /**< {meaning} */"
         for name, (flag, meaning) in zip(names, MEANINGS.items(), strict=True)
     ]
 

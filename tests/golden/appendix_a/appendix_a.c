@@ -86,12 +86,12 @@ APPENDIX_A_INLINE uint32_t appendix_a_mask(uint32_t condition)
     return 0u - condition;
 }
 
-/* What happened to the inputs during one call: each 0 or 1. */
+/** What happened to the inputs during one call: each 0 or 1. */
 typedef struct {
-    uint32_t y_clamped;
-    uint32_t u_clamped;
-    uint32_t y_rejected;
-    uint32_t u_rejected;
+    uint32_t y_clamped;   /**< y was outside its range */
+    uint32_t u_clamped;   /**< u was outside its range */
+    uint32_t y_rejected;  /**< y was not finite */
+    uint32_t u_rejected;  /**< u was not finite */
 } appendix_a_events_t;
 
 APPENDIX_A_INLINE uint32_t appendix_a_counted(uint32_t counter, uint32_t happened)
@@ -162,12 +162,12 @@ APPENDIX_A_INLINE float appendix_a_checked_u(const appendix_a_t *self, float u_V
 
 /* ---- Rules ----------------------------------------------------------------------------------------------------- */
 
-/* Sums over the rules; v_l are the unnormalised memberships, p_l = v_l / weight. */
+/** Sums over the rules; v_l are the unnormalised memberships, p_l = v_l / weight. */
 typedef struct {
-    float slope;   /* sum v_l q_l1 */
-    float offset;  /* sum v_l q_l3 */
-    float gain;    /* sum v_l q_l2 */
-    float weight;  /* sum v_l */
+    float slope;   /**< sum v_l q_l1 */
+    float offset;  /**< sum v_l q_l3 */
+    float gain;    /**< sum v_l q_l2 */
+    float weight;  /**< sum v_l */
 } appendix_a_sums_t;
 
 /* Neighbouring rules' strengths differ by r = exp((y - middle) / h) and constants, so each sum over the rules is a

@@ -1,12 +1,15 @@
-/* smooth_50_selftest.h: is this smooth_50.c, on this machine, what it was verified to be? */
+/** @file
+ * smooth_50_selftest.h: is this smooth_50.c, on this machine, what it was verified to be? */
 
 #ifndef SMOOTH_50_SELFTEST_H
 #define SMOOTH_50_SELFTEST_H
 
 #include <stdint.h>
 
-/* Runs every function over fixed inputs and compares results, status words and counters with those of the reference,
- * bit for bit. Returns the number of mismatches: 0 if all is well. Needs no library. */
+/** Runs every function over fixed inputs and compares results, status words and counters with those of the reference,
+ * bit for bit. Needs no library.
+ *
+ * @return the number of mismatches: 0 if all is well */
 uint32_t smooth_50_selftest(void);
 
 #endif
