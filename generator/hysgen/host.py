@@ -38,7 +38,7 @@ def entries(name: str, header: str) -> list[Entry]:
 
 def channels(header: str) -> int:
     """How many auxiliary channels the model behind a header listens to."""
-    told = re.search(r"^#define \w+_CHANNELS (\d+)u$", header, re.MULTILINE)
+    told = re.search(r"^#define \w+_CHANNELS (\d+)u\b", header, re.MULTILINE)
     return int(told[1]) if told else 0
 
 
@@ -123,7 +123,7 @@ class Host:
 def declarations(header: str) -> str:
     """What cffi is to know of a generated header: its text without comments and directives, sizes filled in."""
     text = re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
-    sizes = dict(re.findall(r"^#define (\w+) (\d+)u$", text, re.MULTILINE))
+    sizes = dict(re.findall(r"^#define (\w+) (\d+)u\b", text, re.MULTILINE))
     text = re.sub(r"^#.*$", "", text, flags=re.MULTILINE)
     return re.sub(r"\[(\w+)\]", lambda match: f"[{sizes.get(match[1], match[1])}]", text)
 

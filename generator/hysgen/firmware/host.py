@@ -269,7 +269,7 @@ def _structs(header: str) -> str:
 
 
 def _sizes(name: str, generated: Mapping[str, str]) -> dict[str, int]:
-    told = dict(re.findall(rf"^#define {name.upper()}_(\w+) (\d+)$", generated[f"{name}.h"], re.MULTILINE))
+    told = dict(re.findall(rf"^#define {name.upper()}_(\w+) (\d+)u?\b", generated[f"{name}.h"], re.MULTILINE))
     numbers = 3 * int(told["RULES"]) + int(told.get("WEIGHTS", 0))
     return {
         "CONTROLLER_LINE": int(told.get("PREVIEW", 0)) + 1,
