@@ -39,7 +39,8 @@ class Outcome:
 
     broken_at: first sample after which a factor was not finite or not positive; None: never. updates: how many samples
     were learnt from. least_d .. largest_theta_um: extremes of D, U and theta seen on the way. events: counters.
-    recovered: free-run error after one second of good excitation over that of a fresh fit of the same second.
+    recovered: free-run error after one second of good excitation over that of a fresh fit of the same second with the
+    same forgetting; recovered_whole: over that of a fit that weighs the whole second alike.
     printed_dies_at: where Eq. (10) as printed, in float32, loses its covariance under the same samples.
     """
 
@@ -52,6 +53,7 @@ class Outcome:
     largest_theta_um: float
     events: dict[str, int]
     recovered: float
+    recovered_whole: float
     printed_dies_at: int | None
 
     @property
@@ -76,6 +78,7 @@ HEADINGS: Final = (
     "restarts",
     "factors",
     "recovered",
+    "lambda 1",
     "Eq. (10) float32",
 )
 
@@ -100,5 +103,6 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
         str(outcome.events["restarts"]),
         "hold" if outcome.broken_at is None else f"broken at {outcome.broken_at}",
         f"{outcome.recovered:.3f}",
+        f"{outcome.recovered_whole:.3f}",
         printed,
     )

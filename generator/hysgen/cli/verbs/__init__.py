@@ -9,6 +9,7 @@ from hysgen.cli.verbs import (
     describe,
     diagnose,
     diff,
+    endurance,
     experiments,
     fit,
     generate,
@@ -30,4 +31,5 @@ VERBS: tuple[ModuleType, ...] = (
     demo,
     experiments,
     bank,
+    endurance,
 )
