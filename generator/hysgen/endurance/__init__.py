@@ -13,40 +13,22 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.endurance.cases import SECOND, TS_S, Case, cases, good_drive, measured
+from hysgen.endurance.cases import Case, cases
 from hysgen.endurance.endure import Endurance
 from hysgen.endurance.printed import dies_at
+from hysgen.endurance.recovery import Recovery, bench_model
 from hysgen.endurance.trials import ALLOWED_RATIO, CASES, HEADINGS, Outcome, Trial, rows, trials
-from hysgen.fit import FitSettings, fit
 from hysgen.learner_status import LEARNER_COUNTERS
 from hysgen.learning import LearnerSettings
 from hysgen.model import Model
-from hysgen.record import Record
-from hysgen.simulate import simulate
 from hysgen.stage import Stage
-from hysgen.terms import Drive
 
 __all__ = ["ALLOWED_RATIO", "CASES", "HEADINGS", "Outcome", "Trial", "bench_model", "rows", "run", "trials"]
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
-FIT_SEED: Final = 3
-GOOD_SEED, VALIDATION_SEED = 1, 2
 PRINTED_SAMPLES: Final = 100_000
-
-
-def bench_model(stage: Stage, rules: int = 6) -> Model:
-    """The model whose learner is tried: fitted to one second of good excitation of the stage."""
-    u_V = good_drive(FIT_SEED)
-    return _fitted(measured(stage, u_V, FIT_SEED), u_V, rules)
-
-
-def _fitted(y_um: Floats, u_V: Floats, rules: int, forgetting: float = 1.0) -> Model:
-    """Least squares over a record, (n,) each; 1 % of its range is added at each end."""
-    record = Record.from_arrays(u_V, y_um, TS_S, source="endurance")
-    settings = FitSettings(name="bench", rules=rules, method="batch", margin=0.01, forgetting=forgetting)
-    return fit(record, settings)
 
 
 def run(
@@ -59,7 +41,7 @@ def run(
     """
     chosen = stage or Stage.nominal()
     base = model or bench_model(chosen)
-    drives = cases(chosen)
+    drives, recovery = cases(chosen), Recovery(chosen, base.grid.rules)
     total, done = sum(trial.samples for trial in todo), 0
     outcomes = []
     for trial in todo:
@@ -68,12 +50,12 @@ def run(
             if progress is not None:
                 progress((before + samples) / total, f"{trial.case}, lambda {trial.forgetting:g}")
 
-        outcomes.append(_outcome(trial, drives[trial.case], base, chosen, advance))
+        outcomes.append(_outcome(trial, drives[trial.case], base, recovery, advance))
         done += trial.samples
     return outcomes
 
 
-def _outcome(trial: Trial, case: Case, base: Model, stage: Stage, advance: Callable[[int], None]) -> Outcome:
+def _outcome(trial: Trial, case: Case, base: Model, recovery: Recovery, advance: Callable[[int], None]) -> Outcome:
     settings = base.learner or LearnerSettings()
     # Rest would teach nothing and prove nothing: here even a constant input has to be endured.
     settings = dataclasses.replace(settings, forgetting=trial.forgetting, alpha=trial.alpha, rest_V=0.0)
@@ -90,38 +72,15 @@ def _outcome(trial: Trial, case: Case, base: Model, stage: Stage, advance: Calla
         largest_d=float(tally.largest_d),
         largest_u=float(tally.largest_u),
         largest_theta_um=float(tally.largest_theta),
+        bound_d=float(endurance.numbers.ceiling.max()),
+        bound_theta_um=float(endurance.numbers.limit_um),
         events=events,
         recovered=np.inf,
         recovered_whole=np.inf,
         printed_dies_at=_printed(trial, case, base),
     )
-    recovered, whole = _recovered(endurance, stage, trial)
+    recovered, whole = recovery.ratios(endurance, trial.forgetting)
     return dataclasses.replace(outcome, recovered=recovered, recovered_whole=whole)
-
-
-def _recovered(endurance: Endurance, stage: Stage, trial: Trial) -> tuple[float, float]:
-    """Free-run error after one second of good excitation over that of two fresh fits of the same second.
-
-    The errors belong to a drive that none of them has seen. The fits minimise what the learner does, the one-step
-    error, in float64: one forgets as fast as the learner, the other weighs the whole second alike.
-    """
-    u_V = good_drive(GOOD_SEED)
-    good = Case("good excitation", measured(stage, u_V, GOOD_SEED), u_V, noise_um=0.0)
-    check_V = good_drive(VALIDATION_SEED, 0.4)
-    check_um = measured(stage, check_V, VALIDATION_SEED)
-    endurance.feed(good, SECOND)
-    after = _free_run_rms(endurance.shadow(), check_V, check_um)
-    rules = endurance.model.grid.rules
-    fresh, whole = (_fitted(good.y_um, u_V, rules, forgetting) for forgetting in (trial.forgetting, 1.0))
-    return after / _free_run_rms(fresh, check_V, check_um), after / _free_run_rms(whole, check_V, check_um)
-
-
-def _free_run_rms(model: Model, u_V: Floats, y_um: Floats) -> float:
-    """rms of the free run's error in um, (n,) each; infinite if the run leaves the numbers."""
-    with np.errstate(all="ignore"):
-        error = simulate(model, Drive(u_V, TS_S), float(y_um[0])).y_um - y_um
-        rms = float(np.sqrt(np.mean(error * error)))
-    return rms if np.isfinite(rms) else float("inf")
 
 
 def _printed(trial: Trial, case: Case, base: Model) -> int | None:

@@ -38,7 +38,8 @@ class Outcome:
     """What a trial came to.
 
     broken_at: first sample after which a factor was not finite or not positive; None: never. updates: how many samples
-    were learnt from. least_d .. largest_theta_um: extremes of D, U and theta seen on the way. events: counters.
+    were learnt from. least_d .. largest_theta_um: extremes of D, U and theta seen on the way, which the generated code
+    promises to keep within bound_d and bound_theta_um. events: counters.
     recovered: free-run error after one second of good excitation over that of a fresh fit of the same second with the
     same forgetting; recovered_whole: over that of a fit that weighs the whole second alike.
     printed_dies_at: where Eq. (10) as printed, in float32, loses its covariance under the same samples.
@@ -51,6 +52,8 @@ class Outcome:
     largest_d: float
     largest_u: float
     largest_theta_um: float
+    bound_d: float
+    bound_theta_um: float
     events: dict[str, int]
     recovered: float
     recovered_whole: float
@@ -58,8 +61,9 @@ class Outcome:
 
     @property
     def holds(self) -> bool:
-        """All factors finite and positive to the end, and recovered within ALLOWED_RATIO."""
-        return self.broken_at is None and self.recovered <= ALLOWED_RATIO
+        """All factors finite, positive and bounded to the end, and recovered within ALLOWED_RATIO."""
+        bounded = self.largest_d <= self.bound_d and self.largest_theta_um <= self.bound_theta_um
+        return self.broken_at is None and bounded and self.recovered <= ALLOWED_RATIO
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""

@@ -17,7 +17,7 @@ from hysgen.tables import table
 
 LEAST_SAMPLES = 1000
 LEGEND = f"""\
-holds: factors finite and positive to the end, recovered to at most {ALLOWED_RATIO:g}
+holds:     factors finite, positive and bounded to the end, recovered to at most {ALLOWED_RATIO:g}
 recovered: free-run error, after one second of good excitation has returned, over that of a fresh float64 fit of the
            same second with the same lambda; under `lambda 1`: over that of a fit that weighs the whole second alike
 Eq. (10):  as printed, in float32, on the same samples; NaN and spikes left out, for it has no defence against them"""
