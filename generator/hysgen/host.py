@@ -46,7 +46,8 @@ class Host:
     """A model's generated C, compiled by one toolchain.
 
     texts: file name -> text, as `emit.generate` returns them. Raises BuildError if the compiler refuses them.
-    channels: auxiliary channels that the model listens to; selftested: there is a self-test among the texts.
+    channels: auxiliary channels that the model listens to; selftested: there is a self-test among the texts; commits:
+    there is a `<name>_commit`.
     """
 
     def __init__(self, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> None:
@@ -54,11 +55,15 @@ class Host:
         header = texts[f"{name}.h"]
         self.entries = {entry.name: entry for entry in entries(name, header)}
         self.channels = channels(header)
-        facts = {"name": name, "entries": list(self.entries.values()), "channels": self.channels}
+        self.commits = f"{name}_commit({name}_t *self, {name}_learner_t *learner);" in header
+        found = list(self.entries.values())
+        facts = {"name": name, "entries": found, "channels": self.channels, "commits": self.commits}
         driver = render("driver.c.j2", facts)
         sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
         declared = declarations(header) + "".join(_driver_declaration(entry) for entry in self.entries.values())
         declared += "int32_t driver_flushes(void);\n"
+        if self.commits:
+            declared += f"uint32_t driver_commit({name}_t *self, {name}_learner_t *learner, int32_t flush);\n"
         self.selftested = f"{name}_selftest.h" in texts
         if self.selftested:
             declared += f"uint32_t {name}_selftest(void);\n"
@@ -82,6 +87,10 @@ class Host:
     def call(self, function: str, *arguments: Any) -> Any:
         """`<name>_<function>(arguments)`."""
         return getattr(self._library.lib, f"{self.name}_{function}")(*arguments)
+
+    def commit(self, instance: Any, learner: Any, *, flush: bool = False) -> int:
+        """One call of `<name>_commit`: its answer. flush: with denormal numbers flushed to zero."""
+        return int(self._library.lib.driver_commit(instance, learner, int(flush)))
 
     def words_of(self, struct: Any) -> Words:
         """The 32-bit words of a struct, as a live view."""

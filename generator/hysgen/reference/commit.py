@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 
 import numpy as np
@@ -58,6 +59,21 @@ class Committer:
         self.learner.reference = np.where(switching, self.theta, self.learner.reference)
         self.phase = np.where(writing, _SWITCHED, np.where(switching, _NONE, self.phase))
         return np.where(switching, np.uint32(Commit.COMMITTED), answer)
+
+    def verdict(self) -> Words:
+        """What the calls to come will answer to the candidates that are being checked: every check point at once."""
+        points, lanes = self.numbers.points, self.point.size
+        wide = copy.copy(self)
+        wide.point = np.repeat(np.arange(points, dtype=np.uint32), lanes)
+        wide.bank = {group: np.tile(rows, points) for group, rows in self.bank.items()}
+        wide.gain_rest_um_per_V, wide.slope_rest = (
+            np.tile(self.gain_rest_um_per_V, points),
+            np.tile(self.slope_rest, points),
+        )
+        found = wide._checked().reshape(points, lanes)
+        refused = found != Commit.BUSY
+        first = found[refused.argmax(axis=0), np.arange(lanes)]
+        return np.where(refused.any(axis=0), first, np.uint32(Commit.COMMITTED))
 
     def words(self) -> Mapping[str, Words]:
         """Every word of the C struct of the candidate, in its order."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hysgen.model import Model
 from hysgen.verify.builds import Build
+from hysgen.verify.committing import compare_commit
 from hysgen.verify.induction import Difference, first_difference
 from hysgen.verify.inputs import SHARES, STYLES, chunks
 from hysgen.verify.report import Mismatch, Run
@@ -73,6 +74,8 @@ def compare(
     """Every step over its share of `samples`, starts over START_SAMPLES besides; the first difference per build."""
     if builds[0].host.selftested:
         yield compare_selftest(model, builds)
+    if builds[0].host.commits:
+        yield compare_commit(model, builds, seed)
     todo = tasks(builds[0])
     functions = len({task.function for task in todo} - {"init"})
     for task in todo:

@@ -66,8 +66,10 @@ class Report(Displayed):
 
     @property
     def samples(self) -> int:
-        """Samples of the model itself that every build was compared over, starts and self-test left out."""
-        steps = (run for run in self.runs if run.model == self.model and run.function not in ("init", "selftest"))
+        """Samples of the model itself that every build was compared over, starts, self-test and commits left out."""
+        steps = (
+            run for run in self.runs if run.model == self.model and run.function not in ("init", "selftest", "commit")
+        )
         return sum(run.samples for run in steps)
 
     def to_json(self) -> dict[str, Any]:
