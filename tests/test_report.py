@@ -13,16 +13,21 @@ from hysgen.bank.scenario import scenario
 from hysgen.cli import main
 from hysgen.diagnose import DiagnoseSettings
 from hysgen.diagnose.study import Study, study
-from hysgen.fit import FitSettings
+from hysgen.emit import Options, generate, write
+from hysgen.fit import FitSettings, fit
 from hysgen.model_file import load_model
 from hysgen.plots.diagnosis import pictures
 from hysgen.plots.style import png_bytes
 from hysgen.record import Record
 from hysgen.report.diagnosis import diagnosis_page
+from hysgen.report.model import model_page
 from hysgen.report.page import readable
 from hysgen.report.price import price_of
 from hysgen.report.terminal import diagnosis_text
 from hysgen.report.words import verdict
+from hysgen.scores import score
+from hysgen.signals import nested_amplitudes
+from hysgen.stage import Stage
 from hysgen.stage import run as measure
 
 SECTIONS = (
@@ -53,6 +58,12 @@ def hum(hum_record: Record) -> Study:
 @pytest.fixture(scope="module")
 def page(hum: Study) -> str:
     return diagnosis_page(hum).html()
+
+
+def small_record() -> Record:
+    """40 ms of nested loops, at 10 kHz."""
+    u_V = nested_amplitudes(1e-4, (50.0,), 40.0, 25.0, 2)
+    return Record.from_arrays(u_V, measure(Stage.nominal(), u_V, 1e-4, 3).displacement_um, 1e-4, source="small.csv")
 
 
 class Reader(HTMLParser):
@@ -174,3 +185,28 @@ def test_verb_writes_page_pictures_and_json(hum: Study, tmp_path: Path, monkeypa
     assert len(list(Path("p").iterdir())) == 12
     assert "<h2>Provenance</h2>" in Path("r.html").read_text()
     assert load_model("m.json").terms == hum.diagnosis.model.terms
+
+
+def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
+    record = small_record()
+    models = {name: fit(record, FitSettings(rules=rules, method="batch")) for name, rules in (("two", 2), ("four", 4))}
+    scores = {name: score(model, record) for name, model in models.items()}
+    code = generate(models["four"], Options(inverse=False))
+    write(code, tmp_path)
+    assert (
+        main(["verify", f"{tmp_path}", "--samples", "3000", "--structures", "0", "--report", f"{tmp_path}/v.html"]) == 0
+    )
+    pages = {
+        "models": model_page("t <&>", models, record, scores).html(),
+        "folder": (tmp_path / "v.html").read_text(),
+    }
+    for name, text in pages.items():
+        reader = read(text)
+        assert not reader.wrong, name
+        assert not reader.open, name
+        assert "Certificates over the whole range" in reader.text, name
+    shown = read(pages["models"]).text
+    assert "t <&>" in shown
+    assert "Not compared: no C was generated" in shown
+    assert all(f"{s.free_run.e_rms_um:.5f}" in shown for s in scores.values())
+    assert "Equal in every bit" in read(pages["folder"]).text

@@ -97,7 +97,7 @@ class Scores(Displayed):
             outside = f"y {self.y_clamped}, u {self.u_clamped} samples"
             notes.append(f"outside the model's range in the free run: {outside}")
         title = f"{self.model} on {self.source}: {self.free_run.samples} samples scored"
-        return Summary(title, SCORE_HEADER, _score_rows(rows), notes)
+        return Summary(title, SCORE_HEADER, score_rows(rows), notes)
 
     def table(self) -> str:
         """The summary as text."""
@@ -109,10 +109,11 @@ SCORE_HEADER = ["", "e_rms um", "max um", "max e_r %", "of span %"]
 
 def score_lines(rows: Sequence[tuple[str, Score]]) -> list[str]:
     """One line per named score under a heading, columns aligned."""
-    return table(SCORE_HEADER, _score_rows(rows)).splitlines()
+    return table(SCORE_HEADER, score_rows(rows)).splitlines()
 
 
-def _score_rows(rows: Sequence[tuple[str, Score]]) -> list[list[str]]:
+def score_rows(rows: Sequence[tuple[str, Score]]) -> list[list[str]]:
+    """Cells under SCORE_HEADER, a row per named score."""
     return [
         [
             name,

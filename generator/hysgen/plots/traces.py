@@ -49,7 +49,7 @@ def loops(
     for panel, (name, y_um) in zip(panels, simulated_um.items(), strict=True):
         panel.plot(u_V[keep], measured_um[keep], color=style.MEASURED, label="measured", linewidth=1.6)
         panel.plot(u_V[keep], y_um[keep], color=colours[name], label=name)
-        panel.set(xlabel="voltage [V]", title=name)
+        panel.set(xlabel="voltage [V]", title=name if len(simulated_um) > 1 else "")
         panel.legend(loc="upper left")
     panels[0].set_ylabel("displacement [µm]")
     fig.suptitle(title)

@@ -25,7 +25,8 @@ from hysgen.model_file import save_model
 from hysgen.plots import style
 from hysgen.plots.traces import horizon, loops, validation
 from hysgen.record import Record, load_record
-from hysgen.scores import Scores, score, score_lines
+from hysgen.report.model import model_page
+from hysgen.scores import Score, Scores, score, score_lines
 from hysgen.simulate import free_run, one_step
 from hysgen.stage.demo_record import bundled_csv, identification_rows
 from hysgen.verify import verify
@@ -54,7 +55,8 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         told = dataclasses.replace(model, scores={"identification": score(model, known).to_json()})
         save_model(told, folder / f"{model.name}.json")
     console.say(f"hysgen fit   {folder / 'paper.json'}, {folder / 'stage.json'}")
-    console.say(f"\nhysgen score, on rows that the fit has not seen\n{score_table(scores, known, unseen)}\n")
+    rivals = score_baselines(fit_baselines(known), unseen)
+    console.say(f"\nhysgen score, on rows that the fit has not seen\n{score_table(scores, rivals)}\n")
     console.say("\n".join(certify(extended).lines()))
 
     written = draw(folder, unseen, {PAPER: paper, EXTENDED: extended}, scores)
@@ -66,6 +68,10 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     console.say("\nhysgen verify\n" + "\n".join(report.lines()))
     price = cost(code)
     console.say("\nhysgen cost\n" + cost_text(price))
+    page = folder / "report.html"
+    models = {PAPER: paper, EXTENDED: extended}
+    write_whole(page, model_page("hysgen on its bundled record", models, unseen, scores, rivals, report, price).html())
+    console.say(f"\nreport       {page}")
     console.say("\npictures\n" + "\n".join(f"  {path}" for path in written))
     console.write_json(
         {
@@ -73,18 +79,19 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             "verify": report.to_json(),
             "cost": price.to_json(),
             "pictures": [str(path) for path in written],
+            "report": str(page),
         }
     )
     return 0 if report.equal else 1
 
 
-def score_table(scores: dict[str, Scores], known: Record, unseen: Record) -> str:
+def score_table(scores: dict[str, Scores], rivals: list[tuple[str, Score]]) -> str:
     """Free run first, then one step with persistence beside it, then the paper's rivals."""
     rows = [(f"{name}, free run", part.free_run) for name, part in scores.items()]
     rows += [(f"{name}, one step", part.one_step) for name, part in scores.items()]
     paper = scores[PAPER]
     rows.append(("persistence, one step", paper.persistence))
-    rows += [(f"{name}, free run", rival) for name, rival in score_baselines(fit_baselines(known), unseen)]
+    rows += [(f"{name}, free run", rival) for name, rival in rivals]
     return "\n".join([*score_lines(rows), f"noise floor {paper.noise.describe()}"])
 
 

@@ -11,11 +11,14 @@ import argparse
 from pathlib import Path
 
 from hysgen.cli.console import Console
+from hysgen.cost import cost_of_texts
 from hysgen.emit.manifest import read_folder
 from hysgen.errors import HysgenError
+from hysgen.files import write_whole
 from hysgen.proof.emulated.contraction import contraction, contraction_rows
 from hysgen.proof.emulated.equality import LEARNING_SHARE, equality
 from hysgen.proof.emulated.machines import MACHINES, Machine
+from hysgen.report.model import folder_page
 from hysgen.tables import table
 from hysgen.target.generated import verify_on_target
 from hysgen.verify import DEFAULT_SAMPLES, DEFAULT_STRUCTURES, verify
@@ -41,6 +44,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="random models of other structures beside it (default %(default)s)",
     )
     parser.add_argument("--seed", type=int, default=1, help="of the inputs and the random models (default %(default)s)")
+    parser.add_argument("--report", metavar="FILE.html", help="write the result as one page that needs no other file")
     parser.add_argument(
         "--target",
         choices=("c674x", "emulated"),
@@ -76,6 +80,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         progress=console.progress,
     )
     console.say("\n".join(report.lines()))
+    if arguments.report:
+        folder = read_folder(Path(arguments.folder))
+        price = cost_of_texts(folder.model, folder.texts, timed=False)
+        write_whole(Path(arguments.report), folder_page(folder.model, report, price).html())
+        console.say(f"written: {arguments.report}")
     console.write_json(report.to_json())
     return 0 if report.equal else 1
 
