@@ -12,6 +12,7 @@ from hysgen.arithmetic import ROUNDING
 from hysgen.coefficients import Coefficients
 from hysgen.emit.concerns import Concern
 from hysgen.emit.parameters import Constant, Section, Table
+from hysgen.emit.pipeline import Turn, pipelined
 from hysgen.emit.sums import polynomial, powers
 from hysgen.learner_numbers import (
     COLUMNS_PER_PASS,
@@ -33,6 +34,13 @@ from hysgen.model import Model
 SIDE_BY_SIDE = 6
 """Independent chains that stand side by side: they hide the latency of the C674x's multiplier and adder."""
 
+# Widths and stages with the fewest cycles on the C674x of those tried, see docs/target.md. More in flight than its 64
+# registers hold is spilled to memory, and slower than less.
+PROJECT_WIDTH = 12
+PROJECT_STAGES = ("load", "", "multiply", "", "add")
+FACTOR_WIDTH = 3
+FACTOR_STAGES = ("load", "multiply", "add", "raise", "lower", "store")
+
 
 @dataclass(frozen=True)
 class Learned:
@@ -53,12 +61,21 @@ class Element:
 
 
 @dataclass(frozen=True)
-class Row:
-    """Row i of U in a slice of columns, in blocks of elements; `ends`: column i is complete once x_i is added."""
+class Part:
+    """Neighbouring elements of one row or column of U; first: the row or column begins here."""
 
-    i: int
-    blocks: Sequence[Sequence[Element]]
-    ends: bool
+    elements: Sequence[Element]
+    first: bool
+
+    @property
+    def i(self) -> int:
+        """Row of the first element."""
+        return self.elements[0].i
+
+    @property
+    def j(self) -> int:
+        """Column of the first element."""
+        return self.elements[0].j
 
 
 @dataclass(frozen=True)
@@ -73,6 +90,7 @@ class Column:
 class Slice:
     """Columns first .. last - 1: what one call works off.
 
+    project, factor: elements of the slice by rows and by columns, in the order of a pipeline.
     The blocks hold elements for the columns before, those of the slice, these and those before, these and the others.
     """
 
@@ -80,8 +98,8 @@ class Slice:
     first: int
     last: int
     about: str
-    rows: Sequence[Row]
-    columns: Sequence[Column]
+    project: Sequence[Turn[Part]]
+    factor: Sequence[Turn[Part]]
     ends: Sequence[Element]
     begun_blocks: Sequence[Sequence[Element]]
     end_blocks: Sequence[Sequence[Element]]
@@ -114,7 +132,7 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         "chains": [[Element(j - 1, j) for j in range(c, n, SIDE_BY_SIDE)] for c in range(min(SIDE_BY_SIDE, n))],
         "at_once": calls == 1,
         "calls": calls,
-        "factor_columns": [Column(j, _blocks([_element(i, j) for i in range(j)])) for j in range(n)],
+        "factor_columns": [Column(j, _blocks(_column(j))) for j in range(n)],
         "blocks": _blocks([Element(j - 1, j) for j in range(n)]),
         "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
         "pass_rows": [(i, [Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)]) for i in range(1, n)],
@@ -171,8 +189,12 @@ def _slice(number: int, first: int, last: int, n: int) -> Slice:
         first=first,
         last=last,
         about="" if last - first == n else f", columns {first} to {last - 1}",
-        rows=[Row(i, _blocks(_row(i, first, last)), first <= i) for i in range(last)],
-        columns=[Column(j, _blocks([_element(i, j) for i in range(j)])) for j in range(first, last)],
+        project=pipelined(
+            [part for i in range(last) for part in _parts(_row(i, first, last), PROJECT_WIDTH)], PROJECT_STAGES
+        ),
+        factor=pipelined(
+            [part for j in range(first, last) for part in _parts(_column(j), FACTOR_WIDTH)], FACTOR_STAGES
+        ),
         ends=ends,
         begun_blocks=_blocks([Element(j - 1, j) for j in range(first)]),
         end_blocks=_blocks(ends),
@@ -183,6 +205,14 @@ def _slice(number: int, first: int, last: int, n: int) -> Slice:
 
 def _row(i: int, first: int, last: int) -> list[Element]:
     return [_element(i, j) for j in range(max(first, i + 1), last)]
+
+
+def _column(j: int) -> list[Element]:
+    return [_element(i, j) for i in range(j)]
+
+
+def _parts(elements: list[Element], width: int) -> list[Part]:
+    return [Part(elements[k : k + width], k == 0) for k in range(0, len(elements), width)]
 
 
 def _element(i: int, j: int) -> Element:
