@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hysgen.arithmetic import ROUNDING
+from hysgen.arithmetic import NEWTON_STEPS, ROUNDING
 from hysgen.coefficients import Coefficients
 from hysgen.emit.concerns import Concern
 from hysgen.emit.parameters import Constant, Section, Table
@@ -40,6 +40,19 @@ PROJECT_WIDTH = 12
 PROJECT_STAGES = ("load", "", "multiply", "", "add")
 FACTOR_WIDTH = 3
 FACTOR_STAGES = ("load", "multiply", "add", "raise", "lower", "store")
+
+WEIGH_WIDTH = 9
+WEIGH_STAGES = (
+    "seed",
+    "subtract",
+    "improve",
+    *(NEWTON_STEPS - 1) * ("multiply", "subtract", "improve"),
+    "divide",
+    "scale",
+    "clamp",
+)
+STEP_WIDTH = 3
+STEP_STAGES = ("multiply", "raise", "lower", "carry", "add", "kept", "left", "store")
 
 
 @dataclass(frozen=True)
@@ -134,6 +147,8 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         "calls": calls,
         "factor_columns": [Column(j, _blocks(_column(j))) for j in range(n)],
         "blocks": _blocks([Element(j - 1, j) for j in range(n)]),
+        "weigh": pipelined(_blocks([Element(j - 1, j) for j in range(n)], WEIGH_WIDTH), WEIGH_STAGES),
+        "step": pipelined(_blocks([Element(j - 1, j) for j in range(n)], STEP_WIDTH), STEP_STAGES),
         "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
         "pass_rows": [(i, [Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)]) for i in range(1, n)],
         "sliding_always": model.learner.forgetting < 1.0,
@@ -219,8 +234,8 @@ def _element(i: int, j: int) -> Element:
     return Element(i, j, j * (j - 1) // 2 + i)
 
 
-def _blocks(elements: list[Element]) -> list[list[Element]]:
-    return [elements[k : k + SIDE_BY_SIDE] for k in range(0, len(elements), SIDE_BY_SIDE)]
+def _blocks(elements: list[Element], width: int = SIDE_BY_SIDE) -> list[list[Element]]:
+    return [elements[k : k + width] for k in range(0, len(elements), width)]
 
 
 def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
