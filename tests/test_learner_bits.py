@@ -61,7 +61,7 @@ def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size:
 @pytest.mark.parametrize(
     ("intact", "planted"),
     [
-        ("self->theta_low[3] = low3 - (sum3 - high3);", "self->theta_low[3] = 0.0f;"),
+        ("self->theta_low[3] = left3;", "self->theta_low[3] = 0.0f;"),
         ("self->turn = (j + 1u <", "self->turn = (j + 2u <"),
         ("f5 = f5 + m2_5;", "f5 = m2_5 + f5 * 1.0000001f;"),
         ("const uint32_t usable = 1u ^ (y_lost | implausible);", "const uint32_t usable = 1u ^ y_lost;"),

@@ -60,11 +60,28 @@ def test_a_return_through_another_register_is_a_return() -> None:
     assert bench.run("start").counts.cycles == 8
 
 
-def test_a_loop_needs_a_limit_and_is_exact_with_it() -> None:
+def test_a_loop_of_constant_length_has_one_cycle_count_and_the_simulator_takes_it() -> None:
     need_compiler()
     text = (
-        "float sum(const float *x); float sum(const float *x) {"
-        " float s = 0.0f; int i; for (i = 0; i < 24; i++) s = s + x[i]; return s; }"
+        "float nest(const float *x); float nest(const float *x) { float s = 0.0f; int i, j;"
+        " for (j = 0; j < 5; j++) for (i = 0; i < 24; i++) s = s + x[i] * (float)j; return s; }"
+    )
+    machine = toolchain.compile([("nest.c", text)]).machine()
+    found = of(machine, "nest")
+    assert found.constant
+    assert found.data_dependent == ()
+    place = machine.allocate(24)
+    machine.write(place, np.ones(24, np.float32))
+    outcome = machine.call("nest", place)
+    assert outcome.float32 == 240.0
+    assert found.worst == outcome.cycles > 5 * 24 * 4
+
+
+def test_a_loop_whose_length_is_data_needs_a_limit_and_is_exact_with_it() -> None:
+    need_compiler()
+    text = (
+        "float sum(const float *x, int n); float sum(const float *x, int n) {"
+        " float s = 0.0f; int i = 0; do { s = s + x[i]; i++; } while (i < n); return s; }"
     )
     machine = toolchain.compile([("sum.c", text)]).machine()
     with pytest.raises(
@@ -74,9 +91,38 @@ def test_a_loop_needs_a_limit_and_is_exact_with_it() -> None:
     branch = int(str(no.value).split("(")[1].rstrip(")"), 16)
     place = machine.allocate(24)
     machine.write(place, np.ones(24, np.float32))
-    outcome = machine.call("sum", place)
+    outcome = machine.call("sum", place, 24)
     assert outcome.float32 == 24.0
     assert of(machine, "sum", {branch: 23}).worst == outcome.cycles
+
+
+@pytest.mark.parametrize(
+    ("counted", "cycles"),
+    [
+        # Three ways round; a load, a product, or a predicate on data, where the counter comes from: nothing is known.
+        ("sub .L1 a1,1,a1", "constant"),
+        ("ldw .D1T1 *a4,a1\nnop 4\nsub .L1 a1,1,a1", "without a limit"),
+        ("mpy .M1 a1,1,a1\nnop 1\nsub .L1 a1,1,a1", "without a limit"),
+        ("[a2] sub .L1 a1,1,a1", "without a limit"),
+    ],
+)
+def test_a_counter_is_known_only_while_nothing_else_goes_into_it(counted: str, cycles: str) -> None:
+    bench = Bench(f"mvk .S1 3,a1\nloop:\n{counted}\n[a1] b .S1 loop\nnop 5\nb .S2 b3\nnop 5", interpreted=True)
+    if cycles == "constant":
+        found = bounds(bench.image, bench.packets, "start")
+        assert found == CycleBounds(28, 28, ())
+        assert bench.run("start").counts.cycles == 28
+    else:
+        with pytest.raises(TargetError, match=cycles):
+            bounds(bench.image, bench.packets, "start")
+
+
+def test_a_result_under_way_is_not_known_even_if_something_else_is_written_meanwhile() -> None:
+    # The load lands after the counter was set: what it brings decides, so the loop must not be taken for constant.
+    text = "ldw .D1T1 *a4,a1\nmvk .S1 3,a1\nnop 3\nloop:\nsub .L1 a1,1,a1\n[a1] b .S1 loop\nnop 5\nb .S2 b3\nnop 5"
+    bench = Bench(text, interpreted=True)
+    with pytest.raises(TargetError, match="without a limit"):
+        bounds(bench.image, bench.packets, "start")
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,8 @@
 
 Stalls are not modelled, so a way through the code fixes its cycles exactly. A function is followed packet by packet
 with the branches under way; where a branch depends on data, both ways are followed. Code without such branches has one
-way, and its cycles are a fact, not a measurement. A branch that can be taken again and again needs a limit from the
-caller.
+way, and its cycles are a fact, not a measurement. A loop of constant length has one way too: its counter is followed
+(`counters`). A branch that can be taken again and again, as data will have it, needs a limit from the caller.
 
 A jump through a register is taken for the return. That holds for what `toolchain` compiles, with -fno-jump-tables, from
 C without function pointers; a pointer that is called, not jumped to, is noticed and refused.
@@ -12,10 +12,12 @@ C without function pointers; a pointer that is called, not jumped to, is noticed
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from hysgen.errors import TargetError
+from hysgen.target import counters
 from hysgen.target.assembly import Register
 from hysgen.target.decode import Branch, LoadAddress
 from hysgen.target.elf import Image
@@ -23,6 +25,7 @@ from hysgen.target.latency import BRANCH_DELAY
 from hysgen.target.packets import Packet
 
 MAX_CALL_DEPTH = 16
+MAX_VISITS = 4096  # of one packet under different counters: a longer loop counts as one without a limit
 
 _LINK = Register(32 + 3)
 _NEVER = 1 << 30
@@ -52,7 +55,7 @@ class _Place:
 
     landing: (cycles until it lands, target) of branches under way, a target None being the return. returns: addresses
     to return to, innermost last. link: what a call has put into B3, until a branch into a function uses it.
-    taken: how often each bounded branch was taken.
+    taken: how often each bounded branch was taken. known: loop counters.
     """
 
     address: int
@@ -60,6 +63,7 @@ class _Place:
     returns: tuple[int, ...] = ()
     link: int | None = None
     taken: tuple[int, ...] = ()
+    known: counters.Known = field(default_factory=counters.Known)
 
 
 def bounds(
@@ -71,8 +75,11 @@ def bounds(
     Raises TargetError for a loop without a limit, a computed jump, recursion, or code that the simulator refuses.
     """
     limits = limits or {}
-    walk = _Walk(image, packets, tuple(sorted(limits)), limits)
-    best, worst = walk.extremes(_Place(image.symbol(function).address, taken=(0,) * len(limits)))
+    start = image.symbol(function).address
+    registers = counters.followed(packets, start)
+    walk = _Walk(image, packets, tuple(sorted(limits)), limits, registers)
+    known = counters.on_entry(registers)
+    best, worst = walk.extremes(_Place(start, taken=(0,) * len(limits), known=known))
     return CycleBounds(best, worst, tuple(sorted(walk.data_dependent)))
 
 
@@ -80,8 +87,15 @@ class _Walk:
     """Every place that can be reached, each visited once."""
 
     def __init__(
-        self, image: Image, packets: Mapping[int, Packet], bounded: tuple[int, ...], limits: Mapping[int, int]
+        self,
+        image: Image,
+        packets: Mapping[int, Packet],
+        bounded: tuple[int, ...],
+        limits: Mapping[int, int],
+        registers: frozenset[int],
     ) -> None:
+        self.registers = registers
+        self.visits: Counter[int] = Counter()
         self.packets = packets
         self.bounded = bounded
         self.limits = limits
@@ -97,6 +111,9 @@ class _Walk:
         while stack:
             place = stack[-1]
             if place not in onward:
+                self.visits[place.address] += 1
+                if self.visits[place.address] > MAX_VISITS:
+                    raise TargetError(self._endless(place, place))
                 onward[place] = list(self._steps(place))
                 for _, following in onward[place]:
                     if following in onward and following not in known:
@@ -119,6 +136,7 @@ class _Walk:
             due, target = min(after.landing, default=(_NEVER, None), key=lambda branch: branch[0])
             cycles = min(due, 1 + packet.idle)
             landing = tuple((left - cycles, there) for left, there in after.landing if left > cycles)
+            after = replace(after, known=counters.after(place.known, packet, cycles, self.registers))
             if due > cycles:
                 yield cycles, replace(after, address=packet.next, landing=landing)
             elif target is not None:
@@ -144,7 +162,10 @@ class _Walk:
                 link = packet.next
             taken = [way for way in ways if self._may_be_taken(instruction.address, way)]
             branched = [self._branched(instruction.address, action, way) for way in taken]
-            if instruction.predicate is None:
+            executed = place.known.holds(instruction)
+            if executed is False:
+                continue
+            if executed:
                 ways = branched
             else:
                 self.data_dependent.add(instruction.address)
