@@ -1,0 +1,98 @@
+"""Frama-C Eva: the generated C never fails and never leaves its box, and without any of its guards that is not proved.
+
+Here for Appendix A and for what the model with every term adds; `hysgen prove DIR --take-out` does all of any model.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import pytest
+from conftest import need
+from proof_models import model, texts
+
+from hysgen.errors import BuildError, ModelError
+from hysgen.proof.eva.calls import prove_call, step
+from hysgen.proof.eva.frama import Floats, analyse
+from hysgen.proof.eva.guards import GUARDS, Guard, guards, without
+from hysgen.proof.eva.report import prove
+from hysgen.proof.eva.splits import annotated, splits
+
+
+def test_every_call_of_appendix_a_is_proved_for_every_input() -> None:
+    need("frama-c")
+    found = prove(model("appendix_a"), texts("appendix_a"))
+    assert found.holds, "\n".join(found.lines())
+    assert {(p.function, p.inputs) for p in found.proofs} == {
+        (function, inputs) for function in ("init", "predict", "simulate", "inverse") for inputs in ("finite", "any")
+    }
+
+
+@pytest.mark.parametrize(("function", "inputs"), [("predict", "finite"), ("inverse", "any"), ("aux", "any")])
+def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Floats) -> None:
+    need("frama-c")
+    verdict, expected = prove_call(model("everything"), texts("everything"), function, inputs)
+    assert not verdict.alarms
+    assert verdict.held == verdict.checks >= expected > 20
+
+
+@pytest.mark.parametrize("guard", guards("appendix_a", texts("appendix_a")), ids=lambda guard: guard.about)
+def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
+    need("frama-c")
+    opened = without(guard, "appendix_a", texts("appendix_a"))
+    verdict, _ = prove_call(model("appendix_a"), opened, guard.function, guard.inputs)
+    assert verdict.alarms
+
+
+def test_a_ring_that_is_left_open_is_missed() -> None:
+    need("frama-c")
+    guard = next(guard for guard in GUARDS if guard.about == "the delay's ring is closed where it is read")
+    opened = without(guard, "everything", texts("everything"))
+    verdict, _ = prove_call(model("everything"), opened, guard.function, guard.inputs)
+    assert any("index" in alarm or "< 4" in alarm for alarm in verdict.alarms), verdict.alarms
+
+
+def test_every_guard_stands_in_the_model_with_everything() -> None:
+    assert guards("everything", texts("everything")) == GUARDS
+
+
+def test_cases_leave_the_generated_text_as_it_is() -> None:
+    generated = texts("everything")["everything.c"]
+    looked_at = annotated("everything", generated, splits(model("everything"), 1048576.0))
+    assert looked_at != generated
+    assert re.sub(r"    /\*@ ghost .* \*/\n", "", looked_at) == generated
+
+
+def test_a_case_whose_place_is_gone_is_an_error() -> None:
+    altered = texts("appendix_a")["appendix_a.c"].replace("const uint32_t below = ", "const uint32_t under = ")
+    with pytest.raises(ModelError, match="limited: no line"):
+        annotated("appendix_a", altered, splits(model("appendix_a"), 1048576.0))
+
+
+def test_what_is_not_c_and_what_never_ends_is_refused() -> None:
+    need("frama-c")
+    for text in ("int main(void) { return }", "int main(void) { for (;;) { } return 0; }"):
+        with pytest.raises(BuildError, match="frama-c"):
+            analyse({"step.c": text}, "step.c", "finite")
+
+
+def test_a_narrower_box_is_not_proved() -> None:
+    need("frama-c")
+    sources, _ = step(model("appendix_a"), texts("appendix_a"), "predict", "finite")
+    demand = re.search(r"check y_um: .*;", sources["step.c"])
+    assert demand is not None
+    narrow = sources["step.c"].replace(demand[0], r"check y_um: \is_finite(self.y_um) && 0.0 <= self.y_um <= 4.0;")
+    verdict = analyse({**sources, "step.c": narrow}, "step.c", "finite")
+    assert [alarm for alarm in verdict.alarms if "y_um" in alarm]
+
+
+def test_models_of_another_kind_are_refused() -> None:
+    class Unknown:
+        kind = "unknown"
+        size = 1
+
+    altered = dataclasses.replace(model("appendix_a"))
+    object.__setattr__(altered, "terms", (Unknown(),))
+    with pytest.raises(ModelError, match="box is not known"):
+        step(altered, texts("appendix_a"), "predict", "finite")
