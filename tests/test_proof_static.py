@@ -1,4 +1,4 @@
-"""Warnings and MISRA rules: the generated C is clean, and each tool sees the faults that are put into it."""
+"""Warnings, MISRA rules, sanitizers: the generated C is clean, and each tool sees the faults that are put into it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from collections.abc import Mapping
 import pytest
 from conftest import need
 from generated_models import learning, smooth
-from proof_models import texts
+from proof_models import model, texts
 
 from hysgen.emit import Options, generate
+from hysgen.errors import BuildError
 from hysgen.learning import LearnerSettings
 from hysgen.proof.misra import ADVISORY, DEVIATIONS, misra
+from hysgen.proof.sanitize import sanitize
 from hysgen.proof.warnings import COMPILERS, wall
 
 
@@ -43,8 +45,8 @@ def test_no_compiler_warns_of_generated_c(name: str) -> None:
 
 @pytest.mark.parametrize("kind", learners())
 def test_no_compiler_warns_of_any_learner(kind: str) -> None:
-    model = dataclasses.replace(learning(), name=kind, learner=learners()[kind])
-    found = wall(kind, generate(model, Options(clock_Hz=2e9)))
+    learner = dataclasses.replace(learning(), name=kind, learner=learners()[kind])
+    found = wall(kind, generate(learner, Options(clock_Hz=2e9)))
     assert found.clean, "\n".join(found.lines())
 
 
@@ -93,3 +95,27 @@ def test_misra_sees_a_planted_fault(rule: str, anchor: str, replacement: str) ->
     found = misra("appendix_a", planted(anchor, replacement))
     assert rule in {finding.rule for finding in found.findings}, "\n".join(found.lines())
     assert found.required > 0
+
+
+def test_sanitizers_find_nothing_in_what_runs() -> None:
+    """Every term, block and the learner; few samples, for `hysgen prove DIR --only sanitize` runs 1e5 of each call."""
+    need("gcc")
+    assert sanitize(model("everything"), texts("everything"), samples=200).equal
+
+
+@pytest.mark.parametrize(
+    ("anchor", "replacement"),
+    [
+        (
+            "    return appendix_a_float(appendix_a_bits(mantissa)",
+            "    const int32_t far = (int32_t)appendix_a_bits(shifted) + 2000000000;\n    if (far == 7) { return x; }\n"
+            "    return appendix_a_float(appendix_a_bits(mantissa)",
+        ),
+        ("&self->bank[self->active];", "&self->bank[self->active + 2u];"),
+    ],
+    ids=["signed overflow", "index out of bounds"],
+)
+def test_sanitizers_stop_at_a_planted_fault(anchor: str, replacement: str) -> None:
+    need("gcc")
+    with pytest.raises(BuildError, match="sanitizers: the program ended"):
+        sanitize(model("appendix_a"), planted(anchor, replacement), samples=100)

@@ -18,6 +18,7 @@ from hysgen.emit.manifest import Folder, read_folder
 from hysgen.errors import HysgenError
 from hysgen.proof.eva.report import prove
 from hysgen.proof.misra import misra
+from hysgen.proof.sanitize import sanitize
 from hysgen.proof.warnings import wall
 
 
@@ -42,6 +43,11 @@ def _misra(folder: Folder, arguments: argparse.Namespace, console: Console) -> C
     return found, found.clean
 
 
+def _sanitize(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
+    found = sanitize(folder.model, folder.texts, samples=arguments.samples, progress=console.progress)
+    return found, found.equal
+
+
 def _eva(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
     calls = [function for function in arguments.calls.split(",") if function]
     found = prove(folder.model, folder.texts, calls=calls, take_out=arguments.take_out, progress=console.progress)
@@ -51,6 +57,7 @@ def _eva(folder: Folder, arguments: argparse.Namespace, console: Console) -> Che
 CHECKS: Final[dict[str, Callable[[Folder, argparse.Namespace, Console], Checked]]] = {
     "warnings": _warnings,
     "misra": _misra,
+    "sanitize": _sanitize,
     "eva": _eva,
 }
 
@@ -60,6 +67,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--only", default=",".join(CHECKS), metavar="CHECKS", help="some of them, with commas (default %(default)s)"
     )
+    parser.add_argument("--samples", type=int, default=100_000, help="sanitize: of each function (default %(default)s)")
     parser.add_argument(
         "--calls", default="", metavar="CALLS", help="eva: functions to prove, with commas (default all)"
     )
