@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from hysgen.experiments.learning import CHANGES, agreement, change
 from hysgen.experiments.modelling import EXPERIMENTS, Outcome, repeat
 from hysgen.experiments.tracking import CASES, track_case
 
@@ -33,3 +34,26 @@ def test_inverse_feed_forward_tracks_better_than_proportional_and_memory_better_
     # The paper finds a sixth of the proportional controller's largest error at 50 Hz.
     assert rms_nm["paper's inverse"] < rms_nm["proportional"] / 4
     assert rms_nm["with memory"] < rms_nm["paper's inverse"] / 2
+
+
+def test_the_learner_in_c_is_as_good_as_eq_10_in_float64() -> None:
+    found = agreement(EXPERIMENTS[1])
+    assert abs(found.excess) < 1e-3
+    # Neither stands still: from data-sheet values, y(k+1) = y(k) is better than the model it starts from.
+    assert found.learned_um < 0.0012
+
+
+def test_after_a_loss_of_gain_the_committed_model_is_soon_as_good_as_before() -> None:
+    found = change("gain falls by 10 %")
+    assert found.stale_um > 3.0 * found.before_um
+    assert found.caught_up_s is not None
+    assert found.caught_up_s <= 0.2
+    assert found.committed > 10
+    assert found.unsafe == 0
+
+
+@pytest.mark.parametrize("what", list(CHANGES)[1:])
+def test_nothing_is_committed_from_records_that_teach_nonsense(what: str) -> None:
+    found = change(what)
+    assert (found.committed, found.unsafe) == (0, 0)
+    assert found.free_run_um[-1] == found.stale_um

@@ -1,4 +1,7 @@
-"""Repeat the paper's experiments (sections 4.1 to 4.3, Fig. 11) on the virtual stage: a table and the figures."""
+"""Repeat the paper's experiments (sections 4.1 to 4.3, Fig. 11) on the virtual stage: a table and the figures.
+
+Beyond the paper, the learner in generated C: held against Eq. (10) in float64, and after the plant has lost gain.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,14 @@ import argparse
 from pathlib import Path
 
 from hysgen.cli.console import Console
+from hysgen.experiments.learning import CHANGES, Agreement, Change, agreement, change
 from hysgen.experiments.modelling import EXPERIMENTS, Outcome, repeat
 from hysgen.experiments.tracking import CASES, Tracking, track_case
 from hysgen.plots import style
 from hysgen.plots.experiments import modelling_figures, tracking_figure
 from hysgen.tables import table
+
+LEARNED = EXPERIMENTS[:2]
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,7 +24,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    steps = len(EXPERIMENTS) + len(CASES)
+    steps = len(EXPERIMENTS) + len(CASES) + len(LEARNED) + len(CHANGES)
     outcomes: list[Outcome] = []
     for experiment in EXPERIMENTS:
         console.progress(len(outcomes) / steps, experiment.title)
@@ -27,9 +33,17 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     for case in CASES:
         console.progress((len(outcomes) + len(tracked)) / steps, f"section 4.3: tracking at {case.f_Hz:g} Hz")
         tracked.append(track_case(case))
-    console.say(modelling_table(outcomes))
-    console.say()
-    console.say(tracking_table(tracked))
+    done = len(outcomes) + len(tracked)
+    agreements: list[Agreement] = []
+    for experiment in LEARNED:
+        console.progress((done + len(agreements)) / steps, f"learner: {experiment.title}")
+        agreements.append(agreement(experiment))
+    changes: list[Change] = []
+    for what in CHANGES:
+        console.progress((done + len(agreements) + len(changes)) / steps, f"learner: {what}")
+        changes.append(change(what))
+    tables = modelling_table(outcomes), tracking_table(tracked), agreement_table(agreements), change_table(changes)
+    console.say("\n\n".join(tables))
     if arguments.output:
         folder = Path(arguments.output)
         for outcome in outcomes:
@@ -39,7 +53,12 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             path = folder / f"section-4.3-{case_tracked.f_Hz:g}-hz.png"
             console.say(f"written: {style.save(tracking_figure(case_tracked), path)}")
     console.write_json(
-        {"modelling": [outcome.to_json() for outcome in outcomes], "tracking": [t.to_json() for t in tracked]}
+        {
+            "modelling": [outcome.to_json() for outcome in outcomes],
+            "tracking": [t.to_json() for t in tracked],
+            "learning": [a.to_json() for a in agreements],
+            "changes": [c.to_json() for c in changes],
+        }
     )
     return 0
 
@@ -84,6 +103,35 @@ def tracking_table(tracked: list[Tracking]) -> str:
             [f"  ours, {name}", f"{rms:.1f}", f"{case.e_r_percent[name]:.2f}"] for name, rms in case.e_rms_nm.items()
         ]
     return table(["tracking", "e_rms [nm]", "max e_r [%]"], rows)
+
+
+def agreement_table(agreements: list[Agreement]) -> str:
+    """One-step e_rms in nm of Eq. (10) in float64 and of the learner in generated C, on a record neither has seen."""
+    rows = [
+        [a.title, f"{1e3 * a.float64_um:.4f}", f"{1e3 * a.learned_um:.4f}", f"{100.0 * a.excess:+.3f} %"]
+        for a in agreements
+    ]
+    return table(["learning, one step", "Eq. (10) float64 [nm]", "generated C [nm]", "difference"], rows)
+
+
+def change_table(changes: list[Change]) -> str:
+    """Free-run e_rms in nm of the active model around the change, how soon it is back, and what was committed."""
+    rows = []
+    for c in changes:
+        back = "never" if c.caught_up_s is None else f"{c.caught_up_s:.2f}"
+        free_run_nm = [f"{1e3 * value:.1f}" for value in (c.before_um, c.stale_um, c.free_run_um[-1])]
+        rows.append([c.what, *free_run_nm, back, str(c.committed), str(c.refused), str(c.unsafe)])
+    heads = [
+        "the plant changes",
+        "before [nm]",
+        "at once",
+        "2 s later",
+        "back after [s]",
+        "committed",
+        "refused",
+        "unsafe",
+    ]
+    return table(heads, rows)
 
 
 def _um(value: float | None) -> str:
