@@ -9,6 +9,7 @@ the record is diagnosed, and nothing is written unless --anyway is given.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import time
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from hysgen.diagnose import DiagnoseSettings
 from hysgen.diagnose.study import study
 from hysgen.emit import Options, generate, write
 from hysgen.emit.freshness import stale
+from hysgen.emit.manifest import MANIFEST, read_folder
 from hysgen.errors import HysgenError
 from hysgen.fit import FitSettings
 from hysgen.model import Model
@@ -96,9 +98,21 @@ def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
     return found.diagnosis.to_json() | {"lacking": lacking}
 
 
+def as_before(model: Model, folder: Path) -> tuple[Model, Options]:
+    """The model with the learner, and the options, that the folder was generated with, if it was generated at all."""
+    if not (folder / MANIFEST).exists():
+        return model, Options(inverse=certify(model).inverse_holds)
+    before = read_folder(folder)
+    if before.model.name != model.name:
+        raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
+    told = before.facts.get("options", {})
+    clock_Hz = float(told.get("clock_Hz", Options().clock_Hz))
+    return dataclasses.replace(model, learner=before.model.learner), Options(bool(told.get("inverse")), clock_Hz)
+
+
 def regenerate(model: Model, folder: Path, console: Console) -> dict[str, Any]:
     """The C of the new model in its folder: which files changed, and whether it equals its reference."""
-    texts = generate(model, Options(inverse=certify(model).inverse_holds))
+    texts = generate(*as_before(model, folder))
     changed = [item.name for item in stale(texts, folder)]
     write(texts, folder)
     console.say(f"changed in {folder}: {', '.join(changed) or 'nothing'}; as before: {len(texts) - len(changed)} files")
