@@ -42,6 +42,8 @@ _EXPORTED = (
     "verify",
 )
 
+__all__ = list(_EXPORTED)
+
 if TYPE_CHECKING:
     from hysgen.api import *  # noqa: F403
 

@@ -1,0 +1,53 @@
+"""docs/extend.md to the letter: its two files are all that a new term takes, from the fit to equal bits."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+USE = """
+import numpy as np
+from hysgen import FitSettings, Record, cost, fit, generate, load_model, save_model, score, verify
+from hysgen.signals import nested_amplitudes
+from hysgen.terms.echo import Echo
+
+u_V = nested_amplitudes(1e-4, (50.0, 20.0), 40.0, 25.0, 4)
+y_um = np.full(u_V.size, 2.8)
+for k in range(1, u_V.size - 1):
+    y_um[k + 1] = 0.9 * y_um[k] + 4e-3 * u_V[k] + 3e-3 * u_V[k - 1]
+record = Record.from_arrays(u_V, y_um, 1e-4)
+plain = fit(record, FitSettings(name="axis", method="batch"))
+model = fit(record, FitSettings(name="axis", method="batch", terms=(Echo(),)))
+assert score(model, record).free_run.e_rms_um < 0.05 * score(plain, record).free_run.e_rms_um
+save_model(model, __import__("pathlib").Path("axis.json"))
+assert load_model("axis.json").terms == (Echo(),)
+report = verify(generate(model), samples=30_000)
+assert report.equal and {run.function for run in report.runs} >= {"predict", "simulate", "inverse"}, str(report)
+assert cost(generate(model)).per_sample.value > cost(generate(plain)).per_sample.value
+print("equal in every bit")
+"""
+
+
+def test_the_two_files_of_the_page_are_all_that_a_new_term_takes(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "extend.md").read_text()
+    blocks = re.findall(r"```(?:python|c)\n(.*?)```", page, re.DOTALL)
+    shutil.copytree(ROOT / "generator" / "hysgen", tmp_path / "generator" / "hysgen")
+    shutil.copytree(ROOT / "templates", tmp_path / "templates")
+    (tmp_path / "generator" / "hysgen" / "terms" / "echo.py").write_text(blocks[0])
+    (tmp_path / "templates" / "terms" / "echo.c.j2").write_text(blocks[1])
+    done = subprocess.run(
+        [sys.executable, "-c", USE],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path / "generator")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "equal in every bit\n"
