@@ -16,6 +16,13 @@ import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+import os
+
+# The matrices here are small: threads of the BLAS cost up to ten times the work on a busy machine, and how many there
+# are changes last bits. Who has set their number, or imported NumPy before, keeps what is.
+for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_threads, "1")
+
 __version__ = "0.1.0"
 
 _EXPORTED = (

@@ -7,17 +7,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnose.probe.scene import drift_course
 from hysgen.inputs import InputBlock
 from hysgen.terms import Term
 
 Floats = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Wander:
+    """A drift over a segment: size_um times `drift_course`, i.e. per second, or per decade if it slows down."""
+
+    size_um: float
+    since_s: float | None = None
+
+    def at(self, t_s: Floats) -> Floats:
+        """(n,) um at times t_s after the start of a segment."""
+        return self.size_um * drift_course(t_s, self.since_s)
+
+
 @dataclass(frozen=True, eq=False)
 class Extension:
     """What a cause adds to the model: a term, an input block, or how the fit and the learner treat samples.
 
-    trust: (n,) how much each row of the whole record counts, or None. ramp_um_per_s: drift taken out before the fit,
+    trust: (n,) how much each row of the whole record counts, or None. drift: taken out before the fit,
     because a bias state follows it. gain_per_s: change of the gain around zero_um taken out before the fit, because the
     learner follows it by forgetting over forgetting_s.
     gate: the learner rejects what stands off its prediction.
@@ -26,7 +39,7 @@ class Extension:
     term: Term | None = None
     block: InputBlock | None = None
     trust: Floats | None = None
-    ramp_um_per_s: float = 0.0
+    drift: Wander | None = None
     gain_per_s: float = 0.0
     zero_um: float = 0.0
     forgetting_s: float | None = None

@@ -4,7 +4,8 @@
     rung i   the same, with the extensions of the first i causes, fitted again to the identification part
 
 All rungs are scored in free run on the same rows. What a single cause is worth beside all others is measured by leaving
-it out of the last rung, on blocks of the identification part that are left out of the fit.
+it out of the last rung, on blocks of the identification part that are left out of the fit: each third of the blocks in
+turn, of models fitted exactly as those that are delivered.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 CHECK_BLOCKS = 12
+MOST_IN_TURN = 20_000
+"""Rows above which one third of the blocks says enough."""
 
 FOLLOWED = 0.02
 """Time constant of the bias state, as a share of the record over which the drift was seen."""
@@ -111,7 +114,7 @@ def equipped(model: Model, extensions: Sequence[Extension], span_s: float, noise
 
     span_s: length of the record. The bias starts at 0 and holds in a free run, so every score stays what it was.
     """
-    if any(extension.ramp_um_per_s != 0.0 for extension in extensions):
+    if any(extension.drift is not None for extension in extensions):
         tau_s = max(span_s * FOLLOWED, 100.0 * model.Ts_s)
         limit_um = WIDEST_BIAS * (model.grid.y_max_um - model.grid.y_min_um)
         terms, weights = (*model.terms, Drift(tau_s, limit_um)), np.append(model.weights, 1.0)
@@ -129,28 +132,41 @@ def equipped(model: Model, extensions: Sequence[Extension], span_s: float, noise
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
     """The record with drift and aging taken out of the displacement, both counted from the start of each segment.
 
-    y_level = zero + (y - ramp t - zero) / (1 + gain t)
+    y_level = zero + (y - drift(t) - zero) / (1 + gain t)
     """
     record = prepared.record
-    ramp_um_per_s = sum(extension.ramp_um_per_s for extension in extensions)
+    drifts = [extension.drift for extension in extensions if extension.drift is not None]
     aged = [extension for extension in extensions if extension.gain_per_s != 0.0]
-    if ramp_um_per_s == 0.0 and not aged:
+    if not drifts and not aged:
         return record
     level = []
     for segment in record.segments:
-        time_s = record.Ts_s * np.arange(segment.samples)
-        y_um = segment.y_um - ramp_um_per_s * time_s
+        time_s: Floats = record.Ts_s * np.arange(segment.samples, dtype=np.float64)
+        y_um = segment.y_um
+        for drift in drifts:
+            y_um = y_um - drift.at(time_s)
         for extension in aged:
             y_um = extension.zero_um + (y_um - extension.zero_um) / (1.0 + extension.gain_per_s * time_s)
         level.append(dataclasses.replace(segment, y_um=y_um))
     return Record.from_segments(level, record.Ts_s, record.source)
 
 
-def check_rows(prepared: Prepared) -> Rows:
-    """Every third of 12 blocks of the identification part: left out of a fit to tell what an extension is worth."""
+def left_out(prepared: Prepared) -> list[Rows]:
+    """Thirds of 12 blocks of the identification part, to be left out of a fit in turn; of a long record one third."""
     rows = prepared.fit_rows
     block = np.arange(len(rows)) * CHECK_BLOCKS // len(rows)
-    return np.asarray(rows[block % 3 == 1])
+    thirds = [rows[block % 3 == third] for third in (1, 0, 2)]
+    return thirds if len(rows) <= MOST_IN_TURN else thirds[:1]
+
+
+def checked_error(
+    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
+) -> tuple[Rows, Floats]:
+    """Rows of the identification part in order, and the free-run error there of models that were not fitted to them."""
+    parts = [(rows, climb(prepared, extensions, names, settings, rows).error_um[rows]) for rows in left_out(prepared)]
+    rows, errors = np.concatenate([rows for rows, _ in parts]), np.concatenate([error for _, error in parts])
+    order = np.argsort(rows)
+    return rows[order], errors[order]
 
 
 def _by_segment(values: Floats, lengths: list[int]) -> list[Floats]:

@@ -97,7 +97,7 @@ def reach_um(prepared: Prepared) -> tuple[float, float]:
         gain, offset = np.polyfit(x[rows], y_um[rows], 1)
         left = float(np.mean((y_um[rows] - offset - gain * x[rows]) ** 2))
         if left < best:
-            ends = sorted((offset + gain * float(x.min()), offset + gain * float(x.max())))
+            ends = sorted(float(offset + gain * end) for end in (x.min(), x.max()))
             best, reached = left, (ends[0], ends[1])
     return reached
 

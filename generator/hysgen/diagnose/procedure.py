@@ -14,7 +14,7 @@ from hysgen.diagnose.diagnosis import Diagnosis, NamedCause, Price, Refused, con
 from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.extension import Extension
-from hysgen.diagnose.ladder import Rung, check_rows, climb, equipped, in_order
+from hysgen.diagnose.ladder import Rung, checked_error, climb, equipped, in_order
 from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms
@@ -175,20 +175,36 @@ def _agreement(
             refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
         else:
             candidates.append(name)
-    quick = dataclasses.replace(settings.fit, certified=False)
-    skip = check_rows(prepared)
-    alone: dict[str, Gain] = {}
-    whole = climb(prepared, extensions, candidates, quick, skip)
-    for name in list(candidates):
-        if name == "outliers":
-            continue
-        without = climb(prepared, extensions, [other for other in candidates if other != name], quick, skip)
-        clean = skip[~found.corrupted[skip]] if len(found.corrupted) else skip
-        alone[name] = gain(without.error_um[clean], whole.error_um[clean])
-        if alone[name].sure < SURE:
-            candidates.remove(name)
-            refused.append(Refused(name, "its extension does not lower the model's free-run error for certain"))
-    return candidates, alone, refused
+    while True:
+        alone = _alone(prepared, found, extensions, candidates, settings)
+        worst = min(alone, key=lambda name: alone[name].sure, default=None)
+        if worst is None or alone[worst].sure >= SURE:
+            return candidates, alone, refused
+        candidates.remove(worst)
+        refused.append(Refused(worst, "its extension does not lower the model's free-run error for certain"))
+
+
+def _alone(
+    prepared: Prepared,
+    found: Found,
+    extensions: dict[str, Extension],
+    names: list[str],
+    settings: DiagnoseSettings,
+) -> dict[str, Gain]:
+    """What the extension of each cause gains beside all others, in models fitted as those that are delivered.
+
+    The gate against corrupted samples is not judged by this: the error on corrupted samples means nothing.
+    """
+    judged = [name for name in names if name != "outliers"]
+    if not judged:
+        return {}
+    rows, whole_um = checked_error(prepared, extensions, names, settings.fit)
+    clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
+    gains = {}
+    for name in judged:
+        _, without_um = checked_error(prepared, extensions, [other for other in names if other != name], settings.fit)
+        gains[name] = gain(without_um[clean], whole_um[clean])
+    return gains
 
 
 def _written(naming: Naming, rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:

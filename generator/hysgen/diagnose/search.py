@@ -66,6 +66,7 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
         fitted, checked = _halves(usable)
         part = scene.using(fitted)
     fit = _pruned(part, _exchanged(part, fit, checked), checked)
+    fit = _pruned(part, _resigned(part, fit, checked), checked)
     fit = _restarted(part, fit, checked)
     usable, corrupted = _without_spikes(scene, fit)
     fitted, checked = _halves(usable)
@@ -121,6 +122,28 @@ def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
     return fit
 
 
+def _resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
+    """The fit with a cause whose own signature does not hold exchanged for one that looks like it, if that helps.
+
+    The one explains no more than the other here, or `_exchanged` would have taken it; but it may be sound.
+    """
+    for first, second in ALIKE:
+        for old, new in ((first, second), (second, first)):
+            if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
+                continue
+            bare = refine(part, causes()[old].without(fit.chain), rounds=8)
+            if causes()[old].signature(Look.at(part, fit), bare).holds:
+                continue
+            trials = [linear_fit(part, chain) for chain in causes()[new].proposals(Look.at(part, bare))]
+            if not trials:
+                continue
+            other = refine(part, min(trials, key=lambda trial: trial.rms_um).chain)
+            sound = causes()[new].signature(Look.at(part, other), bare).holds
+            if sound and rms(other.error[checked]) < KEEP_ABOVE * rms(bare.error[checked]):
+                fit = other
+    return fit
+
+
 def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit from the best of other starts, where that explains more."""
     for name in present(fit.chain):
@@ -133,7 +156,15 @@ def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
 
 
 def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit without what it does not need, least needed first; each mode, line and channel for itself."""
+    """The fit without what it does not need, least needed first; each mode, line and channel for itself.
+
+    Before that, every cause takes its simpler form if that explains as much.
+    """
+    for name in present(fit.chain):
+        for chain in causes()[name].simpler(fit.chain):
+            plain = refine(part, chain, rounds=8)
+            if rms(fit.error[checked]) >= HELPS_BELOW * rms(plain.error[checked]):
+                fit = plain
     while True:
         names = present(fit.chain)
         trials = [refine(part, less, rounds=8) for name in names for less in causes()[name].lessened(fit.chain)]

@@ -48,7 +48,11 @@ class Aging(Cause):
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         # A ramp beside the aging that is no drift of its own says only that the gain turns about another point.
-        ramp = scene.drift_column(fit.chain) + scene.hysteresis_size(fit.chain) if fit.chain.drift else None
+        ramp = (
+            scene.drift_column(fit.chain) + scene.hysteresis_size(fit.chain)
+            if fit.chain.drift and fit.chain.since_s is None
+            else None
+        )
         shift_um = 0.0 if ramp is None else float(fit.weights[ramp]) / scene.span_s / (fit.chain.aging_per_s or 1.0)
         hidden = abs(shift_um) < ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
         return Extension(

@@ -74,6 +74,10 @@ class Cause(abc.ABC):
         """Chains with one part of this cause taken out: one mode, line or channel of several, or all there is."""
         return [self.without(chain)]
 
+    def simpler(self, chain: Chain) -> list[Chain]:
+        """Chains in which this cause stands in a simpler form, which is preferred unless it explains less."""
+        return []
+
     def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
         """The same chain with this cause's numbers elsewhere, where the fit is known to have several minima."""
         return []

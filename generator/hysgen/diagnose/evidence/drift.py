@@ -1,17 +1,25 @@
-"""Drift: slow movement that does not depend on the input, the same whether the stage rises or falls."""
+"""Drift: slow movement that does not depend on the input, the same whether the stage rises or falls.
+
+It may go on at one rate, or slow down by the logarithm of time, as what a stage did before the record began fades.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
 from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
-from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.extension import Extension, Wander
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+from hysgen.diagnose.probe.scene import drift_course
 
 ZERO_UNCERTAIN = 0.25
 """Share of the span by which the stage's zero is uncertain: an aging gain turns that into a ramp of its own."""
+
+SINCE = (0.01, 0.05, 0.25)
+"""Shares of the record at which a drift that slows down is tried to have begun before it."""
 
 
 class Drift(Cause):
@@ -21,45 +29,75 @@ class Drift(Cause):
         return chain.drift
 
     def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, drift=False)
+        return dataclasses.replace(chain, drift=False, since_s=None)
+
+    def simpler(self, chain: Chain) -> list[Chain]:
+        """A ramp in place of a drift that slows down."""
+        return [] if chain.since_s is None else [dataclasses.replace(chain, since_s=None)]
 
     def proposals(self, look: Look) -> list[Chain]:
-        return [] if look.fit.chain.drift else [dataclasses.replace(look.fit.chain, drift=True)]
+        """A ramp, and drifts that slow down."""
+        chain = look.fit.chain
+        slowing = [dataclasses.replace(chain, drift=True, since_s=share * look.scene.span_s) for share in SINCE]
+        if chain.drift:
+            return [] if chain.since_s is not None else slowing
+        return [dataclasses.replace(chain, drift=True), *slowing]
 
     def signature(self, look: Look, rival: Fit) -> Signature:
-        """The ramp against its standard error, and the same ramp seen on rising and on falling input."""
+        """The drift against its standard error, and the same drift seen on rising and on falling input."""
         scene, chain = look.scene, look.fit.chain
-        at = scene.drift_column(chain)
-        slope = float(look.fit.weights[scene.hysteresis_size(chain) + at]) / scene.span_s
-        error = float(standard_errors(scene, look.fit).disturbances[at]) / scene.span_s
-        z = abs(slope) / max(error, 1e-15)
+        drift = _drift(scene, look.fit)
+        course = float(drift_course(scene.span_s, chain.since_s))
+        error = float(standard_errors(scene, look.fit).disturbances[scene.drift_column(chain)]) / course
+        z = abs(drift.size_um) / max(error, 1e-15)
         hidden = abs(chain.aging_per_s or 0.0) * ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
-        shares = [_seen(look, slope, sign) for sign in (1.0, -1.0)]
+        shares = [_seen(look, drift, sign) for sign in (1.0, -1.0)]
+        alike = f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
+        size = f"{1e3 * drift.size_um:.3g} nm {{}} +- {1e3 * error:.1g}"
+        if chain.since_s is None:
+            text = f"{size.format('per second')} whatever the input does {alike}"
+            parameters = {"ramp_um_per_s": Estimate(drift.size_um, error)}
+        else:
+            text = (
+                f"{size.format('per decade of time')} whatever the input does {alike}, "
+                f"slowing down like the creep of a move {chain.since_s:.2g} s before the record"
+            )
+            parameters = {
+                "um_per_decade": Estimate(drift.size_um, error),
+                "since_s": Estimate(chain.since_s, math.nan),
+            }
         return Signature(
-            holds=z > 5.0 and abs(slope) > hidden and all(0.5 < share < 1.5 for share in shares),
+            holds=z > 5.0
+            and abs(drift.size_um) * course > hidden * scene.span_s
+            and all(0.5 < share < 1.5 for share in shares),
             z=z,
-            text=f"{1e3 * slope:.3g} nm/s +- {1e3 * error:.1g} whatever the input does "
-            f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)",
-            parameters={"ramp_um_per_s": Estimate(slope, error)},
+            text=text,
+            parameters=parameters,
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        at = scene.hysteresis_size(fit.chain) + scene.drift_column(fit.chain)
-        ramp_um_per_s = float(fit.weights[at]) / scene.span_s
-        return Extension(ramp_um_per_s=ramp_um_per_s)
+        return Extension(drift=_drift(scene, fit))
 
 
-def _seen(look: Look, slope_um_per_s: float, direction: float) -> float:
-    """Share of the ramp that stands in the samples where the input moves in one direction."""
+def _drift(scene: Scene, fit: Fit) -> Wander:
+    """The drift that a fit found."""
+    at = scene.hysteresis_size(fit.chain) + scene.drift_column(fit.chain)
+    since_s = fit.chain.since_s
+    return Wander(float(fit.weights[at]) / float(drift_course(scene.span_s, since_s)), since_s)
+
+
+def _seen(look: Look, drift: Wander, direction: float) -> float:
+    """Share of the drift that stands in the samples where the input moves in one direction."""
     scene = look.scene
     time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])
     moving = np.concatenate([np.gradient(run.u_V) for run in scene.runs])
     rows = scene.rows[direction * moving[scene.rows] > 0]
     if len(rows) < 10:
         return 1.0
-    ramp = slope_um_per_s * (time_s[rows] - time_s[rows].mean())
-    error = look.fit.error[rows] + ramp
-    return float(ramp @ (error - error.mean()) / (ramp @ ramp))
+    course = drift.at(time_s[rows])
+    course = course - course.mean()
+    error = look.fit.error[rows] + course
+    return float(course @ (error - error.mean()) / (course @ course))
 
 
 CAUSE = Drift()

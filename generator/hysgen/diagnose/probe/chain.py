@@ -36,7 +36,8 @@ class Chain:
     sample that sampling costs, negative where the channels of the record are not aligned; delayed: whether it is free.
     low_V, high_V: clamp. rate_V_per_s: rate limit. memory: whether h is a hysteresis operator or a single-valued curve.
     creep: share of a step moved per decade of time, from creep_from_s on. aging_per_s: relative change of the gain.
-    drift: whether there is a ramp. lines_Hz: disturbing lines. coupled: auxiliary channels, each
+    drift: whether there is a ramp; since_s: if not None, it slows down as the creep of a move does that long before the
+    run, log(1 + t / since). lines_Hz: disturbing lines. coupled: auxiliary channels, each
     with `taps` samples of its past.
     """
 
@@ -50,6 +51,7 @@ class Chain:
     modes: tuple[Mode, ...] = ()
     aging_per_s: float | None = None
     drift: bool = False
+    since_s: float | None = None
     lines_Hz: tuple[float, ...] = ()
     coupled: tuple[str, ...] = ()
     taps: int = 1
@@ -70,6 +72,8 @@ class Chain:
             values.extend((math.log(mode.f_Hz), math.log(mode.zeta), mode.share))
         if self.aging_per_s is not None:
             values.append(self.aging_per_s)
+        if self.since_s is not None:
+            values.append(math.log(self.since_s))
         values.extend(self.lines_Hz)
         return np.array(values)
 
@@ -88,6 +92,7 @@ class Chain:
             creep_from_s=0.0 if self.creep is None else math.exp(next(left)),
             modes=tuple(Mode(math.exp(next(left)), math.exp(next(left)), next(left)) for _ in self.modes),
             aging_per_s=None if self.aging_per_s is None else next(left),
+            since_s=None if self.since_s is None else math.exp(next(left)),
             lines_Hz=tuple(next(left) for _ in self.lines_Hz),
         )
 
@@ -109,5 +114,6 @@ class Chain:
         for i, _ in enumerate(self.modes):
             names.extend((f"f{i}", f"zeta{i}", f"share{i}"))
         names.extend(["aging"] if self.aging_per_s is not None else [])
+        names.extend(["since"] if self.since_s is not None else [])
         names.extend(f"line{i}" for i, _ in enumerate(self.lines_Hz))
         return tuple(names)

@@ -24,6 +24,11 @@ CURVE_ALONE = 7
 """Degree of the curve where it has no plays beside it."""
 
 
+def drift_course(t_s: Floats | float, since_s: float | None) -> Floats:
+    """How far a drift has come at time t, up to its size: t, or log10(1 + t / since) if it slows down."""
+    return np.asarray(t_s, dtype=np.float64) if since_s is None else np.log10(1.0 + np.asarray(t_s) / since_s)
+
+
 @dataclass(frozen=True, eq=False)
 class Run:
     """One unbroken run: u_V, y_um (n,), auxiliary channels, and where the plays stood before it (-1 to 1)."""
@@ -140,7 +145,7 @@ class Scene:
             if chain.creep is not None:
                 columns.extend(np.exp(-t_s / (share * self.span_s)) for share in NUISANCE_DECAYS)
             if chain.drift:
-                columns.append(t_s / self.span_s)
+                columns.append(drift_course(t_s, chain.since_s) / drift_course(self.span_s, chain.since_s))
             for line_Hz in chain.lines_Hz:
                 columns.extend((np.sin(2 * np.pi * line_Hz * t_s), np.cos(2 * np.pi * line_Hz * t_s)))
             bare = Chain(chain.lag_s, chain.delay)

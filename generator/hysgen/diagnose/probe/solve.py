@@ -21,6 +21,8 @@ from hysgen.diagnose.probe.scene import Scene
 Floats = NDArray[np.float64]
 
 RIDGE = 1e-9
+SOONEST = 0.003
+"""Least time before the record, as a share of it, at which a drift that slows down may have begun."""
 STEP = 1e-5
 MOST_DAMPING = 0.4
 """A mode damped more than this no longer rings: it would stand in for a delay."""
@@ -129,6 +131,7 @@ def bounded(chain: Chain, coordinates: Floats, scene: Scene) -> Chain:
         "rate": (math.log(0.1 * half / span_s), math.log(4 * half / Ts_s)),
         "creep": (-1.0, 1.0),
         "creep_from": (math.log(2 * Ts_s), math.log(0.2 * span_s)),
+        "since": (math.log(SOONEST * span_s), math.log(span_s)),
         "aging": (-0.9 / span_s, 9.0 / span_s),
     }
     values = coordinates.copy()
