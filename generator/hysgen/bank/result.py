@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +17,9 @@ class Verdict:
     """One record: what was planted, required (its share exceeds what memory alone leaves), and named.
 
     relative: share of each planted effect over what memory alone leaves. errors: relative error of each parameter.
+    fall: free-run error of the paper's model over that of the extended one, where only Preisach memory is hidden.
+    over_truth: error of the extended model over that of the same family fitted with the truth known, where every
+    planted cause is extended. Either is nan elsewhere.
     """
 
     category: str
@@ -29,6 +33,8 @@ class Verdict:
     errors: dict[str, float]
     seconds: float
     experiment: str
+    fall: float = math.nan
+    over_truth: float = math.nan
 
     @property
     def exact(self) -> bool:
@@ -98,6 +104,14 @@ class BankResult:
                     gathered.setdefault(key, []).append(abs(error))
         return {key: (float(np.median(v)), float(max(v)), len(v)) for key, v in sorted(gathered.items())}
 
+    def falls(self) -> list[float]:
+        """How often the error falls by the memory extension, rising, where only Preisach memory is hidden."""
+        return sorted(verdict.fall for verdict in self.judged() if math.isfinite(verdict.fall))
+
+    def over_truth(self) -> list[float]:
+        """Errors over those with the truth known, rising."""
+        return sorted(verdict.over_truth for verdict in self.judged() if math.isfinite(verdict.over_truth))
+
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
         return {
@@ -111,6 +125,8 @@ class BankResult:
             "parameter_errors": {
                 key: {"median": m, "largest": w, "records": c} for key, (m, w, c) in self.parameter_errors().items()
             },
+            "falls_by_memory": self.falls(),
+            "over_truth": self.over_truth(),
             "wrong": [
                 {"category": v.category, "seed": v.seed, "required": v.required, "named": v.named}
                 for v in self.judged()
@@ -143,6 +159,18 @@ class BankResult:
         )
         lines.append("parameters, median and largest error:")
         lines.extend(f"  {key:32}{m:10.3g}{w:10.3g}  of {c}" for key, (m, w, c) in self.parameter_errors().items())
+        if falls := self.falls():
+            at = np.quantile(falls, [0.0, 0.1, 0.5, 1.0])
+            lines.append(
+                f"memory of the Preisach kind alone: error falls {at[2]:.1f} times (median of {len(falls)} records; "
+                f"worst {at[0]:.1f}, a tenth below {at[1]:.1f}, best {at[3]:.1f})"
+            )
+        if over := self.over_truth():
+            at = np.quantile(over, [0.5, 0.95, 1.0])
+            lines.append(
+                f"error over that with the truth known: median {at[0]:.2f}, 95 % below {at[1]:.2f}, "
+                f"largest {at[2]:.2f} ({len(over)} records with every planted cause extended)"
+            )
         return "\n".join(lines)
 
 

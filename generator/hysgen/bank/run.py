@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from hysgen.bank.result import BankResult, Verdict
 from hysgen.bank.scenario import CATEGORIES, Scenario, memory_only, scenario
+from hysgen.bank.truth import error_with_truth_known
 from hysgen.diagnose.evidence.memory import Memory
 from hysgen.diagnose.ladder import climb
 from hysgen.diagnose.prepare import prepare
 from hysgen.diagnose.probe import Chain, Fit, rms
-from hysgen.diagnose.procedure import name_causes
+from hysgen.diagnose.procedure import Naming, name_causes
 from hysgen.fit import FitSettings
 from hysgen.record import Record
+from hysgen.stage import Preisach, Relays
 from hysgen.stage import run as measure
 
 Floats = NDArray[np.float64]
@@ -53,6 +55,7 @@ def judge(hidden: Scenario) -> Verdict:
     begun = time.perf_counter()
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
+    fall, over_truth = _climbed(hidden, naming, measured.truth.outlier)
     names = {"stick_slip": "unknown"}
     shares = {names.get(name, name): share for name, share in measured.truth.shares_um.items()}
     return Verdict(
@@ -67,7 +70,24 @@ def judge(hidden: Scenario) -> Verdict:
         errors=parameter_errors(hidden, naming.parameters),
         seconds=seconds,
         experiment=naming.next_experiment,
+        fall=fall,
+        over_truth=over_truth,
     )
+
+
+def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> tuple[float, float]:
+    """How often the free-run error falls where only memory of the Preisach kind is hidden, and the error of the
+    extended model over that with the truth known, where every planted cause is extended; else nan.
+    """
+    prepared, agreed = naming.prepared, naming.agreed
+    held = prepared.held_rows[~corrupted[prepared.held_rows]]
+    if hidden.excitation != "good" or not hidden.planted or set(naming.names) != set(hidden.planted):
+        return math.nan, math.nan
+    extended = rms(climb(prepared, naming.extensions, agreed, FitSettings()).error_um[held])
+    fall = math.nan
+    if hidden.planted == ("memory",) and isinstance(hidden.stage.memory, Preisach | Relays):
+        fall = rms(climb(prepared, {}, [], FitSettings()).error_um[held]) / extended
+    return fall, math.nan if "unknown" in hidden.planted else extended / error_with_truth_known(hidden)
 
 
 def left_by_memory(hidden: Scenario) -> float:

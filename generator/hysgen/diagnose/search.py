@@ -31,6 +31,9 @@ HELPS_BELOW = 0.98
 ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("saturation", "slew"))
 """Pairs of causes of which the wrong one may come first."""
 
+SLOW = ("creep", "drift", "aging")
+"""Causes that take each other's place where one is unsound."""
+
 MOST_STEPS = 9
 CANDIDATES = 5
 MOST_ROWS = 8000
@@ -123,25 +126,33 @@ def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
 
 
 def _resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit with a cause whose own signature does not hold exchanged for one that looks like it, if that helps.
+    """The fit with a cause whose own signature does not hold exchanged for the best of those that are slow like it.
 
-    The one explains no more than the other here, or `_exchanged` would have taken it; but it may be sound.
+    It explains no more than what it replaces, or `_exchanged` would have taken it; but it is sound.
     """
-    for first, second in ALIKE:
-        for old, new in ((first, second), (second, first)):
-            if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
-                continue
-            bare = refine(part, causes()[old].without(fit.chain), rounds=8)
-            if causes()[old].signature(Look.at(part, fit), bare).holds:
-                continue
-            trials = [linear_fit(part, chain) for chain in causes()[new].proposals(Look.at(part, bare))]
-            if not trials:
-                continue
-            other = refine(part, min(trials, key=lambda trial: trial.rms_um).chain)
-            sound = causes()[new].signature(Look.at(part, other), bare).holds
-            if sound and rms(other.error[checked]) < KEEP_ABOVE * rms(bare.error[checked]):
-                fit = other
+    for old in SLOW:
+        if not causes()[old].present(fit.chain):
+            continue
+        bare = refine(part, causes()[old].without(fit.chain), rounds=8)
+        if causes()[old].signature(Look.at(part, fit), bare).holds:
+            continue
+        others = [name for name in SLOW if name != old and not causes()[name].present(fit.chain)]
+        trials = [_replacement(part, bare, name) for name in others]
+        sound = [
+            trial
+            for name, trial in zip(others, trials, strict=True)
+            if trial is not None and causes()[name].signature(Look.at(part, trial), bare).holds
+        ]
+        best = min(sound, key=lambda trial: rms(trial.error[checked]), default=bare)
+        if rms(best.error[checked]) < KEEP_ABOVE * rms(bare.error[checked]):
+            fit = best
     return fit
+
+
+def _replacement(part: Scene, bare: Fit, name: str) -> Fit | None:
+    """The best fit with the cause `name` added to `bare`."""
+    trials = [linear_fit(part, chain) for chain in causes()[name].proposals(Look.at(part, bare))]
+    return refine(part, min(trials, key=lambda trial: trial.rms_um).chain) if trials else None
 
 
 def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:

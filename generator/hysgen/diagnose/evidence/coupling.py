@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.terms.coupling import Coupling as CouplingTerm
+
+Floats = NDArray[np.float64]
 
 TAPS = 32
 """Samples of a channel's past where one is not enough."""
@@ -65,21 +69,14 @@ class Coupling(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        ends = [
-            (
-                min(float(run.aux[name].min()) for run in scene.runs),
-                max(float(run.aux[name].max()) for run in scene.runs),
-            )
-            for name in fit.chain.coupled
-        ]
-        return Extension(
-            term=CouplingTerm(
-                fit.chain.coupled,
-                tuple(low for low, _ in ends),
-                tuple(high for _, high in ends),
-                fit.chain.taps,
-            )
-        )
+        return Extension(term=coupling_term(fit.chain.coupled, [run.aux for run in scene.runs], fit.chain.taps))
+
+
+def coupling_term(channels: tuple[str, ...], runs: Sequence[Mapping[str, Floats]], taps: int = 1) -> CouplingTerm:
+    """The term for some channels, each with the range that it has over all runs."""
+    low = tuple(min(float(run[name].min()) for run in runs) for name in channels)
+    high = tuple(max(float(run[name].max()) for run in runs) for name in channels)
+    return CouplingTerm(channels, low, high, taps)
 
 
 def _moves(look: Look, name: str) -> bool:
