@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import hysgen  # noqa: F401  before NumPy, whose BLAS reads once how many threads it may have
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="write golden files instead of comparing with them")

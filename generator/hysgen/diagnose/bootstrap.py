@@ -47,6 +47,18 @@ def gain(before_um: Floats, after_um: Floats) -> Gain:
     return Gain(root[0], root[1], float(low), float(high), float(np.mean(falls > 0.0)))
 
 
+def surely_lower(before_um: Floats, after_um: Floats) -> float:
+    """In what share of draws the error falls in the geometric mean over 24 blocks, drawn again 400 times.
+
+    A model that was not fitted to the one block with the widest stroke may be far off there, whatever its extensions;
+    the rms over all blocks would be that of this one.
+    """
+    parts = [np.array_split(error, BLOCKS) for error in (before_um, after_um)]
+    levels = [np.log([float(np.mean(part * part)) + 1e-300 for part in side]) for side in parts]
+    chosen = np.random.default_rng(1).integers(0, BLOCKS, size=(DRAWS, BLOCKS))
+    return float(np.mean((levels[0] - levels[1])[chosen].mean(axis=1) > 0.0))
+
+
 def _block_means(values: Floats, length: int) -> Floats:
     """(n,) mean of the `length` values from each sample on, around the end to the start."""
     sums = np.concatenate([[0.0], np.cumsum(np.concatenate([values, values[: length - 1]]))])

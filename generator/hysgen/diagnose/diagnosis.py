@@ -147,10 +147,8 @@ class Diagnosis:
 
 
 def confidence(signature: Signature, alone: Gain) -> float:
-    """Between 0 and 1: how sure evidence and gain are together, each taken as Gaussian."""
-    spread = max(alone.high_um - alone.low_um, 1e-300) / 3.92
-    sides = [0.5 * math.erfc(-value / math.sqrt(2.0)) for value in (signature.z, alone.fall_um / spread)]
-    return round(min(0.999, math.prod(sides)), 3)
+    """Between 0 and 1: how sure evidence (a Gaussian statistic) and gain (a share of draws) are together."""
+    return round(min(0.999, 0.5 * math.erfc(-signature.z / math.sqrt(2.0)) * alone.sure), 3)
 
 
 def _finite(value: float) -> float | None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnose.bootstrap import Gain, gain
+from hysgen.diagnose.bootstrap import Gain, gain, surely_lower
 from hysgen.diagnose.diagnosis import Diagnosis, NamedCause, Price, Refused, confidence
 from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
@@ -203,7 +203,8 @@ def _alone(
     gains = {}
     for name in judged:
         _, without_um = checked_error(prepared, extensions, [other for other in names if other != name], settings.fit)
-        gains[name] = gain(without_um[clean], whole_um[clean])
+        sure = surely_lower(without_um[clean], whole_um[clean])
+        gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), sure=sure)
     return gains
 
 
