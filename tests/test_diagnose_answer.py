@@ -6,12 +6,16 @@ import dataclasses
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 
 from hysgen.bank.scenario import Scenario, scenario
-from hysgen.diagnose import DiagnoseSettings, Diagnosis, diagnose
+from hysgen.diagnose import DiagnoseSettings, Diagnosis, diagnose, ladder, procedure
+from hysgen.diagnose.ladder import Rung, climb
+from hysgen.diagnose.prepare import Prepared
 from hysgen.diagnose.procedure import name_causes
 from hysgen.errors import RecordError
 from hysgen.fit import FitSettings
@@ -49,6 +53,23 @@ def test_ladder_begins_at_the_papers_model_and_ends_at_the_extended_one(hum: tup
     assert [term.kind for term in found.model.terms] == ["memory", "periodic"]
     # What is left of the power above the noise and the shares of the causes are one whole.
     assert sum(cause.share for cause in found.causes) + found.unexplained_fraction == pytest.approx(1.0, abs=1e-9)
+
+
+def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
+    hum: tuple[Record, Diagnosis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def worse(prepared: Prepared, extensions: Any, names: Sequence[str], settings: FitSettings, *rest: Any) -> Rung:
+        rung = climb(prepared, extensions, names, dataclasses.replace(settings, certified=False), *rest)
+        spoilt = settings.certified and "periodic" in names
+        return dataclasses.replace(rung, error_um=1e3 * rung.error_um) if spoilt else rung
+
+    monkeypatch.setattr(ladder, "climb", worse)
+    monkeypatch.setattr(procedure, "climb", worse)
+    found = diagnose(hum[0])
+    assert {cause.name: cause.extended for cause in found.causes} == {"memory": True, "periodic": False}
+    assert [term.kind for term in found.model.terms] == ["memory"]
+    assert found.causes[-1].share == 0.0
+    assert "periodic is not extended" in found.table()
 
 
 def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]) -> None:

@@ -33,6 +33,7 @@ class NamedCause:
     evidence: in words, with its statistic. confidence: 0 to 1, from the statistic and from how often blocks of the
     identification part agree. step: rms on the ladder before and after its extension, held-out.
     alone: what leaving it out of the complete model costs, on blocks of the identification part left out of the fit.
+    extended: whether its extension stands in the model: not if it does not pay there, with the certificates kept.
     probe_gain: by how much the probe's error on unfitted blocks grows without it.
     """
 
@@ -45,6 +46,7 @@ class NamedCause:
     probe_gain: float
     share: float
     price: Price | None = None
+    extended: bool = True
 
     def to_json(self) -> dict[str, Any]:
         """As in DESIGN.md, section 8, and more."""
@@ -61,6 +63,7 @@ class NamedCause:
                 "alone": {"fall_um": self.alone.fall_um, "ci95": [self.alone.low_um, self.alone.high_um]},
             },
             "share": self.share,
+            "extended": self.extended,
             "probe_gain": self.probe_gain,
             "cost": None if self.price is None else {"cycles": self.price.cycles, "bytes": self.price.bytes},
         }
@@ -131,11 +134,18 @@ class Diagnosis:
         lines = [f"{'':24}{'free run, held out':>20}{'95 % of the gain':>24}{'share':>8}"]
         lines.append(f"{'paper model':24}{self.base_rms_um:17.4g} um")
         for cause in self.causes:
+            if not cause.extended:
+                continue
             interval = f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g} um"
             lines.append(f"+ {cause.name:22}{cause.step.after_um:17.4g} um{interval:>24}{100 * cause.share:7.1f}%")
         lines.append(f"{'noise floor':24}{self.noise.rms_um:17.4g} um  ({self.noise.source})")
         lines.append("")
         lines.extend(f"{cause.name}: {cause.evidence}" for cause in self.causes)
+        lines.extend(
+            f"{cause.name} is not extended: that does not pay with the certificates kept"
+            for cause in self.causes
+            if not cause.extended
+        )
         if self.unknown:
             lines.append(f"unknown: {self.unknown}")
         if not self.causes and not self.unknown:

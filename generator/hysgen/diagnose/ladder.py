@@ -5,7 +5,7 @@
 
 All rungs are scored in free run on the same rows. What a single cause is worth beside all others is measured by leaving
 it out of the last rung, on blocks of the identification part that are left out of the fit: each third of the blocks in
-turn, of models fitted exactly as those that are delivered.
+turn.
 """
 
 from __future__ import annotations

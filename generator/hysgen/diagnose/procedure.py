@@ -91,12 +91,31 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     tell = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: tell(0.7 * fraction, line))
+    tell(0.7, "asking which extensions pay")
+    made = paying(naming, chosen)
     rungs = []
-    for count in range(len(naming.agreed) + 1):
-        tell(0.7 + 0.3 * count / (len(naming.agreed) + 1), "fitting " + ", ".join(("rules", *naming.agreed[:count])))
-        rungs.append(climb(naming.prepared, naming.extensions, naming.agreed[:count], chosen.fit))
+    for count in range(len(made) + 1):
+        tell(0.8 + 0.2 * count / (len(made) + 1), "fitting " + ", ".join(("rules", *made[:count])))
+        rungs.append(climb(naming.prepared, naming.extensions, made[:count], chosen.fit))
     tell(1.0, "done")
-    return _written(naming, rungs, chosen)
+    return _written(naming, made, rungs, chosen)
+
+
+def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
+    """The named causes whose extensions pay in the models that are delivered, in the order of the ladder.
+
+    Causes are named with the fit unrestricted, for that is a question about the stage. Where certificates are kept, an
+    extension has to pay with them too, on blocks left out of the fit, or it is not made.
+    """
+    if not settings.fit.certified:
+        return list(naming.agreed)
+    made = list(naming.agreed)
+    while True:
+        alone = _alone(naming.prepared, naming.found, naming.extensions, made, settings.fit)
+        worst = min(alone, key=lambda name: alone[name].sure, default=None)
+        if worst is None or alone[worst].sure >= SURE:
+            return made
+        made.remove(worst)
 
 
 def name_causes(
@@ -175,8 +194,9 @@ def _agreement(
             refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
         else:
             candidates.append(name)
+    free = dataclasses.replace(settings.fit, certified=False)
     while True:
-        alone = _alone(prepared, found, extensions, candidates, settings)
+        alone = _alone(prepared, found, extensions, candidates, free)
         worst = min(alone, key=lambda name: alone[name].sure, default=None)
         if worst is None or alone[worst].sure >= SURE:
             return candidates, alone, refused
@@ -189,36 +209,39 @@ def _alone(
     found: Found,
     extensions: dict[str, Extension],
     names: list[str],
-    settings: DiagnoseSettings,
+    settings: FitSettings,
 ) -> dict[str, Gain]:
-    """What the extension of each cause gains beside all others, in models fitted as those that are delivered.
+    """What the extension of each cause gains beside all others, on blocks left out of the fit.
 
     The gate against corrupted samples is not judged by this: the error on corrupted samples means nothing.
     """
     judged = [name for name in names if name != "outliers"]
     if not judged:
         return {}
-    rows, whole_um = checked_error(prepared, extensions, names, settings.fit)
+    rows, whole_um = checked_error(prepared, extensions, names, settings)
     clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
     for name in judged:
-        _, without_um = checked_error(prepared, extensions, [other for other in names if other != name], settings.fit)
+        _, without_um = checked_error(prepared, extensions, [other for other in names if other != name], settings)
         sure = surely_lower(without_um[clean], whole_um[clean])
         gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), sure=sure)
     return gains
 
 
-def _written(naming: Naming, rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
+def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
     """The diagnosis with its scores, all on held-out rows."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
     held = prepared.held_rows
-    clean = held[~isolated(rungs[-1].error_um)[held]] if "outliers" in agreed else held
+    clean = held[~isolated(rungs[-1].error_um)[held]] if "outliers" in made else held
     levels = [rms(rung.error_um[clean if "outliers" in rung.causes else held]) for rung in rungs]
     above = max(levels[0] ** 2 - noise.rms_um**2, 1e-300)
     named = []
-    for i, name in enumerate(agreed):
-        step = gain(rungs[i].error_um[clean], rungs[i + 1].error_um[clean])
-        step = dataclasses.replace(step, before_um=levels[i], after_um=levels[i + 1])
+    for name in agreed:
+        # A cause whose extension is not made leaves the ladder where it is.
+        i = sum(other in made for other in agreed[: agreed.index(name)])
+        j = i + (name in made)
+        step = gain(rungs[i].error_um[clean], rungs[j].error_um[clean])
+        step = dataclasses.replace(step, before_um=levels[i], after_um=levels[j])
         worth = naming.alone.get(name, step)
         named.append(
             NamedCause(
@@ -229,8 +252,9 @@ def _written(naming: Naming, rungs: list[Rung], settings: DiagnoseSettings) -> D
                 step=step,
                 alone=worth,
                 probe_gain=float(naming.found.needs.get(name, np.inf)),
-                share=(levels[i] ** 2 - levels[i + 1] ** 2) / above,
-                price=_price(rungs[i].model, rungs[i + 1].model, settings),
+                share=(levels[i] ** 2 - levels[j] ** 2) / above,
+                price=_price(rungs[i].model, rungs[j].model, settings) if name in made else None,
+                extended=name in made,
             )
         )
     steps = np.concatenate([np.diff(s.y_um, prepend=s.y_um[0]) for s in prepared.record.segments])
@@ -241,7 +265,7 @@ def _written(naming: Naming, rungs: list[Rung], settings: DiagnoseSettings) -> D
         base=rungs[0].model,
         model=equipped(
             rungs[-1].model,
-            [naming.extensions[name] for name in agreed],
+            [naming.extensions[name] for name in made],
             naming.found.scene.span_s,
             noise.rms_um,
         ),
