@@ -12,11 +12,10 @@ The functions and types are those of `hysgen.api`, loaded when they are first us
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
-
-import os
 
 # The matrices here are small: threads of the BLAS cost up to ten times the work on a busy machine, and how many there
 # are changes last bits. Who has set their number, or imported NumPy before, keeps what is.
