@@ -94,7 +94,7 @@ def test_the_window_of_nineteen_rules_drops_nothing_that_float64_can_see() -> No
     grid = Grid(-3.0, 7.0, 60)
     y = np.linspace(-3.5, 7.5, 5001)
     rows = np.empty((y.size, 180))
-    rule_rows((grid.y_min_um, grid.y_max_um, grid.step_um), 60, y, np.ones_like(y), rows)
+    rule_rows((grid.y_min_um, grid.y_max_um, grid.step_um, grid.y_min_um), 60, y, np.ones_like(y), rows)
     # rules.h drops 6e-20 of the nearest rule. (y - y_min)/h, up to 60, is rounded by 7e-15, which enters the exponent,
     # and the regressor is y, up to 7 um, times p.
     np.testing.assert_allclose(rows, rule_regressors(y, np.ones_like(y), grid), atol=1e-13, rtol=0)

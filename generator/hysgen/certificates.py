@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.enclosure import Extremum, gain_extrema, slope, slope_extremum
+from hysgen.enclosure import Extremum, gain, gain_extrema, slope, slope_extremum
 from hysgen.membership import memberships
 from hysgen.model import Model
 
@@ -156,6 +156,16 @@ def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> 
         return np.inf, np.inf
     zero, size, nonlinear = inverse_filter(model, gain_lowest, gain_highest)
     return zero, nonlinear * size if nonlinear > 0.0 else 0.0
+
+
+def least_stable(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float]:
+    """Displacement in um and gain in um/V at which the inverse is closest to building up past inputs."""
+    A, B, theta_C, _ = _feedback(model)
+    gains = np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS)
+    worst = max(gains, key=lambda b: _inverse_filter(A, B, theta_C, float(b))[::-1])
+    y = np.linspace(model.grid.y_min_um, model.grid.y_max_um, 200 * model.grid.rules)
+    nearest = int(np.argmin(np.abs(gain(model, y) - worst)))
+    return float(y[nearest]), float(worst)
 
 
 def inverse_filter(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float, float]:

@@ -48,7 +48,7 @@ class Coefficients:
     strength: w of the layout, (L,) dense or (11,) windowed.
     present: (L + 10,) 1 for a rule, 0 for a phantom; windowed only.
     fold: (L,) factor of each rule's consequent in the bank; pad: phantoms before the first rule.
-    origin_um: the middle of the range (dense) or the lowest centre (windowed).
+    origin_um: the middle of the centres (dense) or the lowest centre (windowed).
     per_step: octaves per um, log2(e)/h (dense), or steps per um, 1/h (windowed).
     reference_min_um, reference_max_um: where the inverse limits y(k+1): the range and its own width beyond it.
     rest_um, rest_V: what a non-finite initial value is replaced by.
@@ -88,7 +88,7 @@ def coefficients(model: Model) -> Coefficients:
     ones = np.ones(grid.rules, dtype=np.float32)
     fold = ones if windowed else strength
     span = grid.y_max_um - grid.y_min_um
-    middle = 0.5 * (grid.y_min_um + grid.y_max_um)
+    first, last = grid.ends_um
     return Coefficients(
         windowed=windowed,
         rules=grid.rules,
@@ -98,9 +98,9 @@ def coefficients(model: Model) -> Coefficients:
         u_max_V=single(model.u_max_V),
         reference_min_um=single(grid.y_min_um - span),
         reference_max_um=single(grid.y_max_um + span),
-        rest_um=single(middle),
+        rest_um=single(0.5 * (grid.y_min_um + grid.y_max_um)),
         rest_V=single(min(max(0.0, model.u_min_V), model.u_max_V)),
-        origin_um=single(grid.y_min_um if windowed else middle),
+        origin_um=single(first if windowed else 0.5 * (first + last)),
         per_step=single((1.0 if windowed else OCTAVES_PER_STEP) / grid.step_um),
         strength=strength,
         present=np.pad(ones, pad) if windowed else np.zeros(0, dtype=np.float32),

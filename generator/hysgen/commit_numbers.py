@@ -119,7 +119,7 @@ def membership_derivatives(y_um: Floats, grid: Grid) -> tuple[Floats, Floats, Fl
     With o = l - m, m = sum l p_l, V = sum o^2 p_l and K = sum o^3 p_l:  h p' = p o,  h^2 p'' = p (o^2 - V),
     h^3 p''' = p (o^3 - 3 V o - K).
     """
-    s = (y_um[:, None] - grid.y_min_um) / grid.step_um
+    s = (y_um[:, None] - grid.ends_um[0]) / grid.step_um
     rule = np.arange(grid.rules, dtype=np.float64)
     p = np.exp(-0.5 * (s - rule) ** 2)
     p = p / p.sum(axis=1, keepdims=True)

@@ -21,6 +21,7 @@ enclosure is as narrow as asked. df/dy is affine in u, so its extrema over u lie
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -131,7 +132,7 @@ def slope_series(model: Model) -> Quantity:
 
     def quantity(cells: Cells) -> Series:
         firing = _Firing(model, cells.middle)
-        y = model.grid.y_min_um + h * cells.middle
+        y = model.grid.ends_um[0] + h * cells.middle
         v = q1 * y[:, None] + q2 * cells.u_V[:, None] + q3
         _, quotient, size = firing.expectation(v, h * np.broadcast_to(q1, v.shape))
         slopes = quotient[:, 1:] * np.arange(1.0, ORDER + 1.0) / h
@@ -146,7 +147,7 @@ class _Firing:
 
     def __init__(self, model: Model, middle: Floats) -> None:
         index = np.arange(model.grid.rules)
-        self.p = memberships(model.grid.y_min_um + model.grid.step_um * middle, model.grid)
+        self.p = memberships(model.grid.ends_um[0] + model.grid.step_um * middle, model.grid)
         offset = index - (self.p @ index)[:, None]
         powers = [self.p]
         for k in range(1, ORDER + 1):
@@ -187,9 +188,10 @@ def _tail(x: Floats, derivative: int) -> Floats:
 
 def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow: float, absolute: bool) -> Extremum:
     """The largest value (or magnitude) over the displacement range and the given inputs, by branch and bound."""
-    count = CELLS_PER_RULE * (model.grid.rules - 1)
-    half = 0.5 / CELLS_PER_RULE
-    middle = half * (2.0 * np.arange(count) + 1.0)
+    low, high = model.grid.places
+    count = math.ceil(CELLS_PER_RULE * (high - low))
+    half = 0.5 * (high - low) / count
+    middle = low + half * (2.0 * np.arange(count) + 1.0)
     cells = Cells(
         np.tile(middle, len(inputs)),
         np.full(count * len(inputs), half),
@@ -205,7 +207,7 @@ def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow
         settled = max(settled, float(np.max(bound[~undecided], initial=-np.inf)))
         if not undecided.any() or 3 * np.count_nonzero(undecided) > MOST_CELLS:
             limit = max(best, settled, float(np.max(bound[undecided], initial=-np.inf)))
-            y_um = float(model.grid.clamp(np.array(model.grid.y_min_um + model.grid.step_um * place[0])))
+            y_um = float(model.grid.clamp(np.array(model.grid.ends_um[0] + model.grid.step_um * place[0])))
             return Extremum(best, limit, y_um, place[1])
         cells = cells.thirds(undecided)
 

@@ -36,28 +36,60 @@ class Grid:
     c_l = y_min + (y_max - y_min)(l - 1)/(L - 1),   sigma = (y_max - y_min)/(L - 1)
 
     y_min_um, y_max_um: range of the displacement in um; rules: L >= 2.
-    Raises ModelError if the range is empty or the number of rules unsupported.
+    spread_um: first and last centre where the range was restricted afterwards (`within`) and they lie outside it; None:
+    they are its ends, as in Eq. (6).
+    Raises ModelError if the range is empty or not between the centres, or the number of rules unsupported.
     """
 
     y_min_um: float
     y_max_um: float
     rules: int
+    spread_um: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not 2 <= self.rules <= MOST_RULES:
             raise ModelError(f"rules: {self.rules} is not supported; choose 2 to {MOST_RULES}")
         if not (np.isfinite(self.y_min_um) and np.isfinite(self.y_max_um) and self.y_min_um < self.y_max_um):
             raise ModelError(f"grid: the range {self.y_min_um} .. {self.y_max_um} um is empty; y_min must be below")
+        first, last = self.ends_um
+        if not first <= self.y_min_um < self.y_max_um <= last:
+            raise ModelError(
+                f"grid: the range {self.y_min_um:.6g} .. {self.y_max_um:.6g} um is not inside that of the rules, "
+                f"{first:.6g} .. {last:.6g} um; choose a part of it"
+            )
+
+    @property
+    def ends_um(self) -> tuple[float, float]:
+        """The first and the last centre."""
+        return (self.y_min_um, self.y_max_um) if self.spread_um is None else self.spread_um
 
     @property
     def step_um(self) -> float:
         """Distance of neighbouring centres; on this partition sigma is the same number, Eq. (7)."""
-        return (self.y_max_um - self.y_min_um) / (self.rules - 1)
+        first, last = self.ends_um
+        return (last - first) / (self.rules - 1)
 
     @property
     def centres_um(self) -> Floats:
         """(L,) centres of the memberships, Eq. (6)."""
-        return self.y_min_um + self.step_um * np.arange(self.rules, dtype=np.float64)
+        return self.ends_um[0] + self.step_um * np.arange(self.rules, dtype=np.float64)
+
+    @property
+    def places(self) -> tuple[float, float]:
+        """The ends of the range counted in steps from the first centre: 0 and L - 1 where it was not restricted."""
+        if self.spread_um is None:
+            return 0.0, self.rules - 1.0
+        first, step = self.spread_um[0], self.step_um
+        return (self.y_min_um - first) / step, (self.y_max_um - first) / step
+
+    def within(self, low_um: float, high_um: float) -> Grid:
+        """The same rules over a part of the range. Raises ModelError if it is none."""
+        if not self.y_min_um <= low_um < high_um <= self.y_max_um:
+            raise ModelError(
+                f"displacement range: {low_um:.6g} .. {high_um:.6g} um is no part of the model's "
+                f"{self.y_min_um:.6g} .. {self.y_max_um:.6g} um; choose a part of it"
+            )
+        return Grid(low_um, high_um, self.rules, self.ends_um)
 
     def clamp(self, y_um: Floats) -> Floats:
         """`y_um` limited to the range: outside it the model answers as at its edge."""
@@ -127,6 +159,22 @@ class Model(Displayed):
         ]
         kinds = ", ".join(["rules", *(term.kind for term in self.terms), *(block.kind for block in self.blocks)])
         return Summary(f"Model {self.name}: {kinds}, {self.parameters.size} parameters", ["part", "what"], rows, left=2)
+
+    def within(
+        self, displacement_um: tuple[float, float] | None = None, input_V: tuple[float, float] | None = None
+    ) -> Model:
+        """The same model over a part of its ranges; None: all of it. Scores and certificates go.
+
+        Raises ModelError if it is none.
+        """
+        low_V, high_V = (self.u_min_V, self.u_max_V) if input_V is None else input_V
+        if not self.u_min_V <= low_V < high_V <= self.u_max_V:
+            raise ModelError(
+                f"input range: {low_V:.6g} .. {high_V:.6g} V is no part of the model's "
+                f"{self.u_min_V:.6g} .. {self.u_max_V:.6g} V; choose a part of it"
+            )
+        grid = self.grid if displacement_um is None else self.grid.within(*displacement_um)
+        return dataclasses.replace(self, grid=grid, u_min_V=low_V, u_max_V=high_V, scores={}, certificates={})
 
     @property
     def parameters(self) -> Floats:

@@ -59,6 +59,7 @@ def model_to_json(model: Model) -> dict[str, Any]:
             "y_min_um": float(model.grid.y_min_um),
             "y_max_um": float(model.grid.y_max_um),
             "rules": int(model.grid.rules),
+            **({} if model.grid.spread_um is None else {"spread_um": [float(end) for end in model.grid.spread_um]}),
         },
         "input_range_V": [float(model.u_min_V), float(model.u_max_V)],
         "consequents": model.consequents.tolist(),
@@ -147,6 +148,7 @@ def _model(data: Mapping[str, Any]) -> Model:
             _number(_get(grid, "y_min_um", "grid."), "grid.y_min_um"),
             _number(_get(grid, "y_max_um", "grid."), "grid.y_max_um"),
             rules,
+            _spread(grid["spread_um"]) if "spread_um" in grid else None,
         ),
         consequents=np.array(
             [
@@ -164,6 +166,11 @@ def _model(data: Mapping[str, Any]) -> Model:
         scores=_object(_get(data, "scores"), "scores"),
         certificates=_object(_get(data, "certificates"), "certificates"),
     )
+
+
+def _spread(value: Any) -> tuple[float, float]:
+    first, last = _numbers(value, "grid.spread_um", 2)
+    return float(first), float(last)
 
 
 def _terms(entries: Sequence[Any]) -> tuple[Term, ...]:

@@ -56,9 +56,9 @@ class Structure:
         return 3 * self.grid.rules + sum(term.size for term in self.terms)
 
     @property
-    def range_um(self) -> tuple[float, float, float]:
-        """The partition as the kernels take it: y_min, y_max and step."""
-        return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um)
+    def range_um(self) -> tuple[float, float, float, float]:
+        """The partition as the kernels take it: y_min, y_max, step and first centre."""
+        return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um, self.grid.ends_um[0])
 
 
 def structure_of(model: Model) -> Structure:

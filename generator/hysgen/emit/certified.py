@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hysgen.certificates import Certificates
+from hysgen.certificates import Certificates, least_stable
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model import Model
 from hysgen.operations.cycles import BESIDES, CLOCK_HZ, STEPS, Cycles, budget, per_sample
@@ -12,7 +12,7 @@ from hysgen.operations.cycles import BESIDES, CLOCK_HZ, STEPS, Cycles, budget, p
 
 def require_inverse(model: Model, certificates: Certificates) -> None:
     """Raise CertificateError, with place and value, where Eq. (11) of `model` is singular or unstable in its range."""
-    cure = "restrict the range, or generate without the inverse"
+    cure = "restrict the range (generate --displacement-range), or generate without the inverse"
     if not certificates.gain_holds:
         low, high = certificates.gain_lowest, certificates.gain_highest
         worst = low if abs(low.value) <= abs(high.value) or low.value * high.value < 0.0 else high
@@ -21,9 +21,11 @@ def require_inverse(model: Model, certificates: Certificates) -> None:
             f"{high.value:.4g} um/V at y = {high.y_um:.4g} um, so the inverse is singular or nearly so; {cure}"
         )
     if not certificates.inverse_holds:
+        y_um, gain_um_per_V = least_stable(model, certificates.gain_lowest.value, certificates.gain_highest.value)
         raise CertificateError(
             f"{model.name}: the inverse is not certified stable (zeros within {certificates.zero:.4g}, loop gain of "
-            f"its nonlinear terms {certificates.loop:.4g}; both must be below 1): past inputs may build up; {cure}"
+            f"its nonlinear terms {certificates.loop:.4g}; both must be below 1), least so at y = {y_um:.4g} um, where "
+            f"the gain is {gain_um_per_V:.4g} um/V: past inputs may build up; {cure}"
         )
 
 

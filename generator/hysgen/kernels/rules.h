@@ -1,6 +1,6 @@
 /* What the rules add up to at one displacement, float64, for every kernel that needs it.
  *
- *   s = (y - y_min)/h,  n = the nearest centre,  t = s - n,  |t| <= 1/2
+ *   s = (y - first)/h,  n = the nearest centre,  t = s - n,  |t| <= 1/2
  *   mu_{n+j} = exp(-(t - j)^2/2)  is proportional to  W_j r^j,  W_j = exp(-j^2/2),  r = exp(t)
  *
  * The factor exp(-t^2/2), common to all rules, drops out of p_l, so one exponential serves all of them. Only the rules
@@ -17,7 +17,8 @@
 
 typedef struct {
     size_t rules;
-    double y_min, y_max, step;
+    double y_min, y_max; /* the range that the displacement is clamped to */
+    double step, first;  /* distance of the centres, and the first of them: y_min unless the range was restricted */
     const double *q; /* (rules, 3): q1 [um/um], q2 [um/V], q3 [um] */
 } partition_t;
 
@@ -53,7 +54,7 @@ static inline void fire(const partition_t *grid, double y, firing_t *out)
     y = (y < grid->y_min) ? grid->y_min : y;
     y = (y > grid->y_max) ? grid->y_max : y;
     out->y = y;
-    const double s = (y - grid->y_min) / grid->step;
+    const double s = (y - grid->first) / grid->step;
     size_t nearest = (size_t)(s + 0.5);
     nearest = (nearest < grid->rules) ? nearest : grid->rules - 1;
     const double r = exp(s - (double)nearest);

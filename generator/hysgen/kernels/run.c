@@ -8,7 +8,7 @@
 int64_t hysgen_free_run(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                         const double *w, double y0, double *out)
 {
-    const partition_t grid = {rules, range[0], range[1], range[2], q};
+    const partition_t grid = {rules, range[0], range[1], range[2], range[3], q};
     int64_t outside = 0;
     double y = y0;
     for (size_t k = 0; k < samples; ++k) {
@@ -24,7 +24,7 @@ int64_t hysgen_free_run(size_t rules, const double *range, const double *q, size
 int64_t hysgen_one_step(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                         const double *w, const double *measured, double *out)
 {
-    const partition_t grid = {rules, range[0], range[1], range[2], q};
+    const partition_t grid = {rules, range[0], range[1], range[2], range[3], q};
     int64_t outside = 0;
     out[0] = measured[0];
     for (size_t k = 0; k + 1 < samples; ++k) {
@@ -43,7 +43,7 @@ void hysgen_horizon(size_t rules, const double *range, const double *q, size_t s
                     const double *w, const double *held, const double *measured, size_t stride, size_t count,
                     const int64_t *horizons, double *square, double *largest, int64_t *starts)
 {
-    const partition_t grid = {rules, range[0], range[1], range[2], q};
+    const partition_t grid = {rules, range[0], range[1], range[2], range[3], q};
     const size_t longest = (size_t)horizons[count - 1];
     for (size_t start = 0; start + longest < samples; start += stride) {
         double y = measured[start];
@@ -68,7 +68,7 @@ void hysgen_horizon(size_t rules, const double *range, const double *q, size_t s
 void hysgen_regressors(size_t rules, const double *range, size_t samples, const double *u, const double *y,
                        size_t columns, double *out)
 {
-    const partition_t grid = {rules, range[0], range[1], range[2], NULL};
+    const partition_t grid = {rules, range[0], range[1], range[2], range[3], NULL};
     for (size_t k = 0; k < samples; ++k) {
         firing_t f;
         double *row = out + k * columns;

@@ -1,7 +1,7 @@
 """The model over whole records: free run, one step ahead, error against the horizon, and the rules' regressors.
 
-All kernels take the partition as (y_min, y_max, step) in um, the consequents as (L, 3), and the terms' share
-w(k) = theta . phi(k) in um as one array, because it does not depend on y: one kernel serves every term.
+All kernels take the partition as (y_min, y_max, step, first centre) in um, the consequents as (L, 3), and the terms'
+share w(k) = theta . phi(k) in um as one array, because it does not depend on y: one kernel serves every term.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ void hysgen_regressors(size_t rules, const double *range, size_t samples, const 
 
 @dataclass(frozen=True)
 class Rules:
-    """The rules as a kernel sees them: (y_min, y_max, step) in um, and the consequents (L, 3)."""
+    """The rules as a kernel sees them: (y_min, y_max, step, first centre) in um, and the consequents (L, 3)."""
 
-    range_um: tuple[float, float, float]
+    range_um: tuple[float, float, float, float]
     consequents: Floats
 
     def arguments(self, library: Library) -> tuple[Any, Any, Any]:
         """rules, range and q of every kernel that evaluates the model."""
         return (
             len(self.consequents),
-            library.ffi.new("double[3]", list(self.range_um)),
+            library.ffi.new("double[4]", list(self.range_um)),
             doubles(library, np.ascontiguousarray(self.consequents)),
         )
 
@@ -98,12 +98,12 @@ def horizon_errors(
     return square, largest, int(starts[0])
 
 
-def rule_rows(range_um: tuple[float, float, float], rules: int, y_um: Floats, u_V: Floats, out: Floats) -> None:
+def rule_rows(range_um: tuple[float, float, float, float], rules: int, y_um: Floats, u_V: Floats, out: Floats) -> None:
     """Write [p_1 y, p_1 u, p_1, p_2 y, ...] for every sample into the first 3 L columns of `out`, (n, >= 3 L)."""
     library = kernel("run.c", _DECLARATION, "rules.h")
     library.lib.hysgen_regressors(
         rules,
-        library.ffi.new("double[3]", list(range_um)),
+        library.ffi.new("double[4]", list(range_um)),
         u_V.size,
         doubles(library, u_V),
         doubles(library, y_um),

@@ -15,7 +15,7 @@ int64_t hysgen_sensitivity(size_t rules, const double *range, const double *q, s
                            const double *w, size_t extras, const double *extra, const double *measured,
                            const double *trust, double *sensitivity, double *hessian, double *gradient, double *sums)
 {
-    const partition_t grid = {rules, range[0], range[1], range[2], q};
+    const partition_t grid = {rules, range[0], range[1], range[2], range[3], q};
     const size_t size = 3 * rules + extras;
     int64_t outside = 0;
     double y = measured[0];

@@ -14,19 +14,30 @@ from hysgen.cli.console import Console
 from hysgen.cli.learner import add_learner_options, with_learner
 from hysgen.emit import Options, generate, write
 from hysgen.emit.freshness import stale
+from hysgen.model import Model
 from hysgen.model_file import load_model
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one: appendix_a, appendix_b")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
+    parser.add_argument(
+        "--displacement-range",
+        nargs=2,
+        type=float,
+        metavar=("LOW", "HIGH"),
+        help="use the model, and certify it, over this part of its displacements in um only",
+    )
+    parser.add_argument(
+        "--input-range", nargs=2, type=float, metavar=("LOW", "HIGH"), help="and over this part of its inputs in V"
+    )
     parser.add_argument("--no-inverse", action="store_true", help="leave the inverse out")
     parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
     add_learner_options(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    model = with_learner(load_model(arguments.model), arguments)
+    model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
     texts = generate(model, Options(inverse=not arguments.no_inverse))
     folder = Path(arguments.output)
     if arguments.check:
@@ -36,6 +47,14 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         console.say(f"written: {folder / name} ({len(text.encode())} bytes)")
     console.write_json({"model": model.name, "files": {name: len(text.encode()) for name, text in texts.items()}})
     return 0
+
+
+def restricted(model: Model, arguments: argparse.Namespace) -> Model:
+    """`model` over the ranges that the options ask for; without options, as it is."""
+    displacement, voltage = arguments.displacement_range, arguments.input_range
+    if displacement is None and voltage is None:
+        return model
+    return model.within(tuple(displacement) if displacement else None, tuple(voltage) if voltage else None)
 
 
 def check(texts: Mapping[str, str], folder: Path, console: Console) -> int:
