@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from hysgen.diagnose.diagnosis import Price
+from hysgen.diagnose.evidence import Estimate
 from hysgen.diagnose.misfit import spread
 from hysgen.diagnose.study import Study
+
+UNITS = ("um", "V", "s", "Hz", "samples")
+"""Units that names of parameters end with."""
 
 SMALLEST_SHARE = 0.005
 """Causes below this share of the error's power are counted together as `the rest`."""
@@ -25,9 +30,11 @@ def verdict(study: Study) -> list[str]:
         return [wrong, "No cause stands out: it is what the paper's model leaves of plain hysteresis, and noise."]
     shares = [(cause.name, cause.share) for cause in found.causes if cause.share >= SMALLEST_SHARE]
     parts = [f"{name} is {100.0 * share:.0f} %" for name, share in sorted(shares, key=lambda item: -item[1])]
-    small = [cause.name for cause in found.causes if cause.share < SMALLEST_SHARE]
+    small = [cause.name for cause in found.causes if abs(cause.share) < SMALLEST_SHARE]
+    worse = [(cause.name, -cause.share) for cause in found.causes if cause.share <= -SMALLEST_SHARE]
     if small:
         parts.append(f"{_listed(small)} less than 1 %")
+    parts += [f"{name} adds {100.0 * share:.0f} % here" for name, share in worse]
     lines = [wrong, f"Of that error (of its power above the noise) {_listed(parts)}."]
     with_all = "With it" if len(found.causes) == 1 else "With both" if len(found.causes) == 2 else "With all of them"
     gained = (
@@ -80,11 +87,9 @@ def ladder_rows(study: Study) -> list[list[str]]:
 
 
 def parameter_text(study: Study, name: str) -> str:
-    """The parameters of a named cause with their standard errors."""
+    """The parameters of a named cause with their standard errors, where these are known."""
     cause = next(cause for cause in study.diagnosis.causes if cause.name == name)
-    return ", ".join(
-        f"{key} {estimate.value:.4g} ± {estimate.standard_error:.2g}" for key, estimate in cause.parameters.items()
-    )
+    return ", ".join(_with_unit(key, estimate) for key, estimate in cause.parameters.items())
 
 
 def where_rows(study: Study) -> list[list[str]]:
@@ -93,6 +98,14 @@ def where_rows(study: Study) -> list[list[str]]:
     for before, after in zip(study.before.profiles, study.after.profiles, strict=True):
         rows.append([before.quantity, spread(before), *([spread(after)] if study.improved else [])])
     return rows
+
+
+def _with_unit(key: str, estimate: Estimate) -> str:
+    """A parameter in words: its unit stands behind the number instead of at the end of its name."""
+    stem, _, unit = key.rpartition("_")
+    name, unit = (stem.replace("_", " "), f" {unit}") if unit in UNITS and stem else (key.replace("_", " "), "")
+    spread = f" ± {estimate.standard_error:.2g}" if math.isfinite(estimate.standard_error) else ""
+    return f"{name} {estimate.value:.4g}{spread}{unit}"
 
 
 def _percent(value: float) -> str:
