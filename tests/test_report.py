@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 from html.parser import HTMLParser
@@ -163,6 +164,19 @@ def test_verdict_names_size_causes_gain_and_price(hum: Study) -> None:
     prices = [cause.price for cause in found.causes]
     assert f"about {sum(price.cycles for price in prices if price)} more cycles" in gain
     assert all(price is not None and price.cycles > 0 and price.bytes > 0 for price in prices)
+
+
+def test_cause_that_is_named_but_not_extended_is_told_apart(hum: Study) -> None:
+    causes = hum.diagnosis.causes
+    kept = dataclasses.replace(causes[1], extended=False, price=None)
+    other = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(causes[0], kept)))
+    assert [cause.name for cause in other.extended] == ["memory"]
+    assert verdict(other)[-1].startswith("Also named: periodic: seen in the record, but not extended")
+    assert "+ periodic" not in diagnosis_text(other)
+    assert "+ periodic" not in {picture.name: picture for picture in pictures(other)}["ladder"].alt
+    price = causes[0].price
+    assert price is not None
+    assert f"about {price.cycles} more cycles" in verdict(other)[2]
 
 
 def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> None:

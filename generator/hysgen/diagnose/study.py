@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnose.diagnosis import Diagnosis
+from hysgen.diagnose.diagnosis import Diagnosis, NamedCause
 from hysgen.diagnose.misfit import Misfit, misfit
 from hysgen.diagnose.prepare import prepare
 from hysgen.diagnose.procedure import DiagnoseSettings, Progress, diagnose
@@ -71,7 +71,7 @@ class Study(Displayed):
                 f"{self.percent(c.step.after_um):.2g} %",
                 f"{100 * c.share:.1f} %",
             ]
-            for c in found.causes
+            for c in self.extended
         ]
         rows.append(["noise floor", f"{found.noise.rms_um:.4g}", f"{self.percent(found.noise.rms_um):.2g} %", ""])
         named = ", ".join(self.names) or "no cause"
@@ -84,7 +84,12 @@ class Study(Displayed):
     @property
     def improved(self) -> bool:
         """Whether there is an extended model to show beside the base."""
-        return bool(self.diagnosis.causes)
+        return bool(self.extended)
+
+    @property
+    def extended(self) -> tuple[NamedCause, ...]:
+        """The named causes whose extension pays and stands in the model, in the order of the ladder."""
+        return tuple(cause for cause in self.diagnosis.causes if cause.extended)
 
     def percent(self, rms_um: float) -> float:
         """An error as a percentage of the span."""

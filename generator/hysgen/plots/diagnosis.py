@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from hysgen.diagnose.diagnosis import Diagnosis
 from hysgen.diagnose.misfit import Misfit, spread
 from hysgen.diagnose.study import Study
 from hysgen.plots import style
@@ -40,7 +39,7 @@ def pictures(study: Study) -> list[Picture]:
         time_picture(study),
         spectrum_picture(shown),
         *(profile_picture(shown, number) for number in range(len(study.before.profiles))),
-        ladder_picture(study.diagnosis),
+        ladder_picture(study),
     ]
 
 
@@ -126,20 +125,21 @@ def profile_picture(shown: list[tuple[str, Misfit]], number: int) -> Picture:
     return Picture(f"error-by-{first.quantity.split(' of ')[0].replace(' ', '-')}", f"By {first.quantity}", alt, fig)
 
 
-def ladder_picture(diagnosis: Diagnosis) -> Picture:
+def ladder_picture(study: Study) -> Picture:
     """Free-run error on held-out data after each extension with the 95 % interval of its gain, and its price."""
-    levels = [diagnosis.base_rms_um, *(cause.step.after_um for cause in diagnosis.causes)]
-    labels = [BASE, *(f"+ {cause.name}" for cause in diagnosis.causes)]
+    diagnosis, causes = study.diagnosis, study.extended
+    levels = [diagnosis.base_rms_um, *(cause.step.after_um for cause in causes)]
+    labels = [BASE, *(f"+ {cause.name}" for cause in causes)]
     fig, axis = _figure("", "free run, held out, rms [µm]")
     place = np.arange(len(levels))
     lowest = 0.6 * min(*levels, diagnosis.noise.rms_um)
     axis.plot(place, levels, color=style.NOTE, linewidth=0.8, zorder=1)
     axis.scatter(place, levels, color=[style.SIMULATED] + [style.EXTENDED] * (len(levels) - 1), s=45, zorder=3)
-    for i, cause in enumerate(diagnosis.causes, start=1):
+    for i, cause in enumerate(causes, start=1):
         ends = [max(cause.step.before_um - fall, lowest) for fall in (cause.step.high_um, cause.step.low_um)]
         axis.plot([i, i], ends, color=style.EXTENDED, linewidth=1.5, zorder=2)
     for i, level in enumerate(levels):
-        price = diagnosis.causes[i - 1].price if i else None
+        price = causes[i - 1].price if i else None
         text = f"{level:.3g}" + (f"\n{price.cycles:+d} cycles" if price else "")
         axis.annotate(text, (i, level), xytext=(7, 5), textcoords="offset points", fontsize=8)
     axis.set_yscale("log")

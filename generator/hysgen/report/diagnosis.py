@@ -109,13 +109,14 @@ def _causes(study: Study) -> Section:
     rows = [
         [
             cause.name,
-            f"{100 * cause.share:.1f} %",
+            f"{100 * cause.share:.1f} %" if cause.extended else "not extended",
             f"{cause.confidence:.3f}",
             cause.evidence,
             parameter_text(study, cause.name),
         ]
         for cause in ranked
     ]
+    left_out = len(found.causes) > len(study.extended)
     if found.unknown:
         rows.append(["unknown", f"{100 * found.unexplained_fraction:.1f} %", "", found.unknown, ""])
     tables = [Table(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
@@ -127,6 +128,7 @@ def _causes(study: Study) -> Section:
         text=[] if rows else ["None: what the paper's model leaves is not above what hysteresis and noise leave."],
         tables=tables if rows else tables[1:],
         notes=[
+            *(["Not extended: its extension does not pay with the certificates kept."] if left_out else []),
             "A cause is named only if a signature of its own and the gain on data left out of the fit agree.",
             *([f"Next experiment: {found.next_experiment}."] if found.next_experiment else []),
         ],

@@ -28,15 +28,19 @@ def verdict(study: Study) -> list[str]:
         if found.unknown:
             return [wrong, f"Something stands behind it that none of the known causes explains: {found.unknown}."]
         return [wrong, "No cause stands out: it is what the paper's model leaves of plain hysteresis, and noise."]
-    shares = [(cause.name, cause.share) for cause in found.causes if cause.share >= SMALLEST_SHARE]
+    left_out = [cause.name for cause in found.causes if not cause.extended]
+    also = f"{', '.join(left_out)}: seen in the record, but not extended, for that does not pay with certificates kept."
+    if not study.extended:
+        return [wrong, f"Named: {also}", *_left(found.unknown)]
+    shares = [(cause.name, cause.share) for cause in study.extended if cause.share >= SMALLEST_SHARE]
     parts = [f"{name} is {100.0 * share:.0f} %" for name, share in sorted(shares, key=lambda item: -item[1])]
-    small = [cause.name for cause in found.causes if abs(cause.share) < SMALLEST_SHARE]
-    worse = [(cause.name, -cause.share) for cause in found.causes if cause.share <= -SMALLEST_SHARE]
+    small = [cause.name for cause in study.extended if abs(cause.share) < SMALLEST_SHARE]
+    worse = [(cause.name, -cause.share) for cause in study.extended if cause.share <= -SMALLEST_SHARE]
     if small:
         parts.append(f"{_listed(small)} less than 1 %")
     parts += [f"{name} adds {100.0 * share:.0f} % here" for name, share in worse]
     lines = [wrong, f"Of that error (of its power above the noise) {_listed(parts)}."]
-    with_all = "With it" if len(found.causes) == 1 else "With both" if len(found.causes) == 2 else "With all of them"
+    with_all = {1: "With it", 2: "With both"}.get(len(study.extended), "With all of them")
     gained = (
         f"{with_all} in the model: {_percent(study.percent(found.extended_rms_um))}, {found.extended_rms_um:.3g} um, "
         f"{found.base_rms_um / max(found.extended_rms_um, 1e-300):.3g} times less"
@@ -44,14 +48,17 @@ def verdict(study: Study) -> list[str]:
     total = price_of_all(study)
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
-    if found.unknown:
-        lines.append(f"Structure is left that none of the known causes explains: {found.unknown}.")
-    return lines
+    return [*lines, *([f"Also named: {also}"] if left_out else []), *_left(found.unknown)]
+
+
+def _left(unknown: str | None) -> list[str]:
+    """The sentence about what nothing explains."""
+    return [f"Structure is left that none of the known causes explains: {unknown}."] if unknown else []
 
 
 def price_of_all(study: Study) -> Price | None:
     """What all extensions cost together; None where a price is not known."""
-    prices = [cause.price for cause in study.diagnosis.causes]
+    prices = [cause.price for cause in study.extended]
     known = [price for price in prices if price is not None]
     if not known or len(known) < len(prices):
         return None
@@ -67,7 +74,7 @@ def ladder_rows(study: Study) -> list[list[str]]:
     """One row per rung of the ladder, and the noise floor below."""
     found = study.diagnosis
     rows = [["paper's model", f"{found.base_rms_um:.4g}", _percent(study.percent(found.base_rms_um)), *[""] * 5]]
-    for cause in found.causes:
+    for cause in study.extended:
         price = cause.price
         rows.append(
             [
