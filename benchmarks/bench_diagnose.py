@@ -1,0 +1,51 @@
+"""How long a diagnosis takes, against the length of the record: wall clock and processor time, ladder and all.
+
+Run:  python benchmarks/bench_diagnose.py [LARGEST]      (longest record in samples, default 50000)
+The limit to hold: 60 s for 50 000 samples on two cores. The record hides memory, creep and a line; above 12 000 samples
+the probe is fitted to 8000 rows, so that what grows with the length is simulation and the fits of the ladder.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import hysgen  # noqa: F401  before NumPy, whose BLAS reads once how many threads it may have
+
+# isort: split
+import numpy as np
+
+from hysgen.bank.excitation import good
+from hysgen.diagnose import diagnose
+from hysgen.record import Record
+from hysgen.stage import Stage
+from hysgen.stage import run as measure
+from hysgen.tables import table
+
+LENGTHS = (6_000, 12_500, 25_000, 50_000, 100_000, 200_000)
+TS_S = 1e-3
+
+
+def record(samples: int) -> Record:
+    """A stage of 10 um with memory, creep and hum, driven well."""
+    stage = Stage.nominal().with_effects(creep=(0.02, 0.05, 1e4), periodic=(50.3, 0.05, 0.0))
+    u_V = good(np.random.default_rng(1), samples, 0.0, 100.0)
+    return Record.from_arrays(u_V, measure(stage, u_V, TS_S, seed=1).displacement_um, TS_S)
+
+
+def main() -> None:
+    """Print one table."""
+    longest = int(float(sys.argv[1])) if len(sys.argv) > 1 else 50_000
+    rows = []
+    for samples in (length for length in LENGTHS if length <= longest):
+        hidden = record(samples)
+        wall, processor = time.perf_counter(), time.process_time()
+        found = diagnose(hidden)
+        wall, processor = time.perf_counter() - wall, time.process_time() - processor
+        rows.append([str(samples), f"{wall:.1f}", f"{processor:.1f}", ", ".join(found.names)])
+        print(f"{samples} samples: {wall:.1f} s", file=sys.stderr)
+    print(table(["samples", "wall clock in s", "processor time in s", "named"], rows))
+
+
+if __name__ == "__main__":
+    main()

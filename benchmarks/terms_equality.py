@@ -1,0 +1,77 @@
+"""Is the generated C its reference in every bit, with each term and input block alone and with all of them together?
+
+Run:  python benchmarks/terms_equality.py [SAMPLES]      (per model and build, default 1e6)
+Each model is generated and given to `verify`, as `hysgen verify DIR --samples SAMPLES` does: results, states, status
+words and counters in every build of every compiler that is installed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+
+import hysgen  # noqa: F401  before NumPy, whose BLAS reads once how many threads it may have
+
+# isort: split
+import numpy as np
+
+from hysgen.certificates import certify
+from hysgen.emit import generate
+from hysgen.inputs import InputBlock
+from hysgen.inputs.delay import Delay
+from hysgen.inputs.saturation import Saturation
+from hysgen.inputs.slew import Slew
+from hysgen.model import Model
+from hysgen.model_file import load_model
+from hysgen.tables import table
+from hysgen.terms import Term
+from hysgen.terms.coupling import Coupling
+from hysgen.terms.creep import Creep
+from hysgen.terms.drift import Drift
+from hysgen.terms.memory import Memory
+from hysgen.terms.periodic import Periodic
+from hysgen.terms.resonance import Resonance
+from hysgen.verify import verify_texts
+
+TERMS: tuple[Term, ...] = (
+    Memory.polynomial(6, 3, -20.0, 120.0),
+    Creep.spread(4, 1e-3, 10.0),
+    Resonance((730.0,), (0.05,)),
+    Periodic((50.0,)),
+    Coupling(("temperature",), (20.0,), (24.0,), taps=2),
+    Drift(0.1, 0.05),
+)
+BLOCKS: tuple[InputBlock, ...] = (Saturation(-15.0, 110.0), Slew(2e6, 1.5e6), Delay(2.4))
+
+
+def model(name: str, terms: tuple[Term, ...], blocks: tuple[InputBlock, ...]) -> Model:
+    """Appendix A with these; weights of both signs, small enough for a certified inverse."""
+    weights = [1e-5 / np.array(term.scales(1.0)) * (-1.0) ** np.arange(term.size) for term in terms]
+    return dataclasses.replace(
+        load_model("appendix_a"),
+        name=name,
+        terms=terms,
+        weights=np.concatenate([np.zeros(0), *weights]),
+        blocks=blocks,
+    )
+
+
+def main() -> int:
+    """Print one table; 0 if every bit is equal."""
+    samples = int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000
+    models = [model(f"with_{term.kind}", (term,), ()) for term in TERMS]
+    models += [model(f"with_{block.kind}", (), (block,)) for block in BLOCKS]
+    models.append(model("with_everything", TERMS, BLOCKS))
+    rows, equal = [], True
+    for each in models:
+        report = verify_texts(each, generate(each), samples=samples, structures=0)
+        equal &= report.equal
+        inverse = "certified" if certify(each).inverse_holds else "NOT certified"
+        rows.append([each.name, str(len(report.builds)), f"{report.samples:,}", str(report.equal), inverse])
+        print(f"{each.name}: {'equal' if report.equal else 'NOT EQUAL'}", file=sys.stderr)
+    print(table(["model", "builds", "samples", "every bit equal", "inverse"], rows))
+    return 0 if equal else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
