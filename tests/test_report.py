@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+import shutil
+import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -129,6 +131,28 @@ def test_every_picture_says_in_words_what_it_shows(page: str) -> None:
     assert len(words) == 12
     assert len(set(words)) == len(words)
     assert all(re.search(r"\d", alt) for alt in words)
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_browser_shows_the_page_without_scrolling_sideways(page: str, width: int, tmp_path: Path) -> None:
+    """In a frame as wide as a phone or a desktop. CI has no browser: this one always may skip."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if browser is None:
+        pytest.skip("chromium is not installed: nothing looked at the page")
+    tell = "<script>onload=()=>parent.postMessage([document.documentElement.scrollWidth,innerWidth,loaded()],'*');"
+    tell += "function loaded(){return [...document.images].filter(i=>i.naturalWidth>0).length}</script>"
+    (tmp_path / "page.html").write_text(page.replace("</body>", tell + "</body>"))
+    (tmp_path / "frame.html").write_text(
+        f"<body><iframe src='page.html' style='width:{width}px;height:900px;border:0'></iframe>"
+        "<script>onmessage=e=>document.body.innerHTML='<p>told '+e.data.join(' ')+' end</p>'</script></body>"
+    )
+    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
+    call = [browser, *options, "--virtual-time-budget=20000", "--dump-dom", (tmp_path / "frame.html").as_uri()]
+    dom = subprocess.run(call, capture_output=True, text=True, check=False, timeout=120).stdout
+    told = re.search(r"told (\d+) (\d+) (\d+) end", dom)
+    assert told is not None, dom[-300:]
+    wide, shown, images = map(int, told.groups())
+    assert (wide <= shown, shown, images) == (True, width, 12)
 
 
 def test_page_shows_the_numbers_of_the_diagnosis(hum: Study, page: str) -> None:
