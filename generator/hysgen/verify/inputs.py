@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from hysgen.coefficients import Coefficients, coefficients
 from hysgen.model import Model
 from hysgen.reference.instance import Instance
+from hysgen.simulate import simulate
+from hysgen.terms import Drive, channels_of
 
 Words = NDArray[np.uint32]
 Floats32 = NDArray[np.float32]
@@ -25,6 +28,7 @@ def quantities(model: Model) -> Mapping[str, tuple[np.float32, np.float32]]:
     return {
         "displacement": (numbers.y_min_um, numbers.y_max_um),
         "reference": (numbers.y_min_um, numbers.y_max_um),
+        "measured": (numbers.y_min_um, numbers.y_max_um),
         "voltage": (numbers.u_min_V, numbers.u_max_V),
         # Ranges of channels differ; this one is wider than most, so that they are left now and then.
         "channel": (np.float32(-10.0), np.float32(50.0)),
@@ -36,7 +40,8 @@ def chunks(
 ) -> Iterator[list[Words]]:
     """`samples` of each argument, named by its quantity, in pieces: the bits of one column per argument.
 
-    References are what random or smooth inputs would reach, or else hardly any would be met without clamping.
+    References are what random or smooth inputs would reach, or else hardly any would be met without clamping. Smooth
+    measured displacements are the reply of a plant to the voltages beside them, so that there is something to learn.
     """
     rng = np.random.default_rng([seed, *style.encode()])
     ranges = quantities(model)
@@ -48,6 +53,8 @@ def chunks(
         if reachable and "reference" in arguments:
             y, u = (columns[arguments.index(quantity)] for quantity in ("displacement", "reference"))
             columns[arguments.index("reference")] = _reached(model, y, u)
+        if style == "smooth" and "measured" in arguments:
+            columns[arguments.index("measured")] = _reply(model, columns[arguments.index("voltage")], rng)
         yield columns
 
 
@@ -55,6 +62,17 @@ def _reached(model: Model, y: Words, u: Words) -> Words:
     """y(k+1) of the model at rest, from y under u."""
     at_rest = Instance(model, y.view(np.float32), np.zeros(y.size, dtype=np.float32))
     return at_rest.predict(y.view(np.float32), u.view(np.float32)).view(np.uint32)
+
+
+def _reply(model: Model, u: Words, rng: np.random.Generator) -> Words:
+    """What a plant answers that is the model but for 5 % of its gains, with noise of 1e-4 of the range."""
+    weaker = model.consequents * [1.0, 0.95, 1.0]
+    plant = dataclasses.replace(model, consequents=weaker)
+    aux = {channel: np.zeros(u.size) for channel in channels_of(model.terms)}
+    drive = Drive(u.view(np.float32).astype(np.float64), model.Ts_s, aux)
+    y_um = simulate(plant, drive, 0.5 * (model.grid.y_min_um + model.grid.y_max_um)).y_um
+    noise_um = 1e-4 * (model.grid.y_max_um - model.grid.y_min_um)
+    return (y_um + rng.normal(0.0, noise_um, y_um.size)).astype(np.float32).view(np.uint32)
 
 
 def _random(rng: np.random.Generator, first: int, n: int, limit: tuple[np.float32, np.float32]) -> Words:

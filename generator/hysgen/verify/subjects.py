@@ -108,7 +108,7 @@ MODEL: Final = Subject(
 
 LEARNER: Final = Subject(
     struct="learner_t",
-    functions={"learn": ("displacement", "voltage")},
+    functions={"learn": ("measured", "voltage")},
     first="d[0]",
     start=_new_learner,
     reference=_learner,

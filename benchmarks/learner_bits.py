@@ -1,0 +1,83 @@
+"""Long chains of updates, compiled learner against its NumPy reference: 6, 18, 24 and 40 parameters in every build.
+
+Every word of the learner's state after every sample is compared, by induction (`hysgen.verify.induction`), at gcc and
+clang, -O0, -O2 and -O3, with and without flush to zero. The plant is the model with 5 % less gain, and noise; its input
+rests a fifth of the time.
+
+Run:  python benchmarks/learner_bits.py [UPDATES]        about as many updates as that in a row, 1e6 by default
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import numpy as np
+
+from hysgen.emit import Options, generate
+from hysgen.host import Host
+from hysgen.learning import LearnerSettings
+from hysgen.model import Grid, Model
+from hysgen.tables import table
+from hysgen.terms.memory import Memory
+from hysgen.verify.builds import COMPILERS, LEVELS, compiled, toolchains
+from hysgen.verify.comparison import Task, compare_task
+from hysgen.verify.inputs import chunks
+from hysgen.verify.subjects import LEARNER
+
+SIZES = {6: (2, 0), 18: (6, 0), 24: (8, 0), 40: (10, 10)}
+"""Parameters -> rules and plays."""
+
+TAUGHT = 0.78
+"""Part of the samples that is learnt from: the input rests during a fifth of them, some fall into the dead zone."""
+
+SEED = 1
+
+
+def model_of(parameters: int) -> Model:
+    """A stable lag whose rules change smoothly over 0.5 .. 9 um, with plays; all of it is learned."""
+    rules, plays = SIZES[parameters]
+    place = np.linspace(0.0, 1.0, rules)
+    consequents = np.column_stack([0.9 + 0.05 * place, 1.5e-3 + 5e-4 * place, 0.02 + 0.5 * place * (1.0 - place)])
+    terms = (Memory.uniform(plays, 60.0),) if plays else ()
+    grid, weights = Grid(0.5, 9.0, rules), np.full(plays, 1e-5)
+    return Model(
+        f"learn_{parameters}", 2e-5, grid, consequents, -20.0, 120.0, terms, weights, learner=LearnerSettings()
+    )
+
+
+def counted(model: Model, texts: dict[str, str], samples: int) -> tuple[int, int]:
+    """Updates and restarts of the chain that is compared."""
+    host = Host(model.name, texts)
+    learner = LEARNER.start(host)
+    for columns in chunks(model, "smooth", LEARNER.functions["learn"], samples, SEED, LEARNER.piece):
+        host.run("learn", learner, columns)
+    return int(learner.updates), int(learner.restarts)
+
+
+def main() -> int:
+    """Print one row per size; exit code 1 if a bit differs."""
+    samples = round(float(sys.argv[1] if len(sys.argv) > 1 else "1e6") / TAUGHT)
+    found, skipped = toolchains(COMPILERS, LEVELS)
+    rows, differences = [], []
+    for parameters in SIZES:
+        started = time.monotonic()
+        model = model_of(parameters)
+        texts = generate(model, Options(clock_Hz=1e10))
+        builds, unable = compiled(model.name, texts, found)
+        skipped += [reason for reason in unable if reason not in skipped]
+        _, wrong = compare_task(model, builds, Task(LEARNER, "learn", "smooth"), samples, SEED, lambda done: None)
+        differences += wrong
+        updates, restarts = counted(model, texts, samples)
+        result = f"{len(wrong)} differ" if wrong else "equal"
+        seconds = f"{time.monotonic() - started:.0f}"
+        rows.append((str(parameters), str(samples), str(updates), str(restarts), str(len(builds)), result, seconds))
+        print(f"{parameters} parameters: {result}", file=sys.stderr)
+    print(table(("parameters", "samples", "updates", "restarts", "builds", "bits", "s"), rows))
+    for line in (*(f"NOT COMPARED: {reason}" for reason in skipped), *map(str, differences)):
+        print(line)
+    return 1 if differences else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
