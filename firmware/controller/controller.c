@@ -1,5 +1,6 @@
 #include "controller.h"
 
+#include "bank.h"
 #include "number.h"
 
 /* The voltage one step of at most `step` nearer to `target`. */
@@ -36,7 +37,7 @@ void controller_init(controller_t *self, const settings_t *settings)
     trim_init(&self->trim);
     model_init(&self->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
     model_learn_init(&self->learner, &self->model);
-    self->bank = self->model.bank[self->model.active];
+    bank_copy(&self->bank, &self->model.bank[self->model.active]);
 }
 
 uint32_t controller_install(controller_t *self, const model_bank_t *bank)
@@ -44,7 +45,7 @@ uint32_t controller_install(controller_t *self, const model_bank_t *bank)
     if ((self->state != CONTROLLER_OFF) & (self->state != CONTROLLER_TRIPPED)) {
         return 0u;
     }
-    self->bank = *bank;
+    bank_copy(&self->bank, bank);
     return 1u;
 }
 
@@ -52,8 +53,8 @@ uint32_t controller_install(controller_t *self, const model_bank_t *bank)
 static void controller_begin(controller_t *self)
 {
     model_init(&self->model, self->watchdog.reading_um, self->output_V);
-    self->model.bank[0] = self->bank;
-    self->model.bank[1] = self->bank;
+    bank_copy(&self->model.bank[0], &self->bank);
+    bank_copy(&self->model.bank[1], &self->bank);
     trim_init(&self->trim);
     self->upward = 1u;
     self->held = 0u;

@@ -1,5 +1,6 @@
 #include "image.h"
 
+#include "bank.h"
 #include "crc32.h"
 #include "number.h"
 
@@ -73,7 +74,7 @@ uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t 
         offered->offset[l] = image_number(bytes, MODEL_RULES + l);
         offered->gain[l] = image_number(bytes, 2u * MODEL_RULES + l);
     }
-#if MODEL_WEIGHTS > 0
+#ifdef MODEL_TERMS
     for (uint32_t j = 0u; j < MODEL_WEIGHTS; ++j) {
         offered->weight[j] = image_number(bytes, 3u * MODEL_RULES + j);
     }
@@ -86,6 +87,6 @@ uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t 
     if (answer != MODEL_COMMITTED) {
         return IMAGE_UNCERTIFIED + answer;
     }
-    *bank = bench->model.bank[bench->model.active];
+    bank_copy(bank, &bench->model.bank[bench->model.active]);
     return IMAGE_GOOD;
 }

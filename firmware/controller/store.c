@@ -1,5 +1,6 @@
 #include "store.h"
 
+#include "bank.h"
 #include "crc32.h"
 
 #define SEAL_BYTES 16u
@@ -102,6 +103,6 @@ uint32_t store_keep(store_t *self, board_t *board, image_bench_t *bench, model_b
     }
     self->slot = slot;
     self->sequence = next;
-    *bank = good;
+    bank_copy(bank, &good);
     return IMAGE_GOOD;
 }

@@ -10,6 +10,7 @@ from hysgen.errors import BuildError
 
 CONTROLLER: Final = "controller"
 HOST_BOARD: Final = "board/host"
+SIMULATOR_BOARD: Final = "board/simulator"
 TARGET_BOARD: Final = "board/c6748"
 
 Sources = list[tuple[str, str]]
@@ -24,7 +25,7 @@ def firmware_folder() -> Path:
     raise BuildError(f"{package}: the firmware's C is missing; install hysgen again")
 
 
-def read_sources(folder: str) -> Sources:
-    """(file name, text) of the C in one folder of the firmware, by name."""
-    paths = sorted((firmware_folder() / folder).glob("*.[ch]"))
-    return [(path.name, path.read_text(encoding="utf-8")) for path in paths]
+def read_sources(folder: str, *patterns: str) -> Sources:
+    """(file name, text) of the files in one folder of the firmware, by name; the C if no patterns are given."""
+    paths = [path for pattern in patterns or ("*.[ch]",) for path in (firmware_folder() / folder).glob(pattern)]
+    return [(path.name, path.read_text(encoding="utf-8")) for path in sorted(paths)]

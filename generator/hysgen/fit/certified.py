@@ -35,9 +35,6 @@ POINTS_PER_RULE = 16
 GAIN_FLOOR, GAIN_CEILING = 0.05, 4.0
 """The gain may range between these multiples of the gain of a single linear rule."""
 
-LOOP_LIMIT = 0.95
-"""Small gain that the nonlinear terms may have around the inverse."""
-
 ROUNDS = 400
 """Rounds of adding half-spaces: 30 weights of nonlinear terms took up to 120, each sign of a weight being one."""
 
@@ -83,6 +80,7 @@ class CertifiedSet:
     structure: Structure
     gain_um_per_V: float
     slope_limit: float
+    loop_limit: float
     term_gains: Floats
     grid: HalfSpaces
 
@@ -110,12 +108,14 @@ class CertifiedSet:
         p = memberships(_displacements(self.structure), self.structure.grid)
         weakest = p[np.argmin(np.sign(self.gain_um_per_V) * (p @ q[1:cut:3]))]
         row = np.zeros((1, q.size))
-        row[0, 1:cut:3] = LOOP_LIMIT * np.sign(self.gain_um_per_V) * weakest
+        row[0, 1:cut:3] = self.loop_limit * np.sign(self.gain_um_per_V) * weakest
         row[0, cut:] = -self.term_gains * np.sign(q[cut:])
         return HalfSpaces(row / abs(self.gain_um_per_V), np.zeros(1))
 
 
-def certified_set(structure: Structure, Ts_s: float, gain_um_per_V: float, slope_limit: float) -> CertifiedSet:
+def certified_set(
+    structure: Structure, Ts_s: float, gain_um_per_V: float, slope_limit: float, loop_limit: float = 0.95
+) -> CertifiedSet:
     """The convex set of certified parameters of a structure.
 
     gain_um_per_V: gain of a single linear rule fitted to the same record. Raises FitError if it is zero.
@@ -137,7 +137,7 @@ def certified_set(structure: Structure, Ts_s: float, gain_um_per_V: float, slope
         np.zeros(term.size) if term.linear(Ts_s) is not None else np.asarray(term.gains(Ts_s))
         for term in structure.terms
     ]
-    return CertifiedSet(structure, gain_um_per_V, slope_limit, np.concatenate([np.zeros(0), *gains]), grid)
+    return CertifiedSet(structure, gain_um_per_V, slope_limit, loop_limit, np.concatenate([np.zeros(0), *gains]), grid)
 
 
 def least_squares_inside(R: Floats, d: Floats, allowed: CertifiedSet, origin: Floats | None = None) -> Floats:

@@ -70,7 +70,9 @@ def allowed_set(
     """The set that a fit has to stay in; None if the settings do not ask for certificates."""
     if not settings.certified:
         return None
-    return certified_set(structure, record.Ts_s, linear_gain(structure, learnt), settings.slope_limit)
+    return certified_set(
+        structure, record.Ts_s, linear_gain(structure, learnt), settings.slope_limit, settings.loop_limit
+    )
 
 
 def linear_gain(structure: Structure, learnt: Information) -> float:

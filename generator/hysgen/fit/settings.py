@@ -29,7 +29,8 @@ class FitSettings:
     of the terms before the record is unknown; None: until the terms have forgotten it, but at most a quarter of the
     segment, samples count a little (see `free_run`).
     certified: keep "batch" and "refined" inside the set of models whose certificates hold; "rls" is never touched.
-    slope_limit: the largest |df/dy| allowed then. iterations: most Gauss-Newton steps.
+    slope_limit: the largest |df/dy| allowed then. loop_limit: the largest loop gain of the terms around the inverse; a
+    learner that is to commit needs room below 1. iterations: most Gauss-Newton steps.
 
     Raises FitError naming the field if a value is out of its domain.
     """
@@ -48,6 +49,7 @@ class FitSettings:
     settle: int | None = None
     certified: bool = True
     slope_limit: float = 0.999
+    loop_limit: float = 0.95
     iterations: int = 40
 
     def __post_init__(self) -> None:
@@ -58,6 +60,7 @@ class FitSettings:
         _demand(math.isfinite(self.epsilon), "epsilon", self.epsilon, "finite")
         _demand(0.0 <= self.margin <= 1.0, "margin", self.margin, "between 0 and 1 of the displacement range")
         _demand(0.0 < self.slope_limit < 1.0, "slope_limit", self.slope_limit, "between 0 and 1")
+        _demand(0.0 < self.loop_limit < 1.0, "loop_limit", self.loop_limit, "between 0 and 1")
         _demand(self.iterations >= 1, "iterations", self.iterations, "at least 1")
         _demand(self.settle is None or self.settle >= 0, "settle", self.settle or 0, "at least 0 samples")
 
@@ -73,6 +76,7 @@ class FitSettings:
             "settle": self.settle,
             "certified": self.certified,
             "slope_limit": self.slope_limit,
+            "loop_limit": self.loop_limit,
             "iterations": self.iterations,
         }
 

@@ -1,4 +1,5 @@
-"""Models that ship with hysgen: the paper's two appendices, as files and as the tables they were made from.
+"""Models that ship with hysgen: the paper's two appendices, as files and as the tables they were made from; and
+`extended`, which hysgen.firmware.reference_models identifies on the virtual stage.
 
 Source: P. Li et al., "A simple fuzzy system for modelling of both rate-independent and rate-dependent hysteresis in
 piezoelectric actuators", Mechanical Systems and Signal Processing (2013), doi 10.1016/j.ymssp.2012.10.004, appendices.

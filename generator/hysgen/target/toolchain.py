@@ -93,21 +93,22 @@ def version() -> str:
     return _run("gcc", ["--version"], Path.cwd()).splitlines()[0]
 
 
-def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = ()) -> Firmware:
+def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), script: str | None = None) -> Firmware:
     """Compile and link C texts for the target.
 
-    sources: (file name, text) pairs; headers among them are found by #include, `.c` files are compiled.
-    flags: added after FLAGS. Nothing is left out by the linker, called or not.
+    sources: (file name, text) pairs; headers among them are found by #include, `.c` and `.s` files are compiled.
+    flags: added after FLAGS. script: text of the linker script; None: a program alone in L2 RAM. Nothing is left out by
+    the linker, called or not.
     Raises BuildError with the compiler's first complaint.
     """
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
         for name, text in sources:
             (here / name).write_text(text, encoding="utf-8", newline="\n")
-        script = resources.files("hysgen.target") / "l2ram.ld"
-        (here / "l2ram.ld").write_text(script.read_text(encoding="utf-8"), encoding="utf-8")
-        units = [name for name, _ in sources if name.endswith(".c")]
-        _run("gcc", [*FLAGS, *WARNINGS, *flags, "-nostdlib", "-T", "l2ram.ld", *units, "-lgcc", "-o", "a.out"], here)
+        alone = resources.files("hysgen.target") / "l2ram.ld"
+        (here / "link.ld").write_text(script or alone.read_text(encoding="utf-8"), encoding="utf-8")
+        units = [name for name, _ in sources if name.endswith((".c", ".s"))]
+        _run("gcc", [*FLAGS, *WARNINGS, *flags, "-nostdlib", "-T", "link.ld", *units, "-lgcc", "-o", "a.out"], here)
         # -z: long runs of `nop 1` are encoded as zeros, which objdump would skip.
         listing = _run("objdump", ["-dz", "a.out"], here)
         data = (here / "a.out").read_bytes()

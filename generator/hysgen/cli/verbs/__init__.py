@@ -11,11 +11,14 @@ from hysgen.cli.verbs import (
     diff,
     endurance,
     experiments,
+    firmware,
     fit,
     generate,
+    image,
     prove,
     refit,
     score,
+    track,
     verify,
 )
 
@@ -34,4 +37,7 @@ VERBS: tuple[ModuleType, ...] = (
     experiments,
     bank,
     endurance,
+    image,
+    firmware,
+    track,
 )

@@ -1,0 +1,169 @@
+/* board.c: the C6748's board, to be filled in where board_type.h says so. */
+
+#include "board.h"
+
+#include "number.h"
+
+#define TIMER0            0x01C20000u
+#define TIMER_EMUMGT      0x04u
+#define TIMER_TIM12       0x10u
+#define TIMER_PRD12       0x18u
+#define TIMER_TCR         0x20u
+#define TIMER_TGCR        0x24u
+#define INTC_INTMUX1      0x01800104u
+#define INTC_EVTFLAG0     0x01800000u
+#define EVENT_TIMER0      4u            /* T64P0_TINT12 */
+
+static volatile uint32_t *board_register(uint32_t address)
+{
+    return (volatile uint32_t *)(uintptr_t)address;
+}
+
+#if defined(__TI_COMPILER_VERSION__)
+#include <c6x.h>
+
+static uint32_t board_counter(void)
+{
+    return TSCL;
+}
+
+static void board_enable(void)
+{
+    TSCL = 0u;             /* any write starts it */
+    ICR = 0xFFF0u;
+    IER |= (1u << 4) | 2u; /* interrupt 4, and NMI */
+    CSR |= 1u;             /* global enable */
+}
+
+static uint32_t board_waiting(void)
+{
+    return (IFR >> 4) & 1u;
+}
+#else
+static uint32_t board_counter(void)
+{
+    uint32_t count;
+
+    __asm__ volatile("mvc .S2 TSCL, %0" : "=b"(count));
+    return count;
+}
+
+static void board_enable(void)
+{
+    const uint32_t start = 0u;
+    const uint32_t clear = 0xFFF0u;
+    const uint32_t some = (1u << 4) | 2u;
+    uint32_t control;
+
+    __asm__ volatile("mvc .S2 %0, TSCL" : : "b"(start));
+    __asm__ volatile("mvc .S2 %0, ICR" : : "b"(clear));
+    __asm__ volatile("mvc .S2 %0, IER" : : "b"(some));
+    __asm__ volatile("mvc .S2 CSR, %0" : "=b"(control));
+    control |= 1u;
+    __asm__ volatile("mvc .S2 %0, CSR" : : "b"(control));
+}
+
+static uint32_t board_waiting(void)
+{
+    uint32_t flags;
+
+    __asm__ volatile("mvc .S2 IFR, %0" : "=b"(flags));
+    return (flags >> 4) & 1u;
+}
+#endif
+
+void board_start(board_t *board)
+{
+    for (uint32_t slot = 0u; slot < BOARD_SLOTS; ++slot) {
+        board_store_erase(board, slot);
+    }
+    board->next = 0u;
+    board->line_in = 0u;
+    board->line_out = 0u;
+    board->line_begins = 0u;
+    /* Timer64P0 as one 32-bit timer that reloads; its event to interrupt 4. */
+    *board_register(TIMER0 + TIMER_TGCR) = 0u;
+    *board_register(TIMER0 + TIMER_TGCR) = 0x5u; /* unchained 32 bit, TIM12 out of reset */
+    *board_register(TIMER0 + TIMER_TIM12) = 0u;
+    *board_register(TIMER0 + TIMER_PRD12) = BOARD_PERIOD - 1u;
+    *board_register(INTC_INTMUX1) = (*board_register(INTC_INTMUX1) & ~0x7Fu) | EVENT_TIMER0;
+    *board_register(TIMER0 + TIMER_TCR) = 0x80u; /* continuous */
+    board_enable();
+}
+
+float board_displacement_um(board_t *board)
+{
+    const uint32_t code = *(volatile uint16_t *)(uintptr_t)BOARD_ADC_ADDRESS;
+
+    (void)board;
+    return BOARD_ADC_LOW_UM + BOARD_ADC_STEP_UM * (float)(int32_t)code;
+}
+
+float board_reference_um(board_t *board)
+{
+    const float reference_um = board->reference_um[board->next];
+
+    board->next = (board->next + 1u) & (BOARD_REFERENCES - 1u);
+    return reference_um;
+}
+
+uint32_t board_amplifier(board_t *board)
+{
+    (void)board;
+    return *board_register(BOARD_AMPLIFIER_PINS) & 3u;
+}
+
+void board_voltage(board_t *board, float u_V)
+{
+    const float code = number_limited((u_V - BOARD_DAC_LOW_V) * BOARD_DAC_PER_V + 0.5f, 0.0f, BOARD_DAC_CODES);
+
+    (void)board;
+    *board_register(BOARD_DAC_ADDRESS) = (uint32_t)(int32_t)code;
+}
+
+uint32_t board_cycles(board_t *board)
+{
+    (void)board;
+    return board_counter();
+}
+
+uint32_t board_overrun(board_t *board)
+{
+    (void)board;
+    return board_waiting();
+}
+
+uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin)
+{
+    uint32_t count = 0u;
+
+    *begin = board->line_begins;
+    board->line_begins = 0u;
+    while ((count < room) & (board->line_out != board->line_in)) {
+        bytes[count] = board->line[board->line_out];
+        board->line_out = (board->line_out + 1u) & 255u;
+        ++count;
+    }
+    return count;
+}
+
+void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+{
+    for (uint32_t i = 0u; i < count; ++i) {
+        bytes[i] = board->store[slot][offset + i];
+    }
+}
+
+void board_store_erase(board_t *board, uint32_t slot)
+{
+    for (uint32_t i = 0u; i < BOARD_SLOT_BYTES; ++i) {
+        board->store[slot][i] = 0xFFu;
+    }
+}
+
+void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+{
+    for (uint32_t i = 0u; i < count; ++i) {
+        board->store[slot][offset + i] = bytes[i];
+    }
+}

@@ -1,0 +1,141 @@
+/* board.c: the board of the simulated C674x, and the three calls by which its caller runs the image.
+ *
+ * There is no store: reading gives erased memory. The same file runs on the host, for the same bits. */
+
+#include "board.h"
+#include "firmware.h"
+
+static firmware_t simulated;
+static board_t simulated_board;
+
+/* Short ways, so that a few thousand samples go through every state. */
+static const settings_t simulated_settings = {
+    .options = SETTINGS_TRIM | SETTINGS_LEARN,
+    .off_V = 0.0f,
+    .low_V = -20.0f,
+    .high_V = 120.0f,
+    .step_V = 2.0f,
+    .ramp_V = 0.5f,
+    .fall_V = 0.5f,
+    .loop_low_V = 24.0f,
+    .loop_high_V = 54.0f,
+    .loop_middle_V = 39.0f,
+    .hold_samples = 64u,
+    .offset_smoothing = 0.125f,
+    .approach_um = 0.01f,
+    .reference_step_um = 0.05f,
+    .low_um = -3.2f,
+    .high_um = 13.0f,
+    .stuck_V = 0.5f,
+    .stuck_samples = 64u,
+    .follow_um = 100.0f,
+    .follow_samples = 50u,
+    .bad_samples = 8u,
+    .budget_cycles = 7500u,
+    .trim_integral = 0.004f,
+    .trim_proportion = 0.05f,
+    .trim_smoothing = 0.05f,
+    .trim_limit_um = 0.25f,
+    .commit_pause = 1u,
+};
+
+float board_displacement_um(board_t *board)
+{
+    return board->reading_um;
+}
+
+float board_reference_um(board_t *board)
+{
+    return board->reference_um;
+}
+
+uint32_t board_amplifier(board_t *board)
+{
+    (void)board;
+    return 0u;
+}
+
+void board_voltage(board_t *board, float u_V)
+{
+    board->output_V = u_V;
+}
+
+uint32_t board_cycles(board_t *board)
+{
+    (void)board;
+    return 0u;
+}
+
+uint32_t board_overrun(board_t *board)
+{
+    (void)board;
+    return 0u;
+}
+
+uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin)
+{
+    (void)board;
+    (void)bytes;
+    (void)room;
+    *begin = 0u;
+    return 0u;
+}
+
+void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+{
+    (void)board;
+    (void)slot;
+    (void)offset;
+    for (uint32_t i = 0u; i < count; ++i) {
+        bytes[i] = 0xFFu;
+    }
+}
+
+void board_store_erase(board_t *board, uint32_t slot)
+{
+    (void)board;
+    (void)slot;
+}
+
+void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+{
+    (void)board;
+    (void)slot;
+    (void)offset;
+    (void)bytes;
+    (void)count;
+}
+
+uint32_t simulated_boot(void);
+float simulated_interrupt(float reading_um, float reference_um);
+uint32_t simulated_idle(void);
+uint32_t simulated_state(void);
+
+/* Returns the mismatches that the self-test found. */
+uint32_t simulated_boot(void)
+{
+    firmware_boot(&simulated, &simulated_board, &simulated_settings);
+    simulated.controller.request = CONTROLLER_START;
+    return simulated.selftest;
+}
+
+float simulated_interrupt(float reading_um, float reference_um)
+{
+    simulated_board.reading_um = reading_um;
+    simulated_board.reference_um = reference_um;
+    firmware_interrupt(&simulated, &simulated_board);
+    return simulated_board.output_V;
+}
+
+/* Returns the status word. */
+uint32_t simulated_idle(void)
+{
+    firmware_idle(&simulated, &simulated_board);
+    return simulated.controller.status;
+}
+
+/* State, and commits above it. */
+uint32_t simulated_state(void)
+{
+    return (uint32_t)simulated.controller.state | (simulated.commits << 8);
+}

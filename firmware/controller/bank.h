@@ -1,0 +1,22 @@
+/* bank.h: copying a model's parameters. Number by number: for a struct assignment compilers may call a library. */
+
+#ifndef BANK_H
+#define BANK_H
+
+#include "model.h"
+
+static inline void bank_copy(model_bank_t *to, const model_bank_t *from)
+{
+    for (uint32_t l = 0u; l < MODEL_RULES; ++l) {
+        to->slope[l] = from->slope[l];
+        to->offset[l] = from->offset[l];
+        to->gain[l] = from->gain[l];
+    }
+#ifdef MODEL_TERMS
+    for (uint32_t j = 0u; j < MODEL_WEIGHTS; ++j) {
+        to->weight[j] = from->weight[j];
+    }
+#endif
+}
+
+#endif

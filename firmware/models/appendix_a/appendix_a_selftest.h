@@ -1,0 +1,15 @@
+/** @file
+ * appendix_a_selftest.h: is this appendix_a.c, on this machine, what it was verified to be? */
+
+#ifndef APPENDIX_A_SELFTEST_H
+#define APPENDIX_A_SELFTEST_H
+
+#include <stdint.h>
+
+/** Runs every function over fixed inputs and compares results, status words and counters with those of the reference,
+ * bit for bit. Needs no library.
+ *
+ * @return the number of mismatches: 0 if all is well */
+uint32_t appendix_a_selftest(void);
+
+#endif

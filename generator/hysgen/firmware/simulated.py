@@ -1,0 +1,87 @@
+"""The image's interrupt and idle loop on the simulated C674x: the host's bits, and the cycles of each state.
+
+A lag with the stage's gain answers the voltage, so that a start goes through every state into tracking, with trim,
+learning and commit switched on. What it answers does not matter for bits and cycles; that both sides get the same does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from hysgen.firmware.host import State
+from hysgen.firmware.sources import CONTROLLER, SIMULATOR_BOARD, read_sources
+from hysgen.native import build
+from hysgen.target import toolchain
+
+SAMPLES: Final = 4000
+GAIN_UM_PER_V, ZERO_V, LAG = 0.083, 23.0, 0.02
+REFERENCE_UM, AMPLITUDE_UM, STEP_RAD = 2.0, 0.6, 2 * np.pi * 50.0 * 20e-6
+
+DECLARED: Final = """
+uint32_t simulated_boot(void);
+float simulated_interrupt(float, float);
+uint32_t simulated_idle(void);
+uint32_t simulated_state(void);
+"""
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A run: samples, those whose voltage, status, state or number of commits differs from the host's, and cycles.
+
+    selftest: mismatches on the target. interrupt: fewest and most cycles of firmware_interrupt by state at its end.
+    idle: the same of firmware_idle, whose most is one call of the model's commit. boot: cycles, self-test included.
+    """
+
+    samples: int
+    differing: int
+    selftest: int
+    commits: int
+    interrupt: Mapping[str, tuple[int, int]]
+    idle: tuple[int, int]
+    boot: int
+
+    @property
+    def equal(self) -> bool:
+        """Every bit, and the self-test."""
+        return self.differing == 0 and self.selftest == 0
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return vars(self) | {"interrupt": dict(self.interrupt), "equal": self.equal}
+
+
+def simulate(texts: Mapping[str, str], samples: int = SAMPLES) -> Simulated:
+    """Run the image of generated `texts` on the simulator and on this machine, sample by sample.
+
+    Raises BuildError without a compiler, TargetError for what the simulator refuses.
+    """
+    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+    sources = [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *generated]
+    machine = toolchain.compile(sources).machine()
+    host = build(sources, DECLARED, libraries=()).lib
+    booted = machine.call("simulated_boot")
+    host.simulated_boot()
+    y_um, differing, commits = (0.0 - ZERO_V) * GAIN_UM_PER_V, 0, 0
+    spent: dict[str, tuple[int, int]] = {}
+    idle = (1 << 62, 0)
+    for k in range(samples):
+        reading = np.float32(y_um)
+        wanted = np.float32(REFERENCE_UM + AMPLITUDE_UM * np.sin(STEP_RAD * k))
+        u_V = np.float32(host.simulated_interrupt(reading, wanted))
+        outcome = machine.call("simulated_interrupt", reading, wanted)
+        status, at_idle = host.simulated_idle(), machine.call("simulated_idle")
+        state, at_state = host.simulated_state(), machine.call("simulated_state").bits
+        same = (int(u_V.view(np.uint32)), status, state) == (outcome.bits, at_idle.bits, at_state)
+        differing += not same
+        commits = state >> 8
+        name = State(state & 0xFF).name
+        least, most = spent.get(name, (1 << 62, 0))
+        spent[name] = (min(least, outcome.cycles), max(most, outcome.cycles))
+        idle = (min(idle[0], at_idle.cycles), max(idle[1], at_idle.cycles))
+        y_um += LAG * ((float(u_V) - ZERO_V) * GAIN_UM_PER_V - y_um)
+    return Simulated(samples, differing, booted.bits, commits, spent, idle, booted.cycles)

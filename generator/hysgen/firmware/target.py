@@ -1,0 +1,75 @@
+"""The firmware on the C6748: compiled and linked by gcc for it, its sections in their memories."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
+from hysgen.target import toolchain
+from hysgen.target.toolchain import Firmware
+
+MEMORIES: Final = {"L2 RAM": (0x11800000, 256 * 1024), "shared RAM": (0x80000000, 128 * 1024)}
+"""Memories of the C6748 by name: first address, bytes."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of the linked image: its place, its size, and the memory that holds it."""
+
+    name: str
+    address: int
+    size: int
+    memory: str
+
+
+@dataclass(frozen=True)
+class Built:
+    """A linked image: its sections; bytes of code by function and of data by object."""
+
+    model: str
+    compiler: str
+    firmware: Firmware
+    sections: tuple[Section, ...]
+    functions: Mapping[str, int]
+
+    @property
+    def used(self) -> dict[str, int]:
+        """Bytes in use by memory."""
+        total = dict.fromkeys(MEMORIES, 0)
+        for section in self.sections:
+            total[section.memory] += section.size
+        return total
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "model": self.model,
+            "compiler": self.compiler,
+            "sections": [vars(section) for section in self.sections],
+            "used": self.used,
+            "functions": dict(self.functions),
+        }
+
+
+def build(name: str, texts: Mapping[str, str]) -> Built:
+    """Compile controller, model and the C6748's board, warnings as errors, and link with the firmware's own script.
+
+    texts: generated C and model.h by file name. Raises BuildError without the compiler or where it complains.
+    """
+    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+    script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
+    sources = [*read_sources(CONTROLLER), *read_sources(TARGET_BOARD, "*.[chs]"), *generated]
+    firmware = toolchain.compile(sources, script=script)
+    sections = tuple(
+        Section(each.name, each.address, each.size, _memory(each.address))
+        for each in firmware.image.sections
+        if each.size and each.address
+    )
+    functions = {s.name: s.size for s in firmware.image.symbols.values() if s.function and not s.name.startswith("__")}
+    return Built(name, toolchain.version(), firmware, sections, functions)
+
+
+def _memory(address: int) -> str:
+    return next(name for name, (start, size) in MEMORIES.items() if start <= address < start + size)

@@ -1,0 +1,69 @@
+"""The firmware's reference models, its build for the C6748, its run on the simulator, and how it tracks."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+import pytest
+from target_compiler import need_compiler
+
+from hysgen.emit import write
+from hysgen.errors import ModelError
+from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.reference_models import firmware_models, with_learner
+from hysgen.firmware.simulated import simulate
+from hysgen.firmware.target import MEMORIES, build
+from hysgen.firmware.tracking import contenders, follow
+from hysgen.model import Model
+from hysgen.model_file import load_model
+
+MODELS = Path(__file__).resolve().parents[1] / "firmware" / "models"
+
+
+@pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+def test_the_models_in_the_firmware_are_what_the_templates_make(model: Model, request: pytest.FixtureRequest) -> None:
+    """Update with `pytest tests/test_firmware_models.py --update-golden` and look at the diff."""
+    folder, texts = MODELS / model.name, firmware_model(model)
+    if request.config.getoption("--update-golden"):
+        write(texts, folder)
+    kept = {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+    assert sorted(kept) == sorted(texts)
+    for name, text in texts.items():
+        change = difflib.unified_diff(kept[name].splitlines(), text.splitlines(), "kept", "generated", lineterm="")
+        assert kept[name] == text, f"{name}:\n" + "\n".join(list(change)[:60])
+
+
+@pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+def test_the_image_links_into_the_targets_memories(model: Model) -> None:
+    need_compiler()
+    built = build(model.name, firmware_model(model))
+    assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack"}
+    assert all(size <= MEMORIES[name][1] for name, size in built.used.items())
+    symbols = built.firmware.image.symbols
+    # Reset at the start of the table, interrupt 4 four fetch packets further on.
+    assert symbols["vectors"].address == 0x11800000
+    assert "__c6xabi_divf" not in symbols
+    assert {"main_tick", "tick", "firmware_interrupt", "controller_step"} <= symbols.keys()
+
+
+def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits() -> None:
+    need_compiler()
+    run = simulate(firmware_model(firmware_models()[0]), 1500)
+    assert run.equal
+    assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
+    assert max(most for _, most in run.interrupt.values()) + run.idle[1] < 7500
+
+
+def test_the_extended_inverse_tracks_three_times_better_than_the_papers() -> None:
+    paper, extended, trimmed, _ = (follow(contender, 50.0, 0.5) for contender in contenders(50.0))
+    assert extended.rms_nm < paper.rms_nm / 3
+    # 10 s of it, both frequencies, are printed by `hysgen track`.
+    assert extended.rms_nm < 10.0
+    assert trimmed.rms_nm < extended.rms_nm
+
+
+def test_what_the_firmware_cannot_drive_is_refused_with_the_reason() -> None:
+    with pytest.raises(ModelError, match="no learner settings"):
+        firmware_model(load_model("appendix_a"))
+    assert with_learner(load_model("appendix_a")).learner is not None
