@@ -20,8 +20,8 @@ def ramps(measured: Path) -> Diagnosis:
     return diagnose(record, settings=DiagnoseSettings(identify=FITTED_ROWS / record.samples))
 
 
-def test_memory_is_named_on_the_micromanipulator(ramps: Diagnosis) -> None:
-    assert "memory" in ramps.names
+def test_memory_and_a_drift_that_slows_down_are_named_on_the_micromanipulator(ramps: Diagnosis) -> None:
+    assert ramps.names == ("memory", "drift")
     assert "unknown" not in ramps.names
     assert ramps.held_rows.min() == FITTED_ROWS
 
@@ -30,4 +30,4 @@ def test_extension_takes_most_of_the_error_on_the_micromanipulator(ramps: Diagno
     # Issue 4: the paper's model leaves about 0.47 um there, the hold noise is 0.067 um.
     assert ramps.base_rms_um == pytest.approx(0.47, abs=0.02)
     assert ramps.noise.rms_um == pytest.approx(0.067, abs=0.01)
-    assert ramps.extended_rms_um < 0.3 * ramps.base_rms_um
+    assert ramps.extended_rms_um < 0.11

@@ -1,0 +1,96 @@
+"""Slow causes told apart, what pays, and how far a command leads: the decisions of the diagnosis, each seen alone."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hysgen.bank.excitation import good
+from hysgen.bank.scenario import scenario
+from hysgen.diagnose.bootstrap import gain, surely_lower
+from hysgen.diagnose.evidence import Look, causes
+from hysgen.diagnose.prepare import prepare, reach_um
+from hysgen.diagnose.probe import Chain, Operator, Run, Scene, refine
+from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.procedure import name_causes
+from hysgen.diagnose.search import search
+from hysgen.record import Record
+from hysgen.stage import run as measure
+
+Floats = NDArray[np.float64]
+TS_S = 1e-3
+SAMPLES = 4000
+SPAN_S = TS_S * SAMPLES
+
+
+def drifting(course_um: Floats, seed: int = 5) -> Scene:
+    """A linear stage with a lag of 4 ms and 1 nm of noise that drifts along course_um, (SAMPLES,)."""
+    rng = np.random.default_rng(seed)
+    u_V = good(rng, SAMPLES, 0.0, 100.0)
+    y_um = 0.1 * respond(u_V, Chain(4e-3), TS_S) + course_um + 1e-3 * rng.normal(size=SAMPLES)
+    operator = Operator(0.0, 100.0, hats=0, curve=1, reaches=())
+    return Scene((Run(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), operator)
+
+
+def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
+    t_s = TS_S * np.arange(SAMPLES)
+    scene = drifting(0.1 * np.log10(1.0 + t_s / 0.2))
+    found = search(scene)
+    cause = causes()["drift"]
+    assert cause.present(found.fit.chain)
+    signature = cause.signature(Look.at(scene, found.fit), found.rivals["drift"])
+    assert signature.holds
+    # Size and beginning are correlated: over 1.3 decades 1 nm of noise leaves some per cent of either.
+    assert signature.parameters["um_per_decade"].value == pytest.approx(0.1, rel=0.1)
+    assert signature.parameters["since_s"].value == pytest.approx(0.2, rel=0.3)
+    drift = cause.extension(scene, found.fit).drift
+    assert drift is not None
+    course = drift.at(2.0 * t_s)  # twice as long as what was looked at
+    assert np.abs(course - 0.1 * np.log10(1.0 + 2.0 * t_s / 0.2)).max() < 0.01
+
+
+def test_drift_at_one_rate_stays_a_ramp() -> None:
+    found = search(drifting(0.1 * np.arange(SAMPLES) / SAMPLES))
+    assert found.fit.chain.drift
+    assert found.fit.chain.since_s is None
+
+
+def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_it() -> None:
+    # The probe first explains this change of gain by creep whose sign or decades make no sense.
+    hidden = scenario("aging", 0)
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
+    naming = name_causes(Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux))
+    assert naming.names == ("memory", "aging")
+
+
+def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
+    rng = np.random.default_rng(1)
+    before, after = rng.normal(size=2400), 0.5 * rng.normal(size=2400)
+    after[600:700] *= 40.0  # a stroke that this fit never saw
+    assert gain(before, after).fall_um < 0.0
+    assert surely_lower(before, after) > 0.99
+    assert surely_lower(after, before) < 0.01
+    assert surely_lower(before, before) == 0.0
+
+
+def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> None:
+    u_V = np.concatenate([50.0 + 30.0 * np.sin(np.arange(4000) / 150.0), np.full(1500, 100.0), np.full(500, 0.0)])
+    u_V[700:706] = 100.0  # a pulse too short for the lag
+    u_V[900:906] = 0.0
+    y_um = 0.1 * respond(u_V, Chain(0.04), TS_S)
+    prepared = prepare(Record.from_arrays(u_V, y_um, TS_S), identify=4000 / 6000)
+    seen = prepared.identification().y_range_um
+    low_um, high_um = reach_um(prepared)
+    assert seen[1] < 9.0 < high_um
+    assert high_um == pytest.approx(10.0, rel=0.03)
+    assert low_um < seen[0]
+
+
+def test_refining_a_slow_drift_keeps_its_beginning_inside_the_record() -> None:
+    scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
+    fit = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=0.1, memory=False))
+    assert fit.chain.since_s is not None
+    assert 0.0 < fit.chain.since_s <= SPAN_S
