@@ -19,7 +19,7 @@ from hysgen.learning import LearnerSettings
 from hysgen.model import Model
 from hysgen.model_file import load_model
 
-NAMES: Final = ("appendix_a", "appendix_b", "learning", "extended", "everything")
+NAMES: Final = ("appendix_a", "appendix_b", "learning", "extended", "everything", "everything_spread")
 
 
 @functools.lru_cache(maxsize=8)
@@ -29,6 +29,8 @@ def model(name: str) -> Model:
         return learning()
     if name == "extended":
         return extended()
+    if name == "everything_spread":  # what fits into one period of the target: an update takes six of them
+        return dataclasses.replace(everything(), name=name, learner=LearnerSettings(calls_per_update=6))
     if name == "everything":
         return dataclasses.replace(everything(), learner=LearnerSettings())
     return load_model(name)

@@ -9,6 +9,7 @@ from hysgen.coefficients import Coefficients
 from hysgen.commit_numbers import CommitNumbers, commit_numbers
 from hysgen.emit.concerns import Concern
 from hysgen.emit.parameters import Constant, Section, Table
+from hysgen.learner_numbers import learner_numbers
 from hysgen.learner_status import COMMIT_MEANINGS
 from hysgen.model import Model
 
@@ -30,8 +31,18 @@ def commit_concern(model: Model, numbers: Coefficients, certificates: Certificat
         "bias": "bias" in model.learner.learned,
         "weights": bool(model.terms) and "terms" in model.learner.learned,
         "points_per_call": model.learner.points_per_call,
+        "kept": _kept(model, numbers),
     }
     return Concern("commit.c.j2", {"commit": facts}, [_section(found, upper, weights=bool(facts["weights"]))])
+
+
+def _kept(model: Model, numbers: Coefficients) -> list[str]:
+    """What a bank holds and the learner does not learn, in C."""
+    learned = {f"{parameter.group}[{parameter.index}]" for parameter in learner_numbers(model, numbers).parameters}
+    weights = sum(term.size for term in model.terms)
+    rules = [f"{group}[{rule}]" for group in ("slope", "offset", "gain") for rule in range(numbers.bank_rules)]
+    kept = [place for place in rules if place not in learned]
+    return kept + [f"weight[{j}]" for j in range(weights) if f"terms[{j}]" not in learned]
 
 
 def _section(found: CommitNumbers, upper: str, *, weights: bool) -> Section:

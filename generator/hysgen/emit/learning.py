@@ -41,6 +41,8 @@ PROJECT_STAGES = ("load", "", "multiply", "", "add")
 FACTOR_WIDTH = 3
 FACTOR_STAGES = ("load", "multiply", "add", "raise", "lower", "store")
 
+PASS_STAGES = ("load", "", "multiply", "", "add")
+LOOPED_WIDTH = 4
 WEIGH_WIDTH = 9
 WEIGH_STAGES = (
     "seed",
@@ -150,7 +152,10 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         "weigh": pipelined(_blocks([Element(j - 1, j) for j in range(n)], WEIGH_WIDTH), WEIGH_STAGES),
         "step": pipelined(_blocks([Element(j - 1, j) for j in range(n)], STEP_WIDTH), STEP_STAGES),
         "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
-        "pass_rows": [(i, [Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)]) for i in range(1, n)],
+        "pass_rows": pipelined(
+            [[Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)] for i in range(n)], PASS_STAGES
+        ),
+        "looped_factor": pipelined(_blocks([Element(j - 1, j) for j in range(n)], LOOPED_WIDTH), FACTOR_STAGES),
         "sliding_always": model.learner.forgetting < 1.0,
         "status_rows": [
             f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"

@@ -10,10 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from hysgen.errors import TargetError
 from hysgen.target.assembly import Instruction, Memory, Register
 from hysgen.target.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source
 from hysgen.target.packets import Packet
-from hysgen.target.semantics import INTEGER, MASK
+from hysgen.target.semantics import INTEGER, MASK, signed
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,13 @@ class Known:
         if value is None or value.base is not None:
             return None
         return (value.number == 0) == instruction.predicate.when_zero
+
+    def below(self, register: int) -> int:
+        """By how much the register is lower than on entry. Raises TargetError if that is not known."""
+        value = dict(self.values).get(register)
+        if value is None or value.base != register:
+            raise TargetError(f"{Register(register)}: moved by what is not known here; how deep the stack is, neither")
+        return max(0, -signed(value.number))
 
 
 def followed(packets: Mapping[int, Packet], start: int) -> frozenset[int]:

@@ -23,6 +23,7 @@ from hysgen.target.decode import Branch, LoadAddress
 from hysgen.target.elf import Image
 from hysgen.target.latency import BRANCH_DELAY
 from hysgen.target.packets import Packet
+from hysgen.target.processor import STACK_POINTER
 
 MAX_CALL_DEPTH = 16
 MAX_VISITS = 4096  # of one packet under different counters: a longer loop counts as one without a limit
@@ -37,11 +38,13 @@ class CycleBounds:
 
     One way only (no such branch) makes best = worst: the cycles of every call. Ways that no input takes are counted
     too, so with data-dependent branches `worst` may exceed what can happen, never the reverse.
+    stack_bytes: how far the stack reaches down on some way, called functions included.
     """
 
     best: int
     worst: int
     data_dependent: tuple[int, ...]
+    stack_bytes: int = 0
 
     @property
     def constant(self) -> bool:
@@ -72,15 +75,16 @@ def bounds(
     """Bounds of the stall-free cycles of one call of `function`, including what it calls.
 
     limits: for the address of a branch instruction, how often it is taken at most in one call.
-    Raises TargetError for a loop without a limit, a computed jump, recursion, or code that the simulator refuses.
+    Raises TargetError for a loop without a limit, a computed jump, recursion, a stack that moves by what is not known,
+    or code that the simulator refuses.
     """
     limits = limits or {}
     start = image.symbol(function).address
-    registers = counters.followed(packets, start)
+    registers = counters.followed(packets, start) | {STACK_POINTER}
     walk = _Walk(image, packets, tuple(sorted(limits)), limits, registers)
     known = counters.on_entry(registers)
     best, worst = walk.extremes(_Place(start, taken=(0,) * len(limits), known=known))
-    return CycleBounds(best, worst, tuple(sorted(walk.data_dependent)))
+    return CycleBounds(best, worst, tuple(sorted(walk.data_dependent)), walk.stack_bytes)
 
 
 class _Walk:
@@ -96,6 +100,7 @@ class _Walk:
     ) -> None:
         self.registers = registers
         self.visits: Counter[int] = Counter()
+        self.stack_bytes = 0
         self.packets = packets
         self.bounded = bounded
         self.limits = limits
@@ -114,6 +119,7 @@ class _Walk:
                 self.visits[place.address] += 1
                 if self.visits[place.address] > MAX_VISITS:
                     raise TargetError(self._endless(place, place))
+                self.stack_bytes = max(self.stack_bytes, place.known.below(STACK_POINTER))
                 onward[place] = list(self._steps(place))
                 for _, following in onward[place]:
                     if following in onward and following not in known:

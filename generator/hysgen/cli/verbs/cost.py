@@ -1,34 +1,66 @@
-"""State what generated C costs: operations by kind, bytes, cycles against the sample period, host time."""
+"""State what generated C costs: operations by kind, bytes, cycles against the sample period, host time.
+
+With --budget, cycles, code, stack and data on the target are compared with a file; more than 2 % above it is an error.
+"""
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.cost import Cost, cost
+from hysgen.cost.budget import Change, changes, read, update
 from hysgen.emit.manifest import read_folder
+from hysgen.errors import HysgenError
 from hysgen.tables import table
-from hysgen.target.generated import cycles
+from hysgen.target.footprint import footprint
+from hysgen.target.toolchain import version
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", metavar="DIR", help="folder that `hysgen generate` wrote")
     parser.add_argument("--target", choices=("c674x",), help="count cycles on the target's instruction set")
+    parser.add_argument("--budget", metavar="FILE", help="with --target: what each function may cost there")
+    parser.add_argument("--update-budget", action="store_true", help="write the figures into that file instead")
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
+    if (arguments.budget and not arguments.target) or (arguments.update_budget and not arguments.budget):
+        raise HysgenError("--budget FILE belongs to --target c674x, --update-budget to --budget; add what is missing")
     folder = Path(arguments.folder)
-    price = cost(folder, target_cycles(folder) if arguments.target else None)
-    console.say(cost_text(price))
-    console.write_json(price.to_json())
-    return 0
-
-
-def target_cycles(folder: Path) -> dict[str, int]:
-    """Stall-free cycles of the worst way through each function, of the C as the target's compiler makes it."""
     generated = read_folder(folder)
-    return {function: bound.worst for function, bound in cycles(generated.model.name, generated.texts).items()}
+    taken = footprint(generated.model.name, generated.texts) if arguments.target else {}
+    price = cost(folder, {name: figures["cycles"] for name, figures in taken.items() if "cycles" in figures})
+    console.say(cost_text(price))
+    if taken:
+        console.say(footprint_text(taken))
+    answer = price.to_json() | ({"target": taken} if taken else {})
+    different: list[Change] = []
+    if arguments.update_budget:
+        update(Path(arguments.budget), generated.model.name, taken, version())
+        console.say(f"written: {arguments.budget}")
+    elif arguments.budget:
+        different = changes(generated.model.name, read(Path(arguments.budget), generated.model.name), taken)
+        console.say("\n".join(str(change) for change in different) or f"within the budget of {arguments.budget}")
+        answer["budget_changes"] = [dataclasses.asdict(change) | {"exceeds": change.exceeds} for change in different]
+    console.write_json(answer)
+    return 1 if any(change.exceeds for change in different) else 0
+
+
+def footprint_text(taken: Mapping[str, Mapping[str, int]]) -> str:
+    """Cycles, code and stack of each function on the target, and of all; then the data."""
+    columns = ("cycles", "code_bytes", "stack_bytes")
+    rows = [
+        [name, *(f"{figures[column]}" if column in figures else "-" for column in columns)]
+        for name, figures in taken.items()
+        if name != "data"
+    ]
+    data = taken["data"]
+    below = f"data: {data['struct_bytes']} bytes of structs, {data['constant_bytes']} of constants"
+    return "\n".join(["", table(["on the C674x", "cycles", "code bytes", "stack bytes"], rows), below])
 
 
 def cost_text(price: Cost) -> str:
