@@ -12,7 +12,7 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.cost import Cost, cost
-from hysgen.cost.budget import Change, changes, read, update
+from hysgen.cost.budget_file import Change, changes, read, update
 from hysgen.emit.manifest import read_folder
 from hysgen.errors import HysgenError
 from hysgen.tables import table
