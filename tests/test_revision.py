@@ -41,6 +41,16 @@ def test_refit_changes_only_the_numbers_of_the_generated_c(records: tuple[Record
     assert scores.free_run.of_span_percent < 3.0
 
 
+def test_refit_keeps_the_part_of_the_range_to_which_the_model_was_restricted(records: tuple[Record, Record]) -> None:
+    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3))
+    new, _ = refit(part, records[1])
+    assert (new.grid.y_min_um, new.grid.y_max_um) == (part.grid.y_min_um, part.grid.y_max_um)
+    assert new.grid.ends_um == refit(old, records[1])[0].grid.ends_um
+    before, after = generate(part), generate(new)
+    assert before["axis.c"] == after["axis.c"]
+
+
 def test_compare_finds_the_gain_that_moved_by_a_tenth(records: tuple[Record, Record]) -> None:
     old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
     new, _ = refit(old, records[1])

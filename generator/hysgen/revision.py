@@ -1,8 +1,8 @@
 """A model identified again, next year or on another actuator: same structure, new numbers, and what moved.
 
 What is kept: name, number of rules, terms and input blocks with their shapes, input range, fit and learner settings.
-What is new: the displacement range, every linear parameter, scores and certificates. So the C algorithm stays as it is
-and only the numbers in `<name>_params.h` change.
+What is new: the displacement range (within the part of it to which the model was restricted, if it was), every linear
+parameter, scores and certificates. So the C algorithm stays as it is and only the numbers in `<name>_params.h` change.
 """
 
 from __future__ import annotations
@@ -94,6 +94,9 @@ def refit(model: Model, record: Record, progress: Progress | None = None) -> tup
             at = sum(other.size for other in model.terms[:index])
             terms = (*again.terms[:index], term, *again.terms[index:])
             again = dataclasses.replace(again, terms=terms, weights=np.insert(again.weights, at, 1.0))
+    if model.grid.spread_um is not None:
+        low_um, high_um = max(model.grid.y_min_um, again.grid.y_min_um), min(model.grid.y_max_um, again.grid.y_max_um)
+        again = again.within((low_um, high_um))
     again = dataclasses.replace(again, learner=model.learner, certificates=certify(again).to_json())
     scores = score(again, record)
     return dataclasses.replace(again, scores={"identification": scores.to_json()}), scores

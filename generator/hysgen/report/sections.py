@@ -25,7 +25,8 @@ def model_section(model: Model) -> Section:
     """What the model is as a system, and what is guaranteed of it."""
     held = certify(model)
     facts = [
-        ["rules", f"{model.grid.rules} over {model.grid.y_min_um:.4g} .. {model.grid.y_max_um:.4g} um"],
+        ["rules", f"{model.grid.rules} over {model.grid.ends_um[0]:.4g} .. {model.grid.ends_um[1]:.4g} um"],
+        ["displacement range", f"{model.grid.y_min_um:.4g} .. {model.grid.y_max_um:.4g} um"],
         ["input range", f"{model.u_min_V:.4g} .. {model.u_max_V:.4g} V"],
         ["sampling period", f"{model.Ts_s:.6g} s"],
         *[[f"term {term.kind}", term.describe()] for term in model.terms],
