@@ -22,6 +22,8 @@ static volatile uint32_t *board_register(uint32_t address)
 #if defined(__TI_COMPILER_VERSION__)
 #include <c6x.h>
 
+extern void vectors(void);  /* vectors.asm */
+
 static uint32_t board_counter(void)
 {
     return TSCL;
@@ -30,6 +32,7 @@ static uint32_t board_counter(void)
 static void board_enable(void)
 {
     TSCL = 0u;             /* any write starts it */
+    ISTP = (uint32_t)vectors;
     ICR = 0xFFF0u;
     IER |= (1u << 4) | 2u; /* interrupt 4, and NMI */
     CSR |= 1u;             /* global enable */
@@ -74,9 +77,6 @@ static uint32_t board_waiting(void)
 
 void board_start(board_t *board)
 {
-    for (uint32_t slot = 0u; slot < BOARD_SLOTS; ++slot) {
-        board_store_erase(board, slot);
-    }
     board->next = 0u;
     board->line_in = 0u;
     board->line_out = 0u;

@@ -1803,7 +1803,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_lost(appendix_a_learner_t *self, float e, 
  * one parameter, by the pseudo-measurement w reference_j = w theta_j. */
 APPENDIX_A_INLINE void appendix_a_begin(appendix_a_learner_t *self, float e)
 {
-    const uint32_t sliding = 1u;
+    const uint32_t sliding = (uint32_t)(self->age >= APPENDIX_A_LEARN_WINDOW);
 
     self->since_refresh += sliding;
     self->measuring = (uint32_t)(self->since_refresh < APPENDIX_A_LEARN_REFRESH_EVERY);

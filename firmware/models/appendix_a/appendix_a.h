@@ -190,8 +190,8 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in appendix_a_predict
  *
- * 223 float +-, 336 float *, 53 float comparisons, 399 integer, 337 loads, 332 stores, 14 branches.
- * C674x: about 1600 cycles (estimate). */
+ * 223 float +-, 336 float *, 53 float comparisons, 400 integer, 338 loads, 332 stores, 14 branches.
+ * C674x: about 1602 cycles (estimate). */
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; APPENDIX_A_COMMIT_POINTS check points,

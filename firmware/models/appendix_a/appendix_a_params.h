@@ -75,19 +75,19 @@ static const float appendix_a_gain[APPENDIX_A_BANK_RULES] = {
 #define APPENDIX_A_LEARN_GATE                            8.0f  /* 0x41000000 */
 #define APPENDIX_A_LEARN_GATE_FLOOR_UM         0.00300000003f  /* 0x3b449ba6 */
 #define APPENDIX_A_LEARN_DEAD_ZONE_UM         0.000250000012f  /* 0x3983126f */
-#define APPENDIX_A_LEARN_WORSE                    1.22988105f  /* 0x3f9d6cbe */
+#define APPENDIX_A_LEARN_WORSE                    1.21198082f  /* 0x3f9b2230 */
 #define APPENDIX_A_LEARN_LOST                            4.0f  /* 0x40800000 */
 #define APPENDIX_A_LEARN_STEP_UM                 0.768774986f  /* 0x3f44ce70 */
 #define APPENDIX_A_LEARN_LIMIT_UM                 787.225586f  /* 0x4444ce70 */
 #define APPENDIX_A_LEARN_LEAST_VARIANCE       9.09494702e-13f  /* 0x2b800000 */
-#define APPENDIX_A_LEARN_LARGEST_DENOMINATOR       465449.25f  /* 0x48e34528 */
+#define APPENDIX_A_LEARN_LARGEST_DENOMINATOR      431.509827f  /* 0x43d7c142 */
 #define APPENDIX_A_LEARN_OUTLIER_RUN              0x00000008u
 #define APPENDIX_A_LEARN_SETTLING                 0x00001000u
 #define APPENDIX_A_LEARN_SETTLED                  0x00002000u
 #define APPENDIX_A_LEARN_REFRESH_EVERY            0x00000008u
 #define APPENDIX_A_LEARN_WINDOW                   0x00020000u
-#define APPENDIX_A_LEARN_INFLATE_FIRST              1.001001f  /* 0x3f8020cd */
-#define APPENDIX_A_LEARN_INFLATE                    1.001001f  /* 0x3f8020cd */
+#define APPENDIX_A_LEARN_INFLATE_FIRST                   1.0f  /* 0x3f800000 */
+#define APPENDIX_A_LEARN_INFLATE                  1.00010002f  /* 0x3f800347 */
 #define APPENDIX_A_LEARN_PER_Y                          0.25f  /* 0x3e800000 */
 #define APPENDIX_A_LEARN_PER_U                     0.0078125f  /* 0x3c000000 */
 
@@ -137,66 +137,66 @@ static const float appendix_a_learn_per_scale[APPENDIX_A_LEARNED] = {
 };
 
 static const float appendix_a_learn_prior[APPENDIX_A_LEARNED] = {
-      0.0316285603f,  /* 0x3d018cf3 */
-        32.3876457f,  /* 0x42018cf3 */
-     0.00197678502f,  /* 0x3b018cf3 */
-      0.0269822013f,  /* 0x3cdd09c7 */
-        27.6297741f,  /* 0x41dd09c7 */
-     0.00168638758f,  /* 0x3add09c7 */
-       0.012460812f,  /* 0x3c4c286f */
-        12.7598715f,  /* 0x414c286f */
-     0.00077880075f,  /* 0x3a4c286f */
-       0.012460812f,  /* 0x3c4c286f */
-        12.7598715f,  /* 0x414c286f */
-     0.00077880075f,  /* 0x3a4c286f */
-      0.0269822013f,  /* 0x3cdd09c7 */
-        27.6297741f,  /* 0x41dd09c7 */
-     0.00168638758f,  /* 0x3add09c7 */
-      0.0316285603f,  /* 0x3d018cf3 */
-        32.3876457f,  /* 0x42018cf3 */
-     0.00197678502f,  /* 0x3b018cf3 */
+    3.16285623e-05f,  /* 0x3804a8e9 */
+      0.0323876478f,  /* 0x3d04a8e9 */
+    1.97678514e-06f,  /* 0x3604a8e9 */
+    2.69822012e-05f,  /* 0x37e257d6 */
+      0.0276297741f,  /* 0x3ce257d6 */
+    1.68638758e-06f,  /* 0x35e257d6 */
+    1.24608123e-05f,  /* 0x37510ec8 */
+      0.0127598718f,  /* 0x3c510ec8 */
+    7.78800768e-07f,  /* 0x35510ec8 */
+    1.24608123e-05f,  /* 0x37510ec8 */
+      0.0127598718f,  /* 0x3c510ec8 */
+    7.78800768e-07f,  /* 0x35510ec8 */
+    2.69822012e-05f,  /* 0x37e257d6 */
+      0.0276297741f,  /* 0x3ce257d6 */
+    1.68638758e-06f,  /* 0x35e257d6 */
+    3.16285623e-05f,  /* 0x3804a8e9 */
+      0.0323876478f,  /* 0x3d04a8e9 */
+    1.97678514e-06f,  /* 0x3604a8e9 */
 };
 
 static const float appendix_a_learn_ceiling[APPENDIX_A_LEARNED] = {
-      0.0717559531f,  /* 0x3d92f4c9 */
-         73.478096f,  /* 0x4292f4c9 */
-     0.00448474707f,  /* 0x3b92f4c9 */
-       0.061214719f,  /* 0x3d7abc49 */
-        62.6838722f,  /* 0x427abc49 */
-     0.00382591994f,  /* 0x3b7abc49 */
-      0.0282699373f,  /* 0x3ce7965b */
-        28.9484158f,  /* 0x41e7965b */
-     0.00176687108f,  /* 0x3ae7965b */
-      0.0282699373f,  /* 0x3ce7965b */
-        28.9484158f,  /* 0x41e7965b */
-     0.00176687108f,  /* 0x3ae7965b */
-       0.061214719f,  /* 0x3d7abc49 */
-        62.6838722f,  /* 0x427abc49 */
-     0.00382591994f,  /* 0x3b7abc49 */
-      0.0717559531f,  /* 0x3d92f4c9 */
-         73.478096f,  /* 0x4292f4c9 */
-     0.00448474707f,  /* 0x3b92f4c9 */
+     6.4059248e-05f,  /* 0x3886578c */
+      0.0655966699f,  /* 0x3d86578c */
+      4.003703e-06f,  /* 0x3686578c */
+    5.46486881e-05f,  /* 0x38653695 */
+      0.0559602566f,  /* 0x3d653695 */
+    3.41554301e-06f,  /* 0x36653695 */
+    2.52376394e-05f,  /* 0x37d3b56b */
+      0.0258433428f,  /* 0x3cd3b56b */
+    1.57735246e-06f,  /* 0x35d3b56b */
+    2.52376394e-05f,  /* 0x37d3b56b */
+      0.0258433428f,  /* 0x3cd3b56b */
+    1.57735246e-06f,  /* 0x35d3b56b */
+    5.46486881e-05f,  /* 0x38653695 */
+      0.0559602566f,  /* 0x3d653695 */
+    3.41554301e-06f,  /* 0x36653695 */
+     6.4059248e-05f,  /* 0x3886578c */
+      0.0655966699f,  /* 0x3d86578c */
+      4.003703e-06f,  /* 0x3686578c */
 };
 
 static const float appendix_a_learn_refresh[APPENDIX_A_LEARNED] = {
-        1.93513298f,  /* 0x3ff7b270 */
-      0.0604729056f,  /* 0x3d77b270 */
-        7.74053192f,  /* 0x40f7b270 */
-        2.09513426f,  /* 0x400616ae */
-      0.0654729456f,  /* 0x3d8616ae */
-        8.38053703f,  /* 0x410616ae */
-        3.08302712f,  /* 0x40455051 */
-      0.0963446051f,  /* 0x3dc55052 */
-        12.3321085f,  /* 0x41455051 */
-        3.08302712f,  /* 0x40455051 */
-      0.0963446051f,  /* 0x3dc55052 */
-        12.3321085f,  /* 0x41455051 */
-        2.09513426f,  /* 0x400616ae */
-      0.0654729456f,  /* 0x3d8616ae */
-        8.38053703f,  /* 0x410616ae */
-        1.93513298f,  /* 0x3ff7b270 */
-      0.0604729056f,  /* 0x3d77b270 */
-        7.74053192f,  /* 0x40f7b270 */
+        19.8970985f,  /* 0x419f2d42 */
+       0.621784329f,  /* 0x3f1f2d42 */
+        79.5883942f,  /* 0x429f2d42 */
+        21.5422363f,  /* 0x41ac5680 */
+       0.673194885f,  /* 0x3f2c5680 */
+        86.1689453f,  /* 0x42ac5680 */
+        31.6997833f,  /* 0x41fd9928 */
+       0.990618229f,  /* 0x3f7d9928 */
+        126.799133f,  /* 0x42fd9928 */
+        31.6997833f,  /* 0x41fd9928 */
+       0.990618229f,  /* 0x3f7d9928 */
+        126.799133f,  /* 0x42fd9928 */
+        21.5422363f,  /* 0x41ac5680 */
+       0.673194885f,  /* 0x3f2c5680 */
+        86.1689453f,  /* 0x42ac5680 */
+        19.8970985f,  /* 0x419f2d42 */
+       0.621784329f,  /* 0x3f1f2d42 */
+        79.5883942f,  /* 0x429f2d42 */
 };
 
 static const float appendix_a_learn_firing[APPENDIX_A_RULES] = {

@@ -2333,7 +2333,7 @@ EXTENDED_INLINE uint32_t extended_lost(extended_learner_t *self, float e, float 
  * one parameter, by the pseudo-measurement w reference_j = w theta_j. */
 EXTENDED_INLINE void extended_begin(extended_learner_t *self, float e)
 {
-    const uint32_t sliding = 1u;
+    const uint32_t sliding = (uint32_t)(self->age >= EXTENDED_LEARN_WINDOW);
 
     self->since_refresh += sliding;
     self->measuring = (uint32_t)(self->since_refresh < EXTENDED_LEARN_REFRESH_EVERY);

@@ -232,8 +232,8 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
- * 1781 float +-, 923 float *, 21 float comparisons, 271 integer, 699 loads, 1244 stores, 52 branches.
- * C674x: about 4804 cycles (estimate). */
+ * 1781 float +-, 923 float *, 21 float comparisons, 272 integer, 700 loads, 1244 stores, 52 branches.
+ * C674x: about 4806 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; EXTENDED_COMMIT_POINTS check points,

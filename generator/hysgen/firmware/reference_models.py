@@ -38,6 +38,7 @@ TRAINS: Final = ((100.0, 10), (50.0, 7), (25.0, 4), (10.0, 3))
 HOLD_S, TRAVEL_S = 0.5, 0.006
 
 CALLS_PER_UPDATE: Final = 8
+LEARNER_ALPHA: Final = 1e-6
 
 
 def laboratory() -> Stage:
@@ -51,8 +52,14 @@ def firmware_models() -> tuple[Model, ...]:
 
 
 def with_learner(model: Model) -> Model:
-    """The model with a learner of all its parameters, one update spread over several samples."""
-    return replace(model, learner=LearnerSettings(calls_per_update=CALLS_PER_UPDATE))
+    """The model with a learner of all its parameters, one update spread over several samples.
+
+    The prior trusts the identification (alpha), and nothing is forgotten until the window is full: one sine does not
+    excite all parameters, and those that it does not excite must not wander off to where commit refuses them.
+    """
+    return replace(
+        model, learner=LearnerSettings(forgetting=1.0, alpha=LEARNER_ALPHA, calls_per_update=CALLS_PER_UPDATE)
+    )
 
 
 def extended() -> Model:

@@ -1,0 +1,48 @@
+; vectors.asm: the vector table for TI's assembler. start.s says the same to GNU as. Not run here.
+
+        .ref    _c_int00
+        .ref    main_tick
+        .def    vectors
+        .sect   ".vectors"
+        .align  1024
+        .nocmp
+
+slot    .macro  target
+        STW     .D2T2   B10, *B15--[2]
+        MVKL    .S2     target, B10
+        MVKH    .S2     target, B10
+        B       .S2     B10
+        LDW     .D2T2   *++B15[2], B10
+        NOP     4
+        NOP
+        NOP
+        .endm
+
+empty   .macro
+        B       .S2     IRP
+        NOP     5
+        NOP
+        NOP
+        NOP
+        NOP
+        NOP
+        NOP
+        .endm
+
+vectors:
+        slot    _c_int00
+        empty                   ; NMI
+        empty                   ; reserved
+        empty                   ; reserved
+        slot    main_tick       ; interrupt 4: Timer64P0
+        empty
+        empty
+        empty
+        empty
+        empty
+        empty
+        empty
+        empty
+        empty
+        empty
+        empty
