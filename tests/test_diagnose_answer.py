@@ -72,6 +72,15 @@ def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
     assert "periodic is not extended" in found.table()
 
 
+def test_a_certificate_that_the_extended_model_lacks_is_told(hum: tuple[Record, Diagnosis]) -> None:
+    found = hum[1]
+    told = {name: {"holds": name != "inverse"} for name in ("gain", "contraction", "inverse")}
+    lacking = dataclasses.replace(found, model=dataclasses.replace(found.model, certificates=told))
+    assert lacking.missing_certificates == ("inverse",)
+    assert lacking.to_json()["missing_certificates"] == ["inverse"]
+    assert "not certified in the extended model: inverse" in lacking.table()
+
+
 def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]) -> None:
     record, found = hum
     segment = record.segments[0]

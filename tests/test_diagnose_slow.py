@@ -16,7 +16,7 @@ from hysgen.diagnose.prepare import prepare, reach_um
 from hysgen.diagnose.probe import Chain, Operator, Run, Scene, refine
 from hysgen.diagnose.probe.dynamics import respond
 from hysgen.diagnose.procedure import name_causes
-from hysgen.diagnose.search import search
+from hysgen.diagnose.search import _pruned, search
 from hysgen.record import Record
 from hysgen.stage import run as measure
 
@@ -53,9 +53,11 @@ def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
 
 
 def test_drift_at_one_rate_stays_a_ramp() -> None:
-    found = search(drifting(0.1 * np.arange(SAMPLES) / SAMPLES))
-    assert found.fit.chain.drift
-    assert found.fit.chain.since_s is None
+    scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
+    slowing = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=2.0, memory=False))
+    pruned = _pruned(scene, slowing, scene.rows)
+    assert pruned.chain.drift
+    assert pruned.chain.since_s is None
 
 
 def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_it() -> None:

@@ -108,6 +108,16 @@ class Diagnosis:
         """Names of the causes in the order found, `unknown` last if structure is left."""
         return (*(cause.name for cause in self.causes), *(("unknown",) if self.unknown else ()))
 
+    @property
+    def missing_certificates(self) -> tuple[str, ...]:
+        """Those of gain, contraction and inverse that the extended model does not have.
+
+        The fit stays inside limits on gain and slope, and on the loop of nonlinear terms alone; modes and slow states
+        put zeros of their own into the inverse, for which it has no limit.
+        """
+        told = self.model.certificates
+        return tuple(name for name in ("gain", "contraction", "inverse") if name in told and not told[name]["holds"])
+
     def to_json(self) -> dict[str, Any]:
         """As in DESIGN.md, section 8, and more."""
         causes = [cause.to_json() for cause in self.causes]
@@ -127,6 +137,7 @@ class Diagnosis:
             "next_experiment": self.next_experiment,
             "not_named": [{"name": refused.name, "why": refused.why} for refused in self.refused],
             "probe_rms_um": self.probe_rms_um,
+            "missing_certificates": list(self.missing_certificates),
         }
 
     def table(self) -> str:
@@ -150,6 +161,8 @@ class Diagnosis:
             lines.append(f"unknown: {self.unknown}")
         if not self.causes and not self.unknown:
             lines.append("nothing: what the paper's model leaves is not above what hysteresis and noise leave")
+        if self.missing_certificates:
+            lines.append(f"not certified in the extended model: {', '.join(self.missing_certificates)}")
         lines.extend(f"not named: {refused.name}: {refused.why}" for refused in self.refused)
         if self.next_experiment:
             lines.append(f"next experiment: {self.next_experiment}")
