@@ -2044,20 +2044,16 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
 
 APPENDIX_A_INLINE float appendix_a_lesser(float a, float b)
 {
-    const uint32_t take = appendix_a_mask((uint32_t)(b < a));
-
-    return appendix_a_float((appendix_a_bits(a) & ~take) | (appendix_a_bits(b) & take));
+    return (b < a) ? b : a;
 }
 
 APPENDIX_A_INLINE float appendix_a_greater(float a, float b)
 {
-    const uint32_t take = appendix_a_mask((uint32_t)(b > a));
-
-    return appendix_a_float((appendix_a_bits(a) & ~take) | (appendix_a_bits(b) & take));
+    return (b > a) ? b : a;
 }
 
 /* Half the spread over the rules of y q1 + u q2 + one q3, the strengths in the bank taken off again. */
-static float appendix_a_spread(const appendix_a_bank_t *bank, float y, float u, float one)
+APPENDIX_A_INLINE float appendix_a_spread(const appendix_a_bank_t *bank, float y, float u, float one)
 {
     const float v0 = ((y * bank->slope[0] + u * bank->gain[0]) + one * bank->offset[0]) * appendix_a_commit_unfold[0];
     const float v1 = ((y * bank->slope[1] + u * bank->gain[1]) + one * bank->offset[1]) * appendix_a_commit_unfold[1];
@@ -2123,11 +2119,6 @@ static uint32_t appendix_a_snapshot(appendix_a_learner_t *learner)
     candidate->theta[15] = learner->theta[15];
     candidate->theta[16] = learner->theta[16];
     candidate->theta[17] = learner->theta[17];
-    for (uint32_t l = 0u; l < APPENDIX_A_BANK_RULES; ++l) {
-        candidate->bank.slope[l] = learner->base.slope[l];
-        candidate->bank.offset[l] = learner->base.offset[l];
-        candidate->bank.gain[l] = learner->base.gain[l];
-    }
     candidate->bank.slope[0] = candidate->theta[0] * appendix_a_learn_per_scale[0];
     candidate->bank.gain[0] = candidate->theta[1] * appendix_a_learn_per_scale[1];
     candidate->bank.offset[0] = candidate->theta[2] * appendix_a_learn_per_scale[2];

@@ -613,153 +613,83 @@ static EXTENDED_STRAIGHT void extended_project_0(extended_learner_t *self)
     for (uint32_t j = 0u; j < 16u; j += 4u) {
         const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
         const float *u = &self->u[c * EXTENDED_LEARNED];
-        const float x0 = self->x[0];
-        float f0 = u[0] * x0, f1 = u[25] * x0, f2 = u[50] * x0, f3 = u[75] * x0;
+        float f0, f1, f2, f3;
 
-        { /* row 1 */
-            const float x = self->x[1];
-            const float m0 = u[1] * x, m1 = u[26] * x, m2 = u[51] * x, m3 = u[76] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 2 */
-            const float x = self->x[2];
-            const float m0 = u[2] * x, m1 = u[27] * x, m2 = u[52] * x, m3 = u[77] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 3 */
-            const float x = self->x[3];
-            const float m0 = u[3] * x, m1 = u[28] * x, m2 = u[53] * x, m3 = u[78] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 4 */
-            const float x = self->x[4];
-            const float m0 = u[4] * x, m1 = u[29] * x, m2 = u[54] * x, m3 = u[79] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 5 */
-            const float x = self->x[5];
-            const float m0 = u[5] * x, m1 = u[30] * x, m2 = u[55] * x, m3 = u[80] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 6 */
-            const float x = self->x[6];
-            const float m0 = u[6] * x, m1 = u[31] * x, m2 = u[56] * x, m3 = u[81] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 7 */
-            const float x = self->x[7];
-            const float m0 = u[7] * x, m1 = u[32] * x, m2 = u[57] * x, m3 = u[82] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 8 */
-            const float x = self->x[8];
-            const float m0 = u[8] * x, m1 = u[33] * x, m2 = u[58] * x, m3 = u[83] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 9 */
-            const float x = self->x[9];
-            const float m0 = u[9] * x, m1 = u[34] * x, m2 = u[59] * x, m3 = u[84] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 10 */
-            const float x = self->x[10];
-            const float m0 = u[10] * x, m1 = u[35] * x, m2 = u[60] * x, m3 = u[85] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 11 */
-            const float x = self->x[11];
-            const float m0 = u[11] * x, m1 = u[36] * x, m2 = u[61] * x, m3 = u[86] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 12 */
-            const float x = self->x[12];
-            const float m0 = u[12] * x, m1 = u[37] * x, m2 = u[62] * x, m3 = u[87] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 13 */
-            const float x = self->x[13];
-            const float m0 = u[13] * x, m1 = u[38] * x, m2 = u[63] * x, m3 = u[88] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 14 */
-            const float x = self->x[14];
-            const float m0 = u[14] * x, m1 = u[39] * x, m2 = u[64] * x, m3 = u[89] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 15 */
-            const float x = self->x[15];
-            const float m0 = u[15] * x, m1 = u[40] * x, m2 = u[65] * x, m3 = u[90] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 16 */
-            const float x = self->x[16];
-            const float m0 = u[16] * x, m1 = u[41] * x, m2 = u[66] * x, m3 = u[91] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 17 */
-            const float x = self->x[17];
-            const float m0 = u[17] * x, m1 = u[42] * x, m2 = u[67] * x, m3 = u[92] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 18 */
-            const float x = self->x[18];
-            const float m0 = u[18] * x, m1 = u[43] * x, m2 = u[68] * x, m3 = u[93] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 19 */
-            const float x = self->x[19];
-            const float m0 = u[19] * x, m1 = u[44] * x, m2 = u[69] * x, m3 = u[94] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 20 */
-            const float x = self->x[20];
-            const float m0 = u[20] * x, m1 = u[45] * x, m2 = u[70] * x, m3 = u[95] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 21 */
-            const float x = self->x[21];
-            const float m0 = u[21] * x, m1 = u[46] * x, m2 = u[71] * x, m3 = u[96] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 22 */
-            const float x = self->x[22];
-            const float m0 = u[22] * x, m1 = u[47] * x, m2 = u[72] * x, m3 = u[97] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 23 */
-            const float x = self->x[23];
-            const float m0 = u[23] * x, m1 = u[48] * x, m2 = u[73] * x, m3 = u[98] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 24 */
-            const float x = self->x[24];
-            const float m0 = u[24] * x, m1 = u[49] * x, m2 = u[74] * x, m3 = u[99] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
+        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
+        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
+        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
+        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
+        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
+        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
+        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
+        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
+        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
+        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
+        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
+        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
+        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
+        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
+        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
+        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
+        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
+        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
+        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
+        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
+        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
+        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
+        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
+        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
+        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
+        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
+        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
+        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
+        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
+        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
+        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
+        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
+        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
+        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
+        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
+        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
+        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
+        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
+        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
+        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
+        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
+        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
+        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
+        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
+        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
+        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
+        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
+        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
+        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
+        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
+        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
+        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
+        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
+        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
+        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
+        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
+        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
+        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
+        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
+        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
+        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
+        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
+        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
+        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
+        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
+        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
+        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
+        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
+        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
+        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
+        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
+        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
+        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
+        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
+        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
         self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
     }
     const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate,
@@ -797,153 +727,83 @@ static EXTENDED_STRAIGHT void extended_project_1(extended_learner_t *self)
     for (uint32_t j = 16u; j < 20u; j += 4u) {
         const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
         const float *u = &self->u[c * EXTENDED_LEARNED];
-        const float x0 = self->x[0];
-        float f0 = u[0] * x0, f1 = u[25] * x0, f2 = u[50] * x0, f3 = u[75] * x0;
+        float f0, f1, f2, f3;
 
-        { /* row 1 */
-            const float x = self->x[1];
-            const float m0 = u[1] * x, m1 = u[26] * x, m2 = u[51] * x, m3 = u[76] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 2 */
-            const float x = self->x[2];
-            const float m0 = u[2] * x, m1 = u[27] * x, m2 = u[52] * x, m3 = u[77] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 3 */
-            const float x = self->x[3];
-            const float m0 = u[3] * x, m1 = u[28] * x, m2 = u[53] * x, m3 = u[78] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 4 */
-            const float x = self->x[4];
-            const float m0 = u[4] * x, m1 = u[29] * x, m2 = u[54] * x, m3 = u[79] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 5 */
-            const float x = self->x[5];
-            const float m0 = u[5] * x, m1 = u[30] * x, m2 = u[55] * x, m3 = u[80] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 6 */
-            const float x = self->x[6];
-            const float m0 = u[6] * x, m1 = u[31] * x, m2 = u[56] * x, m3 = u[81] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 7 */
-            const float x = self->x[7];
-            const float m0 = u[7] * x, m1 = u[32] * x, m2 = u[57] * x, m3 = u[82] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 8 */
-            const float x = self->x[8];
-            const float m0 = u[8] * x, m1 = u[33] * x, m2 = u[58] * x, m3 = u[83] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 9 */
-            const float x = self->x[9];
-            const float m0 = u[9] * x, m1 = u[34] * x, m2 = u[59] * x, m3 = u[84] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 10 */
-            const float x = self->x[10];
-            const float m0 = u[10] * x, m1 = u[35] * x, m2 = u[60] * x, m3 = u[85] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 11 */
-            const float x = self->x[11];
-            const float m0 = u[11] * x, m1 = u[36] * x, m2 = u[61] * x, m3 = u[86] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 12 */
-            const float x = self->x[12];
-            const float m0 = u[12] * x, m1 = u[37] * x, m2 = u[62] * x, m3 = u[87] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 13 */
-            const float x = self->x[13];
-            const float m0 = u[13] * x, m1 = u[38] * x, m2 = u[63] * x, m3 = u[88] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 14 */
-            const float x = self->x[14];
-            const float m0 = u[14] * x, m1 = u[39] * x, m2 = u[64] * x, m3 = u[89] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 15 */
-            const float x = self->x[15];
-            const float m0 = u[15] * x, m1 = u[40] * x, m2 = u[65] * x, m3 = u[90] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 16 */
-            const float x = self->x[16];
-            const float m0 = u[16] * x, m1 = u[41] * x, m2 = u[66] * x, m3 = u[91] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 17 */
-            const float x = self->x[17];
-            const float m0 = u[17] * x, m1 = u[42] * x, m2 = u[67] * x, m3 = u[92] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 18 */
-            const float x = self->x[18];
-            const float m0 = u[18] * x, m1 = u[43] * x, m2 = u[68] * x, m3 = u[93] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 19 */
-            const float x = self->x[19];
-            const float m0 = u[19] * x, m1 = u[44] * x, m2 = u[69] * x, m3 = u[94] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 20 */
-            const float x = self->x[20];
-            const float m0 = u[20] * x, m1 = u[45] * x, m2 = u[70] * x, m3 = u[95] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 21 */
-            const float x = self->x[21];
-            const float m0 = u[21] * x, m1 = u[46] * x, m2 = u[71] * x, m3 = u[96] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 22 */
-            const float x = self->x[22];
-            const float m0 = u[22] * x, m1 = u[47] * x, m2 = u[72] * x, m3 = u[97] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 23 */
-            const float x = self->x[23];
-            const float m0 = u[23] * x, m1 = u[48] * x, m2 = u[73] * x, m3 = u[98] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 24 */
-            const float x = self->x[24];
-            const float m0 = u[24] * x, m1 = u[49] * x, m2 = u[74] * x, m3 = u[99] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
+        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
+        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
+        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
+        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
+        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
+        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
+        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
+        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
+        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
+        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
+        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
+        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
+        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
+        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
+        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
+        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
+        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
+        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
+        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
+        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
+        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
+        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
+        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
+        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
+        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
+        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
+        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
+        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
+        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
+        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
+        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
+        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
+        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
+        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
+        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
+        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
+        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
+        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
+        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
+        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
+        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
+        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
+        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
+        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
+        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
+        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
+        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
+        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
+        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
+        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
+        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
+        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
+        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
+        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
+        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
+        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
+        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
+        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
+        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
+        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
+        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
+        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
+        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
+        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
+        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
+        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
+        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
+        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
+        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
+        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
+        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
+        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
+        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
+        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
+        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
         self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
     }
     const float d16 = self->d[16] * inflate, d17 = self->d[17] * inflate, d18 = self->d[18] * inflate,
@@ -965,153 +825,83 @@ static EXTENDED_STRAIGHT void extended_project_2(extended_learner_t *self)
     for (uint32_t j = 20u; j < 24u; j += 4u) {
         const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
         const float *u = &self->u[c * EXTENDED_LEARNED];
-        const float x0 = self->x[0];
-        float f0 = u[0] * x0, f1 = u[25] * x0, f2 = u[50] * x0, f3 = u[75] * x0;
+        float f0, f1, f2, f3;
 
-        { /* row 1 */
-            const float x = self->x[1];
-            const float m0 = u[1] * x, m1 = u[26] * x, m2 = u[51] * x, m3 = u[76] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 2 */
-            const float x = self->x[2];
-            const float m0 = u[2] * x, m1 = u[27] * x, m2 = u[52] * x, m3 = u[77] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 3 */
-            const float x = self->x[3];
-            const float m0 = u[3] * x, m1 = u[28] * x, m2 = u[53] * x, m3 = u[78] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 4 */
-            const float x = self->x[4];
-            const float m0 = u[4] * x, m1 = u[29] * x, m2 = u[54] * x, m3 = u[79] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 5 */
-            const float x = self->x[5];
-            const float m0 = u[5] * x, m1 = u[30] * x, m2 = u[55] * x, m3 = u[80] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 6 */
-            const float x = self->x[6];
-            const float m0 = u[6] * x, m1 = u[31] * x, m2 = u[56] * x, m3 = u[81] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 7 */
-            const float x = self->x[7];
-            const float m0 = u[7] * x, m1 = u[32] * x, m2 = u[57] * x, m3 = u[82] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 8 */
-            const float x = self->x[8];
-            const float m0 = u[8] * x, m1 = u[33] * x, m2 = u[58] * x, m3 = u[83] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 9 */
-            const float x = self->x[9];
-            const float m0 = u[9] * x, m1 = u[34] * x, m2 = u[59] * x, m3 = u[84] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 10 */
-            const float x = self->x[10];
-            const float m0 = u[10] * x, m1 = u[35] * x, m2 = u[60] * x, m3 = u[85] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 11 */
-            const float x = self->x[11];
-            const float m0 = u[11] * x, m1 = u[36] * x, m2 = u[61] * x, m3 = u[86] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 12 */
-            const float x = self->x[12];
-            const float m0 = u[12] * x, m1 = u[37] * x, m2 = u[62] * x, m3 = u[87] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 13 */
-            const float x = self->x[13];
-            const float m0 = u[13] * x, m1 = u[38] * x, m2 = u[63] * x, m3 = u[88] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 14 */
-            const float x = self->x[14];
-            const float m0 = u[14] * x, m1 = u[39] * x, m2 = u[64] * x, m3 = u[89] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 15 */
-            const float x = self->x[15];
-            const float m0 = u[15] * x, m1 = u[40] * x, m2 = u[65] * x, m3 = u[90] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 16 */
-            const float x = self->x[16];
-            const float m0 = u[16] * x, m1 = u[41] * x, m2 = u[66] * x, m3 = u[91] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 17 */
-            const float x = self->x[17];
-            const float m0 = u[17] * x, m1 = u[42] * x, m2 = u[67] * x, m3 = u[92] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 18 */
-            const float x = self->x[18];
-            const float m0 = u[18] * x, m1 = u[43] * x, m2 = u[68] * x, m3 = u[93] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 19 */
-            const float x = self->x[19];
-            const float m0 = u[19] * x, m1 = u[44] * x, m2 = u[69] * x, m3 = u[94] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 20 */
-            const float x = self->x[20];
-            const float m0 = u[20] * x, m1 = u[45] * x, m2 = u[70] * x, m3 = u[95] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 21 */
-            const float x = self->x[21];
-            const float m0 = u[21] * x, m1 = u[46] * x, m2 = u[71] * x, m3 = u[96] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 22 */
-            const float x = self->x[22];
-            const float m0 = u[22] * x, m1 = u[47] * x, m2 = u[72] * x, m3 = u[97] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 23 */
-            const float x = self->x[23];
-            const float m0 = u[23] * x, m1 = u[48] * x, m2 = u[73] * x, m3 = u[98] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 24 */
-            const float x = self->x[24];
-            const float m0 = u[24] * x, m1 = u[49] * x, m2 = u[74] * x, m3 = u[99] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
+        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
+        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
+        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
+        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
+        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
+        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
+        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
+        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
+        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
+        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
+        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
+        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
+        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
+        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
+        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
+        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
+        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
+        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
+        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
+        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
+        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
+        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
+        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
+        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
+        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
+        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
+        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
+        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
+        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
+        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
+        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
+        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
+        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
+        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
+        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
+        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
+        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
+        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
+        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
+        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
+        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
+        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
+        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
+        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
+        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
+        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
+        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
+        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
+        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
+        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
+        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
+        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
+        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
+        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
+        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
+        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
+        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
+        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
+        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
+        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
+        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
+        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
+        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
+        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
+        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
+        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
+        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
+        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
+        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
+        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
+        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
+        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
+        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
+        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
+        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
         self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
     }
     const float d20 = self->d[20] * inflate, d21 = self->d[21] * inflate, d22 = self->d[22] * inflate,
@@ -1133,153 +923,83 @@ static EXTENDED_STRAIGHT void extended_project_3(extended_learner_t *self)
     for (uint32_t j = 24u; j < 25u; j += 4u) {
         const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
         const float *u = &self->u[c * EXTENDED_LEARNED];
-        const float x0 = self->x[0];
-        float f0 = u[0] * x0, f1 = u[25] * x0, f2 = u[50] * x0, f3 = u[75] * x0;
+        float f0, f1, f2, f3;
 
-        { /* row 1 */
-            const float x = self->x[1];
-            const float m0 = u[1] * x, m1 = u[26] * x, m2 = u[51] * x, m3 = u[76] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 2 */
-            const float x = self->x[2];
-            const float m0 = u[2] * x, m1 = u[27] * x, m2 = u[52] * x, m3 = u[77] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 3 */
-            const float x = self->x[3];
-            const float m0 = u[3] * x, m1 = u[28] * x, m2 = u[53] * x, m3 = u[78] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 4 */
-            const float x = self->x[4];
-            const float m0 = u[4] * x, m1 = u[29] * x, m2 = u[54] * x, m3 = u[79] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 5 */
-            const float x = self->x[5];
-            const float m0 = u[5] * x, m1 = u[30] * x, m2 = u[55] * x, m3 = u[80] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 6 */
-            const float x = self->x[6];
-            const float m0 = u[6] * x, m1 = u[31] * x, m2 = u[56] * x, m3 = u[81] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 7 */
-            const float x = self->x[7];
-            const float m0 = u[7] * x, m1 = u[32] * x, m2 = u[57] * x, m3 = u[82] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 8 */
-            const float x = self->x[8];
-            const float m0 = u[8] * x, m1 = u[33] * x, m2 = u[58] * x, m3 = u[83] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 9 */
-            const float x = self->x[9];
-            const float m0 = u[9] * x, m1 = u[34] * x, m2 = u[59] * x, m3 = u[84] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 10 */
-            const float x = self->x[10];
-            const float m0 = u[10] * x, m1 = u[35] * x, m2 = u[60] * x, m3 = u[85] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 11 */
-            const float x = self->x[11];
-            const float m0 = u[11] * x, m1 = u[36] * x, m2 = u[61] * x, m3 = u[86] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 12 */
-            const float x = self->x[12];
-            const float m0 = u[12] * x, m1 = u[37] * x, m2 = u[62] * x, m3 = u[87] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 13 */
-            const float x = self->x[13];
-            const float m0 = u[13] * x, m1 = u[38] * x, m2 = u[63] * x, m3 = u[88] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 14 */
-            const float x = self->x[14];
-            const float m0 = u[14] * x, m1 = u[39] * x, m2 = u[64] * x, m3 = u[89] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 15 */
-            const float x = self->x[15];
-            const float m0 = u[15] * x, m1 = u[40] * x, m2 = u[65] * x, m3 = u[90] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 16 */
-            const float x = self->x[16];
-            const float m0 = u[16] * x, m1 = u[41] * x, m2 = u[66] * x, m3 = u[91] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 17 */
-            const float x = self->x[17];
-            const float m0 = u[17] * x, m1 = u[42] * x, m2 = u[67] * x, m3 = u[92] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 18 */
-            const float x = self->x[18];
-            const float m0 = u[18] * x, m1 = u[43] * x, m2 = u[68] * x, m3 = u[93] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 19 */
-            const float x = self->x[19];
-            const float m0 = u[19] * x, m1 = u[44] * x, m2 = u[69] * x, m3 = u[94] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 20 */
-            const float x = self->x[20];
-            const float m0 = u[20] * x, m1 = u[45] * x, m2 = u[70] * x, m3 = u[95] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 21 */
-            const float x = self->x[21];
-            const float m0 = u[21] * x, m1 = u[46] * x, m2 = u[71] * x, m3 = u[96] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 22 */
-            const float x = self->x[22];
-            const float m0 = u[22] * x, m1 = u[47] * x, m2 = u[72] * x, m3 = u[97] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 23 */
-            const float x = self->x[23];
-            const float m0 = u[23] * x, m1 = u[48] * x, m2 = u[73] * x, m3 = u[98] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
-        { /* row 24 */
-            const float x = self->x[24];
-            const float m0 = u[24] * x, m1 = u[49] * x, m2 = u[74] * x, m3 = u[99] * x;
-
-            f0 = f0 + m0; f1 = f1 + m1; f2 = f2 + m2; f3 = f3 + m3;
-        }
+        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
+        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
+        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
+        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
+        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
+        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
+        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
+        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
+        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
+        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
+        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
+        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
+        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
+        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
+        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
+        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
+        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
+        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
+        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
+        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
+        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
+        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
+        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
+        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
+        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
+        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
+        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
+        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
+        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
+        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
+        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
+        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
+        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
+        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
+        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
+        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
+        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
+        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
+        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
+        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
+        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
+        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
+        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
+        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
+        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
+        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
+        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
+        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
+        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
+        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
+        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
+        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
+        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
+        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
+        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
+        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
+        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
+        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
+        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
+        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
+        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
+        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
+        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
+        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
+        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
+        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
+        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
+        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
+        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
+        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
+        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
+        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
+        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
+        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
+        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
         self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
     }
     const float d24 = self->d[24] * inflate;
@@ -1305,73 +1025,62 @@ static EXTENDED_STRAIGHT void extended_factor_0(extended_learner_t *self)
         const float g = self->g[j];
         float *u = &self->u[j * EXTENDED_LEARNED];
 
-        {
-            const float x0 = u[0], x1 = u[1], x2 = u[2], x3 = u[3], x4 = u[4], x5 = u[5];
-            const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l, p4 = k4 * l, p5 = k5 * l;
-            const float q0 = x0 * g, q1 = x1 * g, q2 = x2 * g, q3 = x3 * g, q4 = x4 * g, q5 = x5 * g;
-            const float r0 = x0 + p0, r1 = x1 + p1, r2 = x2 + p2, r3 = x3 + p3, r4 = x4 + p4, r5 = x5 + p5;
-
-            k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3; k4 = k4 + q4; k5 = k5 + q5;
-            const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid, s4 = r4 + grid,
-            s5 = r5 + grid;
-            const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid, t4 = s4 - grid,
-            t5 = s5 - grid;
-            u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3; u[4] = t4; u[5] = t5;
-        }
-        {
-            const float x6 = u[6], x7 = u[7], x8 = u[8], x9 = u[9], x10 = u[10], x11 = u[11];
-            const float p6 = k6 * l, p7 = k7 * l, p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-            const float q6 = x6 * g, q7 = x7 * g, q8 = x8 * g, q9 = x9 * g, q10 = x10 * g, q11 = x11 * g;
-            const float r6 = x6 + p6, r7 = x7 + p7, r8 = x8 + p8, r9 = x9 + p9, r10 = x10 + p10, r11 = x11 + p11;
-
-            k6 = k6 + q6; k7 = k7 + q7; k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-            const float s6 = r6 + grid, s7 = r7 + grid, s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid,
-            s11 = r11 + grid;
-            const float t6 = s6 - grid, t7 = s7 - grid, t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid,
-            t11 = s11 - grid;
-            u[6] = t6; u[7] = t7; u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        }
-        {
-            const float x12 = u[12], x13 = u[13], x14 = u[14], x15 = u[15], x16 = u[16], x17 = u[17];
-            const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l, p16 = k16 * l, p17 = k17 * l;
-            const float q12 = x12 * g, q13 = x13 * g, q14 = x14 * g, q15 = x15 * g, q16 = x16 * g, q17 = x17 * g;
-            const float r12 = x12 + p12, r13 = x13 + p13, r14 = x14 + p14, r15 = x15 + p15, r16 = x16 + p16,
-            r17 = x17 + p17;
-
-            k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15; k16 = k16 + q16;
-            k17 = k17 + q17;
-            const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid, s16 = r16 + grid,
-            s17 = r17 + grid;
-            const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid, t16 = s16 - grid,
-            t17 = s17 - grid;
-            u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15; u[16] = t16; u[17] = t17;
-        }
-        {
-            const float x18 = u[18], x19 = u[19], x20 = u[20], x21 = u[21], x22 = u[22], x23 = u[23];
-            const float p18 = k18 * l, p19 = k19 * l, p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-            const float q18 = x18 * g, q19 = x19 * g, q20 = x20 * g, q21 = x21 * g, q22 = x22 * g, q23 = x23 * g;
-            const float r18 = x18 + p18, r19 = x19 + p19, r20 = x20 + p20, r21 = x21 + p21, r22 = x22 + p22,
-            r23 = x23 + p23;
-
-            k18 = k18 + q18; k19 = k19 + q19; k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22;
-            k23 = k23 + q23;
-            const float s18 = r18 + grid, s19 = r19 + grid, s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid,
-            s23 = r23 + grid;
-            const float t18 = s18 - grid, t19 = s19 - grid, t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid,
-            t23 = s23 - grid;
-            u[18] = t18; u[19] = t19; u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        }
-        {
-            const float x24 = u[24];
-            const float p24 = k24 * l;
-            const float q24 = x24 * g;
-            const float r24 = x24 + p24;
-
-            k24 = k24 + q24;
-            const float s24 = r24 + grid;
-            const float t24 = s24 - grid;
-            u[24] = t24;
-        }
+        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
+        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
+        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
+        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
+        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
+        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
+        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
+        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
+        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
+        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
+        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
+        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
+        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
+        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
+        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
+        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
+        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
+        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
+        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
+        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
+        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
+        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
+        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
+        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
+        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
+        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
+        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
+        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
+        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
+        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
+        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
+        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
+        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
+        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
+        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
+        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
+        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
+        const float u24 = u[24];
+        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
+        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
+        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
+        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
+        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
+        const float p24 = k24 * l;
+        const float q24 = u24 * g;
+        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
+        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
+        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
+        const float r24 = u24 + p24;
+        k24 = k24 + q24;
+        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
+        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
+        const float s24 = r24 + grid;
+        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
+        const float t24 = s24 - grid;
+        u[24] = t24;
     }
 
     self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
@@ -1400,73 +1109,62 @@ static EXTENDED_STRAIGHT void extended_factor_1(extended_learner_t *self)
         const float g = self->g[j];
         float *u = &self->u[j * EXTENDED_LEARNED];
 
-        {
-            const float x0 = u[0], x1 = u[1], x2 = u[2], x3 = u[3], x4 = u[4], x5 = u[5];
-            const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l, p4 = k4 * l, p5 = k5 * l;
-            const float q0 = x0 * g, q1 = x1 * g, q2 = x2 * g, q3 = x3 * g, q4 = x4 * g, q5 = x5 * g;
-            const float r0 = x0 + p0, r1 = x1 + p1, r2 = x2 + p2, r3 = x3 + p3, r4 = x4 + p4, r5 = x5 + p5;
-
-            k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3; k4 = k4 + q4; k5 = k5 + q5;
-            const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid, s4 = r4 + grid,
-            s5 = r5 + grid;
-            const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid, t4 = s4 - grid,
-            t5 = s5 - grid;
-            u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3; u[4] = t4; u[5] = t5;
-        }
-        {
-            const float x6 = u[6], x7 = u[7], x8 = u[8], x9 = u[9], x10 = u[10], x11 = u[11];
-            const float p6 = k6 * l, p7 = k7 * l, p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-            const float q6 = x6 * g, q7 = x7 * g, q8 = x8 * g, q9 = x9 * g, q10 = x10 * g, q11 = x11 * g;
-            const float r6 = x6 + p6, r7 = x7 + p7, r8 = x8 + p8, r9 = x9 + p9, r10 = x10 + p10, r11 = x11 + p11;
-
-            k6 = k6 + q6; k7 = k7 + q7; k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-            const float s6 = r6 + grid, s7 = r7 + grid, s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid,
-            s11 = r11 + grid;
-            const float t6 = s6 - grid, t7 = s7 - grid, t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid,
-            t11 = s11 - grid;
-            u[6] = t6; u[7] = t7; u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        }
-        {
-            const float x12 = u[12], x13 = u[13], x14 = u[14], x15 = u[15], x16 = u[16], x17 = u[17];
-            const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l, p16 = k16 * l, p17 = k17 * l;
-            const float q12 = x12 * g, q13 = x13 * g, q14 = x14 * g, q15 = x15 * g, q16 = x16 * g, q17 = x17 * g;
-            const float r12 = x12 + p12, r13 = x13 + p13, r14 = x14 + p14, r15 = x15 + p15, r16 = x16 + p16,
-            r17 = x17 + p17;
-
-            k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15; k16 = k16 + q16;
-            k17 = k17 + q17;
-            const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid, s16 = r16 + grid,
-            s17 = r17 + grid;
-            const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid, t16 = s16 - grid,
-            t17 = s17 - grid;
-            u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15; u[16] = t16; u[17] = t17;
-        }
-        {
-            const float x18 = u[18], x19 = u[19], x20 = u[20], x21 = u[21], x22 = u[22], x23 = u[23];
-            const float p18 = k18 * l, p19 = k19 * l, p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-            const float q18 = x18 * g, q19 = x19 * g, q20 = x20 * g, q21 = x21 * g, q22 = x22 * g, q23 = x23 * g;
-            const float r18 = x18 + p18, r19 = x19 + p19, r20 = x20 + p20, r21 = x21 + p21, r22 = x22 + p22,
-            r23 = x23 + p23;
-
-            k18 = k18 + q18; k19 = k19 + q19; k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22;
-            k23 = k23 + q23;
-            const float s18 = r18 + grid, s19 = r19 + grid, s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid,
-            s23 = r23 + grid;
-            const float t18 = s18 - grid, t19 = s19 - grid, t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid,
-            t23 = s23 - grid;
-            u[18] = t18; u[19] = t19; u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        }
-        {
-            const float x24 = u[24];
-            const float p24 = k24 * l;
-            const float q24 = x24 * g;
-            const float r24 = x24 + p24;
-
-            k24 = k24 + q24;
-            const float s24 = r24 + grid;
-            const float t24 = s24 - grid;
-            u[24] = t24;
-        }
+        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
+        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
+        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
+        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
+        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
+        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
+        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
+        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
+        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
+        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
+        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
+        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
+        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
+        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
+        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
+        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
+        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
+        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
+        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
+        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
+        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
+        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
+        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
+        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
+        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
+        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
+        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
+        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
+        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
+        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
+        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
+        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
+        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
+        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
+        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
+        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
+        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
+        const float u24 = u[24];
+        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
+        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
+        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
+        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
+        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
+        const float p24 = k24 * l;
+        const float q24 = u24 * g;
+        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
+        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
+        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
+        const float r24 = u24 + p24;
+        k24 = k24 + q24;
+        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
+        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
+        const float s24 = r24 + grid;
+        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
+        const float t24 = s24 - grid;
+        u[24] = t24;
     }
 
     self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
@@ -1498,73 +1196,62 @@ static EXTENDED_STRAIGHT void extended_factor_2(extended_learner_t *self)
         const float g = self->g[j];
         float *u = &self->u[j * EXTENDED_LEARNED];
 
-        {
-            const float x0 = u[0], x1 = u[1], x2 = u[2], x3 = u[3], x4 = u[4], x5 = u[5];
-            const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l, p4 = k4 * l, p5 = k5 * l;
-            const float q0 = x0 * g, q1 = x1 * g, q2 = x2 * g, q3 = x3 * g, q4 = x4 * g, q5 = x5 * g;
-            const float r0 = x0 + p0, r1 = x1 + p1, r2 = x2 + p2, r3 = x3 + p3, r4 = x4 + p4, r5 = x5 + p5;
-
-            k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3; k4 = k4 + q4; k5 = k5 + q5;
-            const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid, s4 = r4 + grid,
-            s5 = r5 + grid;
-            const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid, t4 = s4 - grid,
-            t5 = s5 - grid;
-            u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3; u[4] = t4; u[5] = t5;
-        }
-        {
-            const float x6 = u[6], x7 = u[7], x8 = u[8], x9 = u[9], x10 = u[10], x11 = u[11];
-            const float p6 = k6 * l, p7 = k7 * l, p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-            const float q6 = x6 * g, q7 = x7 * g, q8 = x8 * g, q9 = x9 * g, q10 = x10 * g, q11 = x11 * g;
-            const float r6 = x6 + p6, r7 = x7 + p7, r8 = x8 + p8, r9 = x9 + p9, r10 = x10 + p10, r11 = x11 + p11;
-
-            k6 = k6 + q6; k7 = k7 + q7; k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-            const float s6 = r6 + grid, s7 = r7 + grid, s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid,
-            s11 = r11 + grid;
-            const float t6 = s6 - grid, t7 = s7 - grid, t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid,
-            t11 = s11 - grid;
-            u[6] = t6; u[7] = t7; u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        }
-        {
-            const float x12 = u[12], x13 = u[13], x14 = u[14], x15 = u[15], x16 = u[16], x17 = u[17];
-            const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l, p16 = k16 * l, p17 = k17 * l;
-            const float q12 = x12 * g, q13 = x13 * g, q14 = x14 * g, q15 = x15 * g, q16 = x16 * g, q17 = x17 * g;
-            const float r12 = x12 + p12, r13 = x13 + p13, r14 = x14 + p14, r15 = x15 + p15, r16 = x16 + p16,
-            r17 = x17 + p17;
-
-            k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15; k16 = k16 + q16;
-            k17 = k17 + q17;
-            const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid, s16 = r16 + grid,
-            s17 = r17 + grid;
-            const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid, t16 = s16 - grid,
-            t17 = s17 - grid;
-            u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15; u[16] = t16; u[17] = t17;
-        }
-        {
-            const float x18 = u[18], x19 = u[19], x20 = u[20], x21 = u[21], x22 = u[22], x23 = u[23];
-            const float p18 = k18 * l, p19 = k19 * l, p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-            const float q18 = x18 * g, q19 = x19 * g, q20 = x20 * g, q21 = x21 * g, q22 = x22 * g, q23 = x23 * g;
-            const float r18 = x18 + p18, r19 = x19 + p19, r20 = x20 + p20, r21 = x21 + p21, r22 = x22 + p22,
-            r23 = x23 + p23;
-
-            k18 = k18 + q18; k19 = k19 + q19; k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22;
-            k23 = k23 + q23;
-            const float s18 = r18 + grid, s19 = r19 + grid, s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid,
-            s23 = r23 + grid;
-            const float t18 = s18 - grid, t19 = s19 - grid, t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid,
-            t23 = s23 - grid;
-            u[18] = t18; u[19] = t19; u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        }
-        {
-            const float x24 = u[24];
-            const float p24 = k24 * l;
-            const float q24 = x24 * g;
-            const float r24 = x24 + p24;
-
-            k24 = k24 + q24;
-            const float s24 = r24 + grid;
-            const float t24 = s24 - grid;
-            u[24] = t24;
-        }
+        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
+        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
+        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
+        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
+        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
+        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
+        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
+        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
+        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
+        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
+        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
+        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
+        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
+        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
+        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
+        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
+        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
+        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
+        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
+        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
+        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
+        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
+        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
+        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
+        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
+        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
+        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
+        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
+        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
+        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
+        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
+        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
+        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
+        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
+        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
+        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
+        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
+        const float u24 = u[24];
+        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
+        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
+        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
+        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
+        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
+        const float p24 = k24 * l;
+        const float q24 = u24 * g;
+        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
+        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
+        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
+        const float r24 = u24 + p24;
+        k24 = k24 + q24;
+        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
+        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
+        const float s24 = r24 + grid;
+        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
+        const float t24 = s24 - grid;
+        u[24] = t24;
     }
 
     self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
@@ -1598,73 +1285,62 @@ static EXTENDED_STRAIGHT void extended_factor_3(extended_learner_t *self)
         const float g = self->g[j];
         float *u = &self->u[j * EXTENDED_LEARNED];
 
-        {
-            const float x0 = u[0], x1 = u[1], x2 = u[2], x3 = u[3], x4 = u[4], x5 = u[5];
-            const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l, p4 = k4 * l, p5 = k5 * l;
-            const float q0 = x0 * g, q1 = x1 * g, q2 = x2 * g, q3 = x3 * g, q4 = x4 * g, q5 = x5 * g;
-            const float r0 = x0 + p0, r1 = x1 + p1, r2 = x2 + p2, r3 = x3 + p3, r4 = x4 + p4, r5 = x5 + p5;
-
-            k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3; k4 = k4 + q4; k5 = k5 + q5;
-            const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid, s4 = r4 + grid,
-            s5 = r5 + grid;
-            const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid, t4 = s4 - grid,
-            t5 = s5 - grid;
-            u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3; u[4] = t4; u[5] = t5;
-        }
-        {
-            const float x6 = u[6], x7 = u[7], x8 = u[8], x9 = u[9], x10 = u[10], x11 = u[11];
-            const float p6 = k6 * l, p7 = k7 * l, p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-            const float q6 = x6 * g, q7 = x7 * g, q8 = x8 * g, q9 = x9 * g, q10 = x10 * g, q11 = x11 * g;
-            const float r6 = x6 + p6, r7 = x7 + p7, r8 = x8 + p8, r9 = x9 + p9, r10 = x10 + p10, r11 = x11 + p11;
-
-            k6 = k6 + q6; k7 = k7 + q7; k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-            const float s6 = r6 + grid, s7 = r7 + grid, s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid,
-            s11 = r11 + grid;
-            const float t6 = s6 - grid, t7 = s7 - grid, t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid,
-            t11 = s11 - grid;
-            u[6] = t6; u[7] = t7; u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        }
-        {
-            const float x12 = u[12], x13 = u[13], x14 = u[14], x15 = u[15], x16 = u[16], x17 = u[17];
-            const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l, p16 = k16 * l, p17 = k17 * l;
-            const float q12 = x12 * g, q13 = x13 * g, q14 = x14 * g, q15 = x15 * g, q16 = x16 * g, q17 = x17 * g;
-            const float r12 = x12 + p12, r13 = x13 + p13, r14 = x14 + p14, r15 = x15 + p15, r16 = x16 + p16,
-            r17 = x17 + p17;
-
-            k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15; k16 = k16 + q16;
-            k17 = k17 + q17;
-            const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid, s16 = r16 + grid,
-            s17 = r17 + grid;
-            const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid, t16 = s16 - grid,
-            t17 = s17 - grid;
-            u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15; u[16] = t16; u[17] = t17;
-        }
-        {
-            const float x18 = u[18], x19 = u[19], x20 = u[20], x21 = u[21], x22 = u[22], x23 = u[23];
-            const float p18 = k18 * l, p19 = k19 * l, p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-            const float q18 = x18 * g, q19 = x19 * g, q20 = x20 * g, q21 = x21 * g, q22 = x22 * g, q23 = x23 * g;
-            const float r18 = x18 + p18, r19 = x19 + p19, r20 = x20 + p20, r21 = x21 + p21, r22 = x22 + p22,
-            r23 = x23 + p23;
-
-            k18 = k18 + q18; k19 = k19 + q19; k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22;
-            k23 = k23 + q23;
-            const float s18 = r18 + grid, s19 = r19 + grid, s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid,
-            s23 = r23 + grid;
-            const float t18 = s18 - grid, t19 = s19 - grid, t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid,
-            t23 = s23 - grid;
-            u[18] = t18; u[19] = t19; u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        }
-        {
-            const float x24 = u[24];
-            const float p24 = k24 * l;
-            const float q24 = x24 * g;
-            const float r24 = x24 + p24;
-
-            k24 = k24 + q24;
-            const float s24 = r24 + grid;
-            const float t24 = s24 - grid;
-            u[24] = t24;
-        }
+        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
+        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
+        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
+        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
+        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
+        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
+        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
+        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
+        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
+        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
+        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
+        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
+        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
+        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
+        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
+        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
+        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
+        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
+        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
+        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
+        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
+        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
+        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
+        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
+        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
+        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
+        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
+        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
+        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
+        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
+        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
+        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
+        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
+        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
+        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
+        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
+        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
+        const float u24 = u[24];
+        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
+        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
+        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
+        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
+        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
+        const float p24 = k24 * l;
+        const float q24 = u24 * g;
+        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
+        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
+        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
+        const float r24 = u24 + p24;
+        k24 = k24 + q24;
+        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
+        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
+        const float s24 = r24 + grid;
+        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
+        const float t24 = s24 - grid;
+        u[24] = t24;
     }
 
     self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
@@ -2600,20 +2276,16 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model)
 
 EXTENDED_INLINE float extended_lesser(float a, float b)
 {
-    const uint32_t take = extended_mask((uint32_t)(b < a));
-
-    return extended_float((extended_bits(a) & ~take) | (extended_bits(b) & take));
+    return (b < a) ? b : a;
 }
 
 EXTENDED_INLINE float extended_greater(float a, float b)
 {
-    const uint32_t take = extended_mask((uint32_t)(b > a));
-
-    return extended_float((extended_bits(a) & ~take) | (extended_bits(b) & take));
+    return (b > a) ? b : a;
 }
 
 /* Half the spread over the rules of y q1 + u q2 + one q3, the strengths in the bank taken off again. */
-static float extended_spread(const extended_bank_t *bank, float y, float u, float one)
+EXTENDED_INLINE float extended_spread(const extended_bank_t *bank, float y, float u, float one)
 {
     const float v0 = ((y * bank->slope[0] + u * bank->gain[0]) + one * bank->offset[0]) * extended_commit_unfold[0];
     const float v1 = ((y * bank->slope[1] + u * bank->gain[1]) + one * bank->offset[1]) * extended_commit_unfold[1];
@@ -2687,14 +2359,6 @@ static uint32_t extended_snapshot(extended_learner_t *learner)
     candidate->theta[22] = learner->theta[22];
     candidate->theta[23] = learner->theta[23];
     candidate->theta[24] = learner->theta[24];
-    for (uint32_t l = 0u; l < EXTENDED_BANK_RULES; ++l) {
-        candidate->bank.slope[l] = learner->base.slope[l];
-        candidate->bank.offset[l] = learner->base.offset[l];
-        candidate->bank.gain[l] = learner->base.gain[l];
-    }
-    for (uint32_t j = 0u; j < EXTENDED_WEIGHTS; ++j) {
-        candidate->bank.weight[j] = learner->base.weight[j];
-    }
     candidate->bank.slope[0] = candidate->theta[0] * extended_learn_per_scale[0];
     candidate->bank.gain[0] = candidate->theta[1] * extended_learn_per_scale[1];
     candidate->bank.offset[0] = candidate->theta[2] * extended_learn_per_scale[2];
