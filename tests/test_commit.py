@@ -139,6 +139,21 @@ def test_without_a_protection_an_uncertified_shadow_would_pass(model: Model, pro
     assert not farthest_are_certified(model, spoil)
 
 
+@pytest.mark.parametrize("points_per_call", [1, 7, 64])
+def test_the_answer_does_not_depend_on_how_the_check_is_spread_over_calls(points_per_call: int) -> None:
+    committer = committer_of(sized(18, points_per_call=points_per_call))
+    shadows = np.concatenate(border(committer, directions(committer, np.random.default_rng(5)))[:2], axis=1)
+    shadows = shadows[:, :: shadows.shape[1] // committer.learner.theta.shape[1]]
+    expected = answers(committer_of(sized(18)), shadows)
+    assert len(set(expected.tolist())) >= 3
+    committer.learner.theta = shadows
+    told, calls = np.zeros_like(expected), 0
+    while (told == Commit.BUSY).any():
+        told, calls = np.where(told == Commit.BUSY, committer.commit(), told), calls + 1
+    np.testing.assert_array_equal(told, expected)
+    assert calls == -(-committer.numbers.points // points_per_call) + 3
+
+
 @functools.cache
 def compiled_once() -> Host:
     return Host("remembering", texts_of(remembering()), GCC)
