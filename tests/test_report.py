@@ -205,7 +205,15 @@ def test_cause_that_is_named_but_not_extended_is_told_apart(hum: Study) -> None:
 
 def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> None:
     text = diagnosis_text(hum)
-    for word in ("+ memory", "+ periodic", "noise floor", "amplitude of the swing", "time in the record"):
+    for word in (
+        "+ memory",
+        "+ periodic",
+        "noise floor",
+        "amplitude of the swing",
+        "time in the record",
+        "contraction",
+        "inverse zeros",
+    ):
         assert word in text
     assert max(len(line) for line in text.split("\n\n")[2].splitlines()) < 120
 

@@ -11,12 +11,11 @@ import contextlib
 import os
 import sys
 from collections.abc import Sequence
-from types import ModuleType
 from typing import NoReturn
 
 from hysgen import __version__
 from hysgen.cli.console import Console
-from hysgen.cli.verbs import VERBS
+from hysgen.cli.verbs import NAMES, verb
 from hysgen.errors import HysgenError
 
 _DESCRIPTION = (
@@ -32,13 +31,13 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
-def parser() -> argparse.ArgumentParser:
-    """The whole command line, for the program and for its documentation."""
+def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
+    """The whole command line, for the program and for its documentation; or that of some verbs alone."""
     top = _Parser(prog="hysgen", description=_DESCRIPTION)
     top.add_argument("--version", action="version", version=f"hysgen {__version__}")
     verbs = top.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
-    for module in VERBS:
-        name = verb_name(module)
+    for name in names:
+        module = verb(name)
         summary = (module.__doc__ or "").strip().splitlines()[0]
         sub = verbs.add_parser(
             name, help=summary, description=module.__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -49,14 +48,11 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def verb_name(module: ModuleType) -> str:
-    """A verb is called like its module."""
-    return module.__name__.rsplit(".", 1)[-1]
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb; returns the exit code. Never prints a traceback for a fault of the user's."""
-    arguments = parser().parse_args(argv)
+    words = list(sys.argv[1:] if argv is None else argv)
+    asked = [words[0]] if words and words[0] in NAMES else NAMES
+    arguments = parser(asked).parse_args(words)
     console = Console(json_to=arguments.json)
     try:
         return int(arguments.run(arguments, console))

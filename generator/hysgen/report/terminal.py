@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hysgen.certificates import certify
 from hysgen.diagnose.study import Study
 from hysgen.report.words import ladder_header, ladder_rows, parameter_text, verdict, where_rows
 from hysgen.tables import table
@@ -22,6 +23,7 @@ def diagnosis_text(study: Study) -> str:
         blocks.append("\n".join(evidence))
     header = ["error rms by", "paper's model", *(["extended"] if study.improved else [])]
     blocks.append(table(header, where_rows(study), left=3))
+    blocks.append("\n".join([f"model of {len(found.model.parameters)} parameters", *certify(found.model).lines()]))
     if found.next_experiment:
         blocks.append(f"next experiment: {found.next_experiment}")
     return "\n\n".join(blocks)
