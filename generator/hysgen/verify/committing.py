@@ -113,16 +113,14 @@ def directions(committer: Committer, rng: np.random.Generator) -> Floats:
     groups = [parameter.group for parameter in learner.numbers.parameters]
     kinds = list(dict.fromkeys(groups))
     lane = np.arange(lanes)
-    alone = np.arange(size)[:, None] == rng.integers(0, size, lanes)
-    within = np.array(groups)[:, None] == np.array(kinds)[(lane // 8) % len(kinds)]
-    drawn = rng.standard_normal(own.shape)
+    one = np.arange(size)[:, None] == rng.integers(0, size, lanes)
+    group = np.array(groups)[:, None] == np.array(kinds)[(lane // 8) % len(kinds)]
     typical = np.maximum(np.abs(own), 0.1 * np.abs(own).mean(axis=0)) + 1e-6
+    drawn = typical * rng.standard_normal(own.shape)
+    # In step: down to nothing in some lanes, up without end in the others.
     in_step = np.where(lane % 8 < 4, -1.0, 1.0) * own
-    return np.asarray(
-        np.choose(
-            lane % 4, [typical * alone * np.sign(drawn), typical * drawn, in_step * within, typical * drawn * within]
-        )
-    )
+    ways = [typical * np.sign(drawn) * one, drawn, in_step * group, drawn * group]
+    return np.asarray(np.choose(lane % 4, ways))
 
 
 def _shadows(committer: Committer, seed: int) -> Shadows:
