@@ -84,7 +84,7 @@ def time_picture(study: Study) -> Picture:
         axis.plot(
             *envelope(held.t_s, simulated_um - held.measured_um), linewidth=0.8, label=label, color=LOOK[label]["color"]
         )
-    axis.legend(loc="upper right")
+    axis.legend(loc="best")
     worst = "; ".join(f"{label} at most {float(np.abs(y - held.measured_um).max()):.3g} µm" for label, y in runs)
     return Picture("time", "Error in time", f"Error of the free run over the held-out part: {worst}.", fig)
 
@@ -147,7 +147,7 @@ def ladder_picture(study: Study) -> Picture:
     _plain(axis, x=False)
     axis.set_xlim(-0.4, len(levels) - 0.2)
     _level(axis, diagnosis.noise.rms_um, "noise floor")
-    axis.set_xticks(place, labels)
+    axis.set_xticks(place, [label.replace("'s ", "'s\n") for label in labels], fontsize=8 if len(labels) < 6 else 7)
     steps = ", ".join(f"{label} {level:.3g} µm" for label, level in zip(labels, levels, strict=True))
     alt = f"Free-run error on held-out data: {steps}; noise floor {diagnosis.noise.rms_um:.2g} µm."
     return Picture("ladder", "What each extension gains", alt, fig)
