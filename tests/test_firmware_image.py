@@ -9,9 +9,16 @@ import pytest
 from firmware_bench import booted, model, sine, tracking
 
 from hysgen.errors import ModelError
-from hysgen.firmware.host import SLOT_BYTES, HostFirmware, Request, State, Status
+from hysgen.firmware.binding import firmware_model, structure_digest
+from hysgen.firmware.host import SLOT_BYTES, HostFirmware, Image, Request, State, Status
 from hysgen.firmware.image import ANSWERS, decode, encode, pack
+from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
+from hysgen.fit import FitSettings
 from hysgen.model import Model
+from hysgen.record import Record
+from hysgen.revision import refit
+from hysgen.signals import nested_amplitudes
+from hysgen.stage import StageState
 
 STIFFER, SOFTER = np.array([1.0, 1.02, 1.0]), np.array([1.0, 0.98, 1.0])
 
@@ -151,6 +158,23 @@ def test_an_image_that_arrives_while_the_stage_moves_waits_until_it_is_off() -> 
     stop(firmware)
     assert firmware.bank() != good
     assert firmware.firmware.image_answer == 0
+
+
+def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -> None:
+    drive_V = nested_amplitudes(TS_S, (100.0, 50.0), 40.0, 15.0, 4)
+    old = with_learner(identified(drive_V, FitSettings(name="refitted", method="batch")))
+    # A second record inside the range of the first, of a stage that has lost 3 % of its gain.
+    again_V = nested_amplitudes(TS_S, (70.0,), 40.0, 12.0, 5)
+    record = measured(again_V)
+    weaker = Record.from_arrays(again_V, 0.97 * record.segments[0].y_um + 0.04, TS_S, source="weaker")
+    new, _ = refit(old, weaker, same_range=True)
+    assert structure_digest(new) == structure_digest(old)
+    assert structure_digest(refit(old, weaker)[0]) != structure_digest(old)
+    image = Image.compile(old.name, firmware_model(old))
+    firmware = HostFirmware(image, StageState(laboratory(), TS_S, 1))
+    before = firmware.bank()
+    assert firmware.send(encode(new)) == 0
+    assert firmware.bank() != before
 
 
 def stop(firmware: HostFirmware) -> None:

@@ -78,9 +78,13 @@ class Comparison:
         }
 
 
-def refit(model: Model, record: Record, progress: Progress | None = None) -> tuple[Model, Scores]:
+def refit(
+    model: Model, record: Record, progress: Progress | None = None, same_range: bool = False
+) -> tuple[Model, Scores]:
     """The same structure fitted to another record, and its scores there.
 
+    same_range: over the old displacement range, unless the record leaves it: what a parameter image for firmware that
+    runs needs, whose partition is fixed.
     Raises ModelError if the model does not say how it was fitted, RecordError or FitError as `fit` does.
     """
     if abs(record.Ts_s - model.Ts_s) > 1e-4 * model.Ts_s:
@@ -88,7 +92,11 @@ def refit(model: Model, record: Record, progress: Progress | None = None) -> tup
             f"{record.source}: sampled every {record.Ts_s:g} s, but {model.name} steps every {model.Ts_s:g} s; "
             "record at the model's rate, or fit a new model"
         )
-    again = fit(record, settings_of(model), progress=progress)
+    settings = settings_of(model)
+    if same_range:
+        old_um = (model.grid.y_min_um, model.grid.y_max_um)
+        settings = dataclasses.replace(settings, margin=0.0, displacement_range_um=old_um)
+    again = fit(record, settings, progress=progress)
     for index, term in enumerate(model.terms):
         if term.kind == DRIFT:
             at = sum(other.size for other in model.terms[:index])

@@ -41,6 +41,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("records", nargs="+", metavar="RECORD")
     parser.add_argument("-o", "--output", required=True, metavar="MODEL", help="model file to write")
     parser.add_argument("--c", metavar="DIR", help="generate the C in DIR again, and verify it")
+    parser.add_argument(
+        "--same-range", action="store_true", help="keep the displacement range, as a parameter image for firmware needs"
+    )
     parser.add_argument("--anyway", action="store_true", help="write even if the structure no longer fits")
     parser.add_argument("--no-diagnosis", action="store_true", help="do not diagnose if the structure no longer fits")
     add_record_options(parser)
@@ -50,7 +53,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     started = time.monotonic()
     old = load_model(arguments.model)
     record = read_records(arguments.records, arguments, console)
-    new, scores = refit(old, record, console.progress)
+    new, scores = refit(old, record, console.progress, same_range=arguments.same_range)
     comparison = compare(old, new, [record])
     fits, why = structure_fits(old, scores)
     console.say(scores.table())
