@@ -12,10 +12,14 @@ import pytest
 from conftest import need
 from proof_models import model, texts
 
+from hysgen.emit import Options, generate
 from hysgen.errors import BuildError, ModelError
+from hysgen.learning import LearnerSettings
 from hysgen.proof.eva.calls import prove_call, step
+from hysgen.proof.eva.contract import check_contract
 from hysgen.proof.eva.frama import Floats, analyse
 from hysgen.proof.eva.guards import GUARDS, Guard, guards, without
+from hysgen.proof.eva.learner import prove_commit
 from hysgen.proof.eva.report import prove
 from hysgen.proof.eva.splits import annotated, splits
 
@@ -43,6 +47,24 @@ def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
     opened = without(guard, "appendix_a", texts("appendix_a"))
     verdict, _ = prove_call(model("appendix_a"), opened, guard.function, guard.inputs)
     assert verdict.alarms
+
+
+def test_the_contract_of_beyond_holds_for_every_float_and_another_does_not() -> None:
+    need("gcc")
+    assert not check_contract("everything", texts("everything")).alarms
+    open_limit = next(guard for guard in GUARDS if guard.function == "beyond")
+    assert check_contract("everything", without(open_limit, "everything", texts("everything"))).alarms
+
+
+def test_commit_is_proved_and_a_check_point_too_many_is_missed() -> None:
+    need("frama-c")
+    learner = dataclasses.replace(model("appendix_a"), learner=LearnerSettings())
+    generated = generate(learner, Options(clock_Hz=2e9))
+    verdict, expected = prove_commit(learner, generated)
+    assert not verdict.alarms
+    assert verdict.held == verdict.checks >= expected
+    endless = next(guard for guard in GUARDS if guard.function == "commit")
+    assert prove_commit(learner, without(endless, "appendix_a", generated))[0].alarms
 
 
 def test_a_ring_that_is_left_open_is_missed() -> None:

@@ -61,6 +61,13 @@ def instance_box(model: Model) -> dict[str, Interval]:
     return {"y_um": y, "u_V": command} | box
 
 
+def regressor_sizes(model: Model) -> list[float]:
+    """Largest magnitude of every term's regressors, in their order."""
+    command = Interval(model.u_min_V, model.u_max_V).outwards()
+    applied, _, _ = _chain(model, command)
+    return [size for term in model.terms for size in _TERMS[term.kind](term, applied).regressors]
+
+
 def _chain(model: Model, command: Interval) -> tuple[Interval, Interval, dict[str, Interval]]:
     """What reaches the stage, what is commanded, and the state of the blocks between them."""
     box: dict[str, Interval] = {}

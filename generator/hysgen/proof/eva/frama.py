@@ -89,7 +89,7 @@ def _read(said: str, seconds: float) -> Verdict:
         raise BuildError("frama-c: its summary is not understood; the version that was tried is 25.0")
     alarms = tuple(f"{place}: {' '.join(text.split())}" for place, text in _ALARM.findall(said))
     valid, unknown, invalid = (int(n) for n in checks.groups()) if checks else (0, 0, 0)
-    if not int(count[1]) + unknown + invalid and alarms:
+    if int(count[1]) + unknown + invalid and not alarms:
         raise BuildError("frama-c: its alarms and their number disagree")
     return Verdict(alarms, valid, valid + unknown + invalid, seconds)
 

@@ -113,6 +113,34 @@ GUARDS: Final = (
         r"(const float inside =) NAME_limited\(finite, .*\);",
         r"\1 finite;\n    clamped = 0u;",
     ),
+    Guard(
+        "a candidate whose check points are done is checked no more",
+        "commit",
+        "finite",
+        r"candidate->phase \+= \(uint32_t\)\(candidate->point >= \w+\);",
+        ";",
+    ),
+    Guard(
+        "only a shadow inside its limits becomes a candidate",
+        "beyond",
+        "any",
+        r"return \(uint32_t\)\(NAME_size\(theta\) >= NAME_bits\(\w+\)\);",
+        "return 0u;",
+    ),
+    Guard(
+        "after the last parameter the prior of the first is put back",
+        "learn",
+        "any",
+        r"self->turn = \(j \+ 1u < \w+\) \? j \+ 1u : 0u;",
+        "self->turn = j + 1u;",
+    ),
+    Guard(
+        "a shadow beyond its limits starts again",
+        "learn",
+        "any",
+        r"( {4}self->age \+= .*\n(?:.*\n)?)    return beyond;",
+        r"\1    return 0u;",
+    ),
 )
 
 

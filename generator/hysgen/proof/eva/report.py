@@ -5,13 +5,18 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from hysgen.model import Model
 from hysgen.proof.eva.calls import functions, prove_call
-from hysgen.proof.eva.frama import Floats, version
+from hysgen.proof.eva.contract import check_contract
+from hysgen.proof.eva.frama import Floats, Verdict, version
 from hysgen.proof.eva.guards import guards, without
+from hysgen.proof.eva.learner import learner_functions, prove_commit, prove_learn
 from hysgen.tables import table
+
+LEARNER: Final[Mapping[str, Floats]] = {"beyond": "any", "learn": "any", "commit": "finite"}
+"""beyond is what learn and commit lean on; learn takes any 32 bits at once; commit has no inputs."""
 
 
 @dataclass(frozen=True)
@@ -88,23 +93,36 @@ def prove(
     """
     tool = version()
     tasks: list[tuple[str, Floats]] = []
-    for function in calls or functions(model, texts):
-        tasks += [(function, "finite"), (function, "any")]
-    outs = guards(model.name, texts) if take_out else ()
+    for function in calls or (*functions(model, texts), *learner_functions(model, texts)):
+        both: tuple[Floats, ...] = ("finite", "any")
+        tasks += [(function, inputs) for inputs in ([LEARNER[function]] if function in LEARNER else both)]
+    chosen = {function for function, _ in tasks}
+    outs = [guard for guard in guards(model.name, texts) if take_out and guard.function in chosen]
     done, total = 0, len(tasks) + len(outs)
     found: list[Proof] = []
     taken: list[TakenOut] = []
     for function, inputs in tasks:
         _tell(progress, done / total, f"proving {model.name}_{function}, {inputs} inputs")
-        verdict, expected = prove_call(model, texts, function, inputs)
+        verdict, expected = proved(model, texts, function, inputs)
         found.append(Proof(function, inputs, verdict.alarms, verdict.held, verdict.checks, expected, verdict.seconds))
         done += 1
     for guard in outs:
         _tell(progress, done / total, f"without: that {guard.about}")
-        verdict, _ = prove_call(model, without(guard, model.name, texts), guard.function, guard.inputs)
+        verdict, _ = proved(model, without(guard, model.name, texts), guard.function, guard.inputs)
         taken.append(TakenOut(guard.about, guard.function, len(verdict.alarms)))
         done += 1
     return Proofs(model.name, tool, tuple(found), tuple(taken))
+
+
+def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:
+    """What Eva says of one call, and how many checks it must have come to; of `beyond`, what running it says."""
+    if function == "beyond":
+        return check_contract(model.name, texts), 1
+    if function == "learn":
+        return prove_learn(model, texts)
+    if function == "commit":
+        return prove_commit(model, texts)
+    return prove_call(model, texts, function, inputs)
 
 
 def _tell(progress: Callable[[float, str], None] | None, fraction: float, what: str) -> None:

@@ -51,13 +51,13 @@ def splits(model: Model, kept: float) -> list[Split]:
     numbers = coefficients(model)
     least, limit = (_bits(size) for size in (float(LEAST), kept))
     found = [
-        *(Split(function, _signs("x")) for function in ("finite", "settled", "inside", "limited")),
+        *(Split(function, signs("x")) for function in ("finite", "settled", "inside", "limited")),
         Split("finite", _magnitudes(least, INFINITY_BITS), "const uint32_t bits = "),
-        Split("finite", _signs("held")),
+        Split("finite", signs("held")),
         Split("settled", _magnitudes(least), "const uint32_t bits = "),
         Split("inside", _magnitudes(limit), "const uint32_t bits = "),
-        Split("limited", _signs("low")),
-        Split("limited", _signs("high")),
+        Split("limited", signs("low")),
+        Split("limited", signs("high")),
         Split("limited", ("below == 0u",), "const uint32_t below = "),
         Split("limited", ("above == 0u",), "const uint32_t above = "),
         Split("power_of_two", _roundings("x", POWER_LIMIT)),
@@ -65,13 +65,13 @@ def splits(model: Model, kept: float) -> list[Split]:
         Split("accumulate", _pieces("*high", Interval(-kept, kept), PIECES_OF_SUM)),
         Split("accumulate", _pieces("t", Interval(-kept, kept), PIECES_OF_SUM), "const float t = *low + step;"),
         Split("cosine_sine", tuple(f"quadrant < {k}u" for k in range(1, 4)), "const uint32_t quadrant = "),
-        Split("cosine_sine", _signs("r"), "const float r = "),
-        Split("coupling_channel", _signs("self->sample[c][0]")),
+        Split("cosine_sine", signs("r"), "const float r = "),
+        Split("coupling_channel", signs("self->sample[c][0]")),
         Split("coupling_channel", ("rejected == 0u",), "const float finite = "),
         Split("coupling_channel", _around("inside", f"{model.name}_coupling_middle[c]"), "const float inside = "),
     ]
     for function in ("predict", "simulate", "inverse"):
-        found.append(Split(function, _displacements(numbers), "const float y = "))
+        found.append(Split(function, displacements(numbers), "const float y = "))
     return found
 
 
@@ -121,7 +121,7 @@ def _around(x: str, middle: str) -> tuple[str, ...]:
     return (f"{x} < {middle}", f"{x} <= {middle}")
 
 
-def _signs(x: str) -> tuple[str, ...]:
+def signs(x: str) -> tuple[str, ...]:
     return (f"{x} < 0.0f", f"{x} <= 0.0f")
 
 
@@ -151,7 +151,7 @@ def _roundings(x: str, limit: float) -> tuple[str, ...]:
     return tuple(f"{x} {sign} {hexadecimal(float(half))}" for half in halves for sign in ("<", "<="))
 
 
-def _displacements(numbers: Coefficients) -> tuple[str, ...]:
+def displacements(numbers: Coefficients) -> tuple[str, ...]:
     """Pieces of the range, narrower where more rules fire whose strengths rise with r."""
     low, high = float(numbers.y_min_um), float(numbers.y_max_um)
     count = PIECES_PER_RULE * (numbers.rules - 1)
