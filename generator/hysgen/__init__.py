@@ -22,7 +22,12 @@ from typing import TYPE_CHECKING, Any
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
 
+from hysgen.display import drawn_by  # noqa: E402
+
 __version__ = "0.1.0"
+
+# Pictures stand behind results in the house: results know that there is a door, the package knows where it leads.
+drawn_by("hysgen.plots.results")
 
 _EXPORTED = (
     "Columns",

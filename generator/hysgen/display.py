@@ -39,6 +39,14 @@ class Summary:
         return "\n".join(lines)
 
 
+_drawing: list[str] = []
+
+
+def drawn_by(module: str) -> None:
+    """Name the module whose `draw(result, *what)` makes pictures; it is loaded when the first one is asked for."""
+    _drawing[:] = [module]
+
+
 class Displayed(abc.ABC):
     """A result that people look at."""
 
@@ -52,9 +60,10 @@ class Displayed(abc.ABC):
         what: depends on the kind of result, see docs/api.md.
         Raises HysgenError if there is nothing to plot or matplotlib is not installed.
         """
+        if not _drawing:
+            raise HysgenError("no module draws pictures; import hysgen")
         try:
-            # Pictures stand behind results in the house; only this door leads there, and only when it is opened.
-            drawing = importlib.import_module("hysgen.plots.results")
+            drawing = importlib.import_module(_drawing[0])
         except ModuleNotFoundError as fault:
             missing = str(fault.name).partition(".")[0]
             raise HysgenError(f"{missing} is not installed; pip install {missing} to plot") from fault
