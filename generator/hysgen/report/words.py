@@ -71,7 +71,10 @@ def ladder_header() -> list[str]:
 
 
 def ladder_rows(study: Study) -> list[list[str]]:
-    """One row per rung of the ladder, and the noise floor below."""
+    """One row per rung of the ladder, and the noise floor below.
+
+    What follows a running stage (a bias state, a learner) stands in no rung, so its price is left open.
+    """
     found = study.diagnosis
     rows = [["paper's model", f"{found.base_rms_um:.4g}", _percent(study.percent(found.base_rms_um)), *[""] * 5]]
     for cause in study.extended:
@@ -83,8 +86,8 @@ def ladder_rows(study: Study) -> list[list[str]]:
                 _percent(study.percent(cause.step.after_um)),
                 f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g}",
                 f"{100.0 * cause.share:.1f} %",
-                f"+{price.cycles}" if price else "",
-                f"+{price.bytes}" if price else "",
+                f"+{price.cycles}" if price and price.cycles else "",
+                f"+{price.bytes}" if price and price.bytes else "",
                 f"{cause.confidence:.3f}",
             ]
         )
