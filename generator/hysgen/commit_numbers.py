@@ -86,7 +86,8 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
         slope = certificates.slope
         raise CertificateError(
             f"{model.name}: learner: |df/dy| is {slope.value:.4g} at y = {slope.y_um:.4g} um, u = {slope.u_V:.4g} V, "
-            f"not below the limit {min(limit, 1.0):.4g} that commit keeps; restrict the input range, or fit again"
+            f"not below the limit {min(limit, 1.0):.4g} that commit keeps; restrict the range (generate --input-range), "
+            "or fit again"
         )
     floor, ceiling, budget = _inverse_limits(model, certificates, settings)
     points, c2, c3 = _points(model, settings, limit - steepest)
@@ -148,7 +149,7 @@ def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int
             return points, c2, c3
     raise CertificateError(
         f"{model.name}: learner: {points} check points are too far apart for a slope that comes within {margin:.2g} of "
-        "its limit; fit a smoother model, restrict the range, or allow more points"
+        "its limit; fit a smoother model, restrict the range (generate --input-range), or allow more points"
     )
 
 
@@ -164,7 +165,8 @@ def _inverse_limits(model: Model, certificates: Certificates, settings: LearnerS
         low = certificates.gain_lowest
         raise CertificateError(
             f"{model.name}: learner: the gain df/du is {low.value:.4g} um/V at y = {low.y_um:.4g} um and does not stay "
-            "away from zero, so no shadow could be committed; restrict the range, or fit again"
+            "away from zero, so no shadow could be committed; restrict the range (generate --displacement-range), or "
+            "fit again"
         )
     sign = math.copysign(1.0, ends[0])
     weakest, strongest = sorted(abs(end) for end in ends)
