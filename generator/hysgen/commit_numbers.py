@@ -86,8 +86,8 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
         slope = certificates.slope
         raise CertificateError(
             f"{model.name}: learner: |df/dy| is {slope.value:.4g} at y = {slope.y_um:.4g} um, u = {slope.u_V:.4g} V, "
-            f"not below the limit {min(limit, 1.0):.4g} that commit keeps; restrict the range (generate --input-range), "
-            "or fit again"
+            f"not below the limit {min(limit, 1.0):.4g} that commit keeps; restrict the range "
+            "(generate --input-range), or fit again"
         )
     floor, ceiling, budget = _inverse_limits(model, certificates, settings)
     points, c2, c3 = _points(model, settings, limit - steepest)
