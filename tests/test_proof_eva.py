@@ -109,6 +109,12 @@ def test_a_narrower_box_is_not_proved() -> None:
     assert [alarm for alarm in verdict.alarms if "y_um" in alarm]
 
 
+def test_a_call_that_is_not_there_is_refused() -> None:
+    need("frama-c")
+    with pytest.raises(ModelError, match="no call learn to prove"):
+        prove(model("appendix_a"), texts("appendix_a"), calls=["learn"])
+
+
 def test_models_of_another_kind_are_refused() -> None:
     class Unknown:
         kind = "unknown"

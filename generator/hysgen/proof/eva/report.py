@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from hysgen.errors import ModelError
 from hysgen.model import Model
 from hysgen.proof.eva.calls import functions, prove_call
 from hysgen.proof.eva.contract import check_contract
@@ -88,12 +89,16 @@ def prove(
 ) -> Proofs:
     """Prove every call of a model's generated C, for every finite input and for any 32 bits.
 
-    calls: functions to prove instead of all. take_out: also without each guard in turn.
-    Raises BuildError if Frama-C is not installed or fails, ModelError if the model holds what the proof does not know.
+    calls: functions to prove instead of all. take_out: also without each of their guards in turn.
+    Raises BuildError if Frama-C is not installed or fails, ModelError if the model holds what the proof does not know
+    or has no such call.
     """
     tool = version()
     tasks: list[tuple[str, Floats]] = []
-    for function in calls or (*functions(model, texts), *learner_functions(model, texts)):
+    known = (*functions(model, texts), *learner_functions(model, texts))
+    for function in calls or known:
+        if function not in (*known, *(["learn"] if model.learner else [])):
+            raise ModelError(f"{model.name}: no call {function} to prove; choose among {', '.join(known)}")
         both: tuple[Floats, ...] = ("finite", "any")
         tasks += [(function, inputs) for inputs in ([LEARNER[function]] if function in LEARNER else both)]
     chosen = {function for function, _ in tasks}
