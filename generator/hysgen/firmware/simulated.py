@@ -12,10 +12,14 @@ from typing import Any, Final
 
 import numpy as np
 
+from hysgen.errors import TargetError
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, SIMULATOR_BOARD, read_sources
 from hysgen.native import build
 from hysgen.target import toolchain
+from hysgen.target.assembly import instructions
+from hysgen.target.cycles import bounds
+from hysgen.target.packets import packets
 
 SAMPLES: Final = 4000
 GAIN_UM_PER_V, ZERO_V, LAG = 0.083, 23.0, 0.02
@@ -85,3 +89,22 @@ def simulate(texts: Mapping[str, str], samples: int = SAMPLES) -> Simulated:
         idle = (min(idle[0], at_idle.cycles), max(idle[1], at_idle.cycles))
         y_um += LAG * ((float(u_V) - ZERO_V) * GAIN_UM_PER_V - y_um)
     return Simulated(samples, differing, booted.bits, commits, spent, idle, booted.cycles)
+
+
+def static_bounds(name: str, texts: Mapping[str, str]) -> dict[str, tuple[int, int] | None]:
+    """Fewest and most stall-free cycles over every way through the code, calls included, without running it.
+
+    By function; None where one of its instructions is not modelled. Raises BuildError without the compiler.
+    """
+    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+    firmware = toolchain.compile([*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *generated])
+    found = packets(instructions(firmware.listing))
+    told: dict[str, tuple[int, int] | None] = {}
+    for symbol in ("firmware_interrupt", f"{name}_inverse", f"{name}_learn", f"{name}_commit"):
+        try:
+            bound = bounds(firmware.image, found, symbol)
+        except TargetError:
+            told[symbol] = None
+        else:
+            told[symbol] = (bound.best, bound.worst)
+    return told
