@@ -10,9 +10,12 @@ from pathlib import Path
 import pytest
 from conftest import need
 from generated_models import everything, learning, smooth
+from proof_models import texts as texts_for_proofs
 from target_compiler import need_compiler
 
+from hysgen.cli import main
 from hysgen.cost import cost, cost_of_texts
+from hysgen.cost.budget_file import changes, read
 from hysgen.emit import Options, generate, write
 from hysgen.errors import HysgenError
 from hysgen.host import Host
@@ -26,6 +29,7 @@ from hysgen.operations.text import syntax_tree
 from hysgen.target import toolchain
 from hysgen.target.assembly import instructions
 from hysgen.target.cycles import bounds
+from hysgen.target.footprint import footprint
 from hysgen.target.packets import packets
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
@@ -161,3 +165,46 @@ def test_clock_of_the_options_sets_the_budget(tmp_path: Path) -> None:
     write(generate(load_model("appendix_a"), Options(clock_Hz=100e6)), tmp_path)
     assert cost(tmp_path, timed=False).budget == 2000
     assert cost_of_texts(load_model("appendix_a"), generate(load_model("appendix_a")), timed=False).budget == 7500
+
+
+BUDGET = Path(__file__).parents[1] / "firmware" / "budget.json"
+
+
+@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "learning", "extended", "everything_spread"])
+def test_every_function_is_within_the_budget_that_is_kept(name: str) -> None:
+    """More than 2 % over it is red; what is better asks to be written down: `hysgen cost DIR --update-budget`."""
+    need_compiler()
+    found = footprint(name, texts_for_proofs(name))
+    different = changes(name, read(BUDGET, name), found)
+    assert not different, "\n".join(str(change) for change in different)
+    period = max(found[step]["cycles"] for step in ("predict", "simulate", "inverse"))
+    period += sum(found[besides]["cycles"] for besides in ("learn", "commit") if besides in found)
+    # Issue 5: 6 rules with 18 parameters learned, and every term there is.
+    assert period <= {"learning": 3000, "everything_spread": 6000}.get(name, 7500)
+
+
+def test_one_operation_more_in_a_function_is_over_budget_and_one_less_asks_to_tighten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    need_compiler()
+    budget_file, texts = tmp_path / "budget.json", dict(texts_for_proofs("appendix_b"))
+    write(texts, tmp_path / "as_it_is")
+    call = ["cost", str(tmp_path / "as_it_is"), "--target", "c674x", "--budget", str(budget_file)]
+    assert main(call) == 2
+    assert "write it with --update-budget" in capsys.readouterr().err
+    assert main([*call, "--update-budget"]) == 0
+    assert main(call) == 0
+    assert "within the budget" in capsys.readouterr().out
+    # A multiplication more in the chain of the prediction: 4 cycles of 170.
+    intact = "const float rules = (base + u * gain) * per_weight;"
+    assert intact in texts["appendix_b.c"]
+    dearer = texts | {"appendix_b.c": texts["appendix_b.c"].replace(intact, intact.replace(";", " * 1.5f;"))}
+    allowed = read(budget_file, "appendix_b")
+    over = changes("appendix_b", allowed, footprint("appendix_b", dearer))
+    told = [str(change) for change in over if change.function == "predict" and change.figure == "cycles"]
+    assert re.fullmatch(r"OVER BUDGET: appendix_b, predict: cycles 17\d, budget 170 \(\+2\.\d %\)", told[0])
+    assert any(change.exceeds for change in over)
+    back = changes("appendix_b", footprint("appendix_b", dearer), allowed)
+    (better,) = [change for change in back if change.function == "predict" and change.figure == "cycles"]
+    assert not better.exceeds
+    assert "below budget, tighten it" in str(better)

@@ -1,0 +1,90 @@
+"""Cycles on the C674x: against rules, against learned parameters, and beside Eq. (10) as the paper prints it.
+
+Run:  python benchmarks/target_cycles.py      (a few minutes; needs firmware/toolchain/build_c674x.sh)
+Cycles are stall-free, of the worst way through each function, as `hysgen cost --target c674x` has them; those of the
+paper's equation are simulated, for its divisions call the compiler's library.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from hysgen.emit import Options, generate
+from hysgen.learning import LearnerSettings
+from hysgen.model import Grid, Model
+from hysgen.tables import table
+from hysgen.target import toolchain
+from hysgen.target.footprint import footprint
+from hysgen.terms.memory import Memory
+
+RULES = (3, 6, 9, 12, 20, 50)
+RULE = ("slope", "gain", "offset")
+# (rules, plays, what is learned): three parameters a rule, one a rule, the plays' weights.
+LEARNED = (
+    (2, 4, ("offset", "terms")),
+    (4, 0, RULE),
+    (6, 0, RULE),
+    (6, 18, ("offset", "terms")),
+    (10, 0, RULE),
+    (12, 4, (*RULE, "terms")),
+)
+PARAMETERS = 18
+
+
+def smooth(rules: int, plays: int = 0, learner: LearnerSettings | None = None) -> Model:
+    """A lag whose rules change smoothly over 0.5 .. 9 um."""
+    l = np.linspace(0.0, 1.0, rules)  # noqa: E741
+    consequents = np.column_stack([0.9 + 0.05 * l, 1.5e-3 + 5e-4 * l, 0.02 + 0.5 * l * (1.0 - l)])
+    terms = (Memory.uniform(plays, 60.0),) if plays else ()
+    grid = Grid(0.5, 9.0, rules)
+    return Model("smooth", 2e-5, grid, consequents, -20.0, 120.0, terms, np.full(plays, 1e-5), learner=learner)
+
+
+def taken(model: Model) -> dict[str, dict[str, int]]:
+    """Cycles, code and stack of the model's C; the budget of a period is no concern here."""
+    return footprint(model.name, generate(model, Options(clock_Hz=1e10)))
+
+
+def against_rules() -> str:
+    rows = []
+    for rules in RULES:
+        found = taken(smooth(rules))
+        steps = [f"{found[name]['cycles']}" for name in ("predict", "simulate", "inverse")]
+        rows.append([f"{rules}", *steps, f"{found['predict']['code_bytes']}", f"{found['data']['constant_bytes']}"])
+    return table(["rules", "predict", "simulate", "inverse", "code of predict, B", "constants, B"], rows)
+
+
+def against_parameters() -> str:
+    rows = []
+    for rules, plays, learned in LEARNED:
+        found = taken(smooth(rules, plays, LearnerSettings(learned=learned)))
+        count = len(set(learned) & set(RULE)) * rules + (plays if "terms" in learned else 0)
+        code, words = found["all"]["code_bytes"], found["data"]["struct_bytes"]
+        cycles = [f"{found[name]['cycles']}" for name in ("learn", "commit")]
+        rows.append([f"{count}", f"{rules}", f"{plays}", *cycles, f"{code}", f"{words}"])
+    rows.sort(key=lambda row: int(row[0]))
+    return table(["parameters", "rules", "plays", "learn", "commit", "code, B", "structs, B"], rows)
+
+
+def as_printed() -> str:
+    """Simulated cycles of one update by Eq. (10) as it stands in the paper."""
+    text = (Path(__file__).parent / "paper_update.c").read_text(encoding="utf-8")
+    machine = toolchain.compile([("paper_update.c", text)]).machine()
+    self, x = machine.allocate(PARAMETERS * (PARAMETERS + 1)), machine.allocate(PARAMETERS)
+    start = np.concatenate([np.zeros(PARAMETERS), 100.0 * np.eye(PARAMETERS).ravel()]).astype(np.float32)
+    machine.write(self, start)
+    machine.write(x, np.cos(np.arange(PARAMETERS)).astype(np.float32))
+    outcome = machine.call("paper_update", self, x, 0.5, 0.9999)
+    return f"Eq. (10) as printed, {PARAMETERS} parameters: {outcome.cycles} cycles an update"
+
+
+def main() -> None:
+    print(as_printed(), flush=True)
+    print("\n" + against_rules(), flush=True)
+    print("\n" + against_parameters())
+
+
+if __name__ == "__main__":
+    main()
