@@ -43,7 +43,7 @@ def main() -> None:
         found = diagnose(hidden)
         wall, processor = time.perf_counter() - wall, time.process_time() - processor
         rows.append([str(samples), f"{wall:.1f}", f"{processor:.1f}", ", ".join(found.names)])
-        print(f"{samples} samples: {wall:.1f} s", file=sys.stderr)
+        print(f"{samples} samples: {wall:.1f} s, processor {processor:.1f} s", file=sys.stderr)
     print(table(["samples", "wall clock in s", "processor time in s", "named"], rows))
 
 
