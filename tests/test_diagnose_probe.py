@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 import numpy as np
@@ -54,12 +53,27 @@ def test_rate_limiter_reaches_every_level_it_can_and_never_faster() -> None:
 
 def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
     chain = Chain(
-        2e-3, 1.4, -3.0, 80.0, 5e3, 0.02, 0.1, (Mode(100.0, 0.03, 0.5),), -0.01, True, (50.0, 120.0), ("a",), True
-    )  # fmt: skip
+        lag_s=2e-3,
+        delay=1.4,
+        delayed=True,
+        low_V=-3.0,
+        high_V=80.0,
+        rate_V_per_s=5e3,
+        creep=0.02,
+        creep_from_s=0.1,
+        modes=(Mode(100.0, 0.03, 0.5),),
+        aging_per_s=-0.01,
+        drift=True,
+        since_s=0.7,
+        lines_Hz=(50.0, 120.0),
+        coupled=("a",),
+    )
     assert len(chain.names()) == len(chain.coordinates())
     again = chain.at(chain.coordinates())
     np.testing.assert_allclose(again.coordinates(), chain.coordinates(), rtol=1e-14)
-    assert dataclasses.replace(again, lag_s=2e-3).drift == chain.drift
+    for name in ("delayed", "drift", "coupled", "taps", "memory"):
+        assert getattr(again, name) == getattr(chain, name)
+    assert again.since_s == pytest.approx(chain.since_s)
 
 
 def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
