@@ -7,6 +7,7 @@ import pytest
 
 from hysgen.bank import BankResult, run, scenario
 from hysgen.bank.result import Verdict
+from hysgen.bank.run import judge
 from hysgen.bank.scenario import CATEGORIES, EFFECTS
 
 # What each parameter may be off by, from issue 4: relative, but delay in samples, lines in Hz, levels in ranges of u.
@@ -50,6 +51,13 @@ def test_parameters_of_named_causes_lie_within_the_bounds_of_the_issue(small: Ba
     seen = small.parameter_errors()
     assert {key: error for key, (_, error, _) in seen.items() if error > BOUNDS.get(key, np.inf)} == {}
     assert len(seen) >= 5
+
+
+def test_limits_at_both_ends_are_found_though_neither_alone_helps() -> None:
+    verdict = judge(scenario("saturation", 507))
+    assert verdict.exact, verdict.named
+    assert abs(verdict.errors["saturation.low_V"]) < BOUNDS["saturation.low_V"]
+    assert abs(verdict.errors["saturation.high_V"]) < BOUNDS["saturation.high_V"]
 
 
 def test_same_seed_makes_the_same_scenario() -> None:

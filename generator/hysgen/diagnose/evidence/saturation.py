@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.inputs.saturation import Saturation as SaturationBlock
 
 LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
+# Closer than LEVELS: with both ends open, a level too far out is a minimum of its own, the curve bent flat before it.
+PAIRED = (0.5, 0.57, 0.64, 0.71, 0.78, 0.85, 0.92)
 
 RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
 
@@ -45,7 +48,17 @@ class Saturation(Cause):
             trials += [dataclasses.replace(chain, high_V=middle + level * half) for level in LEVELS]
         if chain.low_V is None:
             trials += [dataclasses.replace(chain, low_V=middle - level * half) for level in LEVELS]
+        if chain.low_V is None and chain.high_V is None:
+            # Where both ends clip, a limit at one of them alone may help too little to be a step towards the other.
+            for low, high in itertools.product(PAIRED, PAIRED):
+                trials.append(dataclasses.replace(chain, low_V=middle - low * half, high_V=middle + high * half))
         return trials
+
+    def simpler(self, chain: Chain) -> list[Chain]:
+        """One end clips instead of both."""
+        if chain.low_V is None or chain.high_V is None:
+            return []
+        return [dataclasses.replace(chain, low_V=None), dataclasses.replace(chain, high_V=None)]
 
     def signature(self, look: Look, rival: Fit) -> Signature:
         """The slope of the output over the command beyond the level, as a share of the slope just inside it."""
