@@ -11,11 +11,11 @@ import time
 
 import numpy as np
 
-from hysgen.cli.console import table
 from hysgen.fit import FitSettings, Method, fit
 from hysgen.model_file import load_model
 from hysgen.record import Record, Segment
 from hysgen.simulate import simulate
+from hysgen.tables import table
 from hysgen.terms import Drive
 from hysgen.terms.memory import Memory
 

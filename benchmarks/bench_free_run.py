@@ -12,9 +12,9 @@ import time
 
 import numpy as np
 
-from hysgen.cli.console import table
 from hysgen.model import Grid, Model
 from hysgen.simulate import simulate
+from hysgen.tables import table
 from hysgen.terms import Drive
 from hysgen.terms.memory import Memory
 

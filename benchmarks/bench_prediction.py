@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysgen.cli.console import table
 from hysgen.cost import Cost, cost_of_texts
 from hysgen.emit import generate
 from hysgen.model import Grid, Model
+from hysgen.tables import table
 
 RULES = (3, 4, 6, 8, 10, 12, 13, 16, 20, 30, 40, 50)
 FUNCTIONS = ("predict", "simulate", "inverse")

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from hysgen.baselines import fit_baselines, score_baselines
 from hysgen.certificates import certify
-from hysgen.cli.console import table
 from hysgen.fit import FitSettings, Method, estimate_starts, fit
 from hysgen.record import load_record
 from hysgen.scores import score
+from hysgen.tables import table
 from hysgen.terms import Term
 from hysgen.terms.memory import Memory
 

@@ -38,13 +38,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console)
     holdout = read_records(arguments.holdout, arguments, console) if arguments.holdout else None
+    name = c_name(arguments.output) if arguments.output else "stage"
+    settings = DiagnoseSettings(fit=FitSettings(name=name, rules=arguments.rules), price=price_of)
     if arguments.rows:
         start, stop = parse_rows(arguments.rows, record.samples)
         if holdout is None and stop < record.samples:
-            holdout = record.rows(stop, record.samples)
+            # One record in two parts: what the first leaves in the stage goes on in the second.
+            settings = dataclasses.replace(settings, identify=(stop - start) / (record.samples - start))
+            stop = record.samples
         record = record.rows(start, stop)
-    name = c_name(arguments.output) if arguments.output else "stage"
-    settings = DiagnoseSettings(fit=FitSettings(name=name, rules=arguments.rules), price=price_of)
     found = study(record, holdout, settings, console.progress)
     console.say(diagnosis_text(found) + "\n")
     if arguments.output:
