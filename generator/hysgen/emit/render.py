@@ -219,16 +219,21 @@ def _arithmetic() -> dict[str, Any]:
 
 @functools.lru_cache(maxsize=1)
 def _environment() -> jinja2.Environment:
+    environment = template_environment(autoescape=False)
+    environment.filters |= {"literal": literal, "aligned": aligned, "each": each, "hexes": hexes}
+    return environment
+
+
+def template_environment(*, autoescape: bool) -> jinja2.Environment:
+    """Where templates are found and how their blocks and gaps are read; autoescape: for HTML."""
     package = Path(hysgen.__file__).resolve().parent
     # In a wheel the templates lie inside the package, in a checkout beside it.
     folders = [package / "templates", package.parents[1] / "templates"]
-    environment = jinja2.Environment(
+    return jinja2.Environment(
         loader=jinja2.FileSystemLoader([str(folder) for folder in folders]),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,
+        autoescape=autoescape,
     )
-    environment.filters |= {"literal": literal, "aligned": aligned, "each": each, "hexes": hexes}
-    return environment

@@ -6,11 +6,11 @@ import functools
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import jinja2
 
 import hysgen
+from hysgen.emit.render import template_environment
 from hysgen.plots.picture import Picture
 
 
@@ -70,17 +70,7 @@ class Page:
 
 @functools.cache
 def _environment() -> jinja2.Environment:
-    package = Path(hysgen.__file__).resolve().parent
-    # In a wheel the templates lie inside the package, in a checkout beside it.
-    folders = [package / "templates", package.parents[1] / "templates"]
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader([str(folder) for folder in folders]),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=True,
-    )
+    environment = template_environment(autoescape=True)
     environment.filters["readable"] = readable
     return environment
 
