@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import hysgen
+from hysgen import api
 from hysgen.cli.main import parser
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -54,6 +55,7 @@ def test_a_command_that_is_not_there_would_be_found() -> None:
 
 
 def test_reference_of_the_python_interface_names_all_of_it() -> None:
+    assert sorted(hysgen.__all__) == sorted(api.__all__)
     page = (ROOT / "docs" / "api.md").read_text()
     missing = [name for name in hysgen.__all__ if not re.search(rf"\b{name}\b", page)]
     assert not missing

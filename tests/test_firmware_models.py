@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
+import re
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,7 @@ from target_compiler import need_compiler
 from hysgen.emit import write
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.host import Settings
 from hysgen.firmware.reference_models import firmware_models, with_learner
 from hysgen.firmware.simulated import simulate
 from hysgen.firmware.target import MEMORIES, build
@@ -45,6 +48,15 @@ def test_the_image_links_into_the_targets_memories(model: Model) -> None:
     assert symbols["vectors"].address == 0x11800000
     assert "__c6xabi_divf" not in symbols
     assert {"main_tick", "tick", "firmware_interrupt", "controller_step"} <= symbols.keys()
+
+
+def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> None:
+    main = (MODELS.parent / "board" / "c6748" / "main.c").read_text(encoding="utf-8")
+    written = {name: float(value) for name, value in re.findall(r"^    \.(\w+) = ([-\d.]+)[fu],$", main, re.MULTILINE)}
+    tried = dataclasses.asdict(Settings())
+    assert not tried.pop("trim")
+    assert not tried.pop("learn")
+    assert written == pytest.approx({"options": 0} | tried, rel=1e-7)
 
 
 def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits() -> None:

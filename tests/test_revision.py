@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hysgen.emit import generate
+from hysgen.cli.verbs.refit import as_before
+from hysgen.emit import generate, write
 from hysgen.errors import ModelError
 from hysgen.fit import FitSettings, fit
 from hysgen.record import Record
@@ -49,6 +51,27 @@ def test_refit_keeps_the_part_of_the_range_to_which_the_model_was_restricted(rec
     assert new.grid.ends_um == refit(old, records[1])[0].grid.ends_um
     before, after = generate(part), generate(new)
     assert before["axis.c"] == after["axis.c"]
+
+
+def test_refit_fits_the_whole_record_and_keeps_a_restricted_input_range(records: tuple[Record, Record]) -> None:
+    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    part = old.within(None, (0.5 * old.u_max_V, 0.75 * old.u_max_V))
+    new, _ = refit(part, records[1])
+    assert (new.u_min_V, new.u_max_V) == (part.u_min_V, part.u_max_V)
+    np.testing.assert_array_equal(new.parameters, refit(old, records[1])[0].parameters)
+
+
+def test_refit_generates_again_over_the_ranges_that_the_folder_had(
+    records: tuple[Record, Record], tmp_path: Path
+) -> None:
+    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3), (old.u_min_V, 0.9 * old.u_max_V))
+    write(generate(part), tmp_path)
+    new, _ = refit(old, records[1])
+    again, _ = as_before(new, tmp_path)
+    assert (again.grid.y_min_um, again.grid.y_max_um) == (part.grid.y_min_um, part.grid.y_max_um)
+    assert (again.u_min_V, again.u_max_V) == (part.u_min_V, part.u_max_V)
+    assert generate(again)["axis.c"] == generate(part)["axis.c"]
 
 
 def test_compare_finds_the_gain_that_moved_by_a_tenth(records: tuple[Record, Record]) -> None:

@@ -96,18 +96,31 @@ def refit(
     if same_range:
         old_um = (model.grid.y_min_um, model.grid.y_max_um)
         settings = dataclasses.replace(settings, margin=0.0, displacement_range_um=old_um)
-    again = fit(record, settings, progress=progress)
+    # A record may drive further than the model is to answer: all of it is fitted, and the answer restricted again.
+    driven_V = (min(model.u_min_V, record.u_range_V[0]), max(model.u_max_V, record.u_range_V[1]))
+    again = fit(record, dataclasses.replace(settings, input_range_V=driven_V), progress=progress)
     for index, term in enumerate(model.terms):
         if term.kind == DRIFT:
             at = sum(other.size for other in model.terms[:index])
             terms = (*again.terms[:index], term, *again.terms[index:])
             again = dataclasses.replace(again, terms=terms, weights=np.insert(again.weights, at, 1.0))
-    if model.grid.spread_um is not None:
-        low_um, high_um = max(model.grid.y_min_um, again.grid.y_min_um), min(model.grid.y_max_um, again.grid.y_max_um)
-        again = again.within((low_um, high_um))
+    again = restricted_as(model, again)
     again = dataclasses.replace(again, learner=model.learner, certificates=certify(again).to_json())
     scores = score(again, record)
     return dataclasses.replace(again, scores={"identification": scores.to_json()}), scores
+
+
+def restricted_as(old: Model, new: Model) -> Model:
+    """`new` over the part of its ranges that `old` answers for: its input range, and its displacement range if that
+    had been restricted. Where `new` reaches less far, it stays as it is.
+
+    Raises ModelError if the ranges have nothing in common.
+    """
+    input_V = (max(old.u_min_V, new.u_min_V), min(old.u_max_V, new.u_max_V))
+    if old.grid.spread_um is None:
+        return new.within(None, input_V)
+    low_um, high_um = max(old.grid.y_min_um, new.grid.y_min_um), min(old.grid.y_max_um, new.grid.y_max_um)
+    return new.within((low_um, high_um), input_V)
 
 
 def structure_fits(old: Model, scores: Scores) -> tuple[bool, str]:

@@ -22,7 +22,10 @@ class Trial:
 
 
 def trials(samples: int, others: int) -> list[Trial]:
-    """Every case for `samples` with forgetting 0.999 and alpha 1e6; for `others` with 1, 0.9999, 0.99 and 1e6, 1e3."""
+    """Every case for `samples` with forgetting 0.999 and alpha 1e6; for `others` with 1, 0.9999, 0.99 and 1e6, 1e3.
+
+    Of 0 samples: none.
+    """
     first = [Trial(case, 0.999, 1e6, samples) for case in CASES]
     rest = [
         Trial(case, forgetting, alpha, others)
@@ -30,7 +33,7 @@ def trials(samples: int, others: int) -> list[Trial]:
         for alpha in (1e6, 1e3)
         for case in CASES
     ]
-    return [*first, *(rest if others else [])]
+    return [*(first if samples else []), *(rest if others else [])]
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,10 @@ Eq. (10):  as printed, in float32, on the same samples; NaN and spikes left out,
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--samples", type=float, default=1e6, help="samples of each case with lambda 0.999 and alpha 1e6 (%(default)g)"
+        "--samples",
+        type=float,
+        default=1e6,
+        help="samples of each case with lambda 0.999 and alpha 1e6 (%(default)g; 0: not tried)",
     )
     parser.add_argument(
         "--others",
@@ -39,8 +42,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     samples, others = (_whole(name, getattr(arguments, name)) for name in ("samples", "others"))
-    if samples < LEAST_SAMPLES:
-        raise HysgenError(f"samples: {samples}: choose at least {LEAST_SAMPLES}, below that nothing is endured")
+    for name, count in (("samples", samples), ("others", others)):
+        if 0 < count < LEAST_SAMPLES or samples == others == 0:
+            raise HysgenError(f"{name}: {count}: choose at least {LEAST_SAMPLES}, below that nothing is endured")
     todo = [trial for trial in trials(samples, others) if trial.case in arguments.cases]
     outcomes = endure(todo, console.progress)
     console.say(table(HEADINGS, rows(outcomes)))

@@ -30,7 +30,7 @@ from hysgen.model_file import load_model, save_model
 from hysgen.record import Record
 from hysgen.report.price import price_of
 from hysgen.report.words import verdict
-from hysgen.revision import compare, refit, structure_fits
+from hysgen.revision import compare, refit, restricted_as, structure_fits
 from hysgen.verify import verify
 
 VERIFIED_SAMPLES = 200_000
@@ -102,7 +102,7 @@ def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
 
 
 def as_before(model: Model, folder: Path) -> tuple[Model, Options]:
-    """The model with the learner, and the options, that the folder was generated with, if it was generated at all."""
+    """The model with the learner and the ranges, and the options, that the folder was generated with, if it was."""
     if not (folder / MANIFEST).exists():
         return model, Options(inverse=certify(model).inverse_holds)
     before = read_folder(folder)
@@ -110,7 +110,8 @@ def as_before(model: Model, folder: Path) -> tuple[Model, Options]:
         raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
     told = before.facts.get("options", {})
     clock_Hz = float(told.get("clock_Hz", Options().clock_Hz))
-    return dataclasses.replace(model, learner=before.model.learner), Options(bool(told.get("inverse")), clock_Hz)
+    model = restricted_as(before.model, dataclasses.replace(model, learner=before.model.learner))
+    return model, Options(bool(told.get("inverse")), clock_Hz)
 
 
 def regenerate(model: Model, folder: Path, console: Console) -> dict[str, Any]:
