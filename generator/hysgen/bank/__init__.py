@@ -3,8 +3,9 @@
 The analysis sees only the record. What counts as hidden is decided by the plant, run with and without each effect.
 """
 
-from hysgen.bank.result import BankResult
+from hysgen.bank.limits import Limit, limits, limits_table
+from hysgen.bank.result import BankResult, Verdict
 from hysgen.bank.run import run
 from hysgen.bank.scenario import CATEGORIES, Scenario, scenario
 
-__all__ = ["CATEGORIES", "BankResult", "Scenario", "run", "scenario"]
+__all__ = ["CATEGORIES", "BankResult", "Limit", "Scenario", "Verdict", "limits", "limits_table", "run", "scenario"]

@@ -41,17 +41,34 @@ class Verdict:
         """Everything required is named, and nothing that was not planted."""
         return set(self.required) <= set(self.named) <= set(self.planted)
 
+    def difference(self) -> str:
+        """What is named wrongly, in words; how large what is lacking was, as a multiple of what memory alone leaves."""
+        lacks = [f"{name} ({self.relative[name]:.3g})" for name in self.required if name not in self.named]
+        adds = [name for name in self.named if name not in self.planted]
+        parts = [f"{word} {', '.join(names)}" for word, names in (("lacks", lacks), ("adds", adds)) if names]
+        return "; ".join(parts) or "exact"
+
 
 @dataclass(frozen=True)
 class BankResult:
-    """All verdicts of a run, and the seeds that made them."""
+    """All verdicts of a run in the order of the seeds, and those seeds; asked: records that the run was to judge."""
 
     verdicts: tuple[Verdict, ...]
     seeds: tuple[int, ...]
+    asked: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether every record that was asked for is judged."""
+        return len(self.verdicts) == self.asked
 
     def judged(self) -> list[Verdict]:
         """Records with a good excitation: those that must be right."""
         return [verdict for verdict in self.verdicts if verdict.category != "poor"]
+
+    def quiet(self) -> list[Verdict]:
+        """Judged records with nothing hidden: memory only, or no effect at all."""
+        return [verdict for verdict in self.judged() if verdict.category in ("memory", "none")]
 
     @property
     def exact_rate(self) -> float:
@@ -66,8 +83,7 @@ class BankResult:
     @property
     def false_alarm_rate(self) -> float:
         """Share of records with nothing hidden (memory only, or no effect) that name something not planted."""
-        quiet = [verdict for verdict in self.judged() if verdict.category in ("memory", "none")]
-        return _share([not set(verdict.named) <= set(verdict.planted) for verdict in quiet])
+        return _share([not set(verdict.named) <= set(verdict.planted) for verdict in self.quiet()])
 
     def confusion(self) -> dict[str, dict[str, int]]:
         """How often each cause was named where each was required; "nothing": no cause but memory was planted."""
@@ -116,10 +132,11 @@ class BankResult:
         """Plain JSON values."""
         return {
             "records": len(self.verdicts),
+            "complete": self.complete,
             "seeds": [min(self.seeds), max(self.seeds)],
-            "exact_rate": self.exact_rate,
-            "found_rate": self.found_rate,
-            "false_alarm_rate": self.false_alarm_rate,
+            "exact_rate": _finite(self.exact_rate),
+            "found_rate": _finite(self.found_rate),
+            "false_alarm_rate": _finite(self.false_alarm_rate),
             "confusion": self.confusion(),
             "smallest_found": {"50%": self.smallest(0.5), "95%": self.smallest(0.95)},
             "parameter_errors": {
@@ -132,7 +149,7 @@ class BankResult:
                 for v in self.judged()
                 if not v.exact
             ],
-            "median_seconds": float(np.median([verdict.seconds for verdict in self.verdicts])),
+            "median_seconds": _median([verdict.seconds for verdict in self.verdicts]),
         }
 
     def table(self) -> str:
@@ -149,8 +166,7 @@ class BankResult:
         lines.append(f"exact set of causes  {100 * self.exact_rate:6.1f} %  of {len(judged)} records")
         required = sum(len(verdict.required) for verdict in judged)
         lines.append(f"required and found   {100 * self.found_rate:6.1f} %  of {required} causes")
-        quiet = [verdict for verdict in judged if verdict.category in ("memory", "none")]
-        alarms = f"{100 * self.false_alarm_rate:6.1f} %  of {len(quiet)} records, nothing hidden"
+        alarms = f"{100 * self.false_alarm_rate:6.1f} %  of {len(self.quiet())} records, nothing hidden"
         lines.append(f"false alarms         {alarms}")
         half, most = self.smallest(0.5), self.smallest(0.95)
         lines.append("smallest effect found, as a multiple of what memory alone leaves (50 % / 95 % of the time):")
@@ -176,3 +192,11 @@ class BankResult:
 
 def _share(hits: Sequence[bool]) -> float:
     return float(np.mean(hits)) if hits else float("nan")
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(np.median(values)) if values else None
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

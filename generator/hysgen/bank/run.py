@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import math
+import signal
 import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.bank.log import Log, read_log
 from hysgen.bank.result import BankResult, Verdict
 from hysgen.bank.scenario import CATEGORIES, Scenario, memory_only, scenario
 from hysgen.bank.truth import error_with_truth_known
@@ -25,7 +28,7 @@ from hysgen.stage import Preisach, Relays
 from hysgen.stage import run as measure
 
 Floats = NDArray[np.float64]
-Progress = Callable[[float, str], None]
+Progress = Callable[[float, Verdict], None]
 
 
 def run(
@@ -33,18 +36,39 @@ def run(
     categories: Sequence[str] = CATEGORIES,
     jobs: int = 1,
     progress: Progress | None = None,
+    log: Path | None = None,
 ) -> BankResult:
-    """Every category with every seed. jobs: processes to use. progress: told the fraction done and one line."""
+    """Every category with every seed. jobs: processes to use.
+
+    progress: told the fraction done and each verdict. log: where verdicts are kept as they come; those that it already
+    holds are not judged again. Interrupted, the result has what was judged until then (`complete` is false).
+    Raises HysgenError if the log belongs to another state of the package, or cannot be written.
+    """
     work = [(category, seed) for seed in seeds for category in categories]
-    verdicts: list[Verdict] = []
-    with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(ProcessPoolExecutor(jobs)) if jobs > 1 else None
-        for done, verdict in enumerate(pool.map(_one, work) if pool else map(_one, work), start=1):
-            verdicts.append(verdict)
+    known = {} if log is None else {(v.category, v.seed): v for v in read_log(log)}
+    done = {key: known[key] for key in work if key in known}
+    kept = Log(log)
+    with contextlib.suppress(KeyboardInterrupt):
+        for verdict in _judged([key for key in work if key not in done], jobs):
+            kept.add(verdict)
+            done[verdict.category, verdict.seed] = verdict
             if progress is not None:
-                mark = "right" if verdict.exact else "wrong"
-                progress(done / len(work), f"{mark}: {verdict.category} {verdict.seed}: {', '.join(verdict.named)}")
-    return BankResult(tuple(verdicts), tuple(seeds))
+                progress(len(done) / len(work), verdict)
+    return BankResult(tuple(done[key] for key in work if key in done), tuple(seeds), len(work))
+
+
+def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Verdict]:
+    """The verdicts as they come; whatever ends the loop, records that were not begun are not begun any more."""
+    if jobs <= 1 or len(work) <= 1:
+        yield from map(_one, work)
+        return
+    # An interrupt from the keyboard reaches every process of the terminal; the workers leave it to this one.
+    pool = ProcessPoolExecutor(jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
+    try:
+        for future in as_completed([pool.submit(_one, key) for key in work]):
+            yield future.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def judge(hidden: Scenario) -> Verdict:

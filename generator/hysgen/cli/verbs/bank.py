@@ -1,11 +1,17 @@
-"""Hide effects in records of the virtual stage and count how often `diagnose` names them: confusion, limits, alarms."""
+"""Hide effects in records of the virtual stage and count how often `diagnose` names them: confusion, limits, alarms.
+
+Exit code 1 if a limit is missed; 130 if it was interrupted, after saying what it had until then. With --log, the same
+command goes on where it was interrupted.
+"""
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import os
+from pathlib import Path
 
-from hysgen.bank import CATEGORIES
+from hysgen.bank import CATEGORIES, Verdict, limits, limits_table
 from hysgen.bank import run as run_bank
 from hysgen.cli.console import Console
 from hysgen.errors import HysgenError
@@ -14,14 +20,33 @@ from hysgen.errors import HysgenError
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", default="1000:1010", metavar="A:B", help="seeds A to B, B excluded (%(default)s)")
     parser.add_argument("--categories", nargs="+", choices=CATEGORIES, default=list(CATEGORIES), metavar="NAME")
+    parser.add_argument("--log", metavar="FILE", help="one JSON line a record as it is judged; what it holds is kept")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    result = run_bank(parse_seeds(arguments.seeds), arguments.categories, arguments.jobs, console.progress)
+    judged = wrong = 0
+
+    def tell(fraction: float, verdict: Verdict) -> None:
+        nonlocal judged, wrong
+        judged, wrong = judged + 1, wrong + (not verdict.exact)
+        name = f"{verdict.category} {verdict.seed}"
+        if verdict.category != "poor" and not verdict.exact:
+            console.say(f"wrong: {name}: {verdict.difference()}")
+        console.progress(fraction, f"{name}: {', '.join(verdict.named) or 'nothing'} ({judged} judged, {wrong} wrong)")
+
+    log = Path(arguments.log) if arguments.log else None
+    result = run_bank(parse_seeds(arguments.seeds), arguments.categories, arguments.jobs, tell, log)
+    found = limits(result)
     console.say(result.table())
-    console.write_json(result.to_json())
-    return 0
+    console.say()
+    console.say(limits_table(found))
+    told = [dataclasses.asdict(limit) for limit in found]
+    console.write_json(result.to_json() | {"limits": told})
+    if not result.complete:
+        console.warn(f"interrupted: {len(result.verdicts)} of {result.asked} records")
+        return 130
+    return int(any(limit.holds is False for limit in found))
 
 
 def parse_seeds(text: str) -> range:
