@@ -11,7 +11,8 @@ from hysgen.commit_numbers import CommitNumbers
 from hysgen.learner_status import Commit
 from hysgen.reference.arithmetic import Floats32, Words, bits_of
 from hysgen.reference.factorised import magnitude
-from hysgen.reference.learner import Learner, Mask
+from hysgen.reference.learner import Learner
+from hysgen.reference.learner_state import Mask
 
 _HALF = np.float32(0.5)
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)

@@ -8,27 +8,18 @@ of docs/learning.md around it.
 
 from __future__ import annotations
 
-import copy
 import itertools
-from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hysgen.arithmetic import MAGNITUDE_BITS
-from hysgen.inputs.chain import ChainMirror
 from hysgen.learner_numbers import (
     FAST,
     LEAST_VARIANCE,
     REGRESSOR_GRID,
     SLOW,
-    WRITTEN_OUT,
-    LearnerNumbers,
-    learner_numbers,
 )
-from hysgen.learner_status import LEARNER_COUNTERS
-from hysgen.model import Model
-from hysgen.reference.arithmetic import Floats32, Words, bits_of, float_of, reciprocal
+from hysgen.reference.arithmetic import Floats32, bits_of, float_of, reciprocal
 from hysgen.reference.factorised import (
     denominators,
     factor,
@@ -39,54 +30,17 @@ from hysgen.reference.factorised import (
     project,
     quotients,
 )
-from hysgen.reference.instance import Instance
+from hysgen.reference.learner_state import LAST, LearnerState, Mask
 from hysgen.reference.rules import polynomial, powers, ratio, rule_sums
 from hysgen.reference.safety import finite, limited, settled
-from hysgen.terms import Mirror
 
-Mask = NDArray[np.bool_]
-
-# The C struct in its order: vectors, single numbers, words.
-_VECTORS = ("d", "x", "theta", "theta_low", "reference", "f", "g", "l", "k")
-_NUMBERS = ("per_alpha", "inflate", "innovation_um", "fixed_um", "y_um", "u_V", "mean_u_V", "scale_um", "moving_um")
-_ERRORS = ("error", "reference_error", "step_error")
-_WORDS = ("phase", "fresh", "rested", "measuring", "since_refresh", "turn", "run", "age", "status")
-
-_LAST = np.uint32(0xFFFFFFFF)
 _ONE, _TWO, _FOUR, _ZERO = np.float32(1.0), np.float32(2.0), np.float32(4.0), np.float32(0.0)
 _FAST, _SLOW, _LEAST_VARIANCE = np.float32(FAST), np.float32(SLOW), np.float32(LEAST_VARIANCE)
 _SETTLED_ALPHA, _QUIET_ALPHA = np.float32(2.0), np.float32(1.25)
 
 
-class Learner:
-    """State of (lanes,) learners, initialised as `<name>_learn_init(self, model)` does from those of `instance`.
-
-    Matrices are (n, n, lanes), vectors (n, lanes), scalars (lanes,), named as in the C struct.
-    """
-
-    def __init__(self, model: Model, instance: Instance) -> None:
-        self.numbers: LearnerNumbers = learner_numbers(model, instance.numbers)
-        self.model_numbers = instance.numbers
-        self.base = instance.bank
-        n, lanes = self.numbers.size, instance.u_V.shape[0]
-        vector, scalar = np.zeros((n, lanes), np.float32), np.zeros(lanes, np.float32)
-        word = np.zeros(lanes, np.uint32)
-        start = [self._number(i) * self.numbers.scale[i] for i in range(n)]
-        self.reference: Floats32 = np.repeat(np.array(start, np.float32)[:, None], lanes, axis=1)
-        self.x, self.f, self.g, self.l, self.k = (vector.copy() for _ in range(5))
-        self.theta, self.theta_low, self.d = vector.copy(), vector.copy(), vector.copy()
-        self.u: Floats32 = np.zeros((n, n, lanes), np.float32)
-        self.per_alpha, self.inflate = scalar + _ONE, scalar + _ONE
-        self.innovation_um, self.fixed_um = scalar.copy(), scalar.copy()
-        self.y_um, self.u_V, self.mean_u_V = instance.y_um.copy(), instance.u_V.copy(), instance.u_V.copy()
-        self.scale_um, self.moving_um = scalar.copy(), scalar.copy()
-        self.error, self.reference_error, self.step_error = scalar.copy(), scalar.copy(), scalar.copy()
-        self.phase, self.fresh, self.rested, self.measuring = (word.copy() for _ in range(4))
-        self.since_refresh, self.turn, self.run, self.age = (word.copy() for _ in range(4))
-        self.status: Words = word.copy()
-        self.counters: dict[str, Words] = {name: word.copy() for name in LEARNER_COUNTERS}
-        self.inputs, self.terms = copy.deepcopy(instance.inputs), copy.deepcopy(instance.terms)
-        self._restart(np.ones(lanes, np.bool_))
+class Learner(LearnerState):
+    """What `<name>_learn(self, y, u)` does to the state, lane by lane."""
 
     def learn(self, y_um: Floats32, u_V: Floats32) -> None:
         """Learn from sample k, (lanes,) each: y(k) is what the regressors of sample k - 1 had to predict."""
@@ -97,7 +51,7 @@ class Learner:
         v = self.inputs.apply(u)
         usable = (y_lost == 0) & ~((y < numbers.y_low_um) | (y > numbers.y_high_um))
         away = u - self.mean_u_V
-        self._note("rejected", ~usable | (u_lost != 0))
+        self.note("rejected", ~usable | (u_lost != 0))
         taking = (self.phase == 0) & (self.fresh != 0) & usable
         innovation = self._take(taking, np.where(taking, y, self.y_um))
         for term in self.terms:
@@ -111,68 +65,6 @@ class Learner:
         for term in self.terms:
             term.advance(v)
 
-    def words(self) -> Mapping[str, Words]:
-        """Every word of the C struct before `base`, in its order; `Instance.words` says how they are named."""
-        named: dict[str, Words] = {}
-        for name in _VECTORS:
-            named |= {f"{name}[{i}]": bits_of(row) for i, row in enumerate(getattr(self, name))}
-        named |= {name: bits_of(getattr(self, name)) for name in _NUMBERS + _ERRORS}
-        named |= {name: getattr(self, name) for name in _WORDS}
-        named |= self.counters
-        named |= {f"inputs[{i}]": word.view(np.uint32) for i, word in enumerate(self.inputs.state())}
-        for place, term in enumerate(self.terms):
-            named |= {f"terms[{place}][{i}]": word.view(np.uint32) for i, word in enumerate(term.state())}
-        return named | {f"u[{i},{j}]": bits_of(self.u[i, j]) for i, j in self._stored()}
-
-    def restore(self, words: Sequence[Words]) -> None:
-        """Take over the states whose `words` are given, in their order, (lanes,) each, any number of lanes."""
-        left = iter(words)
-        for name in _VECTORS:
-            setattr(self, name, np.stack([next(left) for _ in range(self.numbers.size)]).view(np.float32))
-        for name in _NUMBERS + _ERRORS:
-            setattr(self, name, next(left).view(np.float32))
-        for name in _WORDS:
-            setattr(self, name, next(left))
-        self.counters = {name: next(left) for name in self.counters}
-        mirrors: list[ChainMirror | Mirror] = [self.inputs, *self.terms]
-        for mirror in mirrors:
-            mirror.restore([next(left) for _ in mirror.state()])
-        self.u = np.zeros((self.numbers.size, self.numbers.size, words[0].size), np.float32)
-        for i, j in self._stored():
-            self.u[i, j] = next(left).view(np.float32)
-
-    def _stored(self) -> list[tuple[int, int]]:
-        """(i, j) of every U_ij that the C keeps, in its order: packed columns, or whole ones."""
-        n = self.numbers.size
-        packed = n <= WRITTEN_OUT
-        return [(i, j) for j in range(n) for i in range(j if packed else n)]
-
-    def _number(self, i: int) -> np.float32:
-        """What the bank holds of parameter i; 0 for the bias, which it does not hold."""
-        parameter = self.numbers.parameters[i]
-        table = {"slope": self.base.slope, "gain": self.base.gain, "offset": self.base.offset}
-        table |= {"terms": self.base.weight, "bias": np.zeros(1, np.float32)}
-        return np.float32(table[parameter.group][parameter.index])
-
-    def _restart(self, where: Mask) -> None:
-        """The reference parameters and the prior."""
-        if not where.any():
-            return
-        numbers = self.numbers
-        self.theta = np.where(where, self.reference, self.theta)
-        self.theta_low = np.where(where, _ZERO, self.theta_low)
-        self.d = np.where(where, numbers.prior[:, None], self.d)
-        self.u = np.where(where, _ZERO, self.u)
-        if self.numbers.size > WRITTEN_OUT:
-            diagonal = np.arange(self.numbers.size)
-            self.u[diagonal, diagonal] = np.where(where, _ONE, self.u[diagonal, diagonal])
-        for name in ("scale_um", "moving_um"):
-            setattr(self, name, np.where(where, numbers.level_um, getattr(self, name)))
-        for name in _ERRORS:
-            setattr(self, name, np.where(where, _ZERO, getattr(self, name)))
-        for name in ("phase", "run", "age"):
-            setattr(self, name, np.where(where, np.uint32(0), getattr(self, name)))
-
     def _take(self, where: Mask, y: Floats32) -> Floats32:
         """e = y - x' theta, which the running levels follow; then a restart or the beginning of an update."""
         shadow, other = self.x[0] * self.theta[0], self.x[0] * self.reference[0]
@@ -182,11 +74,11 @@ class Learner:
         e: Floats32 = y - (shadow + self.fixed_um)
         reference = y - (other + self.fixed_um)
         rested = self.rested != 0
-        self._note("resting", where & rested)
+        self.note("resting", where & rested)
         where = where & ~rested
         lost = self._lost(where, e, reference, y - self.y_um)
-        self._note("restarts", lost)
-        self._restart(lost)
+        self.note("restarts", lost)
+        self.restart(lost)
         self._begin(where & ~lost, e)
         return e
 
@@ -266,8 +158,8 @@ class Learner:
         alpha = denominators(self.f, self.g)
         before = alpha[-1]
         wild = where & (bits_of(before) >= bits_of(np.asarray(numbers.largest_denominator)))
-        self._note("restarts", wild)
-        self._restart(wild)
+        self.note("restarts", wild)
+        self.restart(wild)
         where = where & ~wild
         refused = self._refused(where & (self.measuring != 0), before)
         self.phase = np.where(refused, np.uint32(0), self.phase)
@@ -278,7 +170,7 @@ class Learner:
         d = np.where(d < _LEAST_VARIANCE, _LEAST_VARIANCE, np.where(d > ceiling, ceiling, d))
         self.l, self.d = np.where(where, slope, self.l), np.where(where, d, self.d)
         self.per_alpha = np.where(where, per_alpha, self.per_alpha)
-        self._note("clamped", where & clamped.any(axis=0))
+        self.note("clamped", where & clamped.any(axis=0))
 
     def _refused(self, where: Mask, alpha: Floats32) -> Mask:
         """Outliers, and innovations inside the dead zone; the usual innovation follows what is not."""
@@ -298,9 +190,9 @@ class Learner:
         self.scale_um = np.where(where, scale, self.scale_um)
         self.run = np.where(where, np.where(changed, np.uint32(0), run), self.run)
         outlier = far & ~changed
-        self._note("outliers", where & outlier)
-        self._note("changes", where & changed)
-        self._note("quiet", where & quiet)
+        self.note("outliers", where & outlier)
+        self.note("changes", where & changed)
+        self.note("quiet", where & quiet)
         return where & (outlier | quiet)
 
     def _factor(self, where: Mask, first: int, last: int) -> None:
@@ -315,17 +207,17 @@ class Learner:
         size = float_of((bits_of(self.k) & np.uint32(MAGNITUDE_BITS)).max(axis=0)) * magnitude(q)
         long = where & (size > numbers.step_um)
         q = np.where(long, q * (numbers.step_um * reciprocal(np.where(long, size, _ONE))), q)
-        self._note("limited", long)
+        self.note("limited", long)
         theta, low = moved(self.theta, self.theta_low, self.k, q)
         self.theta_low = np.where(where, low, self.theta_low)
         self.theta = np.where(where, theta, self.theta)
         beyond = where & (bits_of(magnitude(theta)) >= bits_of(np.asarray(numbers.limit_um))).any(axis=0)
         self.phase = np.where(where, np.uint32(0), self.phase)
-        self._note("restarts", beyond)
-        self._restart(beyond)
+        self.note("restarts", beyond)
+        self.restart(beyond)
         counted = where & ~beyond
-        self._count("updates", counted)
-        self.age = self.age + (counted & (self.measuring != 0) & (self.age < _LAST)).astype(np.uint32)
+        self.count("updates", counted)
+        self.age = self.age + (counted & (self.measuring != 0) & (self.age < LAST)).astype(np.uint32)
 
     def _keep(self, where: Mask, y_um: Floats32, v: Floats32) -> None:
         """The regressors of this sample, x_i = (what parameter i multiplies)/scale_i, for the next displacement."""
@@ -354,7 +246,7 @@ class Learner:
         self.fixed_um = np.where(where, self._fixed(y, v, per_weight, phi), self.fixed_um)
         self.fresh = np.where(where & (outside == 0), np.uint32(1), np.uint32(0))
         self.y_um = np.where(where, y_um, self.y_um)
-        self._note("outside", where & (outside != 0))
+        self.note("outside", where & (outside != 0))
 
     def _fixed(self, y: Floats32, v: Floats32, per_weight: Floats32, phi: list[Floats32]) -> Floats32:
         """The part of the prediction that is not learned."""
@@ -372,15 +264,3 @@ class Learner:
                 extra = extra + theta * regressor
             total = extra if total is None else total + extra
         return np.zeros_like(y) if total is None else settled(total)
-
-    def _note(self, event: str, happened: Mask) -> None:
-        """Set the bit of `event` and step its counter up to its largest value."""
-        if not happened.any():
-            return
-        bit = LEARNER_COUNTERS[event]
-        self.status = self.status | np.where(happened, np.uint32(bit or 0), np.uint32(0))
-        self._count(event, happened)
-
-    def _count(self, event: str, happened: Mask) -> None:
-        count = self.counters[event]
-        self.counters[event] = count + (happened & (count < _LAST)).astype(np.uint32)
