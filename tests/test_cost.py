@@ -181,6 +181,10 @@ def test_every_function_is_within_the_budget_that_is_kept(name: str) -> None:
     period += sum(found[besides]["cycles"] for besides in ("learn", "commit") if besides in found)
     # Issue 5: 6 rules with 18 parameters learned, and every term there is.
     assert period <= {"learning": 3000, "everything_spread": 6000}.get(name, 7500)
+    if name == "learning":
+        assert found["predict"]["cycles"] <= 180
+        assert found["inverse"]["cycles"] <= 200
+        assert found["learn"]["cycles"] <= 2500
 
 
 def test_one_operation_more_in_a_function_is_over_budget_and_one_less_asks_to_tighten(

@@ -242,6 +242,28 @@ def test_bytes_halves_and_pairs_are_little_endian_and_extended(interpreted: bool
 
 
 @both_engines
+def test_accesses_that_need_not_be_aligned_count_in_bytes_or_elements(interpreted: bool) -> None:
+    # Bytes 00 01 02 .. 27; (3) is three bytes on, [1] one element of eight bytes on.
+    counted = {DATA + 4 * i: int.from_bytes(bytes(range(4 * i, 4 * i + 4)), "little") for i in range(10)}
+    after = run(
+        "ldndw .D1T1 *+a8(3),a11:a10\nldndw .D1T1 *+a8[1],a13:a12\nldndw .D1T1 *+a8[a7],a17:a16\n"
+        "ldnw .D1T1 *+a8(5),a14\nnop 4\nstndw .D1T1 a11:a10,*+a8[3]\nstnw .D1T1 a14,*+a8(33)\n"
+        "ldndw .D1T1 *++a8[2],a19:a18\nnop 4",
+        interpreted,
+        memory=counted,
+        a7=2,
+        a8=DATA,
+    )
+    assert (after["a10"], after["a11"]) == (0x0605_0403, 0x0A09_0807)
+    assert (after["a12"], after["a13"]) == (0x0B0A_0908, 0x0F0E_0D0C)
+    assert (after["a16"], after["a17"]) == (0x1312_1110, 0x1716_1514)
+    assert after["a14"] == 0x0807_0605
+    assert (after.word(DATA + 24), after.word(DATA + 28)) == (0x0605_0403, 0x0A09_0807)
+    assert (after.word(DATA + 32), after.word(DATA + 36)) == (0x0706_0520, 0x2726_2508)
+    assert (after["a8"], after["a18"], after["a19"]) == (DATA + 16, 0x1312_1110, 0x1716_1514)
+
+
+@both_engines
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [

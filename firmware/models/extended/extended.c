@@ -2119,6 +2119,33 @@ static EXTENDED_STRAIGHT void extended_keep(extended_learner_t *self, float y_um
     extended_learner_note(self, &self->outside, outside, EXTENDED_LEARN_OUTSIDE);
 }
 
+/* ---- Learner: copies of a model's states ------------------------------------------------------------------------- */
+
+/* Number by number: for a struct assignment compilers may call their library. That of gcc for the C674x copies in a
+ * hardware loop, and the loop's counter is lost where an interrupt copies as well. */
+static void extended_delay_copy(extended_delay_t *to, const extended_delay_t *from)
+{
+    to->newest = from->newest;
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        to->ring[i] = from->ring[i];
+    }
+}
+
+static void extended_memory_copy(extended_memory_t *to, const extended_memory_t *from)
+{
+    for (uint32_t i = 0u; i < 6u; ++i) {
+        to->play[i] = from->play[i];
+    }
+}
+
+static void extended_creep_copy(extended_creep_t *to, const extended_creep_t *from)
+{
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        to->high[i] = from->high[i];
+        to->low[i] = from->low[i];
+    }
+}
+
 /* Work at the update that is begun. Returns 1 if the shadow has to start again. */
 EXTENDED_INLINE uint32_t extended_work(extended_learner_t *self)
 {
@@ -2265,8 +2292,10 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model)
     self->limited = 0u;
     self->clamped = 0u;
     self->restarts = 0u;
-    self->inputs = model->inputs;
-    self->terms = model->terms;
+    self->inputs.v_V = model->inputs.v_V;
+    extended_delay_copy(&self->inputs.delay, &model->inputs.delay);
+    extended_memory_copy(&self->terms.memory, &model->terms.memory);
+    extended_creep_copy(&self->terms.creep, &model->terms.creep);
     self->candidate.phase = 0u;
     self->candidate.point = 0u;
     extended_restart(self);

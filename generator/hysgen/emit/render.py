@@ -15,6 +15,7 @@ import hysgen
 from hysgen import arithmetic
 from hysgen.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.emit.literals import bits, literal
+from hysgen.emit.members import members
 from hysgen.emit.parameters import Constant
 from hysgen.emit.sums import Sum, pairs, polynomial, powers, squares
 from hysgen.inputs import InputBlock, preview
@@ -220,7 +221,13 @@ def _arithmetic() -> dict[str, Any]:
 @functools.lru_cache(maxsize=1)
 def _environment() -> jinja2.Environment:
     environment = template_environment(autoescape=False)
-    environment.filters |= {"literal": literal, "aligned": aligned, "each": each, "hexes": hexes}
+    environment.filters |= {
+        "literal": literal,
+        "aligned": aligned,
+        "each": each,
+        "hexes": hexes,
+        "members": members,
+    }
     return environment
 
 

@@ -20,6 +20,7 @@ from hysgen.target import toolchain
 from hysgen.target.assembly import instructions
 from hysgen.target.cycles import bounds
 from hysgen.target.packets import packets
+from hysgen.target.toolchain import Firmware
 
 SAMPLES: Final = 4000
 GAIN_UM_PER_V, ZERO_V, LAG = 0.083, 23.0, 0.02
@@ -59,15 +60,18 @@ class Simulated:
         return vars(self) | {"interrupt": dict(self.interrupt), "equal": self.equal}
 
 
-def simulate(texts: Mapping[str, str], samples: int = SAMPLES) -> Simulated:
-    """Run the image of generated `texts` on the simulator and on this machine, sample by sample.
+def image(texts: Mapping[str, str]) -> Firmware:
+    """Controller, generated `texts` and the simulator's board for the C674x. Raises BuildError without the compiler."""
+    return toolchain.compile(_sources(texts))
 
-    Raises BuildError without a compiler, TargetError for what the simulator refuses.
+
+def simulate(texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLES) -> Simulated:
+    """Run the image of generated `texts` on the simulator, as `image` compiled it, and on this machine.
+
+    Raises BuildError without a compiler for this machine, TargetError for what the simulator refuses.
     """
-    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
-    sources = [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *generated]
-    machine = toolchain.compile(sources).machine()
-    host = build(sources, DECLARED, libraries=()).lib
+    machine = compiled.machine()
+    host = build(_sources(texts), DECLARED, libraries=()).lib
     booted = machine.call("simulated_boot")
     host.simulated_boot()
     y_um, differing, commits = (0.0 - ZERO_V) * GAIN_UM_PER_V, 0, 0
@@ -91,20 +95,23 @@ def simulate(texts: Mapping[str, str], samples: int = SAMPLES) -> Simulated:
     return Simulated(samples, differing, booted.bits, commits, spent, idle, booted.cycles)
 
 
-def static_bounds(name: str, texts: Mapping[str, str]) -> dict[str, tuple[int, int] | None]:
+def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | None]:
     """Fewest and most stall-free cycles over every way through the code, calls included, without running it.
 
-    By function; None where one of its instructions is not modelled. Raises BuildError without the compiler.
+    By function; None where one of its instructions is not modelled.
     """
-    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
-    firmware = toolchain.compile([*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *generated])
-    found = packets(instructions(firmware.listing))
+    found = packets(instructions(compiled.listing))
     told: dict[str, tuple[int, int] | None] = {}
     for symbol in ("firmware_interrupt", f"{name}_inverse", f"{name}_learn", f"{name}_commit"):
         try:
-            bound = bounds(firmware.image, found, symbol)
+            bound = bounds(compiled.image, found, symbol)
         except TargetError:
             told[symbol] = None
         else:
             told[symbol] = (bound.best, bound.worst)
     return told
+
+
+def _sources(texts: Mapping[str, str]) -> list[tuple[str, str]]:
+    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+    return [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *generated]

@@ -40,7 +40,7 @@ class Pair:
 class Memory:
     """An address operand: base register plus or minus an offset, the base perhaps moved before or after.
 
-    offset: bytes if it is an int; a register counts bytes, or elements if `scaled`.
+    offset: a number or a register; it counts bytes, or elements if `scaled`.
     step: '' (base unchanged), 'before' or 'after' (base := base +- offset, used with or without the change).
     """
 
@@ -166,8 +166,8 @@ def _memory(text: str) -> Memory | None:
     sign = -1 if "-" in (before or "") + (after or "") else 1
     offset = in_bytes or in_elements or "0"
     if _NUMBER.match(offset):
-        # objdump prints constant offsets in bytes
-        return None if in_elements else Memory(_register(base), int(offset, 0), sign, False, step)
+        # objdump prints constant offsets in bytes, but for those of ldndw and stndw that the opcode holds in elements
+        return Memory(_register(base), int(offset), sign, in_elements is not None, step)
     return Memory(_register(base), _register(offset), sign, in_elements is not None, step)
 
 

@@ -16,26 +16,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.host import Host
-from hysgen.learner_status import Commit
 from hysgen.model import Model
 from hysgen.operations import figures
 from hysgen.target import toolchain
 from hysgen.target.assembly import instructions
 from hysgen.target.cycles import CycleBounds, bounds
+from hysgen.target.learning import SimulatedSide
 from hysgen.target.machine import Machine
 from hysgen.target.packets import packets
+from hysgen.verify.following import Followed, HostSide, follow
 from hysgen.verify.inputs import STYLES, chunks
-from hysgen.verify.subjects import LEARNER, MODEL, SUBJECTS, Subject
+from hysgen.verify.subjects import LEARNER, SUBJECTS, Subject
 
 Words = NDArray[np.uint32]
 Progress = Callable[[float, str], None]
 
 PIECE: Final = 2048
-STARTS: Final = ("init", "learn_init")
-"""Functions that are called once, not in every period."""
 LEARNING_SHARE: Final = 0.1
 """Part of the samples that learning gets: its state is some hundred words, each of them compared after every sample."""
-LEARNT_BETWEEN_COMMITS: Final = 1024
+FOLLOWED: Final = "a weaker stage"
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,8 @@ class TargetRun:
 class TargetReport:
     """All runs of a model on the simulated target; selftest: mismatches that its own self-test counted there.
 
-    committed: shadows that became active on the way; None for a model that does not learn.
+    committed: shadows that became active on the way, which the target's own memory showed as a change of the bank in
+    use; refused: those that commit did not accept. None for a model that does not learn.
     """
 
     model: str
@@ -66,6 +66,7 @@ class TargetReport:
     selftest: int
     runs: tuple[TargetRun, ...]
     committed: int | None
+    refused: int | None
 
     @property
     def equal(self) -> bool:
@@ -98,7 +99,10 @@ class TargetReport:
         """What stands below the table."""
         verdict = "equal to the host in every bit" if self.equal else "NOT EQUAL"
         differences = [f"DIFFERENT: {run.function}, {run.style}: {run.first}" for run in self.runs if run.first]
-        learned = [] if self.committed is None else [f"shadows that became active: {self.committed}"]
+        learned = []
+        if self.committed is not None:
+            none = "" if self.committed else ": NOTHING WAS COMMITTED, let it learn longer with --samples 20000"
+            learned = [f"shadows that became active: {self.committed}, refused: {self.refused}{none}"]
         return [
             *differences,
             *learned,
@@ -113,7 +117,7 @@ def c_texts(texts: Mapping[str, str]) -> list[tuple[str, str]]:
 
 
 def cycles(name: str, texts: Mapping[str, str]) -> dict[str, CycleBounds]:
-    """Stall-free cycles of each public function that is called in every period, by its name without the model's.
+    """Stall-free cycles of each public function, by its name without the model's.
 
     Raises BuildError without the toolchain, TargetError if a function's cycles cannot be bounded.
     """
@@ -124,9 +128,7 @@ def cycles_of(name: str, texts: Mapping[str, str], firmware: toolchain.Firmware)
     """`cycles` of what is compiled already."""
     found = packets(instructions(firmware.listing))
     return {
-        function: bounds(firmware.image, found, f"{name}_{function}")
-        for function in figures(name, texts).operations
-        if function not in STARTS
+        function: bounds(firmware.image, found, f"{name}_{function}") for function in figures(name, texts).operations
     }
 
 
@@ -135,7 +137,8 @@ def verify_on_target(
 ) -> TargetReport:
     """Run every function of the generated C over chained samples of every style, on the simulator and on the host.
 
-    samples: of each function, shared by the styles; a tenth of them for learning.
+    samples: of each function, shared by the styles; a tenth of them for learning, and a tenth are the updates that the
+    learner makes of a stage that it follows, committing now and then.
     Raises BuildError without a toolchain, TargetError for what the simulator refuses.
     """
     firmware = toolchain.compile(c_texts(texts))
@@ -156,76 +159,27 @@ def verify_on_target(
         share = LEARNING_SHARE if function == "learn" else 1.0
         count = math.ceil(share * samples / len(STYLES))
         runs.append(_run(model, host, machine, subject, function, style, count, seed))
-    committed = None
+    committed = refused = None
     if model.learner is not None:
         if progress is not None:
             progress(len(runs) / steps, "learn and commit, on the simulator")
-        told, committed = _committed(model, host, machine, math.ceil(LEARNING_SHARE * samples), seed)
-        runs += told
-    return TargetReport(model.name, toolchain.version(), failed, tuple(runs), committed)
+        following, told = _followed(model, host, machine, math.ceil(LEARNING_SHARE * samples), seed)
+        runs += following
+        committed, refused = told.switches, sum(told.answers.values()) - told.committed
+    return TargetReport(model.name, toolchain.version(), failed, tuple(runs), committed, refused)
 
 
-def _committed(model: Model, host: Host, machine: Machine, samples: int, seed: int) -> tuple[list[TargetRun], int]:
-    """Learning from what the model itself would do, and a commit from time to time; how many shadows became active.
-
-    Host and simulator keep a model and a learner each; all words of both are compared after every call.
-    """
-    commit, learn = f"{model.name}_commit", f"{model.name}_learn"
-    structs = (MODEL.start(host), LEARNER.start(host))
-    sizes = tuple(host.words_of(struct).size for struct in structs)
-    places = tuple(machine.allocate(size) for size in sizes)
-    for struct, place in zip(structs, places, strict=True):
-        machine.write(place, host.words_of(struct).copy())
-    plant = MODEL.start(host)
-    heard = ["channel"] * host.channels
-    learnt = _Tally("learn", "the model's own", sizes[1])
-    answered = _Tally("commit", "after learning", sum(sizes) + 1)
-    committed = done = 0
-    for u, *channels in chunks(model, "smooth", ["voltage", *heard], samples, seed, LEARNT_BETWEEN_COMMITS):
-        y, _ = host.run("simulate", plant, [u, *(np.zeros_like(column) for column in channels)])
-        _, after = host.run("learn", structs[1], [y, u], first=0, words=sizes[1])
-        told = machine.map(learn, places[1], y, u, read={places[1]: sizes[1]})
-        wrong = np.flatnonzero((told.memory[places[1]] != after).any(axis=1))
-        learnt.add(wrong, y.size, told.cycles, f"sample {done + wrong[0]}" if wrong.size else "")
-        done += y.size
-        answer = int(Commit.BUSY)
-        while answer == Commit.BUSY:
-            answer = int(host.call("commit", *structs))
-            outcome = machine.call(commit, *places)
-            there = [machine.read(place, size, np.uint32) for place, size in zip(places, sizes, strict=True)]
-            here = [host.words_of(struct) for struct in structs]
-            same = outcome.bits == answer and all(np.array_equal(a, b) for a, b in zip(there, here, strict=True))
-            calls = np.flatnonzero([not same])
-            answered.add(calls, 1, np.array([outcome.cycles]), f"after sample {done}" if not same else "")
-        committed += answer == Commit.COMMITTED
-    return [learnt.run(), answered.run()], committed
-
-
-@dataclass
-class _Tally:
-    """What becomes of one function over several pieces of a chain."""
-
-    function: str
-    style: str
-    words: int
-    samples: int = 0
-    differing: int = 0
-    least: int = 1 << 62
-    most: int = 0
-    first: str | None = None
-
-    def add(self, wrong: NDArray[np.int64], samples: int, spent: NDArray[np.int64], where: str) -> None:
-        """`samples` calls, of which `wrong` differ from the host, the first one at `where`."""
-        if self.first is None and wrong.size:
-            self.first = f"{where}: the states differ"
-        self.differing += wrong.size
-        self.samples += samples
-        self.least, self.most = min(self.least, int(spent.min())), max(self.most, int(spent.max()))
-
-    def run(self) -> TargetRun:
-        """All of them together."""
-        cycles = (self.least, self.most)
-        return TargetRun(self.function, self.style, self.samples, self.words, self.differing, cycles, self.first)
+def _followed(model: Model, host: Host, machine: Machine, updates: int, seed: int) -> tuple[list[TargetRun], Followed]:
+    """Learning from a stage that is not quite the model, and commits; every word of both structs after every call."""
+    side = SimulatedSide(host, machine)
+    _, told = follow(model, [HostSide("this machine", host), side], host, updates, seed)
+    words = side.words().size
+    learner = host.words_of(LEARNER.start(host)).size
+    where = told.first
+    return [
+        TargetRun("learn", FOLLOWED, told.samples, learner, told.learnt_wrong, side.learning.range, where),
+        TargetRun("commit", FOLLOWED, told.calls, words + 1, told.committed_wrong, side.committing.range, where),
+    ], told
 
 
 def _run(

@@ -20,8 +20,9 @@ from hysgen.target.machine import Machine
 
 # No contraction and no reciprocals: bits. No small data: no pointer register to set up. No modulo scheduling: no
 # hardware loops, which the simulator does not model and which gain nothing here. No jump tables: the only jumps through
-# a register are returns, so cycles can be bounded without running. -fsched-pressure and -fno-tree-forwprop gave the
-# fewest cycles for the generated code.
+# a register are returns, so cycles can be bounded without running. No loops turned into library calls: the library's
+# copy is a hardware loop, whose counter interrupt service routines do not save. -fsched-pressure and
+# -fno-tree-forwprop gave the fewest cycles for the generated code.
 # -fdbg-cnt=sched_breakdep:0 keeps the scheduler from moving loads across changes of their base register, where gcc 12
 # sometimes corrects the offset twice: wrong code, found by comparing bits.
 FLAGS = (
@@ -35,6 +36,7 @@ FLAGS = (
     "-fno-reciprocal-math",
     "-fno-modulo-sched",
     "-fno-jump-tables",
+    "-fno-tree-loop-distribute-patterns",
     "-fdbg-cnt=sched_breakdep:0",
     "-msdata=none",
 )

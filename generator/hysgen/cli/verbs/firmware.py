@@ -12,7 +12,7 @@ from hysgen.emit import write
 from hysgen.errors import BuildError, TargetError
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.reference_models import with_learner
-from hysgen.firmware.simulated import SAMPLES, Simulated, simulate, static_bounds
+from hysgen.firmware.simulated import SAMPLES, Simulated, image, simulate, static_bounds
 from hysgen.firmware.target import MEMORIES, Built, build
 from hysgen.model_file import load_model
 from hysgen.tables import table
@@ -44,12 +44,13 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         console.write_json({"model": model.name, "target": None})
         return 0
     console.say(report(built))
-    cycles = static_bounds(model.name, texts)
+    compiled = image(texts)
+    cycles = static_bounds(model.name, compiled)
     rows = [[name, f"{c[0]} .. {c[1]}" if c else "not bounded"] for name, c in cycles.items()]
     console.say("\n" + table(["static bounds, stall-free", "cycles"], rows))
     found: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles, "simulated": None}
     try:
-        run = simulate(texts, arguments.samples)
+        run = simulate(texts, compiled, arguments.samples)
         console.say(cycles_report(run))
         found["simulated"] = run.to_json()
     except TargetError as refusal:
