@@ -22,7 +22,7 @@ from hysgen.target.cycles import bounds
 from hysgen.target.packets import packets
 from hysgen.target.toolchain import Firmware
 
-SAMPLES: Final = 4000
+SAMPLES: Final = 12_000
 GAIN_UM_PER_V, ZERO_V, LAG = 0.083, 23.0, 0.02
 REFERENCE_UM, AMPLITUDE_UM, STEP_RAD = 2.0, 0.6, 2 * np.pi * 50.0 * 20e-6
 
