@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import cast
 
 import pytest
 from conftest import need
@@ -12,10 +13,15 @@ from proof_models import model, texts
 from hysgen.cli import main
 from hysgen.emit import write
 from hysgen.errors import BuildError
+from hysgen.host import Host
+from hysgen.native import Toolchain
 from hysgen.proof.emulated.contraction import contraction, unguarded
 from hysgen.proof.emulated.equality import equality
 from hysgen.proof.emulated.machines import MACHINES, Machine
 from hysgen.proof.emulated.program import Emulated
+from hysgen.verify.builds import Build
+from hysgen.verify.committing import compare_commit
+from hysgen.verify.following import HostSide, follow
 
 # `hysgen verify DIR --target emulated --samples 1000000` makes the long run; its table is in docs/target.md.
 SAMPLES = 4000
@@ -37,12 +43,54 @@ def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None
     need_machines()
     report = equality(model(name), texts(name), samples=SAMPLES)
     assert report.equal, "\n".join(report.lines())
-    assert len(report.builds) == 5
-    assert not report.skipped
-    compared = {run.function for run in report.runs}
+    assert len(report.comparison.builds) == 5
+    assert not report.comparison.skipped
+    compared = {run.function for run in report.comparison.runs}
     assert compared >= {"init", "predict", "simulate", "inverse", "selftest"}
     assert ("learn" in compared) == (model(name).learner is not None)
-    assert all(run.builds == 6 for run in report.runs)
+    assert all(run.builds == 6 for run in report.comparison.runs)
+
+
+class Stuck(HostSide):
+    """A machine on which the bank in use never changes."""
+
+    def commit(self) -> int:
+        active = self.host.layout(f"{self.host.name}_t")["active"]
+        before = self._instance[active]
+        answer = super().commit()
+        self._instance[active] = before
+        return answer
+
+
+def test_banks_change_on_five_instruction_sets_in_this_machines_bits() -> None:
+    """The verb lets the model with every term commit as well."""
+    need_machines()
+    name = "learning"
+    host = Host(name, texts(name))
+    programs = {each.name: Emulated(name, texts(name), each) for each in MACHINES}
+    sides = [HostSide(where, cast(Host, program)) for where, program in programs.items()]
+    sides.append(Stuck("stuck", cast(Host, programs["s390x"])))
+    here, *there, stuck = follow(model(name), [HostSide("here", host), *sides], host, updates=2560)
+    assert here.switches == here.committed >= 1
+    for row in there:
+        assert row.equal, row
+        assert row.switches == row.committed == here.committed
+    assert not stuck.equal
+    assert stuck.switches == 0
+
+
+def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
+    need("s390x-linux-gnu-gcc")
+    need("qemu-s390x-static")
+    wrong = {file: text.replace("self->active = 1u - self->active;", "") for file, text in texts("learning").items()}
+    assert wrong != texts("learning")
+    builds = [
+        Build(Toolchain(label, ()), False, cast(Host, Emulated("learning", sources, machine("s390x"))))
+        for label, sources in {"honest": texts("learning"), "stuck": wrong}.items()
+    ]
+    run, found = compare_commit(model("learning"), builds, seed=1)
+    assert run.samples > 40_000
+    assert [mismatch.build.split()[0] for mismatch in found] == ["stuck"]
 
 
 def test_one_bit_of_one_constant_is_seen_on_the_machine_that_has_it() -> None:
@@ -55,7 +103,7 @@ def test_one_bit_of_one_constant_is_seen_on_the_machine_that_has_it() -> None:
     assert program.call("selftest") > 0
     report = equality(model("appendix_a"), wrong, samples=2000, machines=[machine("s390x")])
     assert not report.equal
-    assert any("s390x" in mismatch.build for mismatch in report.mismatches)
+    assert any("s390x" in mismatch.build for mismatch in report.comparison.mismatches)
 
 
 def test_words_in_the_other_order_of_bytes_would_be_seen() -> None:
@@ -88,7 +136,7 @@ def test_a_missing_compiler_is_told_with_its_packages() -> None:
     with pytest.raises(BuildError, match=r"arm-nowhere-gcc not installed; apt-get install gcc-arm-linux-gnueabihf"):
         Emulated("appendix_a", texts("appendix_a"), absent)
     report = equality(model("appendix_a"), texts("appendix_a"), samples=100, machines=[absent, *_installed()[:1]])
-    assert report.skipped == (
+    assert report.comparison.skipped == (
         "armhf: arm-nowhere-gcc not installed; "
         "apt-get install gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-user-static",
     )

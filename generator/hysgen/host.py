@@ -42,6 +42,11 @@ def channels(header: str) -> int:
     return int(told[1]) if told else 0
 
 
+def commits(name: str, header: str) -> bool:
+    """Whether the header of model `name` declares a commit."""
+    return f"{name}_commit({name}_t *self, {name}_learner_t *learner);" in header
+
+
 class Host:
     """A model's generated C, compiled by one toolchain.
 
@@ -55,7 +60,7 @@ class Host:
         header = texts[f"{name}.h"]
         self.entries = {entry.name: entry for entry in entries(name, header)}
         self.channels = channels(header)
-        self.commits = f"{name}_commit({name}_t *self, {name}_learner_t *learner);" in header
+        self.commits = commits(name, header)
         found = list(self.entries.values())
         facts = {"name": name, "entries": found, "channels": self.channels, "commits": self.commits}
         driver = render("driver.c.j2", facts)

@@ -13,9 +13,8 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from hysgen.model import Model
-from hysgen.proof.emulated.equality import equality
+from hysgen.proof.emulated.equality import EmulatedReport, equality
 from hysgen.proof.emulated.machines import Machine
-from hysgen.verify.report import Report
 
 SANITIZERS: Final = (
     "-g",
@@ -36,7 +35,7 @@ def sanitize(
     samples: int = 100_000,
     seed: int = 1,
     progress: Callable[[float, str], None] | None = None,
-) -> Report:
+) -> EmulatedReport:
     """Run the C under gcc's sanitizers and compare its bits; samples: per function.
 
     Raises BuildError with the sanitizer's first line if it stops the program, or if gcc or its libraries are missing.

@@ -192,7 +192,7 @@ class _Pair:
         self.learner: Any = host.struct(f"{host.name}_learner_t")
         host.call("learn_init", self.learner, self.instance)
         layout = host.layout(f"{host.name}_learner_t")
-        self.theta = layout["theta[0]"]
+        self.theta, self.age = layout["theta[0]"], layout["age"]
         self.mine = np.array([layout[path] for path in paths if path in layout], dtype=np.int64)
         others = host.layout(f"{host.name}_t")
         self.others = np.array([others[path] for path in paths if path not in layout], dtype=np.int64)
@@ -201,7 +201,7 @@ class _Pair:
         """Put a shadow in place of the learner's."""
         words = self.host.words_of(self.learner)
         words[self.theta : self.theta + theta.size] = theta.view(np.uint32)
-        self.learner.age = int(age)
+        words[self.age] = age
 
     def commit(self, *, flush: bool) -> Words:
         """One call: the compared words, and the answer behind them."""

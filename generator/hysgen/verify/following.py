@@ -102,6 +102,18 @@ class Followed:
         """Shadows that commit said it made active."""
         return self.answers[Commit.COMMITTED.name]
 
+    @property
+    def equal(self) -> bool:
+        """Whether every word was the first side's."""
+        return self.learnt_wrong == 0 and self.committed_wrong == 0
+
+    def __str__(self) -> str:
+        verdict = "equal in every bit" if self.equal else f"DIFFERENT, first: {self.first}"
+        accepted = (
+            f"{self.committed} shadows became active" if self.committed else "NOTHING WAS COMMITTED, learn longer"
+        )
+        return f"{self.side}: learned from {self.samples} samples, {self.calls} calls of commit, {accepted}: {verdict}"
+
     def note(self, where: str) -> None:
         """A difference."""
         self.first = self.first or where

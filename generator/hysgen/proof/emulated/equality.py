@@ -6,10 +6,12 @@ machines of `machines` as builds beside the host's.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final, cast
+from dataclasses import dataclass
+from typing import Any, Final, cast
 
 from hysgen.errors import BuildError
 from hysgen.host import Host
@@ -18,12 +20,43 @@ from hysgen.native import Toolchain, compiler_version
 from hysgen.proof.emulated.machines import MACHINES, STRICT, Machine
 from hysgen.proof.emulated.program import Emulated
 from hysgen.verify.builds import Build
+from hysgen.verify.committing import compare_commit
 from hysgen.verify.comparison import START_SAMPLES, Task, compare_selftest, compare_task, tasks
+from hysgen.verify.following import Followed, HostSide, follow
 from hysgen.verify.inputs import SHARES
 from hysgen.verify.report import Mismatch, Report, Run
 
-LEARNING_SHARE: Final = 0.01
+LEARNING_SHARE: Final = 0.1
 """Part of the samples that learning gets: its state is some hundred words, each of them compared after every sample."""
+FOLLOWED_SHARE: Final = 0.01
+"""Updates of the learner that follows a stage and commits, for each of the samples."""
+
+SHADOWS_FROM: Final = 10_000
+"""Samples from which on it is worth while to commit hundreds of shadows as well."""
+
+
+@dataclass(frozen=True)
+class EmulatedReport:
+    """comparison: with the reference. followed: this machine and the others behind one stage, commits among it; empty
+    for a model that does not learn.
+    """
+
+    comparison: Report
+    followed: tuple[Followed, ...]
+
+    @property
+    def equal(self) -> bool:
+        """Every bit of everything."""
+        return self.comparison.equal and all(row.equal for row in self.followed)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        followed = [dataclasses.asdict(row) for row in self.followed]
+        return self.comparison.to_json() | {"equal": self.equal, "followed": followed}
+
+    def lines(self) -> list[str]:
+        """For people."""
+        return [*self.comparison.lines(), *(str(row) for row in self.followed[1:])]
 
 
 def equality(
@@ -35,10 +68,12 @@ def equality(
     flags: Sequence[str] = STRICT,
     seed: int = 1,
     progress: Callable[[float, str], None] | None = None,
-) -> Report:
+) -> EmulatedReport:
     """Compare the C in `texts` on every machine whose compiler and emulator are installed.
 
-    samples: per function and machine, LEARNING_SHARE of them for learning. flags: how to compile.
+    samples: per function and machine, LEARNING_SHARE of them for learning. Learners follow a stage for FOLLOWED_SHARE
+    of so many updates, and commit; from SHADOWS_FROM samples on, shadows near and far are committed besides. flags: how
+    to compile.
     Raises BuildError if no machine is there, or a compiler refuses the C.
     """
     started = time.monotonic()
@@ -65,12 +100,25 @@ def equality(
     if host.host.selftested:
         run, mismatches = compare_selftest(model, [host, *builds])
         runs.append(run)
+    if host.host.commits and samples >= SHADOWS_FROM:
+        run, wrong = compare_commit(model, [host, *builds], seed)
+        runs.append(run)
+        mismatches.extend(wrong)
     for task in todo:
         run, wrong = compare_task(model, [host, *builds], task, _share(task, samples), seed, advance)
         runs.append(run)
         mismatches.extend(wrong)
+    followed: list[Followed] = []
+    if host.host.commits:
+        sides = [
+            HostSide("this machine", host.host),
+            *(HostSide(m.name, b.host) for m, b in zip(there, builds, strict=True)),
+        ]
+        followed = follow(model, sides, host.host, math.ceil(FOLLOWED_SHARE * samples), seed)
     labels = tuple(f"{machine.name}: {compiler_version(machine.compiler)}, {' '.join(flags)}" for machine in there)
-    return Report(model.name, labels, tuple(skipped), (), tuple(runs), tuple(mismatches), time.monotonic() - started)
+    seconds = time.monotonic() - started
+    report = Report(model.name, labels, tuple(skipped), (), tuple(runs), tuple(mismatches), seconds)
+    return EmulatedReport(report, tuple(followed))
 
 
 def _share(task: Task, samples: int) -> int:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hysgen.emit.render import render
 from hysgen.errors import BuildError
-from hysgen.host import channels, entries
+from hysgen.host import channels, commits, entries
 from hysgen.proof.emulated.machines import STRICT, Machine
 from hysgen.proof.layout import words
 
@@ -41,6 +41,7 @@ class Emulated:
         self.entries = {entry.name: entry for entry in entries(name, self._header)}
         self.channels = channels(self._header)
         self.selftested = f"{name}_selftest.c" in texts
+        self.commits = commits(name, self._header)
         self._scratch = tempfile.TemporaryDirectory(prefix="hysgen-")
         _compile(self.name, texts, machine, flags, self._facts(), Path(self._scratch.name))
         self._complaints = Path(self._scratch.name) / "stderr"
@@ -77,6 +78,14 @@ class Emulated:
             return None
         raise BuildError(f"{self.name}_{function}: not among the functions that are run on other processors")
 
+    def commit(self, instance: Words, learner: Words, *, flush: bool = False) -> int:
+        """One call of `<name>_commit`: its answer."""
+        self._send([len(self.entries) + 2, 0, 0, 0, 0, instance.size], instance, learner)
+        answer = int(self._receive(1)[0])
+        instance[:] = self._receive(instance.size)
+        learner[:] = self._receive(learner.size)
+        return answer
+
     def words_of(self, struct: Words) -> Words:
         """The 32-bit words of a struct, as a live view."""
         return struct
@@ -107,7 +116,7 @@ class Emulated:
             "name": self.name,
             "entries": list(self.entries.values()),
             "channels": self.channels,
-            "commits": False,  # the pipe has no place for a function of two structs
+            "commits": self.commits,
             "selftested": self.selftested,
             "learns": f"{self.name}_learn_init(" in self._header,
         }
