@@ -9,7 +9,8 @@ Linear terms x(k+1) = A x + B u, phi = C x turn it into a filter with the zeros 
 frozen b between the extrema of b(y). Nonlinear terms (play operators) close a second loop around that filter, stable by
 the small-gain theorem if
 
-    loop = ||(b + T)^-1||_1  sum_j |theta_j| gamma_j < 1,     gamma_j the gain bounds that the terms state.
+    loop = ||(b + T)^-1||_1  N < 1,     N a bound of sup |theta . phi| / sup |u| over all nonlinear terms:
+                                        sum_j |theta_j| gamma_j with the terms' gains, or sharper, see `play_slopes`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from hysgen.enclosure import Extremum, gain, gain_extrema, slope, slope_extremum
 from hysgen.membership import memberships
 from hysgen.model import Model
+from hysgen.terms import loop_row
 
 Floats = NDArray[np.float64]
 
@@ -160,31 +162,44 @@ def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> 
 
 def least_stable(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float]:
     """Displacement in um and gain in um/V at which the inverse is closest to building up past inputs."""
-    A, B, theta_C, _ = _feedback(model)
+    terms = _feedback(model)
     gains = np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS)
-    worst = max(gains, key=lambda b: _inverse_filter(A, B, theta_C, float(b))[::-1])
+    worst = max(gains, key=lambda b: _inverse_filter(terms, float(b))[::-1])
     y = np.linspace(model.grid.y_min_um, model.grid.y_max_um, 200 * model.grid.rules)
     nearest = int(np.argmin(np.abs(gain(model, y) - worst)))
     return float(y[nearest]), float(worst)
 
 
 def inverse_filter(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float, float]:
-    """Largest modulus of the zeros, largest ||(b + T)^-1||_1 over frozen gains b in between, sum |theta_j| gamma_j."""
-    A, B, theta_C, nonlinear = _feedback(model)
-    filters = [_inverse_filter(A, B, theta_C, float(b)) for b in np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS)]
-    return max(zero for zero, _ in filters), max(size for _, size in filters), nonlinear
+    """Largest modulus of the zeros, largest ||(b + T)^-1||_1 over frozen gains b in between, and N."""
+    terms = _feedback(model)
+    filters = [_inverse_filter(terms, float(b)) for b in np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS)]
+    return max(zero for zero, _ in filters), max(size for _, size in filters), terms.nonlinear
 
 
-def _feedback(model: Model) -> tuple[Floats, Floats, Floats, float]:
-    """The linear terms as one system A, B, theta C, and sum |theta_j| gamma_j of the others."""
-    systems, nonlinear, start = [], 0.0, 0
+@dataclass(frozen=True)
+class _Feedback:
+    """What the terms feed back into the inverse: the linear ones as one system A, B, theta C, whose ||T||_1 is at most
+    `linear`, and the bound N of the others, `nonlinear`."""
+
+    A: Floats
+    B: Floats
+    theta_C: Floats
+    linear: float
+    nonlinear: float
+
+
+def _feedback(model: Model) -> _Feedback:
+    systems, linear, nonlinear, start = [], 0.0, 0.0, 0
     for term in model.terms:
         theta = model.weights[start : start + term.size]
         start += term.size
         system = term.linear(model.Ts_s)
+        bound = float(loop_row(term, theta, model.Ts_s) @ theta)
         if system is None:
-            nonlinear += float(np.abs(theta) @ np.asarray(term.gains(model.Ts_s)))
+            nonlinear += bound
         else:
+            linear += bound
             systems.append((system, theta))
     order = sum(len(system.B) for system, _ in systems)
     A, at = np.zeros((order, order)), 0
@@ -193,22 +208,26 @@ def _feedback(model: Model) -> tuple[Floats, Floats, Floats, float]:
         at += len(system.B)
     B = np.concatenate([np.zeros(0), *(system.B for system, _ in systems)])
     theta_C = np.concatenate([np.zeros(0), *(theta @ system.C for system, theta in systems)])
-    return A, B, theta_C, nonlinear
+    return _Feedback(A, B, theta_C, linear, nonlinear)
 
 
-def _inverse_filter(A: Floats, B: Floats, theta_C: Floats, b: float) -> tuple[float, float]:
-    """Spectral radius of A - B theta C/b, and a bound of ||(b + T)^-1||_1 from its modes (infinite if unstable).
+def _inverse_filter(terms: _Feedback, b: float) -> tuple[float, float]:
+    """Spectral radius of A - B theta C/b, and a bound of ||(b + T)^-1||_1 (infinite if unstable).
 
-    The impulse response of (b + T)^-1 is 1/b, then -theta C (A - B theta C/b)^(k-1) B/b^2: a sum of modes r p^(k-1).
+    The impulse response of (b + T)^-1 is 1/b, then -theta C (A - B theta C/b)^(k-1) B/b^2: a sum of modes r p^(k-1),
+    each of which adds up to |r|/(1 - |p|). Where ||T||_1 < |b|, 1/(|b| - ||T||_1) is a bound too.
     """
-    if A.size == 0:
+    if terms.A.size == 0:
         return 0.0, 1.0 / abs(b)
-    poles, modes = np.linalg.eig(A - np.outer(B, theta_C) / b)
+    poles, modes = np.linalg.eig(terms.A - np.outer(terms.B, terms.theta_C) / b)
     radius = float(np.abs(poles).max())
-    if radius >= 1.0 or np.linalg.cond(modes) > 1.0 / np.finfo(np.float64).eps:
+    if radius >= 1.0:
         return radius, np.inf
-    residues = (theta_C @ modes) * np.linalg.solve(modes, B.astype(np.complex128)) / b**2
-    return radius, 1.0 / abs(b) + float((np.abs(residues) / (1.0 - np.abs(poles))).sum())
+    bounded = 1.0 / (abs(b) - terms.linear) if terms.linear < abs(b) else np.inf
+    if np.linalg.cond(modes) > 1.0 / np.finfo(np.float64).eps:
+        return radius, bounded
+    residues = (terms.theta_C @ modes) * np.linalg.solve(modes, terms.B.astype(np.complex128)) / b**2
+    return radius, min(bounded, 1.0 / abs(b) + float((np.abs(residues) / (1.0 - np.abs(poles))).sum()))
 
 
 def _contracting_inputs(model: Model) -> tuple[float, float] | None:

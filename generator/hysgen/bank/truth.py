@@ -10,7 +10,7 @@ import numpy as np
 
 from hysgen.bank.scenario import Scenario
 from hysgen.diagnose.evidence.coupling import coupling_term
-from hysgen.diagnose.evidence.creep import STATES
+from hysgen.diagnose.evidence.creep import creep_term
 from hysgen.diagnose.evidence.memory import DEGREE, PLAYS
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import climb
@@ -22,7 +22,6 @@ from hysgen.inputs.saturation import Saturation
 from hysgen.inputs.slew import Slew
 from hysgen.record import Record
 from hysgen.stage import run as measure
-from hysgen.terms.creep import Creep
 from hysgen.terms.memory import Memory
 from hysgen.terms.periodic import Periodic
 from hysgen.terms.resonance import Resonance
@@ -56,7 +55,7 @@ def true_extensions(hidden: Scenario) -> dict[str, Extension]:
         found["delay"] = Extension(block=Delay(stage.delay.samples))
     if stage.creep:
         span_s = hidden.Ts_s * len(hidden.u_V)
-        found["creep"] = Extension(term=Creep.spread(STATES, stage.creep.tau_min_s, span_s))
+        found["creep"] = Extension(term=creep_term(stage.creep.tau_min_s, span_s))
     if stage.resonance:
         modes = sorted((mode.f_Hz, mode.zeta) for mode in stage.resonance)
         found["resonance"] = Extension(term=Resonance(tuple(f for f, _ in modes), tuple(zeta for _, zeta in modes)))

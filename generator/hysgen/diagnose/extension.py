@@ -44,3 +44,8 @@ class Extension:
     zero_um: float = 0.0
     forgetting_s: float | None = None
     gate: bool = False
+
+    @property
+    def learns(self) -> bool:
+        """Whether the extension is a setting of the learner, so that the model needs one."""
+        return self.gate or self.forgetting_s is not None

@@ -11,6 +11,7 @@ turn.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -49,6 +50,14 @@ class Rung:
     model: Model
     error_um: Floats
 
+
+LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
+"""Largest loop gain and slope of a model that is to learn: `_commit` takes no parameters without room below 1."""
+
+UPDATE_S, SHARE_TO_LEARN = 20e-9, 0.4
+"""An update of n parameters takes about n^2 times the first on the target; the share of a period that it may take."""
+
+MOST_CALLS = 32
 
 ORDER = (
     "outliers",
@@ -90,8 +99,11 @@ def climb(
         trust[skip] = 0.0
     level = levelled(prepared, chosen)
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
+    learns = any(extension.learns for extension in chosen)
     asked = dataclasses.replace(
         settings,
+        loop_limit=min(settings.loop_limit, LOOP_TO_LEARN) if learns else settings.loop_limit,
+        slope_limit=min(settings.slope_limit, SLOPE_TO_LEARN) if learns else settings.slope_limit,
         terms=terms,
         blocks=blocks,
         settle=0,
@@ -119,14 +131,21 @@ def equipped(model: Model, extensions: Sequence[Extension], span_s: float, noise
         limit_um = WIDEST_BIAS * (model.grid.y_max_um - model.grid.y_min_um)
         terms, weights = (*model.terms, Drift(tau_s, limit_um)), np.append(model.weights, 1.0)
         model = dataclasses.replace(model, terms=terms, weights=weights)
-    forgetting_s = min((e.forgetting_s for e in extensions if e.forgetting_s is not None), default=None)
-    if forgetting_s is not None or any(extension.gate for extension in extensions):
-        settings = LearnerSettings(noise_um=max(noise_um, 1e-9))
+    if any(extension.learns for extension in extensions):
+        calls = calls_per_update(model.parameters.size, model.Ts_s)
+        settings = LearnerSettings(noise_um=max(noise_um, 1e-9), calls_per_update=calls)
+        forgetting_s = min((e.forgetting_s for e in extensions if e.forgetting_s is not None), default=None)
         if forgetting_s is not None:
-            kept = min(max(1.0 - model.Ts_s / forgetting_s, 0.9), 1.0 - 1e-7)
+            kept = min(max(1.0 - calls * model.Ts_s / forgetting_s, 0.9), 1.0 - 1e-7)
             settings = dataclasses.replace(settings, forgetting=kept, sliding=kept)
         model = dataclasses.replace(model, learner=settings)
     return model
+
+
+def calls_per_update(parameters: int, Ts_s: float) -> int:
+    """Samples over which an update of the learner is spread so that it leaves the period to the rest: 1, or even."""
+    samples = UPDATE_S * parameters**2 / (SHARE_TO_LEARN * Ts_s)
+    return 1 if samples <= 1.0 else min(2 * math.ceil(0.5 * samples), MOST_CALLS)
 
 
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:

@@ -15,6 +15,7 @@ from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import Rung, checked_error, climb, equipped, in_order
+from hysgen.diagnose.memory_shape import with_best_memory
 from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms
@@ -91,7 +92,10 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     tell = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: tell(0.7 * fraction, line))
-    tell(0.7, "asking which extensions pay")
+    tell(0.7, "choosing the plays")
+    best = with_best_memory(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
+    naming = dataclasses.replace(naming, extensions=best)
+    tell(0.75, "asking which extensions pay")
     made = paying(naming, chosen)
     rungs = []
     for count in range(len(made) + 1):
@@ -235,6 +239,11 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
     clean = held[~isolated(rungs[-1].error_um)[held]] if "outliers" in made else held
     levels = [rms(rung.error_um[clean if "outliers" in rung.causes else held]) for rung in rungs]
     above = max(levels[0] ** 2 - noise.rms_um**2, 1e-300)
+    span_s = naming.found.scene.span_s
+    running = [
+        equipped(rung.model, [naming.extensions[name] for name in rung.causes], span_s, noise.rms_um) for rung in rungs
+    ]
+    prices = [settings.price(model) if settings.price is not None else None for model in running]
     named = []
     for name in agreed:
         # A cause whose extension is not made leaves the ladder where it is.
@@ -253,7 +262,7 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
                 alone=worth,
                 probe_gain=float(naming.found.needs.get(name, np.inf)),
                 share=(levels[i] ** 2 - levels[j] ** 2) / above,
-                price=_price(rungs[i].model, rungs[j].model, settings) if name in made else None,
+                price=_difference(prices[i], prices[j]) if name in made else None,
                 extended=name in made,
             )
         )
@@ -263,12 +272,7 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
         refused=tuple(naming.refused),
         unknown=naming.unknown,
         base=rungs[0].model,
-        model=equipped(
-            rungs[-1].model,
-            [naming.extensions[name] for name in made],
-            naming.found.scene.span_s,
-            noise.rms_um,
-        ),
+        model=running[-1],
         base_rms_um=levels[0],
         extended_rms_um=levels[-1],
         noise=noise,
@@ -281,10 +285,8 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
     )
 
 
-def _price(before: Model, after: Model, settings: DiagnoseSettings) -> Price | None:
-    if settings.price is None:
+def _difference(before: Price | None, after: Price | None) -> Price | None:
+    """What a step of the ladder costs; None where either model has no C."""
+    if before is None or after is None:
         return None
-    low, high = settings.price(before), settings.price(after)
-    if low is None or high is None:
-        return None
-    return Price(high.cycles - low.cycles, high.bytes - low.bytes)
+    return Price(after.cycles - before.cycles, after.bytes - before.bytes)

@@ -4,10 +4,10 @@ At a fixed displacement and input, gain and slope are linear in the parameters:
 
     b(y) = sum_l p_l q_l2,     df/dy = sum_l (p_l + y p_l') q_l1 + u p_l' q_l2 + p_l' q_l3
 
-so {|df/dy| <= limit, low <= sign b(y) <= high for all y and u} is convex, and so is the small-gain condition of the
-inverse, sum_j gamma_j |theta_j| <= limit sign b(y). Least squares over a convex set has one solution: the best
-certified model, rather than one that a ridge has pushed there. Half-spaces are imposed on a fine grid of displacements
-and only when violated.
+so {|df/dy| <= limit, low <= sign b(y) <= high for all y and u} is convex, and so are the small-gain condition of the
+inverse, sum_j gamma_j |theta_j| <= limit sign b(y), and the signs that terms ask of their slopes. Least squares over a
+convex set has one solution: the best certified model, rather than one that a ridge has pushed there. Half-spaces are
+imposed on a fine grid of displacements and only when violated.
 
 Source of the solver: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23 (LSI to LDP to NNLS).
 """
@@ -26,6 +26,7 @@ from hysgen.errors import FitError
 from hysgen.membership import membership_slopes, memberships
 from hysgen.model import Model
 from hysgen.regression import Structure
+from hysgen.terms import Rising
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +38,9 @@ GAIN_FLOOR, GAIN_CEILING = 0.05, 4.0
 
 ROUNDS = 400
 """Rounds of adding half-spaces: 30 weights of nonlinear terms took up to 120, each sign of a weight being one."""
+
+PIVOTS = 30
+"""Steps of the solver per half-space; its own limit of 3 is too few for 30 weights."""
 
 VIOLATION = 1e-6
 """By how much of a limit a half-space may be missed."""
@@ -74,14 +78,15 @@ class CertifiedSet:
     """All parameters (p,) of a structure whose gain, slope and small gain stay inside their limits.
 
     gain_um_per_V: gain of a single linear rule, whose sign and size set the limits of b(y).
-    term_gains: gamma_j of each term regressor, 0 for terms that are linear.
+    looped: the terms whose bounds count in the small gain.
     """
 
     structure: Structure
+    Ts_s: float
     gain_um_per_V: float
     slope_limit: float
     loop_limit: float
-    term_gains: Floats
+    looped: tuple[bool, ...]
     grid: HalfSpaces
 
     def violated(self, q: Floats) -> HalfSpaces:
@@ -102,23 +107,34 @@ class CertifiedSet:
 
     def _loop(self, q: Floats) -> HalfSpaces:
         """sum_j gamma_j s_j theta_j <= limit sign b(y) with s_j = sign theta_j, at the y of the smallest gain."""
-        if not self.term_gains.any():
+        if not any(self.looped):
             return HalfSpaces(np.zeros((0, q.size)), np.zeros(0))
         cut = 3 * self.structure.grid.rules
         p = memberships(_displacements(self.structure), self.structure.grid)
         weakest = p[np.argmin(np.sign(self.gain_um_per_V) * (p @ q[1:cut:3]))]
         row = np.zeros((1, q.size))
         row[0, 1:cut:3] = self.loop_limit * np.sign(self.gain_um_per_V) * weakest
-        row[0, cut:] = -self.term_gains * np.sign(q[cut:])
+        at = cut
+        for term, looped in zip(self.structure.terms, self.looped, strict=True):
+            if looped:
+                row[0, at : at + term.size] = -np.asarray(term.gains(self.Ts_s)) * np.sign(q[at : at + term.size])
+            at += term.size
         return HalfSpaces(row / abs(self.gain_um_per_V), np.zeros(1))
 
 
 def certified_set(
-    structure: Structure, Ts_s: float, gain_um_per_V: float, slope_limit: float, loop_limit: float = 0.95
+    structure: Structure,
+    Ts_s: float,
+    gain_um_per_V: float,
+    slope_limit: float,
+    loop_limit: float = 0.95,
+    linear_looped: bool = False,
 ) -> CertifiedSet:
     """The convex set of certified parameters of a structure.
 
-    gain_um_per_V: gain of a single linear rule fitted to the same record. Raises FitError if it is zero.
+    gain_um_per_V: gain of a single linear rule fitted to the same record. linear_looped: count modes and slow states in
+    the small gain too. Then their zeros are inside the unit circle; without, the set does not limit them.
+    Raises FitError if the gain is zero.
     """
     if gain_um_per_V == 0.0:
         raise FitError("the displacement does not answer to the voltage at all; record with more drive")
@@ -130,14 +146,12 @@ def certified_set(
     parts = [HalfSpaces(gain, GAIN_FLOOR * one), HalfSpaces(-gain, -GAIN_CEILING * one)]
     for u_V in (structure.u_min_V, structure.u_max_V):
         parts.append(_slope_limits(structure, y, u_V, slope_limit))
+    parts.append(_rising(structure, gain_um_per_V))
     grid = parts[0]
     for part in parts[1:]:
         grid = grid + part
-    gains = [
-        np.zeros(term.size) if term.linear(Ts_s) is not None else np.asarray(term.gains(Ts_s))
-        for term in structure.terms
-    ]
-    return CertifiedSet(structure, gain_um_per_V, slope_limit, loop_limit, np.concatenate([np.zeros(0), *gains]), grid)
+    looped = tuple(linear_looped or term.linear(Ts_s) is None for term in structure.terms)
+    return CertifiedSet(structure, Ts_s, gain_um_per_V, slope_limit, loop_limit, looped, grid)
 
 
 def least_squares_inside(R: Floats, d: Floats, allowed: CertifiedSet, origin: Floats | None = None) -> Floats:
@@ -176,11 +190,27 @@ def _least_distance(G: Floats, h: Floats) -> Floats:
     unit = float(np.abs(h).max())
     target = np.append(np.zeros(G.shape[1]), 1.0)
     matrix = np.vstack([G.T, h / unit])
-    u, _ = nnls(matrix, target)
+    try:
+        u, _ = nnls(matrix, target, maxiter=PIVOTS * G.shape[0])
+    except RuntimeError:
+        raise FitError("the certified set has too many edges near the fit; choose fewer rules or plays") from None
     residual = matrix @ u - target
     if abs(residual[-1]) <= np.finfo(np.float64).eps:
         raise FitError("the limits on slope and gain contradict each other; allow a larger slope")
     return np.asarray(-unit * residual[:-1] / residual[-1])
+
+
+def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:
+    """What terms say of the sign of their slopes, in units of the gain."""
+    rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
+    for term in structure.terms:
+        if isinstance(term, Rising):
+            block = term.rising() / gain_um_per_V
+            rows.append(np.zeros((len(block), structure.size)))
+            rows[-1][:, at : at + term.size] = block
+        at += term.size
+    told = np.vstack(rows)
+    return HalfSpaces(told, np.zeros(len(told)))
 
 
 def _slope_limits(structure: Structure, y_um: Floats, u_V: float, limit: float) -> HalfSpaces:

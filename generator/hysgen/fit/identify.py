@@ -46,6 +46,25 @@ def fit(
         return _finished(model, record, chosen, {})
     learnt = information(record, structure, *solver)
     allowed = allowed_set(record, structure, chosen, learnt)
+    fitted = _inside(record, chosen, structure, learnt, allowed, trust, starts, progress)
+    if allowed is not None and not all(allowed.looped) and not certify(fitted[0]).inverse_holds:
+        # Zeros of modes and slow states form no convex set: where they go astray, ask for a smaller one that does.
+        allowed = allowed_set(record, structure, chosen, learnt, linear_looped=True)
+        fitted = _inside(record, chosen, structure, learnt, allowed, trust, starts, progress)
+    return _finished(fitted[0], record, chosen, fitted[1])
+
+
+def _inside(
+    record: Record,
+    chosen: FitSettings,
+    structure: Structure,
+    learnt: Information,
+    allowed: CertifiedSet | None,
+    trust: Trust | None,
+    starts: Starts | None,
+    progress: Progress | None,
+) -> tuple[Model, dict[str, object]]:
+    """The model with least error inside the set, and what the fit did."""
     start = learnt.solve() if allowed is None else least_squares_inside(learnt.R, learnt.d, allowed)
     model = _model(record, chosen, structure, start)
     outcome: dict[str, object] = {}
@@ -61,17 +80,18 @@ def fit(
             "free_run_rms_um": {"least_squares": before.rms_um, "refined": refined.criterion.rms_um},
             "scored_weight": float(sum(weight[1:].sum() for weight in error.trust)),
         }
-    return _finished(model, record, chosen, outcome)
+    return model, outcome
 
 
 def allowed_set(
-    record: Record, structure: Structure, settings: FitSettings, learnt: Information
+    record: Record, structure: Structure, settings: FitSettings, learnt: Information, linear_looped: bool = False
 ) -> CertifiedSet | None:
     """The set that a fit has to stay in; None if the settings do not ask for certificates."""
     if not settings.certified:
         return None
+    gain_um_per_V = linear_gain(structure, learnt)
     return certified_set(
-        structure, record.Ts_s, linear_gain(structure, learnt), settings.slope_limit, settings.loop_limit
+        structure, record.Ts_s, gain_um_per_V, settings.slope_limit, settings.loop_limit, linear_looped
     )
 
 

@@ -5,22 +5,24 @@ from __future__ import annotations
 from hysgen.certificates import certify
 from hysgen.diagnose.diagnosis import Price
 from hysgen.emit import Options, generate
-from hysgen.errors import BudgetError
+from hysgen.errors import BudgetError, CertificateError
 from hysgen.model import Model
 from hysgen.operations import figures
-from hysgen.operations.cycles import STEPS, estimated
+from hysgen.operations.cycles import estimated, per_sample
 
 
 def price_of(model: Model) -> Price | None:
-    """Cycles of the dearest of predict, simulate and inverse, and bytes of struct and constants.
+    """Cycles of one sample period and bytes of structs and constants, for a model as it runs.
 
-    Counted in the C that is generated of the model; cycles are the estimate of `hysgen.operations.cycles`. None if a
-    sample of the model does not fit its period, so that there is no C.
+    A sample takes the dearest of predict, simulate and inverse, and with a learner `learn` and `commit` beside it, as
+    `hysgen cost` counts. Counted in the C that is generated of the model; cycles are the estimate of
+    `hysgen.operations.cycles`. None if there is no C: a sample does not fit its period, or nothing could be committed.
     """
     try:
         texts = generate(model, Options(inverse=certify(model).inverse_holds))
-    except BudgetError:
+    except (BudgetError, CertificateError):
         return None
     found = figures(model.name, texts)
-    cycles = max(estimated(found.operations[step]).value for step in STEPS if step in found.operations)
-    return Price(cycles, found.struct_bytes[f"{model.name}_t"] + found.constant_bytes)
+    cycles = per_sample({name: estimated(counts) for name, counts in found.operations.items()})
+    held = sum(found.struct_bytes.get(f"{model.name}_{struct}", 0) for struct in ("t", "learner_t"))
+    return Price(cycles.value, held + found.constant_bytes)

@@ -71,10 +71,7 @@ def ladder_header() -> list[str]:
 
 
 def ladder_rows(study: Study) -> list[list[str]]:
-    """One row per rung of the ladder, and the noise floor below.
-
-    What follows a running stage (a bias state, a learner) stands in no rung, so its price is left open.
-    """
+    """One row per rung of the ladder, and the noise floor below."""
     found = study.diagnosis
     rows = [["paper's model", f"{found.base_rms_um:.4g}", _percent(study.percent(found.base_rms_um)), *[""] * 5]]
     for cause in study.extended:

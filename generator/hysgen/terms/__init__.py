@@ -12,9 +12,20 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.terms.base import Drive, Mirror, StateSpace, Term
+from hysgen.terms.base import Drive, Mirror, Rising, StateSpace, Term, loop_row
 
-__all__ = ["Drive", "Mirror", "StateSpace", "Term", "channels_of", "kinds", "part_facts", "term_from_json"]
+__all__ = [
+    "Drive",
+    "Mirror",
+    "Rising",
+    "StateSpace",
+    "Term",
+    "channels_of",
+    "kinds",
+    "loop_row",
+    "part_facts",
+    "term_from_json",
+]
 
 
 @functools.lru_cache(maxsize=1)

@@ -95,6 +95,27 @@ class Mirror(abc.ABC):
 
 
 @runtime_checkable
+class Steepest(Protocol):
+    """A nonlinear term that bounds its output more closely than the gains of its regressors, one by one, do."""
+
+    def steepest(self, weights: Floats) -> Floats:
+        """(size,) a row: row @ weights bounds sup |theta . phi| / sup |u|, also between two runs.
+
+        For any other weights the product is at most their own bound.
+        """
+        ...
+
+
+@runtime_checkable
+class Rising(Protocol):
+    """A term whose output, by its physics, rises with what it remembers: a fit that is certified keeps to that."""
+
+    def rising(self) -> Floats:
+        """(m, size) rows: row @ weights is a slope that has the sign of the gain, or is 0."""
+        ...
+
+
+@runtime_checkable
 class Term(Protocol):
     """A source of regressors phi_j(k) that depend on the past of the drive; the model stays affine in u(k)."""
 
@@ -168,3 +189,10 @@ class Term(Protocol):
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """Inverse of to_json. Raises KeyError, TypeError or ValueError on malformed data."""
         ...
+
+
+def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
+    """(size,) a row: row @ weights bounds what the term makes of the input, and of others at most their own bound."""
+    if isinstance(term, Steepest):
+        return term.steepest(weights)
+    return np.asarray(term.gains(Ts_s)) * np.sign(weights)

@@ -27,6 +27,10 @@ import numpy as np
 from hysgen.arithmetic import LEAST
 from hysgen.kernels import play_operators
 from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.terms.play_slopes import slopes, steepest_state
+
+LEVELS = 5
+"""Places at which the slope of a bent play is kept from turning; it is a parabola, so a little room is left between."""
 
 ONE = np.float32(1.0)
 ROOT_2 = np.float32(np.sqrt(2.0))
@@ -144,6 +148,28 @@ class Memory:
         half, a = self.middle_and_half_V[1], self.reach
         steepest = np.concatenate([4.0 * a, np.maximum(3.0, 12.0 * a * a - 3.0)]) / half
         return (1.0,) * self.plays + tuple(float(x) for x in steepest[: self.size - self.plays])
+
+    def steepest(self, weights: Floats) -> Floats:
+        """(size,) the row of slopes with row @ weights a bound of sup |theta . phi| / sup |u|, also between two runs.
+
+        Sharper than `gains`, for the plays cannot all stand at their steepest places at once: see `play_slopes`.
+        """
+        if self.degree == 1:
+            return np.sign(weights)
+        half = self.middle_and_half_V[1]
+        return steepest_state(weights, np.asarray(self.thresholds_V) / half, self.reach, half)
+
+    def rising(self) -> Floats:
+        """(m, size) slopes g_j'(z) of every play at LEVELS places: a Preisach operator's density is nowhere negative.
+
+        It is g_j'(z) = integral of the density over thresholds (Brokate and Sprekels, 1996, chapter 2.4). Without this
+        squares and cubes turn back where the record was hardly ever; plays alone are left free.
+        """
+        if self.degree == 1:
+            return np.zeros((0, self.size))
+        x = self.reach * np.linspace(-1.0, 1.0, LEVELS)[:, None]
+        each = slopes(x, self.reach, self.middle_and_half_V[1], self.degree)
+        return np.vstack([np.hstack([np.diag(row) for row in at]) for at in each.transpose(1, 0, 2)])
 
     def shape(self) -> Floats:
         """(1,) logarithm of the widest threshold; the others keep their ratio to it."""

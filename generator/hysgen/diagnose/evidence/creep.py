@@ -52,7 +52,16 @@ class Creep(Cause):
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         longest_s = max(scene.span_s, 4.0 * fit.chain.creep_from_s)
-        return Extension(term=CreepTerm.spread(STATES, fit.chain.creep_from_s, longest_s))
+        return Extension(term=creep_term(fit.chain.creep_from_s, longest_s))
+
+
+def creep_term(from_s: float, longest_s: float) -> CreepTerm:
+    """The same creep in every decade from from_s to longest_s: one weight for all states.
+
+    With a weight for each, a fit takes the slowest for a drift that the identification part happens to have: weights of
+    -0.4 and +2.2 of the gain lower its error by a fifth and double that of the held-out part.
+    """
+    return CreepTerm.spread(STATES, from_s, longest_s, shared=True)
 
 
 CAUSE = Creep()
