@@ -6,6 +6,8 @@ constants stand where the register operands do. Each row is there to tell the op
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from target_packets import bits
 
 INF, NAN, NAN_OUT = 0x7F80_0000, 0x7FC0_0001, 0x7FFF_FFFF
@@ -135,5 +137,46 @@ ANSWERS: dict[str, list[tuple[tuple[int, ...], int]]] = {
         ((bits(3e9),), 0x7FFF_FFFF),
         ((bits(-3e9),), 0x8000_0000),
         ((0xFF80_0000,), 0x8000_0000),
+    ],
+}
+
+
+@dataclass(frozen=True)
+class AccessAnswer:
+    """A load or store at an offset, as printed, from where PATTERN starts, and what it leaves.
+
+    refused: an offset in bytes at which it is misaligned, None if there is none.
+    left: registers a10 and a11 after a load, or the sixteen bytes of memory after a store.
+    """
+
+    offset: str
+    refused: int | None
+    left: tuple[int, ...] | bytes
+
+
+# Where loads and stores look: sixteen bytes that tell each other's place. What stores put there is a11:a10.
+PATTERN = bytes.fromhex("91a2b3c4d5e6f708192a3b4c5d6e7f80")
+STORED = (0x5566_7788, 0x1122_3344)
+UNTOUCHED = 0x0BAD_0BAD
+ACCESSES: dict[str, list[AccessAnswer]] = {
+    "ldb": [AccessAnswer("(3)", None, (0xFFFF_FFC4, UNTOUCHED)), AccessAnswer("(7)", None, (8, UNTOUCHED))],
+    "ldbu": [AccessAnswer("(3)", None, (0x0000_00C4, UNTOUCHED))],
+    "ldh": [AccessAnswer("(2)", 3, (0xFFFF_C4B3, UNTOUCHED)), AccessAnswer("(6)", 1, (0x0000_08F7, UNTOUCHED))],
+    "ldhu": [AccessAnswer("(2)", 3, (0x0000_C4B3, UNTOUCHED))],
+    "ldw": [AccessAnswer("(4)", 2, (0x08F7_E6D5, UNTOUCHED))],
+    "ldnw": [AccessAnswer("(3)", None, (0xF7E6_D5C4, UNTOUCHED))],
+    "lddw": [AccessAnswer("(8)", 4, (0x4C3B_2A19, 0x807F_6E5D))],
+    "ldndw": [
+        AccessAnswer("(3)", None, (0xF7E6_D5C4, 0x3B2A_1908)),
+        AccessAnswer("[1]", None, (0x4C3B_2A19, 0x807F_6E5D)),
+    ],
+    "stb": [AccessAnswer("(3)", None, bytes.fromhex("91a2b388d5e6f708192a3b4c5d6e7f80"))],
+    "sth": [AccessAnswer("(2)", 3, bytes.fromhex("91a28877d5e6f708192a3b4c5d6e7f80"))],
+    "stw": [AccessAnswer("(4)", 2, bytes.fromhex("91a2b3c488776655192a3b4c5d6e7f80"))],
+    "stnw": [AccessAnswer("(3)", None, bytes.fromhex("91a2b38877665508192a3b4c5d6e7f80"))],
+    "stdw": [AccessAnswer("(8)", 4, bytes.fromhex("91a2b3c4d5e6f7088877665544332211"))],
+    "stndw": [
+        AccessAnswer("(3)", None, bytes.fromhex("91a2b388776655443322114c5d6e7f80")),
+        AccessAnswer("[1]", None, bytes.fromhex("91a2b3c4d5e6f7088877665544332211")),
     ],
 }

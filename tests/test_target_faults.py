@@ -1,126 +1,166 @@
-"""Planted faults: every wrong latency and every wrong operation of the simulator is caught by some check.
+"""Planted faults: whatever is wrong with an instruction of the simulator, some check catches it.
 
-`pytest tests/test_target_faults.py -s` prints who catches what.
+`pytest tests/test_target_faults.py -s` prints who catches what; the table of it in docs/target.md is held to what is
+found here, and written by `pytest tests/test_target_faults.py --update-golden`.
 """
 
 from __future__ import annotations
 
 import functools
-import math
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from target_answers import ANSWERS
+import test_target_packets as rules
+from target_answers import ACCESSES, ANSWERS
 from target_compiler import firmware, host, need_compiler
+from target_mistakes import MISTAKES, RIGHT, WRONG_ACTIONS
 from test_target_latency import CYCLES, arrival, bench
 from test_target_semantics import bench as bench_of_operations
 from test_target_semantics import executed, specified
+from test_target_semantics import test_loads_and_stores_give_the_known_answers as known_accesses
+from test_target_wrong_rules import LOOSE_LIMITS, WRONG_RULES, notices
 
 from hysgen.errors import BuildError, HysgenError
-from hysgen.target import latency, toolchain, translation
-from hysgen.target.semantics import FLOAT, INTEGER, FloatUnit, signed
+from hysgen.target import decode, latency, toolchain, translation
+from hysgen.target.assembly import Instruction
+from hysgen.target.decode import MODELLED, Action
+from hysgen.target.semantics import FLOAT, INTEGER
 
 LEARNER_WORDS = 2 * 18 + 18 * 17 // 2
-RIGHT: Mapping[str, Callable[..., int]] = {**INTEGER, **FLOAT}
 
 
-def without_flush(mnemonic: str) -> Callable[..., int]:
-    """The operation on a unit that keeps denormals."""
-
-    class Keeping(FloatUnit):
-        def _flush(self, image: int) -> int:
-            return image
-
-    return lambda unit, *images: RIGHT[mnemonic](Keeping(), *images)
-
-
-def like(other: str, *order: int) -> Callable[..., int]:
-    """Another operation, its operands perhaps in another order."""
-
-    def wrong(*images: object) -> int:
-        unit = images[:1] if other in FLOAT else ()
-        rest = images[len(unit) :]
-        return RIGHT[other](*unit, *((rest[i] for i in order) if order else rest))
-
-    return wrong
-
-
-# For every operation the mistakes that are easy to make.
-MISTAKES: Mapping[str, Mapping[str, Callable[..., int]]] = {
-    "add": {"subtracts": like("sub")},
-    "sub": {"operands swapped": like("sub", 1, 0)},
-    "and": {"or": like("or")},
-    "or": {"exclusive or": like("xor")},
-    "xor": {"or": like("or")},
-    "andn": {"inverts the first": like("andn", 1, 0), "and": like("and")},
-    "abs": {"wraps at the most negative": lambda a: abs(signed(a)) & 0xFFFF_FFFF},
-    "addab": {"scaled": like("addah")},
-    "addah": {"not scaled": like("addab"), "scaled by 4": like("addaw")},
-    "addaw": {"not scaled": like("addab"), "scaled by 8": like("addad")},
-    "addad": {"scaled by 4": like("addaw")},
-    "subab": {"adds": like("addab")},
-    "subah": {"adds": like("addah"), "not scaled": like("subab")},
-    "subaw": {"adds": like("addaw"), "scaled by 2": like("subah")},
-    "shl": {
-        "counts 5 bits": lambda a, b: a << (b & 31) & 0xFFFF_FFFF,
-        "counts all bits": lambda a, b: (a << b) % 2**32,
-    },
-    "shr": {"fills with zeros": like("shru"), "counts 5 bits": lambda a, b: signed(a) >> (b & 31) & 0xFFFF_FFFF},
-    "shru": {"fills with the sign": like("shr"), "counts 5 bits": lambda a, b: a >> (b & 31)},
-    "rotl": {"shifts": like("shl"), "rotates right": lambda a, b: RIGHT["rotl"](a, 32 - b)},
-    "ext": {"fills with zeros": like("extu"), "fields swapped": like("ext", 0, 2, 1)},
-    "extu": {"fills with the sign": like("ext"), "fields swapped": like("extu", 0, 2, 1)},
-    "set": {"clears": like("clr"), "fields swapped": like("set", 0, 2, 1)},
-    "clr": {"sets": like("set"), "fields swapped": like("clr", 0, 2, 1)},
-    "cmpeq": {"not equal": lambda a, b: int(a != b)},
-    "cmpgt": {"unsigned": like("cmpgtu"), "or equal": lambda a, b: int(signed(a) >= signed(b))},
-    "cmplt": {"unsigned": like("cmpltu"), "or equal": lambda a, b: int(signed(a) <= signed(b))},
-    "cmpgtu": {"signed": like("cmpgt"), "or equal": lambda a, b: int(a >= b)},
-    "cmpltu": {"signed": like("cmplt"), "or equal": lambda a, b: int(a <= b)},
-    "lmbd": {"operands swapped": like("lmbd", 1, 0), "position from below": lambda b, a: 31 - RIGHT["lmbd"](b, a)},
-    "mvk": {"no sign": lambda a: a & 0xFFFF},
-    "mvkh": {"clears the lower half": lambda a, d: a & 0xFFFF_0000},
-    "addk": {"moves": lambda a, d: a},
-    "mpy": {"unsigned": like("mpyu")},
-    "mpyu": {"signed": like("mpy"), "full words": lambda a, b: a * b & 0xFFFF_FFFF},
-    "mpysu": {"signs swapped": like("mpyus")},
-    "mpyus": {"signs swapped": like("mpysu")},
-    "mpyh": {"low halves": like("mpy"), "unsigned": like("mpyhu")},
-    "mpyhu": {"signed": like("mpyh")},
-    "mpyhl": {"halves swapped": like("mpylh"), "unsigned": like("mpyhlu")},
-    "mpylh": {"halves swapped": like("mpyhl"), "unsigned": like("mpylhu")},
-    "mpyhlu": {"halves swapped": like("mpylhu"), "signed": like("mpyhl")},
-    "mpylhu": {"halves swapped": like("mpyhlu"), "signed": like("mpylh")},
-    "mpy32": {"low halves": like("mpyu")},
-    "addsp": {"keeps denormals": without_flush("addsp"), "subtracts": like("subsp")},
-    "subsp": {"keeps denormals": without_flush("subsp"), "operands swapped": like("subsp", 1, 0)},
-    "mpysp": {"keeps denormals": without_flush("mpysp"), "adds": like("addsp")},
-    "abssp": {
-        "keeps denormals": without_flush("abssp"),
-        "clears the sign of NaN only": lambda unit, a: a & 0x7FFF_FFFF,
-    },
-    "cmpeqsp": {"compares images": lambda unit, a, b: int(a == b), "keeps denormals": without_flush("cmpeqsp")},
-    "cmpgtsp": {"operands swapped": like("cmpltsp"), "keeps denormals": without_flush("cmpgtsp")},
-    "cmpltsp": {"operands swapped": like("cmpgtsp"), "keeps denormals": without_flush("cmpltsp")},
-    "intsp": {"unsigned": like("intspu")},
-    "intspu": {"signed": like("intsp")},
-    "spint": {"truncates": like("sptrunc"), "ties away": lambda unit, a: math.floor(unit._read(a) + 0.5) & 0xFFFF_FFFF},
-    "sptrunc": {"rounds": like("spint"), "toward minus infinity": lambda unit, a: math.floor(unit._read(a)) % 2**32},
+STEERING: Mapping[str, Callable[[bool], None]] = {
+    "b": rules.test_a_branch_lands_after_five_delay_slots,
+    "bnop": rules.test_bnop_waits_even_where_it_does_not_branch,
+    "callp": rules.test_a_call_returns_to_the_packet_behind_it,
+    "addkpc": rules.test_addkpc_gives_a_code_address_and_waits,
+    "nop": lambda interpreted: rules.test_nop_n_takes_n_cycles(9, interpreted),
 }
+KINDS = ("what it does", "a cycle too late", "a cycle too early", "in the engine alone")
 
 
-def test_every_wrong_operation_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert set(MISTAKES) == set(INTEGER) | set(FLOAT)
-    escaped = []
+@dataclass(frozen=True)
+class Planted:
+    """A fault in one instruction: its kind, one of KINDS, what it is, and the checks that caught it."""
+
+    mnemonic: str
+    kind: str
+    what: str
+    caught: tuple[str, ...]
+
+
+@pytest.fixture(scope="module")
+def planted() -> list[Planted]:
+    """Every fault there is, each put in and looked for."""
+    need_compiler()
+    found = list(plant())
+    for fault in found:
+        print(f"{fault.mnemonic:8} {fault.kind:20} {fault.what:28} {', '.join(fault.caught) or 'NOT CAUGHT'}")
+    return found
+
+
+def plant() -> Iterator[Planted]:
+    monkeypatch = pytest.MonkeyPatch()
     for mnemonic, mistakes in MISTAKES.items():
-        for mistake, wrong in mistakes.items():
-            caught = list(operation_checks(mnemonic, wrong, monkeypatch))
-            print(f"{mnemonic:8} {mistake:28} {', '.join(caught) or 'NOT CAUGHT'}")
-            if "known answers" not in caught:
-                escaped.append((mnemonic, mistake))
+        for what, wrong in mistakes.items():
+            yield Planted(mnemonic, KINDS[0], what, tuple(operation_checks(mnemonic, wrong, monkeypatch)))
+    for mnemonic, turned in WRONG_ACTIONS.items():
+        for what, turn in turned.items():
+            yield Planted(mnemonic, KINDS[0], what, tuple(action_checks(mnemonic, turn, monkeypatch)))
+    for kind, step in {KINDS[1]: 1, KINDS[2]: -1}.items():
+        for mnemonic, delay in latency.DELAY_SLOTS.items():
+            if delay + step >= 0:
+                caught = tuple(latency_checks(mnemonic, delay + step, monkeypatch))
+                yield Planted(mnemonic, kind, f"{delay} -> {delay + step}", caught)
+    yield from engine_faults(monkeypatch)
+
+
+def test_every_instruction_that_is_modelled_has_faults_and_every_fault_is_caught(planted: list[Planted]) -> None:
+    assert [fault for fault in planted if not fault.caught] == []
+    by_kind = {kind: {fault.mnemonic for fault in planted if fault.kind == kind} for kind in KINDS}
+    assert by_kind[KINDS[0]] == MODELLED
+    assert (
+        by_kind[KINDS[1]]
+        == set(latency.DELAY_SLOTS)
+        == {each for each in MODELLED if not each.startswith("st")} - set(STEERING)
+    )
+    assert by_kind[KINDS[2]] == {mnemonic for mnemonic, delay in latency.DELAY_SLOTS.items() if delay}
+    assert by_kind[KINDS[3]] == set(INTEGER) | set(FLOAT)
+    # A wrong operation is caught by its known answers whatever programs do.
+    escaped = [
+        fault
+        for fault in planted
+        if fault.mnemonic in MISTAKES and fault.kind == KINDS[0] and "known answers" not in fault.caught
+    ]
     assert escaped == []
+
+
+def test_the_table_in_the_docs_is_what_was_planted(planted: list[Planted], request: pytest.FixtureRequest) -> None:
+    page = Path(__file__).parents[1] / "docs" / "target.md"
+    text = page.read_text(encoding="utf-8")
+    before, kept, after = re.split(
+        r"(?<=<!-- faults -->\n)(.*?)(?=<!-- end of faults -->)", text, maxsplit=1, flags=re.S
+    )
+    if request.config.getoption("--update-golden"):
+        page.write_text(before + table(planted) + after, encoding="utf-8")
+        kept = table(planted)
+    assert kept == table(planted), "write it with pytest tests/test_target_faults.py --update-golden"
+    listed = re.search(r"these operations:\n\n((?:    .*\n)+)", text)
+    assert listed is not None
+    assert sorted(listed[1].split()) == sorted(MODELLED)
+
+
+def table(planted: list[Planted]) -> str:
+    """Faults that were caught and that were planted, by class of instruction and kind of fault."""
+    classes = {
+        "one cycle": [name for name, cycles in CYCLES.items() if cycles == 1],
+        "two cycles": [name for name, cycles in CYCLES.items() if cycles == 2],
+        "four cycles": [name for name, cycles in CYCLES.items() if cycles == 4],
+        "loads": [name for name in ACCESSES if name.startswith("ld")],
+        "stores": [name for name in ACCESSES if name.startswith("st")],
+        "branches, calls, nop": sorted(STEERING),
+    }
+    classes["all"] = sorted(name for names in classes.values() for name in names)
+    assert classes["all"] == sorted(MODELLED)
+    lines = ["", f"| instructions | how many | {' | '.join(KINDS)} |", "|---|---|---|---|---|---|"]
+    for label, names in classes.items():
+        cells = [
+            caught_of([fault for fault in planted if fault.mnemonic in names and fault.kind == kind]) for kind in KINDS
+        ]
+        lines.append(f"| {label} | {len(names)} | {' | '.join(cells)} |")
+    rules_and_limits = (
+        f"Wrong pipeline rules: {len(WRONG_RULES)} in either engine; packet limits too loose: {len(LOOSE_LIMITS)}."
+    )
+    lines += ["", rules_and_limits, "Each has a test of its own in `test_target_wrong_rules.py`."]
+    return "\n".join([*lines, "", ""])
+
+
+def caught_of(faults: list[Planted]) -> str:
+    return f"{sum(bool(fault.caught) for fault in faults)} of {len(faults)}" if faults else "-"
+
+
+def action_checks(mnemonic: str, turn: Callable[[Any], Any], monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """The checks that notice an action turned wrong, on both engines."""
+    right = decode._action
+
+    def wrong(instruction: Instruction) -> Action | None:
+        action = right(instruction)
+        return turn(action) if instruction.mnemonic == mnemonic and action is not None else action
+
+    with monkeypatch.context() as patch:
+        patch.setattr(decode, "_action", wrong)
+        for interpreted, engine in ((True, "interpreter"), (False, "engine")):
+            if mnemonic in STEERING:
+                noticed = notices(STEERING[mnemonic], interpreted)
+            else:
+                noticed = notices(lambda each: known_accesses(mnemonic, each), interpreted)
+            if noticed:
+                yield f"packets, {engine}"
 
 
 def operation_checks(mnemonic: str, wrong: Callable[..., int], monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
@@ -136,8 +176,8 @@ def operation_checks(mnemonic: str, wrong: Callable[..., int], monkeypatch: pyte
             yield "programs"
 
 
-def test_every_wrong_operation_of_the_engine_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    # All at once: each operation is judged by its own known answers.
+def engine_faults(monkeypatch: pytest.MonkeyPatch) -> Iterator[Planted]:
+    """All at once: each operation is judged by its own known answers."""
     texts = translation.runtime()
     wrong = re.sub(r"^(#define op_\w+\([^)]*\)) (.+)$", r"\1 ((\2) ^ 1u)", texts["operations.h"], flags=re.M)
     assert wrong.count("^ 1u") == len(RIGHT)
@@ -145,21 +185,9 @@ def test_every_wrong_operation_of_the_engine_is_caught(monkeypatch: pytest.Monke
         patch.setattr(translation, "runtime", lambda: {**texts, "operations.h": wrong})
         bench_of_operations.cache_clear()
         for mnemonic, answers in ANSWERS.items():
-            assert any(executed(mnemonic, sources, False)[0] != expected for sources, expected in answers), mnemonic
+            seen = any(executed(mnemonic, sources, False)[0] != expected for sources, expected in answers)
+            yield Planted(mnemonic, KINDS[3], "last bit of the result", ("known answers",) if seen else ())
     bench_of_operations.cache_clear()
-
-
-@pytest.mark.parametrize("step", [1, -1], ids=["longer", "shorter"])
-def test_every_wrong_latency_is_caught(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    escaped = []
-    for mnemonic, delay in sorted(latency.DELAY_SLOTS.items()):
-        if delay + step < 0:
-            continue
-        caught = list(latency_checks(mnemonic, delay + step, monkeypatch))
-        print(f"{mnemonic:8} {delay} -> {delay + step}   {', '.join(caught) or 'NOT CAUGHT'}")
-        if not caught:
-            escaped.append(mnemonic)
-    assert escaped == []
 
 
 def latency_checks(mnemonic: str, wrong: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:

@@ -7,12 +7,13 @@ import itertools
 
 import numpy as np
 import pytest
-from target_answers import ANSWERS
-from target_packets import Bench, index
+from target_answers import ACCESSES, ANSWERS, PATTERN, STORED, UNTOUCHED
+from target_packets import DATA, Bench, index, run
 
 from hysgen.errors import TargetError
+from hysgen.target.decode import MODELLED
 from hysgen.target.latency import DELAY_SLOTS
-from hysgen.target.processor import Counts
+from hysgen.target.processor import MEMORY_BASE, Counts
 from hysgen.target.semantics import FLOAT, INTEGER, READS_DESTINATION, FloatUnit, from_image, to_image
 
 OPERATIONS = sorted([*INTEGER, *FLOAT])
@@ -25,6 +26,8 @@ REGISTER_OPERATIONS = [each for each in OPERATIONS if each not in FIELD_OPERATIO
 def test_every_operation_has_known_answers_and_a_latency() -> None:
     assert set(ANSWERS) == set(OPERATIONS)
     assert set(OPERATIONS) <= set(DELAY_SLOTS)
+    # Whatever else is modelled: loads and stores have answers too, and the rest steers.
+    assert MODELLED - set(OPERATIONS) - set(ACCESSES) == {"b", "bnop", "callp", "addkpc", "nop"}
 
 
 @pytest.mark.parametrize("mnemonic", OPERATIONS)
@@ -79,6 +82,28 @@ def test_arithmetic_on_normal_numbers_is_the_hosts_float32(mnemonic: str) -> Non
 @pytest.mark.parametrize("value", [0.0, -0.0, 1.0, -3.25, 2.0**-126, 3.4e38, float("inf")])
 def test_images_round_trip(value: float) -> None:
     assert str(from_image(to_image(value))) == str(float(np.float32(value)))
+
+
+@pytest.mark.parametrize("interpreted", [True, False], ids=["interpreter", "engine"])
+@pytest.mark.parametrize("mnemonic", ACCESSES)
+def test_loads_and_stores_give_the_known_answers(mnemonic: str, interpreted: bool) -> None:
+    for answer in ACCESSES[mnemonic]:
+        assert accessed(mnemonic, answer.offset, interpreted) == answer.left
+        if answer.refused is not None:
+            with pytest.raises(TargetError, match="not a multiple of the size"):
+                accessed(mnemonic, f"({answer.refused})", interpreted)
+
+
+def accessed(mnemonic: str, offset: str, interpreted: bool) -> tuple[int, ...] | bytes:
+    """What one access, at `offset` from PATTERN, leaves: registers of a load, memory behind a store."""
+    data = "a11:a10" if mnemonic in ("lddw", "ldndw", "stdw", "stndw") else "a10"
+    memory = {DATA + 4 * i: int.from_bytes(PATTERN[4 * i : 4 * i + 4], "little") for i in range(4)}
+    if mnemonic.startswith("ld"):
+        text = f"{mnemonic} .D1T1 *+a8{offset},{data}\nnop 4"
+        after = run(text, interpreted, memory, a8=DATA, a10=UNTOUCHED, a11=UNTOUCHED)
+        return after["a10"], after["a11"]
+    after = run(f"{mnemonic} .D1T1 {data},*+a8{offset}", interpreted, memory, a8=DATA, a10=STORED[0], a11=STORED[1])
+    return bytes(after.memory[DATA - MEMORY_BASE :][:16])
 
 
 def specified(mnemonic: str, sources: tuple[int, ...], unit: FloatUnit | None = None) -> int:

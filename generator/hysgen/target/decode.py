@@ -5,6 +5,7 @@ The interpreter, the fast engine and the cycle counts all start from the same ac
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from hysgen.errors import TargetError
@@ -122,16 +123,8 @@ def _action(instruction: Instruction) -> Action | None:
         data, memory = operands
         size, alignment = _STORES[mnemonic]
         return Store(_memory(memory), size, alignment, _data(data, size))
-    if mnemonic == "nop":
-        return Idle((_constant(operands[0]) if operands else 1) - 1)
-    if mnemonic == "b":
-        return Branch(_target(operands[0]), None, 0)
-    if mnemonic == "bnop":
-        return Branch(_target(operands[0]), None, _constant(operands[1]))
-    if mnemonic == "callp":
-        return Branch(_target(operands[0]), _register(operands[1]), 5)
-    if mnemonic == "addkpc":
-        return LoadAddress(_register(operands[1]), _label(operands[0]), _constant(operands[2]))
+    if mnemonic in _CONTROL:
+        return _CONTROL[mnemonic](operands)
     return None
 
 
@@ -170,6 +163,18 @@ def _label(operand: Operand) -> int:
 
 def _target(operand: Operand) -> Register | int:
     return operand if isinstance(operand, Register) else _label(operand)
+
+
+_CONTROL: Mapping[str, Callable[[tuple[Operand, ...]], Action]] = {
+    "b": lambda operands: Branch(_target(operands[0]), None, 0),
+    "bnop": lambda operands: Branch(_target(operands[0]), None, _constant(operands[1])),
+    "callp": lambda operands: Branch(_target(operands[0]), _register(operands[1]), 5),
+    "addkpc": lambda operands: LoadAddress(_register(operands[1]), _label(operands[0]), _constant(operands[2])),
+    "nop": lambda operands: Idle((_constant(operands[0]) if operands else 1) - 1),
+}
+
+MODELLED = frozenset({*INTEGER, *FLOAT, *_LOADS, *_STORES, *_CONTROL})
+"""Mnemonics of every instruction that has an action; whatever else there is, is refused."""
 
 
 def _memory(operand: Operand) -> Memory:
