@@ -9,7 +9,11 @@ import pytest
 from conftest import need
 from generated_models import everything, smooth
 from learner_bench import Pair, corrupted, lagging, sized, texts_of
+from proof_models import texts
 
+from hysgen.emit.members import members
+from hysgen.errors import HysgenError
+from hysgen.host import Host
 from hysgen.learning import LEARNED, LearnerSettings
 from hysgen.model import Model
 from hysgen.model_file import load_model
@@ -40,6 +44,33 @@ def test_a_subset_of_the_parameters_learns_bit_for_bit(learned: tuple[str, ...])
 @pytest.mark.parametrize(("size", "calls"), [(6, 2), (18, 6)])
 def test_a_spread_update_equals_its_reference_after_every_call(size: int, calls: int) -> None:
     assert Pair(sized(size, calls_per_update=calls, settle=64)).first_difference(*corrupted(600)) is None
+
+
+def test_a_learner_starts_with_every_state_of_the_model_and_of_what_the_input_passes() -> None:
+    """Copied number by number, from what the terms and blocks declare."""
+    name = "everything_spread"
+    host = Host(name, texts(name))
+    instance, learner = host.instance(2.0, 20.0), host.struct(f"{name}_learner_t")
+    rng = np.random.default_rng(3)
+    columns = [
+        rng.uniform(low, high, 500).astype(np.float32).view(np.uint32) for low, high in [(1, 3), (0, 60), (20, 25)]
+    ]
+    host.run("predict", instance, columns)
+    host.call("learn_init", learner, instance)
+    mine, models = host.layout(f"{name}_learner_t"), host.layout(f"{name}_t")
+    states = [path for path in models if path.startswith(("terms.", "inputs."))]
+    model_words, learner_words = host.words_of(instance), host.words_of(learner)
+    copied = [(int(model_words[models[path]]), int(learner_words[mine[path]])) for path in states]
+    assert [a for a, _ in copied] == [b for _, b in copied]
+    # 4 plays, 2 x 3 creep, 4 resonance, 2 periodic, 2 coupling, 2 drift; last input, slew, ring of 4 and its index.
+    assert len(states) == 4 + 6 + 4 + 2 + 2 + 2 + 1 + 1 + 4 + 1
+    assert np.count_nonzero([a for a, _ in copied]) > 20
+
+
+@pytest.mark.parametrize("member", ["double x;", "float x[N];", "float x[2][2][2];", "float *x;"])
+def test_a_state_that_cannot_be_copied_number_by_number_is_refused(member: str) -> None:
+    with pytest.raises(HysgenError, match="write float or uint32_t, a name, and sizes as numbers"):
+        members(f"typedef struct {{\n    uint32_t n; /**< x; */\n    {member}\n}} state_t;")
 
 
 def test_terms_blocks_and_drift_of_the_learner_are_its_own_and_equal() -> None:

@@ -101,6 +101,8 @@ def equality(
         run, mismatches = compare_selftest(model, [host, *builds])
         runs.append(run)
     if host.host.commits and samples >= SHADOWS_FROM:
+        if progress is not None:
+            progress(0.0, f"committing shadows on {len(builds)} instruction sets, some minutes")
         run, wrong = compare_commit(model, [host, *builds], seed)
         runs.append(run)
         mismatches.extend(wrong)
@@ -110,6 +112,8 @@ def equality(
         mismatches.extend(wrong)
     followed: list[Followed] = []
     if host.host.commits:
+        if progress is not None:
+            progress(1.0, f"learning and committing on {len(builds)} instruction sets")
         sides = [
             HostSide("this machine", host.host),
             *(HostSide(m.name, b.host) for m, b in zip(there, builds, strict=True)),
