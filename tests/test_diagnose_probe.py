@@ -94,9 +94,11 @@ def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
     assert 0.5 < np.mean(errors) / np.std(found, ddof=1) < 2.0
 
 
-def test_isolated_finds_single_corrupted_samples_and_spares_steps() -> None:
+def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() -> None:
     rng = np.random.default_rng(3)
     error_um = 0.01 * rng.normal(size=2000)
     error_um[1000:] += 1.0
-    error_um[[300, 700, 1500]] += [0.5, -0.4, 0.6]
-    assert np.flatnonzero(isolated(error_um)).tolist() == [300, 700, 1500]
+    error_um[1200:1204] += 0.5  # four samples are no reading gone wrong
+    wrong = [300, 302, 700, 1500, 1700, 1701, 1800, 1801]
+    error_um[wrong] += [0.5, 0.4, -0.4, 0.6, 0.5, 0.7, 0.4, -0.5]
+    assert np.flatnonzero(isolated(error_um)).tolist() == wrong

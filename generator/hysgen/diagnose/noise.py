@@ -55,9 +55,19 @@ def noise_floor(record: Record, left_um: Floats, lag_s: float) -> NoiseFloor:
         # The median over plateaus, for on some the amplifier may still be under way.
         variances = [float(part @ part) / (len(part) - 2) for part in scatter]
         return NoiseFloor(float(np.sqrt(np.median(variances))), "plateaus", samples)
+    return NoiseFloor(innovation(left_um), "innovation", len(left_um) - 2)
+
+
+def innovation(left_um: Floats) -> float:
+    """Standard deviation in um of the white part of an error, (n,), from its second differences.
+
+        1.4826 median |e(k+1) - 2 e(k) + e(k-1)| / sqrt(6)
+
+    What is smooth vanishes; samples that are NaN do not count.
+    """
     second = left_um[2:] - 2.0 * left_um[1:-1] + left_um[:-2]
     second = second[np.isfinite(second)]
-    return NoiseFloor(float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)), "innovation", len(second))
+    return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0))
 
 
 def plateaus(u_V: Floats, shortest: int = SHORTEST_PLATEAU) -> list[tuple[int, int]]:

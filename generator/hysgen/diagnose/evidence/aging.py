@@ -14,6 +14,9 @@ from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 FORGET = 0.35
 """Time constant of forgetting, as a share of the record: short enough to follow, long enough to average."""
 
+MOST_CHANGE = 0.5
+"""Change of the gain over the record beyond which it is looked for no further: such a stage has no gain to speak of."""
+
 
 class Aging(Cause):
     name = "aging"
@@ -28,7 +31,12 @@ class Aging(Cause):
         chain = look.fit.chain
         if chain.aging_per_s is not None:
             return []
-        return [dataclasses.replace(chain, aging_per_s=sign * 0.02 / look.scene.span_s) for sign in (1.0, -1.0)]
+        scene = look.scene
+        zero_um = scene.zero_um(chain, look.fit.weights) - float(look.fit.weights[scene.hysteresis_size(chain)])
+        growing = [scene.Ts_s * np.arange(len(seen)) * (seen - zero_um) for seen in look.responses(chain)]
+        most = MOST_CHANGE / scene.span_s
+        rate = float(np.clip(look.amount(np.concatenate(growing)), -most, most))
+        return [dataclasses.replace(chain, aging_per_s=rate)]
 
     def signature(self, look: Look, rival: Fit) -> Signature:
         """The change of gain against its standard error, the ramp of a drift being free beside it."""

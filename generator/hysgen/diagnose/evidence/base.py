@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Projector, Scene
+from hysgen.diagnose.probe.dynamics import respond
 
 Floats = NDArray[np.float64]
 
@@ -31,6 +32,18 @@ class Look:
     @classmethod
     def at(cls, scene: Scene, fit: Fit) -> Look:
         return cls(scene, fit, Projector.of(scene.columns(fit.chain)[:, scene.rows]))
+
+    def amount(self, column: Floats) -> float:
+        """How much of `column`, (n,), explains the error best, all that is linear being free beside it."""
+        rows = self.scene.rows
+        alone = self.projector.rest(column[rows])
+        return float(alone @ self.fit.error[rows] / (alone @ alone + 1e-300))
+
+    def responses(self, chain: Chain) -> list[Floats]:
+        """What the linear part of `chain` makes of the hysteresis that the fit found, run by run, (n_i,) each."""
+        size = self.scene.hysteresis_size(self.fit.chain)
+        paths = [self.fit.weights[:size] @ h for h in self.scene.hysteresis(self.fit.chain)]
+        return [respond(path, chain, self.scene.Ts_s) for path in paths]
 
 
 @dataclass(frozen=True)
@@ -77,6 +90,14 @@ class Cause(abc.ABC):
     def simpler(self, chain: Chain) -> list[Chain]:
         """Chains in which this cause stands in a simpler form, which is preferred unless it explains less."""
         return []
+
+    def possible(self, chain: Chain) -> bool:
+        """Whether this cause's numbers in the chain let its signature hold; cheap, asked at every step."""
+        return True
+
+    def sound(self, look: Look) -> Chain:
+        """The chain without those parts of this cause, of several, that show no evidence of their own."""
+        return look.fit.chain
 
     def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
         """The same chain with this cause's numbers elsewhere, where the fit is known to have several minima."""

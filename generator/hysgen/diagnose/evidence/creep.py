@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import math
 
+import numpy as np
+
 from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
@@ -32,7 +34,13 @@ class Creep(Cause):
         slowest_s = 0.05 * scene.span_s
         decades = math.log10(max(slowest_s / fastest_s, 1.0))
         starts = [fastest_s * 10.0 ** (share * decades) for share in (0.0, 0.33, 0.67, 1.0)]
-        return [dataclasses.replace(chain, creep=0.01, creep_from_s=start_s) for start_s in starts]
+        still = np.concatenate(look.responses(chain))
+        trials = []
+        for start_s in starts:
+            unit = dataclasses.replace(chain, creep=1.0, creep_from_s=start_s)
+            creep = look.amount(np.concatenate(look.responses(unit)) - still)
+            trials.append(dataclasses.replace(unit, creep=float(np.clip(creep, -1.0, 1.0))))
+        return trials
 
     def signature(self, look: Look, rival: Fit) -> Signature:
         """The creep against its standard error: onward, not back, and over a decade of time at least."""

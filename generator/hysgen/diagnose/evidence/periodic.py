@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 
 MOST_LINES = 4
 SHORTEST_PERIODS = 6.0
+LEAST_PEAK = 10.0
+"""Power of a peak over its neighbourhood from which on a line is tried there."""
 
 
 class Periodic(Cause):
@@ -62,8 +64,9 @@ class Periodic(Cause):
 
 
 def _spectrum(signal: Floats) -> Floats:
+    """(n + 1,) power at every half bin: on whole ones alone a line between two would lose half of its power."""
     window = np.hanning(len(signal))
-    return np.asarray(np.abs(np.fft.rfft((signal - signal.mean()) * window)) ** 2)
+    return np.asarray(np.abs(np.fft.rfft((signal - signal.mean()) * window, 2 * len(signal))) ** 2)
 
 
 def _peaks(look: Look, count: int) -> list[float]:
@@ -75,25 +78,25 @@ def _peaks(look: Look, count: int) -> list[float]:
     error = look.fit.error[used.min() : used.max() + 1]
     power = _spectrum(error)
     n = len(error)
-    low = max(int(SHORTEST_PERIODS), 3)
+    low = 2 * int(SHORTEST_PERIODS)
     background = _local_median(power)
     ratio = power / (background + 1e-300)
     ratio[:low] = 0.0
     lines: list[float] = []
     for at in np.argsort(ratio * np.sqrt(power))[::-1].tolist():
-        if ratio[at] < 15.0 or len(lines) == count:
+        if ratio[at] < LEAST_PEAK or len(lines) == count:
             break
         if 0 < at < len(power) - 1 and power[at] >= power[at - 1] and power[at] >= power[at + 1]:
             a, b, c = np.log(power[at - 1 : at + 2] + 1e-300)
             shift = 0.5 * (a - c) / (a - 2 * b + c) if a - 2 * b + c < 0 else 0.0
-            lines.append((at + float(shift)) / (n * scene.Ts_s))
+            lines.append((at + float(shift)) / (2 * n * scene.Ts_s))
     return lines
 
 
 def _local_median(power: Floats) -> Floats:
     """Median power in the neighbourhood of each bin, narrower at low frequencies; found at some bins, then drawn on."""
     at = np.unique(np.round(np.geomspace(1, len(power), 120)).astype(int)) - 1
-    halves = np.maximum(8, at // 8)
+    halves = np.maximum(16, at // 8)
     level = [np.median(power[max(0, i - half) : i + half + 1]) for i, half in zip(at, halves, strict=True)]
     return np.asarray(np.exp(np.interp(np.arange(len(power)), at, np.log(np.array(level) + 1e-300))))
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Mode, Scene, standard_errors
-from hysgen.diagnose.probe.dynamics import respond
 from hysgen.terms.resonance import Resonance as ResonanceTerm
 
 PER_DECADE = 45
@@ -18,6 +18,7 @@ PER_DECADE = 45
 
 DAMPINGS = (0.03, 0.12)
 MOST_MODES = 3
+LEAST_DAMPING, MOST_DAMPING_NAMED = 1e-3, 0.5
 
 
 class Resonance(Cause):
@@ -34,19 +35,26 @@ class Resonance(Cause):
         parts = chain.modes
         return [dataclasses.replace(chain, modes=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
 
+    def possible(self, chain: Chain) -> bool:
+        """A mode that hardly decays at all is a line in disguise."""
+        return all(mode.zeta > LEAST_DAMPING for mode in chain.modes)
+
+    def sound(self, look: Look) -> Chain:
+        chain = look.fit.chain
+        kept = tuple(mode for mode, holds, _ in _weighed(look) if holds)
+        return dataclasses.replace(chain, modes=kept or chain.modes)
+
     def proposals(self, look: Look) -> list[Chain]:
         """The best few of a grid of modes, judged by how much of the error their ringing alone would explain."""
         chain, scene = look.fit.chain, look.scene
         if len(chain.modes) >= MOST_MODES:
             return []
-        size = scene.hysteresis_size(chain)
-        paths = [look.fit.weights[:size] @ h for h in scene.hysteresis(chain)]
         low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
         # A mode far above the lag's corner moves nothing, one below it rings freely.
         low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
         error = look.projector.rest(look.fit.error[scene.rows])
         still = dataclasses.replace(chain, modes=())
-        bare = [respond(path, still, scene.Ts_s) for path in paths]
+        bare = look.responses(still)
         found = []
         count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
         for zeta in DAMPINGS:
@@ -54,7 +62,7 @@ class Resonance(Cause):
             rings = np.empty((count, len(scene.rows)))
             for i, f_Hz in enumerate(grid_Hz):
                 alone = dataclasses.replace(chain, modes=(Mode(f_Hz, zeta, 1.0),))
-                ring = [respond(path, alone, scene.Ts_s) - stiff for path, stiff in zip(paths, bare, strict=True)]
+                ring = [seen - stiff for seen, stiff in zip(look.responses(alone), bare, strict=True)]
                 rings[i] = np.concatenate(ring)[scene.rows]
             rings = look.projector.rest(rings)
             powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
@@ -71,23 +79,36 @@ class Resonance(Cause):
 
     def signature(self, look: Look, rival: Fit) -> Signature:
         """Frequency, damping and share against their standard errors; a damping ratio below 0.5, inside the band."""
-        chain, scene = look.fit.chain, look.scene
-        errors = standard_errors(scene, look.fit).coordinates
-        parameters, texts, scores, sound = {}, [], [], True
+        chain = look.fit.chain
+        errors = standard_errors(look.scene, look.fit).coordinates
+        parameters, texts = {}, []
+        weighed = _weighed(look, errors)
         for i, mode in enumerate(chain.modes):
             suffix = "" if i == 0 else f"_{i + 1}"
             df, dz, ds = errors[f"f{i}"], errors[f"zeta{i}"], errors[f"share{i}"]
             parameters[f"f{suffix}_Hz"] = Estimate(mode.f_Hz, mode.f_Hz * df)
             parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
             parameters[f"share{suffix}"] = Estimate(mode.share, ds)
-            scores.append(abs(mode.share) / max(ds, 1e-15))
-            sound &= df < 0.05 and dz < 0.5 and 1e-3 < mode.zeta < 0.5 and mode.f_Hz * scene.Ts_s < 0.45
             texts.append(f"rings at {mode.f_Hz:.4g} Hz with damping ratio {mode.zeta:.3g}, share {mode.share:.2g}")
-        return Signature(bool(sound and min(scores) > 5.0), min(scores), "; ".join(texts), parameters)
+        least = min(z for _, _, z in weighed)
+        return Signature(all(holds for _, holds, _ in weighed), least, "; ".join(texts), parameters)
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         modes = sorted(fit.chain.modes, key=lambda mode: mode.f_Hz)
         return Extension(term=ResonanceTerm(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
+
+
+def _weighed(look: Look, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
+    """Each mode, whether it shows evidence of its own, and its share in standard errors. errors: those of the fit."""
+    chain, Ts_s = look.fit.chain, look.scene.Ts_s
+    errors = errors or standard_errors(look.scene, look.fit).coordinates
+    weighed = []
+    for i, mode in enumerate(chain.modes):
+        z = abs(mode.share) / max(errors[f"share{i}"], 1e-15)
+        known = errors[f"f{i}"] < 0.05 and errors[f"zeta{i}"] < 0.5
+        inside = LEAST_DAMPING < mode.zeta < MOST_DAMPING_NAMED and mode.f_Hz * Ts_s < 0.45
+        weighed.append((mode, bool(known and inside and z > 5.0), z))
+    return weighed
 
 
 CAUSE = Resonance()
