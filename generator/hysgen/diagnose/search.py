@@ -3,7 +3,8 @@
 Forward: every cause proposes rough chains, the best of each is refined, the one that helps most is kept. Everything is
 fitted jointly again at each step, so what a first cause soaked up is given back when the second one arrives.
 Backward: each cause is taken out, everything else refitted; what was not needed goes.
-Helping and needing are measured on blocks of the identification part that were not fitted.
+Helping and needing are measured on blocks of the identification part that were not fitted, less the one block on which
+the richer of two chains is worst: a stroke wider than any that was fitted can throw a good chain off (`levels`).
 """
 
 from __future__ import annotations
@@ -106,18 +107,18 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
         firsts += sorted(trials, key=lambda trial: trial.rms_um)[: cause.tried]
     firsts.sort(key=lambda trial: trial.rms_um)
     refined = [refine(part, trial.chain, rounds=8) for trial in firsts[:CANDIDATES]]
-    refined = [trial for trial in refined if _possible(trial.chain) or not _possible(fit.chain)]
+    refined = [trial for trial in refined if _possible(part, trial.chain) or not _possible(part, fit.chain)]
     if not refined:
         return None
-    best = min(refined, key=lambda trial: rms(trial.error[checked]) + trial.rms_um)
-    helped = rms(best.error[checked]) < HELPS_BELOW * rms(fit.error[checked])
+    best = min(refined, key=lambda trial: _ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
+    helped = _ratio(best, fit, checked) < HELPS_BELOW
     # Fitted rows that show nothing but noise have no say: there the fit has bent itself around what is missing.
     silent = fit.rms_um < (1.0 + SHARP**2) * innovation(fit.error[part.rows])
     return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None
 
 
-def _possible(chain: Chain) -> bool:
-    return all(cause.possible(chain) for cause in causes().values())
+def _possible(scene: Scene, chain: Chain) -> bool:
+    return all(cause.possible(scene, chain) for cause in causes().values())
 
 
 def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
@@ -131,7 +132,7 @@ def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
             if not trials:
                 continue
             other = refine(part, min(trials, key=lambda trial: trial.rms_um).chain)
-            if rms(other.error[checked]) < HELPS_BELOW * rms(fit.error[checked]):
+            if _ratio(other, fit, checked) < HELPS_BELOW:
                 fit = other
     return fit
 
@@ -154,8 +155,8 @@ def _resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
             for name, trial in zip(others, trials, strict=True)
             if trial is not None and causes()[name].signature(Look.at(part, trial), bare).holds
         ]
-        best = min(sound, key=lambda trial: rms(trial.error[checked]), default=bare)
-        if rms(best.error[checked]) < KEEP_ABOVE * rms(bare.error[checked]):
+        best = min(sound, key=lambda trial: _ratio(trial, bare, checked), default=bare)
+        if _ratio(best, bare, checked) < KEEP_ABOVE:
             fit = best
     return fit
 
@@ -185,14 +186,14 @@ def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
     for name in present(fit.chain):
         for chain in causes()[name].simpler(fit.chain):
             plain = refine(part, chain, rounds=8)
-            if rms(fit.error[checked]) >= HELPS_BELOW * rms(plain.error[checked]):
+            if _ratio(fit, plain, checked) >= HELPS_BELOW:
                 fit = plain
     while True:
         names = present(fit.chain)
         trials = [refine(part, less, rounds=8) for name in names for less in causes()[name].lessened(fit.chain)]
         if not trials:
             return fit
-        best = min(trials, key=lambda trial: rms(trial.error[checked]))
+        best = max(trials, key=lambda trial: _ratio(fit, trial, checked))
         if _remaining(fit, best, checked) < KEEP_ABOVE:
             return fit
         fit = best
@@ -220,8 +221,21 @@ def _remaining(fit: Fit, rival: Fit, checked: Rows) -> float:
     """
     noise_um = innovation(fit.error[checked])
     least = (SHARP * noise_um) ** 2
-    beyond = [max(rms(one.error[checked]) ** 2 - noise_um**2, least) for one in (fit, rival)]
-    return float(np.sqrt((beyond[0] + 1e-300) / (beyond[1] + 1e-300)))
+    beyond = [max(level**2 - noise_um**2, least) + 1e-300 for level in levels(fit.error[checked], rival.error[checked])]
+    return float(np.sqrt(beyond[0] / beyond[1]))
+
+
+def _ratio(fit: Fit, rival: Fit, checked: Rows) -> float:
+    """What `fit` leaves as a share of what `rival` leaves, on the rows `checked`."""
+    level_um, rival_um = levels(fit.error[checked], rival.error[checked])
+    return level_um / (rival_um + 1e-300)
+
+
+def levels(richer_um: Floats, poorer_um: Floats) -> tuple[float, float]:
+    """rms of two errors of the same blocks, (n,) each, less the one block of eight on which the first is worst."""
+    parts = np.array_split(np.arange(len(richer_um)), BLOCKS // 3)
+    worst = max(parts, key=lambda part: rms(richer_um[part]))
+    return rms(np.delete(richer_um, worst)), rms(np.delete(poorer_um, worst))
 
 
 def _alternative(part: Scene, chain: Chain, name: str) -> Fit:

@@ -91,7 +91,7 @@ class Cause(abc.ABC):
         """Chains in which this cause stands in a simpler form, which is preferred unless it explains less."""
         return []
 
-    def possible(self, chain: Chain) -> bool:
+    def possible(self, scene: Scene, chain: Chain) -> bool:
         """Whether this cause's numbers in the chain let its signature hold; cheap, asked at every step."""
         return True
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,34 +64,52 @@ class Periodic(Cause):
         return Extension(term=PeriodicTerm(tuple(sorted(fit.chain.lines_Hz))))
 
 
-def _spectrum(signal: Floats) -> Floats:
-    """(n + 1,) power at every half bin: on whole ones alone a line between two would lose half of its power."""
-    window = np.hanning(len(signal))
-    return np.asarray(np.abs(np.fft.rfft((signal - signal.mean()) * window, 2 * len(signal))) ** 2)
-
-
 def _peaks(look: Look, count: int) -> list[float]:
-    """Frequencies in Hz of the lines that stand out most from their neighbourhood in the longest run's error."""
+    """Frequencies in Hz of the lines that explain most of the error and stand out of their neighbourhood."""
     scene = look.scene
-    starts = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
-    longest = int(np.argmax(np.diff(starts)))
-    used = scene.rows[(scene.rows >= starts[longest]) & (scene.rows < starts[longest + 1])]
-    error = look.fit.error[used.min() : used.max() + 1]
-    power = _spectrum(error)
-    n = len(error)
-    low = 2 * int(SHORTEST_PERIODS)
-    background = _local_median(power)
-    ratio = power / (background + 1e-300)
-    ratio[:low] = 0.0
-    lines: list[float] = []
-    for at in np.argsort(ratio * np.sqrt(power))[::-1].tolist():
-        if ratio[at] < LEAST_PEAK or len(lines) == count:
-            break
-        if 0 < at < len(power) - 1 and power[at] >= power[at - 1] and power[at] >= power[at + 1]:
-            a, b, c = np.log(power[at - 1 : at + 2] + 1e-300)
-            shift = 0.5 * (a - c) / (a - 2 * b + c) if a - 2 * b + c < 0 else 0.0
-            lines.append((at + float(shift)) / (2 * n * scene.Ts_s))
+    longest = max(len(run.u_V) for run in scene.runs)
+    power = _explained(look, 2 * longest)
+    ratio = power / (_local_median(power) + 1e-300)
+    power[: 2 * int(SHORTEST_PERIODS)] = 0.0
+    inner = power[1:-1]
+    peaks = 1 + np.flatnonzero((inner >= power[:-2]) & (inner >= power[2:]) & (ratio[1:-1] > LEAST_PEAK))
+    best = peaks[np.argsort(power[peaks])[::-1][:count]]
+    lines = []
+    for at in best.tolist():
+        a, b, c = np.log(power[at - 1 : at + 2] + 1e-300)
+        shift = 0.5 * (a - c) / (a - 2 * b + c) if a - 2 * b + c < 0 else 0.0
+        lines.append((at + float(shift)) / (2 * longest * scene.Ts_s))
     return lines
+
+
+def _explained(look: Look, length: int) -> Floats:
+    """(length/2 + 1,) how much of the error's power on the fitted rows a line at each j/(length Ts) would explain.
+
+        b' G^-1 b,    b = (e . c, e . s),   G = (c, s)' P (c, s),   P the projector off all that is linear
+
+    What the other columns have taken of a line, they would give back. All sums over rows are Fourier transforms:
+    with w = c - i s and q an orthonormal basis of the columns, q . w and e . w.
+    """
+    scene, rows = look.scene, look.scene.rows
+    edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+
+    def transformed(signal: Floats) -> NDArray[np.complex128]:
+        whole = np.zeros(edges[-1])
+        whole[rows] = signal
+        parts = [np.fft.rfft(whole[a:b], length) for a, b in itertools.pairwise(edges)]
+        return np.asarray(np.sum(parts, axis=0))
+
+    error = transformed(look.fit.error[rows])
+    cc = ss = np.full(error.size, 0.5 * len(rows))
+    cs = np.zeros(error.size)
+    for column in look.projector.basis():
+        seen = transformed(column)
+        cc, ss, cs = cc - seen.real**2, ss - seen.imag**2, cs - seen.real * seen.imag
+    determinant = cc * ss - cs * cs
+    known = (determinant > 1e-2 * len(rows) ** 2 / 4) & (cc > 0)
+    b, c = error.real, error.imag
+    power = (ss * b * b - 2.0 * cs * b * c + cc * c * c) / np.where(known, determinant, np.inf)
+    return np.asarray(power)
 
 
 def _local_median(power: Floats) -> Floats:

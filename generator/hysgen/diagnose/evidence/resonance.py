@@ -35,7 +35,7 @@ class Resonance(Cause):
         parts = chain.modes
         return [dataclasses.replace(chain, modes=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
 
-    def possible(self, chain: Chain) -> bool:
+    def possible(self, scene: Scene, chain: Chain) -> bool:
         """A mode that hardly decays at all is a line in disguise."""
         return all(mode.zeta > LEAST_DAMPING for mode in chain.modes)
 

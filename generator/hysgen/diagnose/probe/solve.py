@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from hysgen.diagnose.probe.chain import Chain
 from hysgen.diagnose.probe.scene import Scene
@@ -57,6 +57,11 @@ class Projector:
     def weights(self, signal: Floats) -> Floats:
         """(p,) weights of the columns for `signal`, (n,)."""
         return np.asarray(cho_solve(self.factor, self.columns @ signal) / self.scale)
+
+    def basis(self) -> Floats:
+        """(p, n) orthonormal combinations of the columns."""
+        factor, lower = self.factor
+        return np.asarray(solve_triangular(factor, self.columns, trans="N" if lower else "T", lower=lower))
 
     def rest(self, signal: Floats) -> Floats:
         """`signal`, (n,) or (c, n), less what the columns explain of it."""
