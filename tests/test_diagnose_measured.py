@@ -22,8 +22,8 @@ def ramps(measured: Path) -> Diagnosis:
     return diagnose(record, settings=DiagnoseSettings(identify=FITTED_ROWS / record.samples))
 
 
-def test_memory_and_a_drift_that_slows_down_are_named_on_the_micromanipulator(ramps: Diagnosis) -> None:
-    assert ramps.names == ("memory", "drift")
+def test_memory_a_line_and_a_drift_that_slows_down_are_named_on_the_micromanipulator(ramps: Diagnosis) -> None:
+    assert ramps.names == ("memory", "periodic", "drift")
     assert "unknown" not in ramps.names
     assert ramps.held_rows.min() == FITTED_ROWS
 

@@ -32,6 +32,9 @@ Progress = Callable[[float, str], None]
 SURE = 0.7
 """Share of bootstrap draws in which an extension must lower the error of blocks that were left out of the fit."""
 
+WORTH = 0.02
+"""Share of the error that it must take away there: what takes less is nobody's cause of it."""
+
 
 @dataclass(frozen=True)
 class DiagnoseSettings:
@@ -227,7 +230,7 @@ def _alone(
     gains = {}
     for name in judged:
         _, without_um = checked_error(prepared, extensions, [other for other in names if other != name], settings)
-        sure = surely_lower(without_um[clean], whole_um[clean])
+        sure = surely_lower(without_um[clean], whole_um[clean], WORTH)
         gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), sure=sure)
     return gains
 

@@ -30,6 +30,9 @@ KEEP_ABOVE = 0.85
 """A part stays only if the error without it, on blocks not fitted and beyond the noise, is 1/0.85 times as large."""
 HELPS_BELOW = 0.98
 """A step forward is taken if the error falls below this share of what it was; two causes may need each other."""
+STEP_BELOW = 0.93
+"""And if what lies beyond the noise falls below this share: smaller steps are misfit, of which there is no end."""
+
 ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("saturation", "slew"))
 """Pairs of causes of which the wrong one may come first."""
 
@@ -111,7 +114,7 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     if not refined:
         return None
     best = min(refined, key=lambda trial: _ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
-    helped = _ratio(best, fit, checked) < HELPS_BELOW
+    helped = _ratio(best, fit, checked) < HELPS_BELOW and _remaining(best, fit, checked) < STEP_BELOW
     # Fitted rows that show nothing but noise have no say: there the fit has bent itself around what is missing.
     silent = fit.rms_um < (1.0 + SHARP**2) * innovation(fit.error[part.rows])
     return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None

@@ -14,7 +14,6 @@ from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension, Wander
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.diagnose.probe.scene import drift_course
-from hysgen.diagnose.probe.solve import SOONEST
 
 ZERO_UNCERTAIN = 0.25
 """Share of the span by which the stage's zero is uncertain: an aging gain turns that into a ramp of its own."""
@@ -35,10 +34,6 @@ class Drift(Cause):
     def simpler(self, chain: Chain) -> list[Chain]:
         """A ramp in place of a drift that slows down."""
         return [] if chain.since_s is None else [dataclasses.replace(chain, since_s=None)]
-
-    def possible(self, scene: Scene, chain: Chain) -> bool:
-        """A drift that is over as soon as it begins stands for the memory's unknown start, not for a drift."""
-        return chain.since_s is None or chain.since_s > 2.0 * SOONEST * scene.span_s
 
     def proposals(self, look: Look) -> list[Chain]:
         """A ramp, and drifts that slow down."""
@@ -73,7 +68,6 @@ class Drift(Cause):
             }
         return Signature(
             holds=z > 5.0
-            and self.possible(scene, chain)
             and abs(drift.size_um) * course > hidden * scene.span_s
             and all(0.5 < share < 1.5 for share in shares),
             z=z,
