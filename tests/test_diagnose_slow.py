@@ -76,6 +76,8 @@ def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
     assert surely_lower(before, after) > 0.99
     assert surely_lower(after, before) < 0.01
     assert surely_lower(before, before) == 0.0
+    assert surely_lower(before, 0.99 * before) == 1.0
+    assert surely_lower(before, 0.99 * before, 0.02) == 0.0
 
 
 def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> None:

@@ -197,7 +197,7 @@ def _agreement(
     for name in in_order(list(signatures)):
         if not signatures[name].holds:
             refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
-        elif name in causes() and found.needs[name] < causes()[name].needed:
+        elif name in causes() and found.needs[name] < causes()[name].needed_in(found.fit.chain):
             refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
         else:
             candidates.append(name)

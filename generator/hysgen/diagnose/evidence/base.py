@@ -79,6 +79,10 @@ class Cause(abc.ABC):
     def present(self, chain: Chain) -> bool:
         """Whether the chain holds this cause's part."""
 
+    def needed_in(self, chain: Chain) -> float:
+        """`needed`, for the form that the cause has in this chain."""
+        return self.needed
+
     @abc.abstractmethod
     def without(self, chain: Chain) -> Chain:
         """The chain with this cause's part taken out."""

@@ -18,6 +18,8 @@ from hysgen.diagnose.probe.scene import drift_course
 ZERO_UNCERTAIN = 0.25
 """Share of the span by which the stage's zero is uncertain: an aging gain turns that into a ramp of its own."""
 
+NEEDED_SLOWING = 1.5
+
 SINCE = (0.01, 0.05, 0.25)
 """Shares of the record at which a drift that slows down is tried to have begun before it."""
 
@@ -30,6 +32,10 @@ class Drift(Cause):
 
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, drift=False, since_s=None)
+
+    def needed_in(self, chain: Chain) -> float:
+        """A drift that slows down can stand for the memory's unknown start too, so more is asked of it."""
+        return self.needed if chain.since_s is None else NEEDED_SLOWING
 
     def simpler(self, chain: Chain) -> list[Chain]:
         """A ramp in place of a drift that slows down."""

@@ -1,0 +1,171 @@
+"""Each cause's own evidence: it holds where the cause is, and not where something else only looks like it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hysgen.bank.excitation import good
+from hysgen.diagnose.evidence import Look, Signature, causes
+from hysgen.diagnose.evidence.outliers import outliers_signature
+from hysgen.diagnose.probe import Chain, Fit, Mode, Operator, Run, Scene, linear_fit, refine
+from hysgen.diagnose.probe.amplifier import amplified
+from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.search import _pruned, _remaining, _sounded, levels, search
+
+Floats = NDArray[np.float64]
+TS_S, SAMPLES = 1e-3, 4000
+SPAN_S = TS_S * SAMPLES
+T_S = TS_S * np.arange(SAMPLES)
+LAG = Chain(4e-3, memory=False)
+NOISE_UM = 1e-3
+COMMAND_V = good(np.random.default_rng(5), SAMPLES, 0.0, 100.0)
+LINEAR = Operator(0.0, 100.0, hats=0, curve=1, reaches=())
+
+
+def scene(chain: Chain, more_um: Floats | float = 0.0, aux: Mapping[str, Floats] | None = None) -> Scene:
+    """A linear stage of 10 um behind `chain`, with 1 nm of noise, and more_um on top of it."""
+    y_um = 0.1 * respond(amplified(COMMAND_V, chain, TS_S), chain, TS_S) + more_um
+    y_um = y_um + NOISE_UM * np.random.default_rng(6).normal(size=SAMPLES)
+    return Scene((Run(COMMAND_V, y_um, aux or {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+
+
+def evidence(name: str, seen: Scene, chain: Chain) -> Signature:
+    """The signature of a cause at the best fit of a chain that holds it."""
+    fit = refine(seen, chain)
+    return causes()[name].signature(Look.at(seen, fit), refine(seen, causes()[name].without(chain)))
+
+
+CREEP = dataclasses.replace(LAG, creep=0.02, creep_from_s=0.05)
+RINGING = dataclasses.replace(LAG, modes=(Mode(60.0, 0.03, 0.4),))
+LATE = dataclasses.replace(LAG, delay=1.7, delayed=True)
+CLIPPED = dataclasses.replace(LAG, high_V=80.0)
+SLOW_AMPLIFIER = dataclasses.replace(LAG, rate_V_per_s=800.0)
+DRIFTING = dataclasses.replace(LAG, drift=True)
+AGING = dataclasses.replace(LAG, aging_per_s=0.003)
+HUMMING = dataclasses.replace(LAG, lines_Hz=(50.3,))
+COUPLED = dataclasses.replace(LAG, coupled=("axis2_V",))
+AXIS2_V = np.cumsum(np.random.default_rng(7).normal(size=SAMPLES))
+
+PRESENT: dict[str, tuple[Chain, Floats | float]] = {
+    "creep": (CREEP, 0.0),
+    "resonance": (RINGING, 0.0),
+    "delay": (LATE, 0.0),
+    "saturation": (CLIPPED, 0.0),
+    "slew": (SLOW_AMPLIFIER, 0.0),
+    "drift": (DRIFTING, 0.05 * T_S / SPAN_S),
+    "aging": (AGING, 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)),
+    "periodic": (HUMMING, 0.01 * np.sin(2 * math.pi * 50.3 * T_S)),
+    "coupling": (COUPLED, 0.001 * respond(AXIS2_V, LAG, TS_S)),
+}
+
+
+@pytest.mark.parametrize("name", PRESENT)
+def test_evidence_holds_where_the_cause_is(name: str) -> None:
+    chain, more_um = PRESENT[name]
+    assert evidence(name, scene(chain, more_um, {"axis2_V": AXIS2_V}), chain).holds
+
+
+@pytest.mark.parametrize("name", PRESENT)
+def test_evidence_does_not_hold_where_the_stage_has_nothing_but_a_lag(name: str) -> None:
+    chain, _ = PRESENT[name]
+    if name == "slew":
+        chain = dataclasses.replace(chain, rate_V_per_s=3e5)  # faster than the command, but for its few steps
+    told = evidence(name, scene(LAG, 0.0, {"axis2_V": AXIS2_V}), chain)
+    assert not told.holds, told.text
+
+
+def test_output_that_creeps_back_is_no_creep() -> None:
+    back = dataclasses.replace(CREEP, creep=-0.02)
+    assert evidence("creep", scene(back), back).z < -4.0
+    assert not evidence("creep", scene(back), back).holds
+
+
+def test_creep_that_begins_when_the_record_ends_is_none() -> None:
+    late = dataclasses.replace(CREEP, creep=0.3, creep_from_s=0.15 * SPAN_S)
+    told = evidence("creep", scene(late), late)
+    assert told.z > 4.0
+    assert not told.holds
+
+
+def test_slope_beyond_a_level_that_only_falls_is_no_saturation() -> None:
+    bent_V = np.minimum(COMMAND_V, 80.0) + 0.6 * np.maximum(COMMAND_V - 80.0, 0.0)
+    bent = Scene((Run(COMMAND_V, 0.1 * respond(bent_V, LAG, TS_S), {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+    # Fitted where the command is below the level, so that the gain there is the stage's own.
+    found = linear_fit(bent.using(bent.rows[np.convolve(COMMAND_V > 80.0, np.ones(40))[bent.rows] == 0]), CLIPPED)
+    told = causes()["saturation"].signature(Look.at(bent, found), found)
+    assert not told.holds, told.text
+
+
+def test_drift_that_only_the_way_up_shows_is_none() -> None:
+    rising = np.gradient(COMMAND_V) > 0
+    told = evidence("drift", scene(LAG, np.where(rising, 0.2, 0.06) * T_S / SPAN_S), DRIFTING)
+    assert told.z > 5.0
+    assert not told.holds
+
+
+def test_line_that_loses_its_phase_is_none() -> None:
+    turned = np.where(T_S < 0.2 * SPAN_S, -1.0, 1.0) * 0.01 * np.sin(2 * math.pi * 50.3 * T_S)
+    fit = linear_fit(scene(LAG, turned), HUMMING)
+    told = causes()["periodic"].signature(Look.at(scene(LAG, turned), fit), fit)
+    assert told.z**2 > 30.0
+    assert not told.holds
+
+
+@pytest.mark.parametrize(("count", "size_um", "holds"), [(6, 0.5, True), (2, 0.5, False), (6, 0.011, False)])
+def test_outliers_are_several_and_carry_the_error(count: int, size_um: float, holds: bool) -> None:
+    spikes = np.zeros(SAMPLES)
+    spikes[np.linspace(300, 3700, count).astype(int)] = size_um
+    told = outliers_signature(search(scene(LAG, spikes)))
+    assert told is not None
+    assert told.holds == holds
+
+
+@pytest.mark.parametrize("play_V", [0.0, 10.0])
+def test_memory_is_what_past_extremes_explain(play_V: float) -> None:
+    path_V = COMMAND_V.copy()
+    for k in range(1, SAMPLES):
+        path_V[k] = min(max(path_V[k - 1], COMMAND_V[k] - play_V), COMMAND_V[k] + play_V)
+    y_um = 0.1 * respond(path_V, LAG, TS_S) + NOISE_UM * np.random.default_rng(8).normal(size=SAMPLES)
+    rows = np.arange(400, SAMPLES)
+    seen = Scene((Run(COMMAND_V, y_um, {}),), TS_S, rows[rows // 300 % 2 == 0], Operator(0.0, 100.0))
+    found, rival = linear_fit(seen, Chain(4e-3)), linear_fit(seen, LAG)
+    told = causes()["memory"].signature(Look.at(seen.using(rows[rows // 300 % 2 == 1]), found), rival)
+    assert told.holds == (play_V > 0.0), told.text
+
+
+def test_what_is_not_needed_goes_and_what_is_needed_stays() -> None:
+    """A delay that is there, beside a mode and a change of gain that are not."""
+    seen = scene(LATE)
+    more = dataclasses.replace(LATE, modes=(Mode(90.0, 0.1, 1e-4),), aging_per_s=1e-6)
+    checked = np.arange(60, SAMPLES, 3)
+    assert _pruned(seen, refine(seen, more), checked).chain.names() == ("lag", "delay")
+
+
+def test_mode_without_evidence_of_its_own_does_not_deny_the_other() -> None:
+    seen = scene(RINGING)
+    both = linear_fit(seen, dataclasses.replace(RINGING, modes=(*RINGING.modes, Mode(3.0, 5e-4, 1e-4))))
+    sound = _sounded(seen, both, seen.rows).chain
+    assert [round(mode.f_Hz) for mode in sound.modes] == [60]
+
+
+def test_effect_below_the_noise_counts_by_what_it_leaves_beyond_it() -> None:
+    """0.5 nm rms under 1 nm of noise raises the rms by 12 % only."""
+    noise_um = NOISE_UM * np.random.default_rng(9).normal(size=SAMPLES)
+    effect_um = 0.5e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
+    with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
+    rows = np.arange(SAMPLES)
+    assert _remaining(with_it, without, rows) < 0.6
+    assert _remaining(without, with_it, rows) > 1.0
+    assert _remaining(with_it, with_it, rows) == 1.0
+
+
+def test_one_block_in_which_the_richer_chain_is_wild_does_not_decide() -> None:
+    richer, poorer = np.ones(800), np.full(800, 2.0)
+    richer[300:400] = 50.0
+    assert levels(richer, poorer) == (1.0, 2.0)
