@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hysgen.bank.excitation import good
 from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
+from hysgen.diagnose.evidence.resonance import weighed
 from hysgen.diagnose.probe import Chain, Fit, Mode, Operator, Run, Scene, linear_fit, refine
 from hysgen.diagnose.probe.amplifier import amplified
 from hysgen.diagnose.probe.dynamics import respond
@@ -140,11 +141,31 @@ def test_memory_is_what_past_extremes_explain(play_V: float) -> None:
 
 
 def test_what_is_not_needed_goes_and_what_is_needed_stays() -> None:
-    """A delay that is there, beside a mode and a change of gain that are not."""
-    seen = scene(LATE)
-    more = dataclasses.replace(LATE, modes=(Mode(90.0, 0.1, 1e-4),), aging_per_s=1e-6)
-    checked = np.arange(60, SAMPLES, 3)
-    assert _pruned(seen, refine(seen, more), checked).chain.names() == ("lag", "delay")
+    """A delay and a ramp of 1 nm rms that are there, beside a mode and a change of gain that are not."""
+    seen = scene(LATE, 4e-3 * T_S / SPAN_S)
+    more = dataclasses.replace(LATE, drift=True, modes=(Mode(90.0, 0.1, 1e-4),), aging_per_s=1e-6)
+    pruned = _pruned(seen, refine(seen, more), np.arange(60, SAMPLES, 3)).chain
+    assert pruned.drift
+    assert pruned.names() == ("lag", "delay")
+
+
+@pytest.mark.parametrize(
+    ("mode", "worse", "holds"),
+    [
+        (Mode(60.0, 0.03, 0.4), {}, True),
+        (Mode(60.0, 0.03, 0.4), {"share0": 0.09}, False),
+        (Mode(60.0, 0.03, 0.4), {"f0": 0.06}, False),
+        (Mode(60.0, 0.03, 0.4), {"zeta0": 0.6}, False),
+        (Mode(60.0, 9e-4, 0.4), {}, False),
+        (Mode(460.0, 0.03, 0.4), {}, False),
+    ],
+)
+def test_mode_is_known_in_share_frequency_and_damping(mode: Mode, worse: dict[str, float], holds: bool) -> None:
+    chain = dataclasses.replace(LAG, modes=(mode,))
+    look = Look.at(scene(RINGING), linear_fit(scene(RINGING), chain))
+    told = weighed(look, {"share0": 0.07, "f0": 0.04, "zeta0": 0.4} | worse)
+    assert [sound for _, sound, _ in told] == [holds]
+    assert causes()["resonance"].possible(look.scene, chain) == (mode.zeta > 1e-3)
 
 
 def test_mode_without_evidence_of_its_own_does_not_deny_the_other() -> None:

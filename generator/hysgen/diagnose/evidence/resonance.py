@@ -41,7 +41,7 @@ class Resonance(Cause):
 
     def sound(self, look: Look) -> Chain:
         chain = look.fit.chain
-        kept = tuple(mode for mode, holds, _ in _weighed(look) if holds)
+        kept = tuple(mode for mode, holds, _ in weighed(look) if holds)
         return dataclasses.replace(chain, modes=kept or chain.modes)
 
     def proposals(self, look: Look) -> list[Chain]:
@@ -82,7 +82,7 @@ class Resonance(Cause):
         chain = look.fit.chain
         errors = standard_errors(look.scene, look.fit).coordinates
         parameters, texts = {}, []
-        weighed = _weighed(look, errors)
+        told = weighed(look, errors)
         for i, mode in enumerate(chain.modes):
             suffix = "" if i == 0 else f"_{i + 1}"
             df, dz, ds = errors[f"f{i}"], errors[f"zeta{i}"], errors[f"share{i}"]
@@ -90,25 +90,25 @@ class Resonance(Cause):
             parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
             parameters[f"share{suffix}"] = Estimate(mode.share, ds)
             texts.append(f"rings at {mode.f_Hz:.4g} Hz with damping ratio {mode.zeta:.3g}, share {mode.share:.2g}")
-        least = min(z for _, _, z in weighed)
-        return Signature(all(holds for _, holds, _ in weighed), least, "; ".join(texts), parameters)
+        least = min(z for _, _, z in told)
+        return Signature(all(holds for _, holds, _ in told), least, "; ".join(texts), parameters)
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         modes = sorted(fit.chain.modes, key=lambda mode: mode.f_Hz)
         return Extension(term=ResonanceTerm(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
 
 
-def _weighed(look: Look, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
+def weighed(look: Look, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
     """Each mode, whether it shows evidence of its own, and its share in standard errors. errors: those of the fit."""
     chain, Ts_s = look.fit.chain, look.scene.Ts_s
     errors = errors or standard_errors(look.scene, look.fit).coordinates
-    weighed = []
+    found = []
     for i, mode in enumerate(chain.modes):
         z = abs(mode.share) / max(errors[f"share{i}"], 1e-15)
         known = errors[f"f{i}"] < 0.05 and errors[f"zeta{i}"] < 0.5
         inside = LEAST_DAMPING < mode.zeta < MOST_DAMPING_NAMED and mode.f_Hz * Ts_s < 0.45
-        weighed.append((mode, bool(known and inside and z > 5.0), z))
-    return weighed
+        found.append((mode, bool(known and inside and z > 5.0), z))
+    return found
 
 
 CAUSE = Resonance()

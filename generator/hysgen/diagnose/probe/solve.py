@@ -70,28 +70,35 @@ class Projector:
 
 def linear_fit(scene: Scene, chain: Chain) -> Fit:
     """Least squares over the linear unknowns, shape parameters as given."""
-    columns = scene.columns(chain)
-    weights = Projector.of(columns[:, scene.rows]).weights(scene.y_um[scene.rows])
-    error = scene.y_um - weights @ columns
-    return Fit(chain, weights, error, rms(error[scene.rows]))
+    return _solved(scene, chain)[0]
+
+
+def _solved(scene: Scene, chain: Chain) -> tuple[Fit, Projector]:
+    """`linear_fit`, and the projector off its columns."""
+    columns, y_um = scene.columns(chain), scene.y_um
+    projector = Projector.of(columns[:, scene.rows])
+    weights = projector.weights(y_um[scene.rows])
+    error = y_um - weights @ columns
+    return Fit(chain, weights, error, rms(error[scene.rows])), projector
 
 
 def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
     """Least squares over everything, from `chain`. Stops when a round improves the rms by less than 1e-4 of it."""
-    best = linear_fit(scene, chain)
+    best, projector = _solved(scene, chain)
+    y_um = scene.y_um[scene.rows]
     damping = 1e-3
     for _ in range(rounds):
-        jacobian, projector = sensitivities(scene, best)
-        error = projector.rest(scene.y_um[scene.rows])
+        jacobian = sensitivities(scene, best, projector)
+        error = projector.rest(y_um)
         norm = np.sqrt((jacobian**2).sum(axis=1)) + 1e-300
         scaled = jacobian / norm[:, None]
         gram, slope = scaled @ scaled.T, scaled @ error
         before = best.rms_um
         for _ in range(5):
             step = np.linalg.solve(gram + damping * np.eye(len(norm)), slope) / norm
-            trial = linear_fit(scene, bounded(best.chain, best.chain.coordinates() + step, scene))
+            trial, beside = _solved(scene, bounded(best.chain, best.chain.coordinates() + step, scene))
             if trial.rms_um < best.rms_um:
-                best, damping = trial, damping * 0.2
+                best, projector, damping = trial, beside, damping * 0.2
                 break
             damping *= 10.0
         if best.rms_um > before * (1.0 - 1e-4):
@@ -99,12 +106,12 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
     return best
 
 
-def sensitivities(scene: Scene, fit: Fit) -> tuple[Floats, Projector]:
-    """d(prediction)/d(coordinates) on the fitted rows with what the linear part explains taken out, and that projector.
+def sensitivities(scene: Scene, fit: Fit, projector: Projector) -> Floats:
+    """(c, rows) d(prediction)/d(coordinates) on the fitted rows with what the linear part explains taken out.
 
-    Returns ((c, rows), projector). Forward differences: the chain is smooth except where a limit begins to act.
+    projector: off the columns of the fit's chain. Forward differences: the chain is smooth except where a limit begins
+    to act.
     """
-    projector = Projector.of(scene.columns(fit.chain)[:, scene.rows])
     base = scene.combined(fit.chain, fit.weights)[scene.rows]
     at = fit.chain.coordinates()
     moved = np.empty((len(at), len(base)))
@@ -112,7 +119,7 @@ def sensitivities(scene: Scene, fit: Fit) -> tuple[Floats, Projector]:
         shifted = at.copy()
         shifted[i] += size
         moved[i] = (scene.combined(fit.chain.at(shifted), fit.weights)[scene.rows] - base) / size
-    return projector.rest(moved), projector
+    return projector.rest(moved)
 
 
 def step_sizes(chain: Chain, scene: Scene) -> Floats:

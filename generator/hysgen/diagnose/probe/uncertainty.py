@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnose.probe.scene import Scene
-from hysgen.diagnose.probe.solve import Fit, sensitivities
+from hysgen.diagnose.probe.solve import Fit, Projector, sensitivities
 
 Floats = NDArray[np.float64]
 
@@ -33,11 +33,11 @@ class Errors:
 
 def standard_errors(scene: Scene, fit: Fit) -> Errors:
     """Cluster-robust standard errors of a fit; a coordinate that the record does not move has an infinite one."""
-    moved, _ = sensitivities(scene, fit)
+    columns = scene.columns(fit.chain)[:, scene.rows]
+    moved = sensitivities(scene, fit, Projector.of(columns))
     error = fit.error[scene.rows]
     shape = _sandwich(moved, error)
     # For a disturbance, everything else is eliminated: its own column less what all the others explain of it.
-    columns = scene.columns(fit.chain)[:, scene.rows]
     size = scene.hysteresis_size(fit.chain)
     rest = np.vstack([columns[size:], moved])
     linear = _sandwich(_off(rest, columns[:size]), error)[: len(columns) - size]
