@@ -52,4 +52,6 @@ def test_the_row_bounds_other_weights_from_below_so_the_set_that_it_limits_is_co
         theta = weights_of(plays, seed)
         own = float(plays.steepest(theta) @ theta)
         assert max(float(row @ theta) for row in rows) <= own * (1 + 1e-12)
-        assert own <= float(np.abs(theta) @ np.array(plays.gains(TS_S))) * (1 + 1e-12)
+        apart = float(plays.steepest_apart(theta) @ theta)
+        assert own <= apart * (1 + 1e-12)
+        assert apart <= float(np.abs(theta) @ np.array(plays.gains(TS_S))) * (1 + 1e-12)

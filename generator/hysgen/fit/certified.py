@@ -5,9 +5,9 @@ At a fixed displacement and input, gain and slope are linear in the parameters:
     b(y) = sum_l p_l q_l2,     df/dy = sum_l (p_l + y p_l') q_l1 + u p_l' q_l2 + p_l' q_l3
 
 so {|df/dy| <= limit, low <= sign b(y) <= high for all y and u} is convex, and so are the small-gain condition of the
-inverse, sum_j gamma_j |theta_j| <= limit sign b(y), and the signs that terms ask of their slopes. Least squares over a
-convex set has one solution: the best certified model, rather than one that a ridge has pushed there. Half-spaces are
-imposed on a fine grid of displacements and only when violated.
+inverse, N(theta) <= limit sign b(y) with the terms' bound N (`loop_row`), and the signs that terms ask of their slopes.
+Least squares over a convex set has one solution: the best certified model, rather than one that a ridge has pushed
+there. Half-spaces are imposed on a fine grid of displacements and only when violated.
 
 Source of the solver: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23 (LSI to LDP to NNLS).
 """
@@ -26,7 +26,7 @@ from hysgen.errors import FitError
 from hysgen.membership import membership_slopes, memberships
 from hysgen.model import Model
 from hysgen.regression import Structure
-from hysgen.terms import Rising
+from hysgen.terms import Rising, loop_row
 
 Floats = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ class CertifiedSet:
         return _slope_limits(s, np.array([worst.y_um]), worst.u_V, self.slope_limit)
 
     def _loop(self, q: Floats) -> HalfSpaces:
-        """sum_j gamma_j s_j theta_j <= limit sign b(y) with s_j = sign theta_j, at the y of the smallest gain."""
+        """row theta <= limit sign b(y), the row that bounds the terms at this theta, at the y of the smallest gain."""
         if not any(self.looped):
             return HalfSpaces(np.zeros((0, q.size)), np.zeros(0))
         cut = 3 * self.structure.grid.rules
@@ -117,7 +117,7 @@ class CertifiedSet:
         at = cut
         for term, looped in zip(self.structure.terms, self.looped, strict=True):
             if looped:
-                row[0, at : at + term.size] = -np.asarray(term.gains(self.Ts_s)) * np.sign(q[at : at + term.size])
+                row[0, at : at + term.size] = -loop_row(term, q[at : at + term.size], self.Ts_s, to_fit=True)
             at += term.size
         return HalfSpaces(row / abs(self.gain_um_per_V), np.zeros(1))
 

@@ -105,6 +105,10 @@ class Steepest(Protocol):
         """
         ...
 
+    def steepest_apart(self, weights: Floats) -> Floats:
+        """(size,) the same for a bound that is never below, and that a fit reaches in fewer steps."""
+        ...
+
 
 @runtime_checkable
 class Rising(Protocol):
@@ -191,8 +195,11 @@ class Term(Protocol):
         ...
 
 
-def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
-    """(size,) a row: row @ weights bounds what the term makes of the input, and of others at most their own bound."""
+def loop_row(term: Term, weights: Floats, Ts_s: float, to_fit: bool = False) -> Floats:
+    """(size,) a row: row @ weights bounds what the term makes of the input, and of others at most their own bound.
+
+    to_fit: the bound that a fit keeps to, never below the other.
+    """
     if isinstance(term, Steepest):
-        return term.steepest(weights)
+        return term.steepest_apart(weights) if to_fit else term.steepest(weights)
     return np.asarray(term.gains(Ts_s)) * np.sign(weights)

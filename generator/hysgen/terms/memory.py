@@ -27,7 +27,7 @@ import numpy as np
 from hysgen.arithmetic import LEAST
 from hysgen.kernels import play_operators
 from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
-from hysgen.terms.play_slopes import slopes, steepest_state
+from hysgen.terms.play_slopes import slopes, steepest_places, steepest_state
 
 LEVELS = 5
 """Places at which the slope of a bent play is kept from turning; it is a parabola, so a little room is left between."""
@@ -150,14 +150,17 @@ class Memory:
         return (1.0,) * self.plays + tuple(float(x) for x in steepest[: self.size - self.plays])
 
     def steepest(self, weights: Floats) -> Floats:
-        """(size,) the row of slopes with row @ weights a bound of sup |theta . phi| / sup |u|, also between two runs.
-
-        Sharper than `gains`, for the plays cannot all stand at their steepest places at once: see `play_slopes`.
-        """
+        """Sharper than `gains`, for the plays cannot all stand at their steepest places at once: see `play_slopes`."""
         if self.degree == 1:
             return np.sign(weights)
         half = self.middle_and_half_V[1]
         return steepest_state(weights, np.asarray(self.thresholds_V) / half, self.reach, half)
+
+    def steepest_apart(self, weights: Floats) -> Floats:
+        """Every play at its own steepest place."""
+        if self.degree == 1:
+            return np.sign(weights)
+        return steepest_places(weights, self.reach, self.middle_and_half_V[1])
 
     def rising(self) -> Floats:
         """(m, size) slopes g_j'(z) of every play at LEVELS places: a Preisach operator's density is nowhere negative.

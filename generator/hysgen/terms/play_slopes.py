@@ -57,11 +57,22 @@ def steepest_state(weights: Floats, r_over_half: Floats, reach: Floats, half_V: 
     return np.asarray((there * np.sign((there * per_play).sum(axis=0))).ravel())
 
 
+def steepest_places(weights: Floats, reach: Floats, half_V: float) -> Floats:
+    """(size,) slopes, signed, of every play at its own steepest place: `steepest_state` without the neighbours' rule.
+
+    Never less, and for weights of one density little more; a fit comes to rest at it in fewer steps.
+    """
+    per_play = weights.reshape(-1, reach.size)
+    _, x = _steepest_in_cells(per_play, np.array([-1.0, 1.0]), reach, half_V)
+    there = slopes(x[:, 0], reach, half_V, len(per_play))
+    return np.asarray((there * np.sign((there * per_play).sum(axis=0))).ravel())
+
+
 def _steepest_in_cells(per_play: Floats, edges: Floats, reach: Floats, half_V: float) -> tuple[Floats, Floats]:
-    """(m, CELLS) largest |g_j'| in each cell, and the x where it is met: at an end, at the reach or where g'' is 0."""
+    """(m, cells) largest |g_j'| in each cell, and the x where it is met: at an end, at the reach or where g'' is 0."""
     low, high = edges[:-1], edges[1:]
-    m = reach.size
-    candidates = [np.broadcast_to(low, (m, CELLS)), np.broadcast_to(high, (m, CELLS))]
+    shape = (reach.size, low.size)
+    candidates = [np.broadcast_to(low, shape), np.broadcast_to(high, shape)]
     if len(per_play) == 3:
         with np.errstate(divide="ignore", invalid="ignore"):
             turn = np.nan_to_num(-per_play[1] / (6.0 * per_play[2]), nan=0.0, posinf=0.0, neginf=0.0)
