@@ -112,8 +112,7 @@ class Diagnosis:
     def missing_certificates(self) -> tuple[str, ...]:
         """Those of gain, contraction and inverse that the extended model does not have.
 
-        The fit stays inside limits on gain and slope, and on the loop of nonlinear terms alone; modes and slow states
-        put zeros of their own into the inverse, for which it has no limit.
+        Fits keep them. Only where no certified model lies near the record is one without them delivered.
         """
         told = self.model.certificates
         return tuple(name for name in ("gain", "contraction", "inverse") if name in told and not told[name]["holds"])
