@@ -87,6 +87,13 @@ def test_output_that_creeps_back_is_no_creep() -> None:
     assert not evidence("creep", scene(back), back).holds
 
 
+def test_rate_that_holds_a_few_samples_back_is_no_slew_however_well_it_is_known() -> None:
+    limited = dataclasses.replace(LAG, rate_V_per_s=4.5e4)
+    told = evidence("slew", scene(limited), limited)
+    assert told.z > 10.0
+    assert not told.holds, told.text
+
+
 def test_creep_that_begins_when_the_record_ends_is_none() -> None:
     late = dataclasses.replace(CREEP, creep=0.3, creep_from_s=0.15 * SPAN_S)
     told = evidence("creep", scene(late), late)
@@ -110,12 +117,37 @@ def test_drift_that_only_the_way_up_shows_is_none() -> None:
     assert not told.holds
 
 
+def test_slow_wave_is_no_drift_though_both_ways_show_it() -> None:
+    told = evidence("drift", scene(LAG, 0.05 * np.sin(1.8 * math.pi * T_S / SPAN_S + 2.0)), DRIFTING)
+    assert not told.holds, told.text
+
+
+@pytest.mark.parametrize(("zero_um", "holds"), [(2.0, False), (4.0, True)])
+def test_ramp_that_an_uncertain_zero_of_an_aging_gain_explains_is_no_drift(zero_um: float, holds: bool) -> None:
+    """y (1 + a t) - zero a t: a gain that turns about `zero`, of a span of 10 um."""
+    aged_um = 0.02 * T_S * (0.1 * respond(COMMAND_V, LAG, TS_S) - zero_um)
+    told = evidence("drift", scene(LAG, aged_um), dataclasses.replace(AGING, drift=True))
+    assert told.holds == holds, told.text
+
+
+def test_more_is_asked_of_a_drift_that_slows_down() -> None:
+    drift = causes()["drift"]
+    assert drift.needed_in(dataclasses.replace(DRIFTING, since_s=0.1)) >= 1.5 > drift.needed_in(DRIFTING)
+
+
 def test_line_that_loses_its_phase_is_none() -> None:
     turned = np.where(T_S < 0.2 * SPAN_S, -1.0, 1.0) * 0.01 * np.sin(2 * math.pi * 50.3 * T_S)
     fit = linear_fit(scene(LAG, turned), HUMMING)
     told = causes()["periodic"].signature(Look.at(scene(LAG, turned), fit), fit)
     assert told.z**2 > 30.0
     assert not told.holds
+
+
+def test_line_that_hardly_stands_out_of_its_background_is_none() -> None:
+    faint = scene(LAG, 0.95e-4 * np.sin(2 * math.pi * 50.3 * T_S))
+    told = evidence("periodic", faint, HUMMING)
+    assert "phase kept throughout" in told.text
+    assert not told.holds, told.text
 
 
 @pytest.mark.parametrize(("count", "size_um", "holds"), [(6, 0.5, True), (2, 0.5, False), (6, 0.011, False)])
