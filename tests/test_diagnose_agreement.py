@@ -1,0 +1,97 @@
+"""Steps of the search and the agreement of evidence, need and gain, each alone."""
+
+from __future__ import annotations
+
+import dataclasses
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from test_diagnose_signatures import COMMAND_V, CREEP, LAG, LATE, SAMPLES, SPAN_S, T_S, TS_S, scene
+
+from hysgen.diagnose import procedure, search
+from hysgen.diagnose.bootstrap import Gain
+from hysgen.diagnose.evidence import Signature
+from hysgen.diagnose.probe import Mode, refine
+from hysgen.diagnose.probe.dynamics import respond
+
+CHECKED = np.arange(60, SAMPLES, 3)
+AGED_UM = 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)
+
+
+def found(chain: Any = LAG, **needs: float) -> Any:
+    return SimpleNamespace(needs=needs, fit=SimpleNamespace(chain=chain), corrupted=np.zeros(0, dtype=bool))
+
+
+def agreed(
+    monkeypatch: pytest.MonkeyPatch, creep: Signature, needs: float, sure: float
+) -> tuple[list[str], dict[str, str]]:
+    """What is named of memory, which is beyond doubt, and creep; and why the rest is not."""
+
+    def alone(prepared: Any, seen: Any, extensions: Any, names: list[str], settings: Any) -> dict[str, Gain]:
+        return {name: Gain(2.0, 1.0, 0.5, 1.5, 1.0 if name == "memory" else sure) for name in names}
+
+    monkeypatch.setattr(procedure, "_alone", alone)
+    signatures = {"memory": Signature(True, 9.0, "loops"), "creep": creep}
+    seen: Any = found(memory=20.0, creep=needs)
+    named, _, refused = procedure._agreement(None, seen, signatures, {}, procedure.DiagnoseSettings())  # type: ignore[arg-type]
+    return named, {one.name: one.why for one in refused}
+
+
+@pytest.mark.parametrize(
+    ("holds", "needs", "sure", "why"),
+    [
+        (True, 3.0, 0.9, None),
+        (False, 3.0, 0.9, "the evidence is too weak: goes on"),
+        (True, 1.1, 0.9, "the error grows only 1.10 times without it"),
+        (True, 3.0, 0.6, "its extension does not lower the model's free-run error for certain"),
+    ],
+)
+def test_a_cause_is_named_only_if_evidence_need_and_gain_agree(
+    monkeypatch: pytest.MonkeyPatch, holds: bool, needs: float, sure: float, why: str | None
+) -> None:
+    named, refused = agreed(monkeypatch, Signature(holds, 6.0, "goes on"), needs, sure)
+    assert named == (["memory"] if why else ["memory", "creep"])
+    assert refused.get("creep") == why
+
+
+@pytest.mark.parametrize(("share", "pays"), [(0.05, True), (0.01, False)])
+def test_an_extension_that_takes_one_per_cent_away_is_no_cause(
+    monkeypatch: pytest.MonkeyPatch, share: float, pays: bool
+) -> None:
+    error: NDArray[np.float64] = np.random.default_rng(1).normal(size=2400)
+
+    def checked_error(prepared: Any, extensions: Any, names: list[str], settings: Any) -> Any:
+        return np.arange(error.size), error * (1.0 - share if "creep" in names else 1.0)
+
+    monkeypatch.setattr(procedure, "checked_error", checked_error)
+    gains = procedure._alone(None, found(), {}, ["creep"], None)  # type: ignore[arg-type]
+    assert (gains["creep"].sure > procedure.SURE) == pays
+
+
+def test_search_stops_where_nothing_is_left() -> None:
+    seen = scene(LAG)
+    assert search._best_step(seen, refine(seen, LAG), CHECKED) is None
+
+
+def test_search_goes_on_to_an_effect_below_the_noise() -> None:
+    seen = scene(LAG, 2e-3 * T_S / SPAN_S)
+    step = search._best_step(seen, refine(seen, LAG), CHECKED)
+    assert step is not None
+    assert step.chain.drift
+
+
+def test_a_mode_that_came_first_is_exchanged_for_the_delay_that_explains_more() -> None:
+    seen = scene(LATE)
+    wrong = refine(seen, dataclasses.replace(LAG, modes=(Mode(120.0, 0.3, 0.5),)))
+    right = search._exchanged(seen, wrong, CHECKED).chain
+    assert right.names() == ("lag", "delay")
+    assert right.delay == pytest.approx(1.7, abs=0.05)
+
+
+def test_a_slow_cause_without_evidence_makes_room_for_another() -> None:
+    seen = scene(LAG, AGED_UM)
+    right = search._resigned(seen, refine(seen, CREEP), CHECKED).chain
+    assert right.names() == ("lag", "aging")
