@@ -66,8 +66,10 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Mod
     need_compiler()
     texts = firmware_model(model)
     compiled = image(texts)
-    run = simulate(texts, compiled, 1500)
+    # Long enough for the extended image to learn what it then commits.
+    run = simulate(model, texts, compiled, 9500 if model.name == "extended" else 1500)
     assert run.equal
+    assert (run.commits >= 1) == (model.name == "extended")
     assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
     # The longest way through the interrupt, learn_init at the take-over included, and one call of commit beside it.
     longest = static_bounds(model.name, compiled)

@@ -1,20 +1,23 @@
 """The image's interrupt and idle loop on the simulated C674x: the host's bits, and the cycles of each state.
 
-A lag with the stage's gain answers the voltage, so that a start goes through every state into tracking, with trim,
-learning and commit switched on. What it answers does not matter for bits and cycles; that both sides get the same does.
+The model with gains that are a little weaker answers the voltage, through a sensor with noise: a start goes through
+every state into tracking, with trim and learning on, and what is learnt is committed. Both sides get the same readings.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
+from hysgen.emit import generate
 from hysgen.errors import TargetError
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, SIMULATOR_BOARD, read_sources
+from hysgen.host import Host
+from hysgen.model import Model
 from hysgen.native import build
 from hysgen.target import toolchain
 from hysgen.target.assembly import instructions
@@ -23,7 +26,7 @@ from hysgen.target.packets import packets
 from hysgen.target.toolchain import Firmware
 
 SAMPLES: Final = 12_000
-GAIN_UM_PER_V, ZERO_V, LAG = 0.083, 23.0, 0.02
+WEAKER, NOISE_UM, SEED = 0.97, 2e-4, 1
 REFERENCE_UM, AMPLITUDE_UM, STEP_RAD = 2.0, 0.6, 2 * np.pi * 50.0 * 20e-6
 
 DECLARED: Final = """
@@ -65,8 +68,8 @@ def image(texts: Mapping[str, str]) -> Firmware:
     return toolchain.compile(_sources(texts))
 
 
-def simulate(texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLES) -> Simulated:
-    """Run the image of generated `texts` on the simulator, as `image` compiled it, and on this machine.
+def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLES) -> Simulated:
+    """Run the image of the model's `texts` on the simulator, as `image` compiled it, and on this machine.
 
     Raises BuildError without a compiler for this machine, TargetError for what the simulator refuses.
     """
@@ -74,11 +77,13 @@ def simulate(texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLE
     host = build(_sources(texts), DECLARED, libraries=()).lib
     booted = machine.call("simulated_boot")
     host.simulated_boot()
-    y_um, differing, commits = (0.0 - ZERO_V) * GAIN_UM_PER_V, 0, 0
+    stage, state_of_stage = _stage(model)
+    rng = np.random.default_rng(SEED)
+    y_um, differing, commits = model.grid.y_min_um, 0, 0
     spent: dict[str, tuple[int, int]] = {}
     idle = (1 << 62, 0)
     for k in range(samples):
-        reading = np.float32(y_um)
+        reading = np.float32(y_um + NOISE_UM * rng.standard_normal())
         wanted = np.float32(REFERENCE_UM + AMPLITUDE_UM * np.sin(STEP_RAD * k))
         u_V = np.float32(host.simulated_interrupt(reading, wanted))
         outcome = machine.call("simulated_interrupt", reading, wanted)
@@ -91,7 +96,7 @@ def simulate(texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLE
         least, most = spent.get(name, (1 << 62, 0))
         spent[name] = (min(least, outcome.cycles), max(most, outcome.cycles))
         idle = (min(idle[0], at_idle.cycles), max(idle[1], at_idle.cycles))
-        y_um += LAG * ((float(u_V) - ZERO_V) * GAIN_UM_PER_V - y_um)
+        y_um = stage.call("simulate", state_of_stage, float(u_V))
     return Simulated(samples, differing, booted.bits, commits, spent, idle, booted.cycles)
 
 
@@ -110,6 +115,13 @@ def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | 
         else:
             told[symbol] = (bound.best, bound.worst)
     return told
+
+
+def _stage(model: Model) -> tuple[Host, Any]:
+    """A stage that the model describes but for its gains, and its state."""
+    weaker = replace(model, consequents=model.consequents * [1.0, WEAKER, 1.0], learner=None)
+    stage = Host(model.name, generate(weaker))
+    return stage, stage.instance(model.grid.y_min_um, model.u_min_V)
 
 
 def _sources(texts: Mapping[str, str]) -> list[tuple[str, str]]:

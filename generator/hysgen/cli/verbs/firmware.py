@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     console.say("\n" + table(["static bounds, stall-free", "cycles"], rows))
     found: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles, "simulated": None}
     try:
-        run = simulate(texts, compiled, arguments.samples)
+        run = simulate(model, texts, compiled, arguments.samples)
         console.say(cycles_report(run))
         found["simulated"] = run.to_json()
     except TargetError as refusal:
