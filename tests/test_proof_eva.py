@@ -6,7 +6,9 @@ Here for Appendix A and for what the model with every term adds; `hysgen prove D
 from __future__ import annotations
 
 import dataclasses
+import functools
 import re
+from collections.abc import Mapping
 
 import pytest
 from conftest import need
@@ -15,13 +17,22 @@ from proof_models import model, texts
 from hysgen.emit import Options, generate
 from hysgen.errors import BuildError, ModelError
 from hysgen.learning import LearnerSettings
+from hysgen.model import Model
 from hysgen.proof.eva.calls import prove_call, step
+from hysgen.proof.eva.commit import prove_commit
 from hysgen.proof.eva.contract import check_contract
 from hysgen.proof.eva.frama import Floats, analyse
 from hysgen.proof.eva.guards import GUARDS, Guard, guards, without
-from hysgen.proof.eva.learner import prove_commit
-from hysgen.proof.eva.report import prove
+from hysgen.proof.eva.learn import prove_update
+from hysgen.proof.eva.report import prove, proved
 from hysgen.proof.eva.splits import annotated, splits
+
+
+@functools.cache
+def gains() -> tuple[Model, Mapping[str, str]]:
+    """Appendix A with a learner of its six gains only, whose faults are quick to find."""
+    learner = dataclasses.replace(model("appendix_a"), learner=LearnerSettings(learned=("gain",)))
+    return learner, generate(learner, Options(clock_Hz=2e9))
 
 
 def test_every_call_of_appendix_a_is_proved_for_every_input() -> None:
@@ -47,6 +58,44 @@ def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
     opened = without(guard, "appendix_a", texts("appendix_a"))
     verdict, _ = prove_call(model("appendix_a"), opened, guard.function, guard.inputs)
     assert verdict.alarms
+
+
+def test_learn_is_proved_for_every_input_and_any_covariance() -> None:
+    need("frama-c")
+    found = prove(model("learning"), texts("learning"), calls=["update", "learn_init", "learn"])
+    assert found.holds, "\n".join(found.lines())
+    assert [proof.expected for proof in found.proofs] == [20, 70, 70]
+
+
+@pytest.mark.parametrize("about", ["a shadow beyond its limits has to start again", "a displacement far outside"])
+def test_learn_without_a_guard_is_not_proved(about: str) -> None:
+    need("frama-c")
+    guard = next(guard for guard in GUARDS if guard.about.startswith(about))
+    learner, generated = gains()
+    opened = without(guard, learner.name, generated)
+    assert proved(learner, opened, guard.function, guard.inputs)[0].alarms
+
+
+def test_a_part_of_an_update_that_writes_more_than_its_contract_says_is_told() -> None:
+    need("frama-c")
+    learner, generated = gains()
+    source = generated["appendix_a.c"]
+    altered = source.replace("    self->k[0] = ", "    self->theta[3] = 0.0f;\n    self->k[0] = ", 1)
+    assert altered != source
+    verdict, _ = prove_update(learner, {**generated, "appendix_a.c": altered})
+    assert any("factor_0: writes theta" in alarm for alarm in verdict.alarms), verdict.alarms
+
+
+def test_the_inverse_of_a_committed_bank_needs_what_commit_checks() -> None:
+    need("frama-c")
+    learner, generated = gains()
+    sources, _ = step(learner, generated, "inverse", "finite")
+    # At one displacement: without the lower border of the gain there are too many cases to wait for.
+    sources["step.c"] = re.sub(r"(const float input0 =) .*;", r"\1 2.0f;", sources["step.c"])
+    assert not analyse(sources, "step.c", "finite").alarms
+    untold = re.sub(r" *//@ admit committed: .*\n", "", sources["appendix_a.c"])
+    assert untold != sources["appendix_a.c"]
+    assert analyse({**sources, "appendix_a.c": untold}, "step.c", "finite").alarms
 
 
 def test_the_contract_of_beyond_holds_for_every_float_and_another_does_not() -> None:

@@ -12,7 +12,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from hysgen.errors import BuildError
+from hysgen.proof.sources import folder_of
 
 
 @dataclass(frozen=True)
@@ -149,10 +149,7 @@ def misra(name: str, texts: Mapping[str, str], *, progress: Callable[[float, str
     addon = _addon()
     sources = sorted(file for file in texts if file.endswith(".c"))
     found: list[Finding] = []
-    with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
-        for file, text in texts.items():
-            if file.endswith((".c", ".h")):
-                Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
+    with folder_of(texts) as scratch:
         for place, source in enumerate(sources):
             if progress is not None:
                 progress(place / len(sources), f"MISRA rules in {source}")
@@ -160,7 +157,7 @@ def misra(name: str, texts: Mapping[str, str], *, progress: Callable[[float, str
             output = _run([sys.executable, str(addon), "--no-summary", f"{source}.dump"], scratch)
             found += _findings(output)
     listed = {deviation.rule for deviation in DEVIATIONS}
-    version = _run(["cppcheck", "--version"], ".").strip()
+    version = _run(["cppcheck", "--version"], Path()).strip()
     # A header is read with each source that includes it; what it holds is told once.
     unique = list(dict.fromkeys(found))
     rest = tuple(finding for finding in unique if finding.rule not in listed)
@@ -185,7 +182,7 @@ def _addon() -> Path:
     raise BuildError(f"cppcheck: its add-on misra.py is in none of {', '.join(_ADDONS)}")
 
 
-def _run(call: Sequence[str], folder: str) -> str:
+def _run(call: Sequence[str], folder: Path) -> str:
     """What a command says on both channels. Raises BuildError if it cannot do its work."""
     run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
     # The add-on ends with 1 where it found something; what it cannot read it says in a traceback.

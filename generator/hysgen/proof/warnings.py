@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any, Final
 
 from hysgen.errors import BuildError
 from hysgen.native import compiler_version
+from hysgen.proof.sources import folder_of
 
 COMPILERS: Final = ("gcc", "clang")
 
@@ -78,10 +78,7 @@ def wall(
     skipped = tuple(f"{compiler}: not installed" for compiler in compilers if compiler not in there)
     sources = sorted(file for file in texts if file.endswith(".c"))
     found = []
-    with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
-        for file, text in texts.items():
-            if file.endswith((".c", ".h")):
-                Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
+    with folder_of(texts) as scratch:
         for place, compiler in enumerate(there):
             if progress is not None:
                 progress(place / len(there), f"warnings of {compiler}")
@@ -89,7 +86,7 @@ def wall(
     return Wall(name, WALL, tuple(map(compiler_version, there)), skipped, tuple(found))
 
 
-def _compile(compiler: str, file: str, folder: str) -> Walled:
+def _compile(compiler: str, file: str, folder: Path) -> Walled:
     call = [compiler, *WALL, "-c", "-o", "out.o", file]
     run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
     complaints = tuple(line for line in run.stderr.splitlines() if ": error:" in line or ": warning:" in line)

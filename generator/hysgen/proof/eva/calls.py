@@ -8,11 +8,12 @@ from typing import Final
 
 from hysgen.emit.render import render
 from hysgen.model import Model
+from hysgen.proof.eva.banks import told_gain
 from hysgen.proof.eva.boxes import KEPT
 from hysgen.proof.eva.frama import Floats, Verdict, analyse
 from hysgen.proof.eva.intervals import ANY
 from hysgen.proof.eva.splits import annotated, splits
-from hysgen.proof.eva.states import ANY_WORD, between, instance_words
+from hysgen.proof.eva.states import ANY_WORD, bank_words, between, instance_words
 from hysgen.terms import channels_of
 
 ENTRY: Final = "step.c"
@@ -33,14 +34,17 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
     inputs: every finite float, or any 32 bits. Raises ModelError if the model holds what the proof does not know.
     """
     name, known = model.name, instance_words(model, texts)
+    banks = [] if function == "init" else bank_words(model)
     floats = {"finite": between(ANY), "any": f"{name}_float({ANY_WORD})"}
     source = annotated(name, texts[f"{name}.c"], splits(model, KEPT))
     if inputs == "any":
         source = finite_checked(name, source)
+    if function == "inverse" and banks:
+        source = told_gain(model, source)
     facts = {
         "name": name,
         "function": function,
-        "words": known,
+        "words": [*banks, *known],
         "inputs": FUNCTIONS[function],
         "channels": len(channels_of(model.terms)) if function == "aux" else 0,
         "input": floats[inputs],

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import subprocess
-import tempfile
 import time
 from collections.abc import Mapping
-from pathlib import Path
 
 from hysgen.emit.render import render
 from hysgen.errors import BuildError
 from hysgen.proof.eva.frama import Verdict
+from hysgen.proof.sources import folder_of
 
 
 def check_contract(name: str, texts: Mapping[str, str]) -> Verdict:
     """Run `<name>_beyond` on all 2^32 floats. Raises BuildError if gcc is not installed or refuses the C."""
     started = time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
-        program = render("proof/contract.c.j2", {"name": name, "NAME": name.upper()})
-        for file, text in {**texts, "contract.c": program}.items():
-            if file.endswith((".c", ".h")):
-                Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
+    program = render("proof/contract.c.j2", {"name": name, "NAME": name.upper()})
+    with folder_of({**texts, "contract.c": program}) as scratch:
         call = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "-o", "contract", "contract.c"]
         try:
             built = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
@@ -28,6 +24,6 @@ def check_contract(name: str, texts: Mapping[str, str]) -> Verdict:
             raise BuildError("gcc: not installed; apt-get install gcc") from fault
         if built.returncode != 0:
             raise BuildError(f"gcc: contract.c: {(built.stderr.strip().splitlines() or ['refused'])[0]}")
-        run = subprocess.run([str(Path(scratch, "contract"))], capture_output=True, text=True, check=False)
+        run = subprocess.run([str(scratch / "contract")], capture_output=True, text=True, check=False)
     alarms = () if run.returncode == 0 else (f"contract does not hold: {run.stdout.strip() or run.returncode}",)
     return Verdict(alarms, 1 - len(alarms), 1, time.monotonic() - started)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -10,14 +11,22 @@ from typing import Any, Final
 from hysgen.errors import ModelError
 from hysgen.model import Model
 from hysgen.proof.eva.calls import functions, prove_call
+from hysgen.proof.eva.commit import prove_commit
 from hysgen.proof.eva.contract import check_contract
 from hysgen.proof.eva.frama import Floats, Verdict, version
 from hysgen.proof.eva.guards import guards, without
-from hysgen.proof.eva.learner import learner_functions, prove_commit, prove_learn
+from hysgen.proof.eva.learn import prove_learn, prove_update
 from hysgen.tables import table
 
-LEARNER: Final[Mapping[str, Floats]] = {"beyond": "any", "learn": "any", "commit": "finite"}
-"""beyond is what learn and commit lean on; learn takes any 32 bits at once; commit has no inputs."""
+LEARNER: Final[Mapping[str, Floats]] = {
+    "beyond": "any",
+    "update": "any",
+    "learn_init": "finite",
+    "learn_aux": "any",
+    "learn": "any",
+    "commit": "finite",
+}
+"""beyond and update are what the others lean on; learn takes any 32 bits at once; learn_init and commit no inputs."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +106,7 @@ def prove(
     tasks: list[tuple[str, Floats]] = []
     known = (*functions(model, texts), *learner_functions(model, texts))
     for function in calls or known:
-        if function not in (*known, *(["learn"] if model.learner else [])):
+        if function not in known:
             raise ModelError(f"{model.name}: no call {function} to prove; choose among {', '.join(known)}")
         both: tuple[Floats, ...] = ("finite", "any")
         tasks += [(function, inputs) for inputs in ([LEARNER[function]] if function in LEARNER else both)]
@@ -123,11 +132,20 @@ def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats
     """What Eva says of one call, and how many checks it must have come to; of `beyond`, what running it says."""
     if function == "beyond":
         return check_contract(model.name, texts), 1
-    if function == "learn":
-        return prove_learn(model, texts)
+    if function == "update":
+        return prove_update(model, texts)
+    if function in ("learn_init", "learn_aux", "learn"):
+        return prove_learn(model, texts, function)
     if function == "commit":
         return prove_commit(model, texts)
     return prove_call(model, texts, function, inputs)
+
+
+def learner_functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
+    """What is proved of a learner, if the generated header declares one."""
+    header = texts[f"{model.name}.h"]
+    there = {f: re.search(rf"\b{model.name}_{f}\(", header) is not None for f in ("learn", "learn_aux")}
+    return tuple(f for f in LEARNER if there["learn"] and there.get(f, True))
 
 
 def _tell(progress: Callable[[float, str], None] | None, fraction: float, what: str) -> None:

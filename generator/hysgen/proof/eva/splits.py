@@ -20,6 +20,7 @@ from hysgen.arithmetic import INFINITY_BITS, LEAST, POWER_LIMIT
 from hysgen.coefficients import Coefficients, coefficients
 from hysgen.errors import ModelError
 from hysgen.model import Model
+from hysgen.proof.eva.banks import committed_gain
 from hysgen.proof.eva.intervals import Interval, hexadecimal
 
 PIECES_PER_RULE: Final = 12
@@ -61,7 +62,7 @@ def splits(model: Model, kept: float) -> list[Split]:
         Split("limited", ("below == 0u",), "const uint32_t below = "),
         Split("limited", ("above == 0u",), "const uint32_t above = "),
         Split("power_of_two", _roundings("x", POWER_LIMIT)),
-        Split("reciprocal", _octaves("x", _sums_range(numbers))),
+        Split("reciprocal", _octaves("x", _sums_range(model))),
         Split("accumulate", _pieces("*high", Interval(-kept, kept), PIECES_OF_SUM)),
         Split("accumulate", _pieces("t", Interval(-kept, kept), PIECES_OF_SUM), "const float t = *low + step;"),
         Split("cosine_sine", tuple(f"quadrant < {k}u" for k in range(1, 4)), "const uint32_t quadrant = "),
@@ -91,6 +92,36 @@ def annotated(name: str, text: str, where: Sequence[Split]) -> str:
                 raise ModelError(f"{name}_{split.function}: no line `{split.anchor}` to split at; adapt the proof")
             place = text.index(";\n", anchor) + 2
         text = f"{text[:place]}    /*@ ghost {_tree(split.borders)} */\n{text[place:]}"
+    return text
+
+
+@dataclass(frozen=True)
+class Join:
+    """Where the cases of `function` are taken together again, before the first line that starts with `line`.
+
+    line: regular expression. borders: new cases behind. kept: instead, conditions that stay apart from here on, C text.
+    """
+
+    function: str
+    line: str
+    borders: tuple[str, ...] = ()
+    kept: tuple[str, ...] = ()
+
+
+def joined(name: str, text: str, where: Sequence[Join]) -> str:
+    """`text` of `<name>.c` with annotations where cases are taken together: nothing is assumed, the rest is quicker.
+
+    Raises ModelError if a line is not found: then the generated text has changed under the proof.
+    """
+    for join in where:
+        found = re.search(rf"^[^\n/]*\b{name}_{join.function}\([^;{{]*\)\n\{{\n", text, re.MULTILINE)
+        end = text.index("\n}\n", found.end()) if found else 0
+        line = re.compile(rf"^    {join.line}", re.MULTILINE).search(text, found.end(), end) if found else None
+        if line is None:
+            raise ModelError(f"{name}_{join.function}: no line `{join.line}` to join cases at; adapt the proof")
+        notes = [f"//@ split {condition};" for condition in join.kept] or ["//@ slevel merge;"]
+        notes += [f"/*@ ghost {_tree(join.borders)} */"] if join.borders else []
+        text = text[: line.start()] + "".join(f"    {note}\n" for note in notes) + text[line.start() :]
     return text
 
 
@@ -164,13 +195,19 @@ def displacements(numbers: Coefficients) -> tuple[str, ...]:
     return _below("y", low + (high - low) * s / last)
 
 
-def _sums_range(numbers: Coefficients) -> Interval:
+def _sums_range(model: Model) -> Interval:
     """Magnitudes that the sums over the rules can have in a denominator, generously."""
+    numbers = coefficients(model)
     if numbers.windowed:
         gains = np.abs(numbers.bank.gain[numbers.bank.gain != 0.0].astype(np.float64))
         return Interval(0.25 * min(1.0, float(gains.min(initial=1.0))), 64.0)
     y = np.linspace(float(numbers.y_min_um), float(numbers.y_max_um), 1001)
     r = 2.0 ** ((y - float(numbers.origin_um)) * float(numbers.per_step))
     powers = r[:, None] ** np.arange(numbers.rules)
-    sums = np.abs(powers @ np.stack([numbers.strength, numbers.bank.gain], axis=1).astype(np.float64))
+    weight = powers @ numbers.strength.astype(np.float64)
+    gains = [np.abs(powers @ numbers.bank.gain.astype(np.float64))]
+    if model.learner:
+        committed = committed_gain(model)
+        gains = [committed.low * weight, committed.high * weight]
+    sums = np.stack([weight, *gains])
     return Interval(0.25 * float(sums[sums > 0.0].min(initial=1.0)), 4.0 * float(sums.max()))

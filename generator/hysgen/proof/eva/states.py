@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from typing import Final
 
 from hysgen.inputs.delay import Delay
 from hysgen.model import Model
-from hysgen.proof.eva.boxes import instance_box
+from hysgen.proof.eva.banks import bank_box, state_box
 from hysgen.proof.eva.intervals import Interval, hexadecimal
 from hysgen.proof.layout import words
 
@@ -30,10 +31,20 @@ class Assumed:
 
 
 def instance_words(model: Model, texts: Mapping[str, str]) -> list[Assumed]:
-    """Every word of `<name>_t` but the banks, which hold the model's parameters as init wrote them."""
+    """Every word of `<name>_t` but the banks: those are of `bank_words`, or as init wrote them."""
     found = [word for word in words(texts[f"{model.name}.h"], f"{model.name}_t") if not word.path.startswith("bank[")]
-    floats, integers = instance_box(model), {"active": 1, **ring_places(model)}
+    floats, integers = state_box(model), {"active": 1, **ring_places(model)}
     return [assumed("self", word.path, floats.get(word.path), integers.get(word.path)) for word in found]
+
+
+def bank_words(model: Model) -> list[Assumed]:
+    """Every number of both banks, within what a learner may commit; none if the model has no learner.
+
+    Not looked at afterwards: no call but commit writes a bank.
+    """
+    boxes = bank_box(model) if model.learner else {}
+    found = [assumed("self", f"bank[{b}].{path}", box, None) for b in range(2) for path, box in boxes.items()]
+    return [dataclasses.replace(word, demanded="") for word in found]
 
 
 def ring_places(model: Model) -> dict[str, int]:
