@@ -23,7 +23,7 @@ from hysgen.proof.eva.commit import prove_commit
 from hysgen.proof.eva.contract import check_contract
 from hysgen.proof.eva.frama import Floats, analyse
 from hysgen.proof.eva.guards import GUARDS, Guard, guards, without
-from hysgen.proof.eva.learn import prove_update
+from hysgen.proof.eva.learn import learn_step, prove_update, update_step
 from hysgen.proof.eva.report import prove, proved
 from hysgen.proof.eva.splits import annotated, splits
 
@@ -139,6 +139,19 @@ def test_a_case_whose_place_is_gone_is_an_error() -> None:
     altered = texts("appendix_a")["appendix_a.c"].replace("const uint32_t below = ", "const uint32_t under = ")
     with pytest.raises(ModelError, match="limited: no line"):
         annotated("appendix_a", altered, splits(model("appendix_a"), 1048576.0))
+
+
+def test_a_learner_whose_lines_are_gone_is_an_error() -> None:
+    generated = texts("learning")
+
+    def altered(line: str, other: str) -> Mapping[str, str]:
+        assert line in generated["learning.c"]
+        return {**generated, "learning.c": generated["learning.c"].replace(line, other)}
+
+    with pytest.raises(ModelError, match="learn: no line"):
+        learn_step(model("learning"), altered("    self->fresh = 0u;", "    self->fresh &= 0u;"), "learn")
+    with pytest.raises(ModelError, match="step: its parameters"):
+        update_step(model("learning"), altered("self->theta[17] = sum17;", "self->theta[17] = (sum17);"))
 
 
 def test_what_is_not_c_and_what_never_ends_is_refused() -> None:
