@@ -11,10 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from hysgen.bank.excitation import good
-from hysgen.diagnose.evidence import Look, Signature, causes
+from hysgen.diagnose.evidence import Look, Signature, causes, slew
 from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.evidence.resonance import weighed
-from hysgen.diagnose.probe import Chain, Fit, Mode, Operator, Run, Scene, linear_fit, refine
+from hysgen.diagnose.probe import Chain, Errors, Fit, Mode, Operator, Run, Scene, linear_fit, refine
 from hysgen.diagnose.probe.amplifier import amplified
 from hysgen.diagnose.probe.dynamics import respond
 from hysgen.diagnose.search import _pruned, _remaining, _sounded, levels, search
@@ -92,6 +92,15 @@ def test_rate_that_holds_a_few_samples_back_is_no_slew_however_well_it_is_known(
     told = evidence("slew", scene(limited), limited)
     assert told.z > 10.0
     assert not told.holds, told.text
+
+
+@pytest.mark.parametrize(("error", "holds"), [(0.05, True), (0.2, False)])
+def test_rate_that_is_not_known_is_no_slew(monkeypatch: pytest.MonkeyPatch, error: float, holds: bool) -> None:
+    seen = scene(SLOW_AMPLIFIER)
+    look = Look.at(seen, linear_fit(seen, SLOW_AMPLIFIER))
+    errors = Errors({"rate": error}, np.zeros(1))  # of the logarithm
+    monkeypatch.setattr(slew, "standard_errors", lambda at, fit: errors)
+    assert causes()["slew"].signature(look, look.fit).holds == holds
 
 
 def test_creep_that_begins_when_the_record_ends_is_none() -> None:
