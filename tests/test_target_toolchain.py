@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import time
 from pathlib import Path
@@ -79,6 +80,29 @@ def test_the_same_texts_give_the_same_program() -> None:
     need_compiler()
     text = [("a.c", "float f(float x); float f(float x) { return x * x + 1.0f; }")]
     assert toolchain.compile(text).elf == toolchain.compile(text).elf
+
+
+def test_the_firmware_is_built_with_the_flags_that_are_measured() -> None:
+    makefile = (Path(__file__).parents[1] / "firmware" / "Makefile").read_text(encoding="utf-8")
+    found = re.search(r"^FLAGS := ((?:.*\\\n)*.*)$", makefile, re.MULTILINE)
+    assert found is not None
+    assert sorted(found[1].replace("\\\n", " ").split()) == sorted((*toolchain.FLAGS, *toolchain.WARNINGS))
+
+
+def test_a_loop_that_copies_stays_a_loop() -> None:
+    # The library's copy is a hardware loop, whose counter an interrupt would have to save.
+    need_compiler()
+    text = """
+    typedef struct { float play[12]; } plays_t;
+    void copy(plays_t *to, const plays_t *from);
+    void assign(plays_t *to, const plays_t *from);
+    void copy(plays_t *to, const plays_t *from) { for (int j = 0; j < 12; ++j) { to->play[j] = from->play[j]; } }
+    """
+    assign = "void assign(plays_t *to, const plays_t *from) { *to = *from; }\n"
+    plain = toolchain.compile([("copy.c", text)])
+    assert "sploop" not in plain.listing
+    assert not [name for name in plain.image.symbols if name.startswith("__c6xabi")]
+    assert "sploop" in toolchain.compile([("copy.c", text + assign)]).listing
 
 
 def test_the_flags_keep_the_bits_and_the_bounds() -> None:
