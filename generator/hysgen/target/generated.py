@@ -24,7 +24,7 @@ from hysgen.target.cycles import CycleBounds, bounds
 from hysgen.target.learning import SimulatedSide
 from hysgen.target.machine import Machine
 from hysgen.target.packets import packets
-from hysgen.verify.following import Followed, HostSide, follow
+from hysgen.verify.following import LEAST_UPDATES, Followed, HostSide, follow
 from hysgen.verify.inputs import STYLES, chunks
 from hysgen.verify.subjects import LEARNER, SUBJECTS, Subject
 
@@ -101,7 +101,7 @@ class TargetReport:
         differences = [f"DIFFERENT: {run.function}, {run.style}: {run.first}" for run in self.runs if run.first]
         learned = []
         if self.committed is not None:
-            none = "" if self.committed else ": NOTHING WAS COMMITTED, let it learn longer with --samples 20000"
+            none = "" if self.committed else ": NOTHING WAS COMMITTED"
             learned = [f"shadows that became active: {self.committed}, refused: {self.refused}{none}"]
         return [
             *differences,
@@ -137,8 +137,8 @@ def verify_on_target(
 ) -> TargetReport:
     """Run every function of the generated C over chained samples of every style, on the simulator and on the host.
 
-    samples: of each function, shared by the styles; a tenth of them for learning, and a tenth are the updates that the
-    learner makes of a stage that it follows, committing now and then.
+    samples: of each function, shared by the styles; a tenth of them for learning, and so many updates, or more,
+    of a learner that follows a stage and commits now and then.
     Raises BuildError without a toolchain, TargetError for what the simulator refuses.
     """
     firmware = toolchain.compile(c_texts(texts))
@@ -163,7 +163,8 @@ def verify_on_target(
     if model.learner is not None:
         if progress is not None:
             progress(len(runs) / steps, "learn and commit, on the simulator")
-        following, told = _followed(model, host, machine, math.ceil(LEARNING_SHARE * samples), seed)
+        updates = max(LEAST_UPDATES, math.ceil(LEARNING_SHARE * samples))
+        following, told = _followed(model, host, machine, updates, seed)
         runs += following
         committed, refused = told.switches, sum(told.answers.values()) - told.committed
     return TargetReport(model.name, toolchain.version(), failed, tuple(runs), committed, refused)

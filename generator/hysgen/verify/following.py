@@ -26,6 +26,8 @@ from hysgen.verify.subjects import LEARNER, MODEL
 Words = NDArray[np.uint32]
 
 UPDATES_BETWEEN_COMMITS: Final = 512
+LEAST_UPDATES: Final = 2560
+"""Fewer leave a shadow no time to grow old enough to be committed, with a learner's usual settings."""
 PREDICTED_AFTER_COMMIT: Final = 16
 WEAKER: Final = 0.95
 NOISE: Final = 1e-4
@@ -109,9 +111,7 @@ class Followed:
 
     def __str__(self) -> str:
         verdict = "equal in every bit" if self.equal else f"DIFFERENT, first: {self.first}"
-        accepted = (
-            f"{self.committed} shadows became active" if self.committed else "NOTHING WAS COMMITTED, learn longer"
-        )
+        accepted = f"{self.committed} shadows became active" if self.committed else "NOTHING WAS COMMITTED"
         return f"{self.side}: learned from {self.samples} samples, {self.calls} calls of commit, {accepted}: {verdict}"
 
     def note(self, where: str) -> None:

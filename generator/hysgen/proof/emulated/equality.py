@@ -22,7 +22,7 @@ from hysgen.proof.emulated.program import Emulated
 from hysgen.verify.builds import Build
 from hysgen.verify.committing import compare_commit
 from hysgen.verify.comparison import START_SAMPLES, Task, compare_selftest, compare_task, tasks
-from hysgen.verify.following import Followed, HostSide, follow
+from hysgen.verify.following import LEAST_UPDATES, Followed, HostSide, follow
 from hysgen.verify.inputs import SHARES
 from hysgen.verify.report import Mismatch, Report, Run
 
@@ -72,8 +72,8 @@ def equality(
     """Compare the C in `texts` on every machine whose compiler and emulator are installed.
 
     samples: per function and machine, LEARNING_SHARE of them for learning. Learners follow a stage for FOLLOWED_SHARE
-    of so many updates, and commit; from SHADOWS_FROM samples on, shadows near and far are committed besides. flags: how
-    to compile.
+    of so many updates, or LEAST_UPDATES, and commit; from SHADOWS_FROM samples on, shadows near and far are committed
+    besides. flags: how to compile.
     Raises BuildError if no machine is there, or a compiler refuses the C.
     """
     started = time.monotonic()
@@ -118,7 +118,8 @@ def equality(
             HostSide("this machine", host.host),
             *(HostSide(m.name, b.host) for m, b in zip(there, builds, strict=True)),
         ]
-        followed = follow(model, sides, host.host, math.ceil(FOLLOWED_SHARE * samples), seed)
+        updates = max(LEAST_UPDATES, math.ceil(FOLLOWED_SHARE * samples))
+        followed = follow(model, sides, host.host, updates, seed)
     labels = tuple(f"{machine.name}: {compiler_version(machine.compiler)}, {' '.join(flags)}" for machine in there)
     seconds = time.monotonic() - started
     report = Report(model.name, labels, tuple(skipped), (), tuple(runs), tuple(mismatches), seconds)
