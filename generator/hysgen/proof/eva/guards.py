@@ -18,7 +18,8 @@ from hysgen.proof.eva.frama import Floats
 class Guard:
     """What a line of the C keeps out, the call and inputs that show it, and the line without its guard.
 
-    pattern: regular expression with NAME for the model's name; replacement as `re.sub` takes it.
+    pattern: regular expression with NAME for the model's name; replacement as `re.sub` takes it. unless: another line,
+    which does the same once more where a model has it, so that the box does not need this one.
     """
 
     about: str
@@ -26,6 +27,7 @@ class Guard:
     inputs: Floats
     pattern: str
     replacement: str
+    unless: str = r"(?!)"
 
 
 GUARDS: Final = (
@@ -70,6 +72,7 @@ GUARDS: Final = (
         "finite",
         r"(const float \w+ =) NAME_limited\(exact, .*\);",
         r"\1 exact;",
+        unless=r"NAME_saturation_apply\(",
     ),
     Guard(
         "saturation limits what reaches the stage",
@@ -173,17 +176,22 @@ GUARDS: Final = (
 
 
 def guards(name: str, texts: Mapping[str, str]) -> tuple[Guard, ...]:
-    """Those whose line the algorithm of model `name` has."""
-    return tuple(guard for guard in GUARDS if re.search(_pattern(guard, name), texts[f"{name}.c"]))
+    """Those whose line the algorithm of model `name` has and needs."""
+    source = texts[f"{name}.c"]
+    return tuple(
+        guard
+        for guard in GUARDS
+        if re.search(_named(guard.pattern, name), source) and not re.search(_named(guard.unless, name), source)
+    )
 
 
 def without(guard: Guard, name: str, texts: Mapping[str, str]) -> dict[str, str]:
     """The texts with that guard taken out, wherever it stands. Raises ModelError if it is not there."""
-    source, count = re.subn(_pattern(guard, name), guard.replacement.replace("NAME", name), texts[f"{name}.c"])
+    source, count = re.subn(_named(guard.pattern, name), guard.replacement.replace("NAME", name), texts[f"{name}.c"])
     if count == 0:
         raise ModelError(f"{name}: no line that makes sure that {guard.about}; adapt proof/eva/guards.py")
     return {**texts, f"{name}.c": source}
 
 
-def _pattern(guard: Guard, name: str) -> str:
-    return guard.pattern.replace("NAME", re.escape(name))
+def _named(pattern: str, name: str) -> str:
+    return pattern.replace("NAME", re.escape(name))
