@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import json
+from collections import Counter
 from collections.abc import Mapping
 
 import pytest
@@ -13,9 +15,12 @@ from proof_models import model, texts
 from hysgen.emit import Options, generate
 from hysgen.errors import BuildError
 from hysgen.learning import LearnerSettings
+from hysgen.proof.emulated.equality import EmulatedReport
 from hysgen.proof.misra import ADVISORY, DEVIATIONS, misra
 from hysgen.proof.sanitize import sanitize
 from hysgen.proof.warnings import COMPILERS, wall
+from hysgen.verify.following import Followed
+from hysgen.verify.report import Report
 
 
 def planted(anchor: str, replacement: str) -> Mapping[str, str]:
@@ -119,3 +124,9 @@ def test_sanitizers_stop_at_a_planted_fault(anchor: str, replacement: str) -> No
     need("gcc")
     with pytest.raises(BuildError, match="sanitizers: the program ended"):
         sanitize(model("appendix_a"), planted(anchor, replacement), samples=100)
+
+
+def test_answers_of_commit_are_told_by_name() -> None:
+    comparison = Report("m", builds=(), skipped=(), altered=(), runs=(), mismatches=(), seconds=0.0)
+    report = EmulatedReport(comparison, (Followed("sanitizers", answers=Counter(COMMITTED=2)),))
+    assert json.loads(json.dumps(report.to_json()))["followed"][0]["answers"] == {"COMMITTED": 2}

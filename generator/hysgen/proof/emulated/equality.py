@@ -51,7 +51,8 @@ class EmulatedReport:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        followed = [dataclasses.asdict(row) for row in self.followed]
+        # asdict would take a Counter for a list of its items.
+        followed = [dataclasses.asdict(row) | {"answers": dict(row.answers)} for row in self.followed]
         return self.comparison.to_json() | {"equal": self.equal, "followed": followed}
 
     def lines(self) -> list[str]:
