@@ -43,7 +43,9 @@ SHARP = 0.25
 """Share of the white noise down to which what lies beneath it is known: its level to 3 % from some 2000 samples."""
 
 MOST_STEPS = 9
-CANDIDATES = 5
+SECONDS = 4
+"""Further proposals of any cause that are refined beside the best of each."""
+
 MOST_ROWS = 8000
 
 
@@ -105,11 +107,14 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     """The most helpful single addition, refined; None if none helps enough."""
     look = Look.at(part, fit)
     firsts: list[Fit] = []
+    seconds: list[Fit] = []
     for cause in causes().values():
-        trials = [linear_fit(part, chain) for chain in cause.proposals(look)]
-        firsts += sorted(trials, key=lambda trial: trial.rms_um)[: cause.tried]
-    firsts.sort(key=lambda trial: trial.rms_um)
-    refined = [refine(part, trial.chain, rounds=8) for trial in firsts[:CANDIDATES]]
+        trials = sorted((linear_fit(part, chain) for chain in cause.proposals(look)), key=lambda trial: trial.rms_um)
+        firsts += trials[:1]
+        seconds += trials[1 : cause.tried]
+    # Each cause's best is refined, however rough it looks: a mode bent around a delay has to straighten out first.
+    seconds.sort(key=lambda trial: trial.rms_um)
+    refined = [refine(part, trial.chain, rounds=8) for trial in (*firsts, *seconds[:SECONDS])]
     refined = [trial for trial in refined if _possible(part, trial.chain) or not _possible(part, fit.chain)]
     if not refined:
         return None

@@ -33,6 +33,13 @@ class Coupling(Cause):
         less = [dataclasses.replace(chain, coupled=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
         return less if chain.taps == 1 else [*less, dataclasses.replace(chain, taps=1)]
 
+    def sound(self, look: Look) -> Chain:
+        """One sample of each channel, where none of several has evidence of its own: a slow channel needs no more."""
+        chain = look.fit.chain
+        if chain.taps == 1 or self.signature(look, look.fit).holds:
+            return chain
+        return dataclasses.replace(chain, taps=1)
+
     def proposals(self, look: Look) -> list[Chain]:
         chain = look.fit.chain
         left = [name for name in look.scene.runs[0].aux if name not in chain.coupled and _moves(look, name)]

@@ -23,7 +23,7 @@ LEAST_DAMPING, MOST_DAMPING_NAMED = 1e-3, 0.5
 
 class Resonance(Cause):
     name = "resonance"
-    tried = 2  # slow misfit can look like a mode before the mode does
+    tried = 3  # slow misfit can look like a mode before the mode does; a fit keeps to one side of the true damping
 
     def present(self, chain: Chain) -> bool:
         return bool(chain.modes)
@@ -71,9 +71,9 @@ class Resonance(Cause):
         found.sort(reverse=True)
         chosen: list[Mode] = []
         for _, f_Hz, zeta, share in found:
-            if all(abs(math.log(f_Hz / mode.f_Hz)) > 0.25 for mode in chosen):
+            if all(zeta != mode.zeta or abs(math.log(f_Hz / mode.f_Hz)) > 0.25 for mode in chosen):
                 chosen.append(Mode(f_Hz, zeta, float(np.clip(share, -1.0, 1.0))))
-            if len(chosen) == 3:
+            if len(chosen) == 6:
                 break
         return [dataclasses.replace(chain, modes=(*chain.modes, mode)) for mode in chosen]
 

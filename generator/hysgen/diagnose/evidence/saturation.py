@@ -22,6 +22,7 @@ RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
 class Saturation(Cause):
     name = "saturation"
     needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
+    tried = 4  # a fit seldom leaves the level of one stroke for that of another
 
     def present(self, chain: Chain) -> bool:
         return chain.low_V is not None or chain.high_V is not None

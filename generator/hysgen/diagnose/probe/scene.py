@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnose.probe.amplifier import amplified
 from hysgen.diagnose.probe.chain import Chain
-from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.probe.dynamics import crept, respond
 from hysgen.diagnose.probe.operator import Operator
 
 Floats = NDArray[np.float64]
@@ -130,20 +130,24 @@ class Scene:
 
     def drift_column(self, chain: Chain) -> int:
         """Place of the ramp among the disturbances."""
-        return 1 + (len(NUISANCE_DECAYS) if chain.creep is not None else 0)
+        return 1 + (len(NUISANCE_DECAYS) + 1 if chain.creep is not None else 0)
 
     def line_column(self, chain: Chain) -> int:
         """Place of the first line's sine among the disturbances."""
         return self.drift_column(chain) + int(chain.drift)
 
     def disturbances(self, chain: Chain) -> Floats:
-        """Constant, fading past (with creep), ramp, lines, and coupled channels seen through the lag: (q, n)."""
+        """Constant, fading past (with creep), ramp, lines, and coupled channels seen through the lag: (q, n).
+
+        The past fades like creep of a step at the start too: where the hysteresis stood before the record is unknown.
+        """
         parts = []
         for run in self.runs:
             t_s: Floats = self.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
             columns: list[Floats] = [np.ones(len(t_s))]
             if chain.creep is not None:
                 columns.extend(np.exp(-t_s / (share * self.span_s)) for share in NUISANCE_DECAYS)
+                columns.append(crept(np.ones(len(t_s)), self.Ts_s, chain.creep_from_s))
             if chain.drift:
                 columns.append(drift_course(t_s, chain.since_s) / drift_course(self.span_s, chain.since_s))
             for line_Hz in chain.lines_Hz:
