@@ -20,7 +20,7 @@ from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms
 from hysgen.diagnose.remainder import experiment_for, remainder
-from hysgen.diagnose.search import Found, present, search
+from hysgen.diagnose.search import SLOW, Found, present, search, without
 from hysgen.diagnose.spikes import isolated
 from hysgen.fit import FitSettings
 from hysgen.model import Model
@@ -119,7 +119,7 @@ def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
     made = list(naming.agreed)
     while True:
         alone = _alone(naming.prepared, naming.found, naming.extensions, made, settings.fit)
-        worst = min(alone, key=lambda name: alone[name].sure, default=None)
+        worst = _least(alone)
         if worst is None or alone[worst].sure >= SURE:
             return made
         made.remove(worst)
@@ -177,7 +177,14 @@ def _signatures(found: Found) -> dict[str, Signature]:
 
 
 def _extensions(found: Found, signatures: dict[str, Signature], prepared: Prepared) -> dict[str, Extension]:
-    extensions = {name: causes()[name].extension(found.scene, found.fit) for name in signatures if name != "outliers"}
+    """What each cause adds to the model.
+
+    Slow causes share one course between them: what one has of it is asked again without those that are not sound.
+    """
+    weak = [name for name in SLOW if name in signatures and not signatures[name].holds]
+    sound = without(found, weak)
+    fits = {name: found.fit if name in weak else sound for name in signatures if name != "outliers"}
+    extensions = {name: causes()[name].extension(found.scene, fit) for name, fit in fits.items()}
     if "outliers" in signatures:
         trust = np.ones(prepared.record.samples)
         trust[np.flatnonzero(found.corrupted)] = 0.0
@@ -204,11 +211,16 @@ def _agreement(
     free = dataclasses.replace(settings.fit, certified=False)
     while True:
         alone = _alone(prepared, found, extensions, candidates, free)
-        worst = min(alone, key=lambda name: alone[name].sure, default=None)
+        worst = _least(alone)
         if worst is None or alone[worst].sure >= SURE:
             return candidates, alone, refused
         candidates.remove(worst)
         refused.append(Refused(worst, "its extension does not lower the model's free-run error for certain"))
+
+
+def _least(alone: dict[str, Gain]) -> str | None:
+    """The cause whose extension gains least; where none gains, the one without which the error is smallest."""
+    return min(alone, key=lambda name: (alone[name].sure, alone[name].before_um), default=None)
 
 
 def _alone(

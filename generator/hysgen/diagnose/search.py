@@ -10,7 +10,7 @@ the richer of two chains is worst: a stroke wider than any that was fitted can t
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,8 +88,34 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
     for name in present(fit.chain):
         rivals[name] = _alternative(part, fit.chain, name)
         needs[name] = 1.0 / _remaining(fit, rivals[name], checked)
+    needs |= _slow_needs(part, fit, rivals, checked)
     final = usable.using(_thinned(usable.rows))
     return Found(usable, refine(final, fit.chain), rivals, needs, corrupted)
+
+
+def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:
+    """How much the slow causes that are sound are needed beside each other alone, if some are not sound.
+
+    An unsound one may be there only to take back what another one has too much of.
+    """
+    slow = [name for name in SLOW if name in rivals]
+    sound = [name for name in slow if causes()[name].signature(Look.at(part, fit), rivals[name]).holds]
+    if sound == slow:
+        return {}
+    chain = fit.chain
+    for name in slow:
+        chain = chain if name in sound else causes()[name].without(chain)
+    alone = refine(part, chain, rounds=8)
+    return {name: 1.0 / _remaining(alone, _alternative(part, chain, name), checked) for name in sound}
+
+
+def without(found: Found, names: Sequence[str]) -> Fit:
+    """The fit to all usable rows without some of its causes, the others refined again."""
+    chain = found.fit.chain
+    for name in names:
+        chain = causes()[name].without(chain)
+    scene = found.scene
+    return found.fit if chain == found.fit.chain else refine(scene.using(_thinned(scene.rows)), chain, rounds=8)
 
 
 def present(chain: Chain) -> list[str]:
