@@ -112,15 +112,19 @@ def refit(
 
 def restricted_as(old: Model, new: Model) -> Model:
     """`new` over the part of its ranges that `old` answers for: its input range, and its displacement range if that
-    had been restricted. Where `new` reaches less far, it stays as it is.
+    had been restricted. Where `new` reaches less far, it stays as it is. Restricted, it loses scores and certificates.
 
     Raises ModelError if the ranges have nothing in common.
     """
-    input_V = (max(old.u_min_V, new.u_min_V), min(old.u_max_V, new.u_max_V))
-    if old.grid.spread_um is None:
-        return new.within(None, input_V)
-    low_um, high_um = max(old.grid.y_min_um, new.grid.y_min_um), min(old.grid.y_max_um, new.grid.y_max_um)
-    return new.within((low_um, high_um), input_V)
+    low_V, high_V = max(old.u_min_V, new.u_min_V), min(old.u_max_V, new.u_max_V)
+    low_um, high_um = new.grid.y_min_um, new.grid.y_max_um
+    if old.grid.spread_um is not None:
+        low_um, high_um = max(old.grid.y_min_um, low_um), min(old.grid.y_max_um, high_um)
+    as_it_is = (new.grid.y_min_um, new.grid.y_max_um, new.u_min_V, new.u_max_V)
+    if (low_um, high_um, low_V, high_V) == as_it_is:
+        return new
+    restricted = None if (low_um, high_um) == as_it_is[:2] else (low_um, high_um)
+    return new.within(restricted, (low_V, high_V))
 
 
 def structure_fits(old: Model, scores: Scores) -> tuple[bool, str]:
