@@ -5,27 +5,19 @@ Run:  python benchmarks/bench_prediction.py
 
 from __future__ import annotations
 
-import numpy as np
+from smooth_model import smooth
 
 from hysgen.cost import Cost, cost_of_texts
 from hysgen.emit import generate
-from hysgen.model import Grid, Model
 from hysgen.tables import table
 
 RULES = (3, 4, 6, 8, 10, 12, 13, 16, 20, 30, 40, 50)
 FUNCTIONS = ("predict", "simulate", "inverse")
 
 
-def smooth(rules: int) -> Model:
-    """A stable lag whose rules change smoothly over 0.5 .. 9 um."""
-    place = np.linspace(0.0, 1.0, rules)
-    columns = [0.9 + 0.05 * place, 1.5e-3 + 5e-4 * place, 0.02 + 0.5 * place * (1.0 - place)]
-    return Model(f"rules_{rules}", 2e-5, Grid(0.5, 9.0, rules), np.column_stack(columns), -20.0, 120.0)
-
-
 def measured(rules: int) -> Cost:
-    """Costs of the generated C of `smooth(rules)`."""
-    model = smooth(rules)
+    """Costs of the generated C of a model with so many rules."""
+    model = smooth(f"rules_{rules}", rules)
     return cost_of_texts(model, generate(model))
 
 

@@ -14,14 +14,13 @@ from __future__ import annotations
 import sys
 import time
 
-import numpy as np
+from smooth_model import smooth
 
 from hysgen.emit import Options, generate
 from hysgen.host import Host
 from hysgen.learning import LearnerSettings
-from hysgen.model import Grid, Model
+from hysgen.model import Model
 from hysgen.tables import table
-from hysgen.terms.memory import Memory
 from hysgen.verify.builds import COMPILERS, LEVELS, compiled, toolchains
 from hysgen.verify.comparison import Task, compare_task
 from hysgen.verify.inputs import chunks
@@ -34,18 +33,6 @@ TAUGHT = 0.7
 """Least part of the samples that is learnt from: the input rests during a fifth of them, some innovations are noise."""
 
 SEED = 1
-
-
-def model_of(parameters: int) -> Model:
-    """A stable lag whose rules change smoothly over 0.5 .. 9 um, with plays; all of it is learned."""
-    rules, plays = SIZES[parameters]
-    place = np.linspace(0.0, 1.0, rules)
-    consequents = np.column_stack([0.9 + 0.05 * place, 1.5e-3 + 5e-4 * place, 0.02 + 0.5 * place * (1.0 - place)])
-    terms = (Memory.uniform(plays, 60.0),) if plays else ()
-    grid, weights = Grid(0.5, 9.0, rules), np.full(plays, 1e-5)
-    return Model(
-        f"learn_{parameters}", 2e-5, grid, consequents, -20.0, 120.0, terms, weights, learner=LearnerSettings()
-    )
 
 
 def counted(model: Model, texts: dict[str, str], samples: int) -> tuple[int, int]:
@@ -64,7 +51,8 @@ def main() -> int:
     rows, differences = [], []
     for parameters in [int(size) for size in sys.argv[2:]] or SIZES:
         started = time.monotonic()
-        model = model_of(parameters)
+        rules, plays = SIZES[parameters]
+        model = smooth(f"learn_{parameters}", rules, plays, LearnerSettings())
         texts = generate(model, Options(clock_Hz=1e10))
         builds, unable = compiled(model.name, texts, found)
         skipped += [reason for reason in unable if reason not in skipped]

@@ -10,14 +10,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from smooth_model import smooth
 
 from hysgen.emit import Options, generate
 from hysgen.learning import LearnerSettings
-from hysgen.model import Grid, Model
+from hysgen.model import Model
 from hysgen.tables import table
 from hysgen.target import toolchain
 from hysgen.target.footprint import footprint
-from hysgen.terms.memory import Memory
 
 RULES = (3, 6, 9, 12, 20, 50)
 RULE = ("slope", "gain", "offset")
@@ -33,15 +33,6 @@ LEARNED = (
 PARAMETERS = 18
 
 
-def smooth(rules: int, plays: int = 0, learner: LearnerSettings | None = None) -> Model:
-    """A lag whose rules change smoothly over 0.5 .. 9 um."""
-    l = np.linspace(0.0, 1.0, rules)  # noqa: E741
-    consequents = np.column_stack([0.9 + 0.05 * l, 1.5e-3 + 5e-4 * l, 0.02 + 0.5 * l * (1.0 - l)])
-    terms = (Memory.uniform(plays, 60.0),) if plays else ()
-    grid = Grid(0.5, 9.0, rules)
-    return Model("smooth", 2e-5, grid, consequents, -20.0, 120.0, terms, np.full(plays, 1e-5), learner=learner)
-
-
 def taken(model: Model) -> dict[str, dict[str, int]]:
     """Cycles, code and stack of the model's C; the budget of a period is no concern here."""
     return footprint(model.name, generate(model, Options(clock_Hz=1e10)))
@@ -50,7 +41,7 @@ def taken(model: Model) -> dict[str, dict[str, int]]:
 def against_rules() -> str:
     rows = []
     for rules in RULES:
-        found = taken(smooth(rules))
+        found = taken(smooth("smooth", rules))
         steps = [f"{found[name]['cycles']}" for name in ("predict", "simulate", "inverse")]
         rows.append([f"{rules}", *steps, f"{found['predict']['code_bytes']}", f"{found['data']['constant_bytes']}"])
     return table(["rules", "predict", "simulate", "inverse", "code of predict, B", "constants, B"], rows)
@@ -59,7 +50,7 @@ def against_rules() -> str:
 def against_parameters() -> str:
     rows = []
     for rules, plays, learned in LEARNED:
-        found = taken(smooth(rules, plays, LearnerSettings(learned=learned)))
+        found = taken(smooth("smooth", rules, plays, LearnerSettings(learned=learned)))
         count = len(set(learned) & set(RULE)) * rules + (plays if "terms" in learned else 0)
         code, words = found["all"]["code_bytes"], found["data"]["struct_bytes"]
         cycles = [f"{found[name]['cycles']}" for name in ("learn", "commit")]
