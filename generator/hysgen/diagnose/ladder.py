@@ -42,6 +42,15 @@ WIDEST_BIAS = 0.05
 """Limit of the bias per sample, as a share of the range of y."""
 
 
+LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
+"""Largest loop gain and slope of a model that is to learn: `_commit` takes no parameters without room below 1."""
+
+UPDATE_S, SHARE_TO_LEARN = 20e-9, 0.4
+"""An update of n parameters takes about n^2 times the first on the target; the share of a period that it may take."""
+
+MOST_CALLS = 32
+
+
 @dataclass(frozen=True, eq=False)
 class Rung:
     """A model of the ladder and its free-run error over all rows, (n,)."""
@@ -50,14 +59,6 @@ class Rung:
     model: Model
     error_um: Floats
 
-
-LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
-"""Largest loop gain and slope of a model that is to learn: `_commit` takes no parameters without room below 1."""
-
-UPDATE_S, SHARE_TO_LEARN = 20e-9, 0.4
-"""An update of n parameters takes about n^2 times the first on the target; the share of a period that it may take."""
-
-MOST_CALLS = 32
 
 ORDER = (
     "outliers",
@@ -99,11 +100,11 @@ def climb(
         trust[skip] = 0.0
     level = levelled(prepared, chosen)
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
-    learns = any(extension.learns for extension in chosen)
+    if any(extension.learns for extension in chosen):
+        loop, slope = min(settings.loop_limit, LOOP_TO_LEARN), min(settings.slope_limit, SLOPE_TO_LEARN)
+        settings = dataclasses.replace(settings, loop_limit=loop, slope_limit=slope)
     asked = dataclasses.replace(
         settings,
-        loop_limit=min(settings.loop_limit, LOOP_TO_LEARN) if learns else settings.loop_limit,
-        slope_limit=min(settings.slope_limit, SLOPE_TO_LEARN) if learns else settings.slope_limit,
         terms=terms,
         blocks=blocks,
         settle=0,

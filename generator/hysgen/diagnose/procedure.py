@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -116,13 +116,8 @@ def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
     """
     if not settings.fit.certified:
         return list(naming.agreed)
-    made = list(naming.agreed)
-    while True:
-        alone = _alone(naming.prepared, naming.found, naming.extensions, made, settings.fit)
-        worst = _least(alone)
-        if worst is None or alone[worst].sure >= SURE:
-            return made
-        made.remove(worst)
+    made, _, _ = _gaining(naming.prepared, naming.found, naming.extensions, naming.agreed, settings.fit)
+    return made
 
 
 def name_causes(
@@ -209,18 +204,31 @@ def _agreement(
         else:
             candidates.append(name)
     free = dataclasses.replace(settings.fit, certified=False)
+    agreed, alone, idle = _gaining(prepared, found, extensions, candidates, free)
+    refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
+    return agreed, alone, refused
+
+
+def _gaining(
+    prepared: Prepared,
+    found: Found,
+    extensions: dict[str, Extension],
+    names: Sequence[str],
+    settings: FitSettings,
+) -> tuple[list[str], dict[str, Gain], list[str]]:
+    """The causes whose extensions gain for certain beside each other, what each gains, and those that left, in turn.
+
+    The one that gains least goes first; where none gains, the one without which the error is smallest.
+    """
+    kept = list(names)
+    left: list[str] = []
     while True:
-        alone = _alone(prepared, found, extensions, candidates, free)
-        worst = _least(alone)
+        alone = _alone(prepared, found, extensions, kept, settings)
+        worst = min(alone, key=lambda name: (alone[name].sure, alone[name].before_um), default=None)
         if worst is None or alone[worst].sure >= SURE:
-            return candidates, alone, refused
-        candidates.remove(worst)
-        refused.append(Refused(worst, "its extension does not lower the model's free-run error for certain"))
-
-
-def _least(alone: dict[str, Gain]) -> str | None:
-    """The cause whose extension gains least; where none gains, the one without which the error is smallest."""
-    return min(alone, key=lambda name: (alone[name].sure, alone[name].before_um), default=None)
+            return kept, alone, left
+        kept.remove(worst)
+        left.append(worst)
 
 
 def _alone(

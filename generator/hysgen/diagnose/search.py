@@ -99,23 +99,28 @@ def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) ->
     An unsound one may be there only to take back what another one has too much of.
     """
     slow = [name for name in SLOW if name in rivals]
-    sound = [name for name in slow if causes()[name].signature(Look.at(part, fit), rivals[name]).holds]
+    look = Look.at(part, fit)
+    sound = [name for name in slow if causes()[name].signature(look, rivals[name]).holds]
     if sound == slow:
         return {}
-    chain = fit.chain
-    for name in slow:
-        chain = chain if name in sound else causes()[name].without(chain)
+    chain = _lacking(fit.chain, [name for name in slow if name not in sound])
     alone = refine(part, chain, rounds=8)
     return {name: 1.0 / _remaining(alone, _alternative(part, chain, name), checked) for name in sound}
 
 
 def without(found: Found, names: Sequence[str]) -> Fit:
     """The fit to all usable rows without some of its causes, the others refined again."""
-    chain = found.fit.chain
+    if not names:
+        return found.fit
+    scene = found.scene
+    return refine(scene.using(_thinned(scene.rows)), _lacking(found.fit.chain, names), rounds=8)
+
+
+def _lacking(chain: Chain, names: Sequence[str]) -> Chain:
+    """The chain with the parts of all these causes taken out."""
     for name in names:
         chain = causes()[name].without(chain)
-    scene = found.scene
-    return found.fit if chain == found.fit.chain else refine(scene.using(_thinned(scene.rows)), chain, rounds=8)
+    return chain
 
 
 def present(chain: Chain) -> list[str]:
@@ -238,14 +243,23 @@ def _sounded(part: Scene, fit: Fit, checked: Rows) -> Fit:
 
     One such part would deny the whole cause its signature, and may stand where another cause should.
     """
+    look = Look.at(part, fit)
     for name in present(fit.chain):
-        less = causes()[name].sound(Look.at(part, fit))
-        if less != fit.chain:
-            fit = refine(part, less, rounds=8)
-            step = _best_step(part, fit, checked)
-            if step is not None and all(causes()[n].sound(Look.at(part, step)) == step.chain for n in present(less)):
-                fit = step
+        less = causes()[name].sound(look)
+        if less == fit.chain:
+            continue
+        fit = refine(part, less, rounds=8)
+        step = _best_step(part, fit, checked)
+        if step is not None and _all_sound(part, step, present(less)):
+            fit = step
+        look = Look.at(part, fit)
     return fit
+
+
+def _all_sound(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
+    """Whether every part of each of these causes shows evidence of its own."""
+    look = Look.at(part, fit)
+    return all(causes()[name].sound(look) == fit.chain for name in names)
 
 
 def _remaining(fit: Fit, rival: Fit, checked: Rows) -> float:
