@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnose.evidence import Look, causes
 from hysgen.diagnose.noise import innovation
-from hysgen.diagnose.probe import Chain, Fit, Scene, linear_fit, refine, rms
+from hysgen.diagnose.probe import Chain, Fit, Scene, linear_fit, refine, rms, side_by_side
 from hysgen.diagnose.spikes import isolated
 
 Floats = NDArray[np.float64]
@@ -84,10 +84,9 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
     usable, corrupted = _without_spikes(scene, fit)
     fitted, checked = _halves(usable)
     part = scene.using(fitted)
-    rivals, needs = {}, {}
-    for name in present(fit.chain):
-        rivals[name] = _alternative(part, fit.chain, name)
-        needs[name] = 1.0 / _remaining(fit, rivals[name], checked)
+    names = present(fit.chain)
+    rivals = dict(zip(names, _refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
+    needs = {name: 1.0 / _remaining(fit, rivals[name], checked) for name in names}
     needs |= _slow_needs(part, fit, rivals, checked)
     final = usable.using(_thinned(usable.rows))
     return Found(usable, refine(final, fit.chain), rivals, needs, corrupted)
@@ -105,7 +104,8 @@ def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) ->
         return {}
     chain = _lacking(fit.chain, [name for name in slow if name not in sound])
     alone = refine(part, chain, rounds=8)
-    return {name: 1.0 / _remaining(alone, _alternative(part, chain, name), checked) for name in sound}
+    others = _refined(part, [causes()[name].without(chain) for name in sound])
+    return {name: 1.0 / _remaining(alone, other, checked) for name, other in zip(sound, others, strict=True)}
 
 
 def without(found: Found, names: Sequence[str]) -> Fit:
@@ -131,7 +131,7 @@ def present(chain: Chain) -> list[str]:
 def _start(scene: Scene) -> Fit:
     """The bare stage: hysteresis and one lag, from the best of a few lags."""
     lags = [scale * scene.Ts_s for scale in (0.3, 3.0, 30.0)]
-    return refine(scene, min((linear_fit(scene, Chain(lag_s)) for lag_s in lags), key=lambda fit: fit.rms_um).chain)
+    return refine(scene, _fitted(scene, [Chain(lag_s) for lag_s in lags])[0].chain)
 
 
 def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
@@ -140,12 +140,12 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     firsts: list[Fit] = []
     seconds: list[Fit] = []
     for cause in causes().values():
-        trials = sorted((linear_fit(part, chain) for chain in cause.proposals(look)), key=lambda trial: trial.rms_um)
+        trials = _fitted(part, cause.proposals(look))
         firsts += trials[:1]
         seconds += trials[1 : cause.tried]
     # Each cause's best is refined, however rough it looks: a mode bent around a delay has to straighten out first.
     seconds.sort(key=lambda trial: trial.rms_um)
-    refined = [refine(part, trial.chain, rounds=8) for trial in (*firsts, *seconds[:SECONDS])]
+    refined = _refined(part, [trial.chain for trial in (*firsts, *seconds[:SECONDS])])
     refined = [trial for trial in refined if _possible(part, trial.chain) or not _possible(part, fit.chain)]
     if not refined:
         return None
@@ -167,10 +167,10 @@ def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
             if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
                 continue
             bare = linear_fit(part, causes()[old].without(fit.chain))
-            trials = [linear_fit(part, chain) for chain in causes()[new].proposals(Look.at(part, bare))]
+            trials = _fitted(part, causes()[new].proposals(Look.at(part, bare)))
             if not trials:
                 continue
-            other = refine(part, min(trials, key=lambda trial: trial.rms_um).chain)
+            other = refine(part, trials[0].chain)
             if _ratio(other, fit, checked) < HELPS_BELOW:
                 fit = other
     return fit
@@ -202,16 +202,15 @@ def _resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
 
 def _replacement(part: Scene, bare: Fit, name: str) -> Fit | None:
     """The best fit with the cause `name` added to `bare`."""
-    trials = [linear_fit(part, chain) for chain in causes()[name].proposals(Look.at(part, bare))]
-    return refine(part, min(trials, key=lambda trial: trial.rms_um).chain) if trials else None
+    trials = _fitted(part, causes()[name].proposals(Look.at(part, bare)))
+    return refine(part, trials[0].chain) if trials else None
 
 
 def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit from the best of other starts, where that explains more."""
     for name in present(fit.chain):
-        trials = [linear_fit(part, chain) for chain in causes()[name].restarts(part, fit.chain)]
-        for trial in sorted(trials, key=lambda trial: trial.rms_um)[:2]:
-            other = refine(part, trial.chain)
+        trials = _fitted(part, causes()[name].restarts(part, fit.chain))[:2]
+        for other in side_by_side(lambda trial: refine(part, trial.chain), trials):
             if other.rms_um < fit.rms_um and rms(other.error[checked]) < rms(fit.error[checked]):
                 fit = other
     return fit
@@ -229,7 +228,7 @@ def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
                 fit = plain
     while True:
         names = present(fit.chain)
-        trials = [refine(part, less, rounds=8) for name in names for less in causes()[name].lessened(fit.chain)]
+        trials = _refined(part, [less for name in names for less in causes()[name].lessened(fit.chain)])
         if not trials:
             return fit
         best = max(trials, key=lambda trial: _ratio(fit, trial, checked))
@@ -286,9 +285,14 @@ def levels(richer_um: Floats, poorer_um: Floats) -> tuple[float, float]:
     return rms(np.delete(richer_um, worst)), rms(np.delete(poorer_um, worst))
 
 
-def _alternative(part: Scene, chain: Chain, name: str) -> Fit:
-    """The best fit without one cause, everything else free to make up for it."""
-    return refine(part, causes()[name].without(chain), rounds=8)
+def _fitted(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
+    """Linear fits of the chains, the best first."""
+    return sorted(side_by_side(lambda chain: linear_fit(part, chain), chains), key=lambda trial: trial.rms_um)
+
+
+def _refined(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
+    """The best fit from each chain, in their order."""
+    return side_by_side(lambda chain: refine(part, chain, rounds=8), chains)
 
 
 def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:

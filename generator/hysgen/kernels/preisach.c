@@ -1,4 +1,4 @@
-/* Columns of a Preisach operator written with play operators, and linear filters over many columns, in float64. */
+/* Columns of a Preisach operator written with play operators, of Duhem states, and a rate limiter, in float64. */
 
 #include <math.h>
 #include <stddef.h>
@@ -10,21 +10,22 @@
 void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state, size_t hats,
                      const double *hat, size_t curve, size_t degree, double *out)
 {
-    /* Hats overlap in pairs: a play adds to the few hats from first to last only. */
+    /* A hat is not zero over a few neighbouring plays only: those from first to last. */
     size_t first[64], last[64];
-    for (size_t i = 0; i < plays; i++) {
-        first[i] = hats;
-        last[i] = 0;
-        for (size_t b = 0; b < hats; b++) {
-            if (hat[i * hats + b] != 0.0) {
-                first[i] = b < first[i] ? b : first[i];
-                last[i] = b + 1;
+    double weight[64][64];
+    for (size_t b = 0; b < hats; b++) {
+        first[b] = plays;
+        last[b] = 0;
+        for (size_t i = 0; i < plays; i++) {
+            weight[b][i] = hat[i * hats + b];
+            if (weight[b][i] != 0.0) {
+                first[b] = i < first[b] ? i : first[b];
+                last[b] = i + 1;
             }
         }
     }
     for (size_t k = 0; k < samples; k++) {
-        double *column = out + k;
-        double sum[64] = {0.0}, before = 1.0, now = v[k];
+        double *column = out + k, chebyshev[64][64], before = 1.0, now = v[k];
         for (size_t m = 0; m < curve; m++) {
             *column = now;
             column += samples;
@@ -38,47 +39,24 @@ void hysgen_preisach(size_t samples, const double *v, size_t plays, const double
             z = z > high ? high : z;
             z = z < low ? low : z;
             state[i] = z;
-            double t0 = 1.0, t1 = z;
+        }
+        for (size_t i = 0; i < plays; i++) {
+            double t0 = 1.0, t1 = state[i];
             for (size_t p = 0; p < degree; p++) {
-                for (size_t b = first[i]; b < last[i]; b++) {
-                    sum[p * hats + b] += hat[i * hats + b] * t1;
-                }
-                const double t2 = 2.0 * z * t1 - t0;
+                chebyshev[p][i] = t1;
+                const double t2 = 2.0 * state[i] * t1 - t0;
                 t0 = t1;
                 t1 = t2;
             }
         }
-        for (size_t m = 0; m < hats * degree; m++) {
-            column[m * samples] = sum[m];
-        }
-    }
-}
-
-/* y[m][k] = sum_i b[i] x[m][k-i] - sum_{i>0} a[i] y[m][k-i], from rest; a[0] = 1, order <= 7.
- *
- * A recurrence waits for its own last result; eight columns side by side keep the processor busy meanwhile.
- */
-void hysgen_filter(size_t columns, size_t samples, size_t order, const double *b, const double *a, const double *x,
-                   double *y)
-{
-    for (size_t first = 0; first < columns; first += 8) {
-        const size_t lanes = columns - first < 8 ? columns - first : 8;
-        double state[9][8] = {{0.0}};
-        for (size_t k = 0; k < samples; k++) {
-            double in[8] = {0.0}, out[8];
-            for (size_t l = 0; l < lanes; l++) {
-                in[l] = x[(first + l) * samples + k];
-            }
-            for (size_t l = 0; l < 8; l++) {
-                out[l] = b[0] * in[l] + state[0][l];
-            }
-            for (size_t i = 1; i <= order; i++) {
-                for (size_t l = 0; l < 8; l++) {
-                    state[i - 1][l] = b[i] * in[l] - a[i] * out[l] + state[i][l];
+        for (size_t p = 0; p < degree; p++) {
+            for (size_t b = 0; b < hats; b++) {
+                double sum = 0.0;
+                for (size_t i = first[b]; i < last[b]; i++) {
+                    sum += weight[b][i] * chebyshev[p][i];
                 }
-            }
-            for (size_t l = 0; l < lanes; l++) {
-                y[(first + l) * samples + k] = out[l];
+                *column = sum;
+                column += samples;
             }
         }
     }

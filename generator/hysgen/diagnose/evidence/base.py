@@ -41,8 +41,7 @@ class Look:
 
     def responses(self, chain: Chain) -> list[Floats]:
         """What the linear part of `chain` makes of the hysteresis that the fit found, run by run, (n_i,) each."""
-        size = self.scene.hysteresis_size(self.fit.chain)
-        paths = [self.fit.weights[:size] @ h for h in self.scene.hysteresis(self.fit.chain)]
+        paths = self.scene.paths(self.fit.chain, self.fit.weights)
         return [respond(path, chain, self.scene.Ts_s) for path in paths]
 
 

@@ -7,6 +7,7 @@ and a linear chain, fitted to the free run. Where it leaves only noise, every pa
 from hysgen.diagnose.probe.chain import Chain, Mode
 from hysgen.diagnose.probe.operator import Operator
 from hysgen.diagnose.probe.scene import Run, Scene
+from hysgen.diagnose.probe.side_by_side import side_by_side
 from hysgen.diagnose.probe.solve import Fit, Projector, linear_fit, refine, rms
 from hysgen.diagnose.probe.uncertainty import Errors, standard_errors
 
@@ -22,5 +23,6 @@ __all__ = [
     "linear_fit",
     "refine",
     "rms",
+    "side_by_side",
     "standard_errors",
 ]

@@ -58,6 +58,11 @@ class Chain:
     delayed: bool = False
     memory: bool = True
 
+    @property
+    def amplifier(self) -> tuple[float | None, ...]:
+        """What stands before the hysteresis: the clamp's two levels and the rate limit."""
+        return (self.low_V, self.high_V, self.rate_V_per_s)
+
     def coordinates(self) -> Floats:
         """The free shape parameters as one vector; those that must stay positive as logarithms."""
         values = [math.log(self.lag_s)]

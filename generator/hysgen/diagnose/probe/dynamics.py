@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from hysgen.diagnose.probe.chain import Chain, Mode
-from hysgen.kernels.preisach import filtered
+from hysgen.kernels.response import Branch, responded
 
 Floats = NDArray[np.float64]
 
@@ -19,31 +20,36 @@ def respond(h: Floats, chain: Chain, Ts_s: float) -> Floats:
 
     y(k) answers h(k-1), h(k-2), ... : one sample of delay is in every record.
     """
-    start = h[..., :1]
-    moved = h - start
-    if chain.creep is not None:
-        moved = moved + chain.creep * crept(moved, Ts_s, chain.creep_from_s)
-    stiff = 1.0 - sum(mode.share for mode in chain.modes)
+    out = np.empty(np.atleast_2d(h).shape)
+    respond_into(out, 0, np.atleast_2d(h), chain, Ts_s)
+    return out.reshape(h.shape)
+
+
+def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float) -> None:
+    """`respond` of h, (m, n), written to out[:, first : first + n]."""
     whole = math.floor(chain.delay)
     late = chain.delay - whole
-    total = stiff * filtered(*_lag(chain.lag_s, None, Ts_s, late), moved)
-    for mode in chain.modes:
-        total = total + mode.share * filtered(*_lag(chain.lag_s, mode, Ts_s, late), moved)
-    return np.asarray(start + _shifted(total, whole))
+    keep = np.zeros(0)
+    if chain.creep is not None:
+        keep = np.exp(-Ts_s / creep_times_s(chain.creep_from_s, _slowest_s(h.shape[-1], Ts_s)))
+    stiff = 1.0 - sum(mode.share for mode in chain.modes)
+    branches = [Branch(stiff, *_lag(chain.lag_s, None, Ts_s, late))]
+    branches += [Branch(mode.share, *_lag(chain.lag_s, mode, Ts_s, late)) for mode in chain.modes]
+    responded(h, chain.creep or 0.0, keep, branches, whole, out, first)
 
 
-def crept(h: Floats, Ts_s: float, from_s: float) -> Floats:
-    """Logarithmic creep of a path that starts at 0, per unit of `creep` per decade.
+def crept_step(samples: int, Ts_s: float, from_s: float) -> Floats:
+    """(samples,) logarithmic creep of a unit step at the first one, per unit of `creep` per decade.
 
-        sum_i (1/2) x_i,    x_i(k+1) = x_i(k) + (1 - exp(-Ts/tau_i)) (h(k) - x_i(k)),    two tau_i per decade
-
-    tau from from_s to ten times the length of the record: slower ones cannot be told from standing still.
+    sum_i (1 - exp(-t / tau_i)) / 2,    two tau_i per decade, as `respond` has them
     """
-    total = np.zeros_like(h)
-    for tau_s in creep_times_s(from_s, 10.0 * h.shape[-1] * Ts_s):
-        a = math.exp(-Ts_s / tau_s)
-        total += 0.5 * filtered(np.array([0.0, 1.0 - a]), np.array([1.0, -a]), h)
-    return total
+    t_s = Ts_s * np.arange(samples)
+    return np.asarray(sum(-0.5 * np.expm1(-t_s / tau_s) for tau_s in creep_times_s(from_s, _slowest_s(samples, Ts_s))))
+
+
+def _slowest_s(samples: int, Ts_s: float) -> float:
+    """Ten times the length of the record: slower creep cannot be told from standing still."""
+    return 10.0 * samples * Ts_s
 
 
 def creep_times_s(from_s: float, to_s: float) -> Floats:
@@ -52,21 +58,7 @@ def creep_times_s(from_s: float, to_s: float) -> Floats:
     return np.asarray(from_s * 10.0 ** (0.5 * np.arange(count) + 0.25))
 
 
-def _shifted(h: Floats, samples: int) -> Floats:
-    """h later by whole samples; before it, what stood at its start, and after it, what stood at its end."""
-    if samples == 0:
-        return h
-    moved = np.empty_like(h)
-    if samples > 0:
-        samples = min(samples, h.shape[-1])
-        moved[..., :samples] = h[..., :1]
-        moved[..., samples:] = h[..., : h.shape[-1] - samples]
-    else:
-        moved[..., samples:] = h[..., -1:]
-        moved[..., :samples] = h[..., -samples:]
-    return moved
-
-
+@functools.lru_cache(maxsize=64)
 def _lag(lag_s: float, mode: Mode | None, Ts_s: float, late: float) -> tuple[Floats, Floats]:
     """Transfer function in z of lag (and mode) behind a zero-order hold, late by `late` < 1 samples.
 

@@ -60,8 +60,11 @@ class Operator:
         hats = np.clip(1.0 - np.abs(place[:, None] - np.arange(self.hats)), 0.0, None)
         hats /= hats.sum(axis=0) if self.hats else 1.0
         begin = np.clip(v[0] + start * r, -1.0 + r, 1.0 - r)
-        columns = preisach_columns(v, r, begin, hats, self.curve, self.degree if self.hats else 0)
-        return np.vstack([columns, dahl_columns(v, np.array(self.reaches))]) if self.reaches else columns
+        out = np.empty((self.size, len(v)))
+        duhem = self.size - 2 * len(self.reaches)
+        preisach_columns(out[:duhem], v, r, begin, hats, self.curve, self.degree if self.hats else 0)
+        dahl_columns(out[duhem:], v, np.array(self.reaches))
+        return out
 
     def at(self, u_V: float) -> Floats:
         """(size,) the columns in the middle of the loops at u_V, which may lie half a range outside at most."""

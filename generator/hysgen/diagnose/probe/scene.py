@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from hysgen.diagnose.probe.amplifier import amplified
 from hysgen.diagnose.probe.chain import Chain
-from hysgen.diagnose.probe.dynamics import crept, respond
+from hysgen.diagnose.probe.dynamics import crept_step, respond, respond_into
 from hysgen.diagnose.probe.operator import Operator
+from hysgen.diagnose.probe.recent import Recent
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -43,14 +44,15 @@ class Run:
 class Scene:
     """Runs at one sampling period; rows of the joined runs used to fit (`rows`), and how hysteresis is expanded.
 
-    The hysteresis columns before the linear part are kept for the last few settings of the amplifier.
+    The columns of the last few settings of the amplifier, and of the last few sets of disturbances, are kept.
     """
 
     runs: tuple[Run, ...]
     Ts_s: float
     rows: Rows
     operator: Operator
-    _kept: dict[object, list[Floats]] = field(default_factory=dict, repr=False)
+    _hysteresis: Recent[list[Floats]] = field(default_factory=lambda: Recent(3), repr=False)
+    _disturbances: Recent[Floats] = field(default_factory=lambda: Recent(6), repr=False)
 
     @property
     def samples(self) -> int:
@@ -94,39 +96,46 @@ class Scene:
 
     def hysteresis(self, chain: Chain) -> list[Floats]:
         """Columns of h for each run, (operator.size, n_i), for the chain's amplifier."""
-        key = (chain.memory, chain.low_V, chain.high_V, chain.rate_V_per_s)
-        if key not in self._kept:
-            while len(self._kept) >= 3:
-                del self._kept[next(iter(self._kept))]
-            self._kept[key] = [self._path(run, chain) for run in self.runs]
-        return self._kept[key]
+        return self._hysteresis.of(
+            (chain.memory, chain.amplifier), lambda: [self._path(run, chain) for run in self.runs]
+        )
 
     def columns(self, chain: Chain) -> Floats:
         """(p, n) everything that is linear: hysteresis seen through the chain, then `disturbances`."""
-        seen = [self._aged(respond(h, chain, self.Ts_s), chain) for h in self.hysteresis(chain)]
-        return np.vstack([np.hstack(seen), self.disturbances(chain)])
+        size, below = self.hysteresis_size(chain), self.disturbances(chain)
+        out = np.empty((size + len(below), self.samples))
+        out[size:] = below
+        first = 0
+        for h in self.hysteresis(chain):
+            respond_into(out[:size], first, h, chain, self.Ts_s)
+            self._age(out[:size, first : first + h.shape[1]], chain)
+            first += h.shape[1]
+        return out
 
-    def combined(self, chain: Chain, weights: Floats) -> Floats:
-        """(n,) `weights @ columns(chain)`, without filtering every column."""
+    def paths(self, chain: Chain, weights: Floats) -> list[Floats]:
+        """h of every run, (n_i,), with these weights: before the linear part."""
+        return [weights[: len(h)] @ h for h in self.hysteresis(chain)]
+
+    def seen(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
+        """(n,) what the linear part of the chain and the disturbances make of `paths`."""
         size = self.hysteresis_size(chain)
-        seen = [
-            self._aged(respond(weights[:size] @ h, chain, self.Ts_s), chain, weights[:size])
-            for h in self.hysteresis(chain)
-        ]
-        return np.concatenate(seen) + weights[size:] @ self.disturbances(chain)
+        parts = [respond(path, chain, self.Ts_s) for path in paths]
+        for part in parts:
+            self._age(part, chain, weights[:size])
+        return np.concatenate(parts) + weights[size:] @ self.disturbances(chain)
 
     def zero_um(self, chain: Chain, weights: Floats) -> float:
         """Where the stage stands at 0 V in the middle of its loops."""
         size = self.hysteresis_size(chain)
         return float(weights[:size] @ self._operator(chain).at(0.0) + weights[size])
 
-    def _aged(self, seen: Floats, chain: Chain, weights: Floats | None = None) -> Floats:
-        """`seen` with a gain 1 + aging t around the place where the stage stands at 0 V; t from the run's start."""
+    def _age(self, seen: Floats, chain: Chain, weights: Floats | None = None) -> None:
+        """Gives `seen` a gain 1 + aging t about where the stage stands at 0 V; t from the start of the run."""
         if chain.aging_per_s is None:
-            return seen
+            return
         rest = self._operator(chain).at(0.0)
         zero = rest[:, None] if weights is None else weights @ rest
-        return np.asarray(seen + chain.aging_per_s * self.Ts_s * np.arange(seen.shape[-1]) * (seen - zero))
+        seen += chain.aging_per_s * self.Ts_s * np.arange(seen.shape[-1]) * (seen - zero)
 
     def drift_column(self, chain: Chain) -> int:
         """Place of the ramp among the disturbances."""
@@ -141,22 +150,26 @@ class Scene:
 
         The past fades like creep of a step at the start too: where the hysteresis stood before the record is unknown.
         """
-        parts = []
-        for run in self.runs:
-            t_s: Floats = self.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
-            columns: list[Floats] = [np.ones(len(t_s))]
-            if chain.creep is not None:
-                columns.extend(np.exp(-t_s / (share * self.span_s)) for share in NUISANCE_DECAYS)
-                columns.append(crept(np.ones(len(t_s)), self.Ts_s, chain.creep_from_s))
-            if chain.drift:
-                columns.append(drift_course(t_s, chain.since_s) / drift_course(self.span_s, chain.since_s))
-            for line_Hz in chain.lines_Hz:
-                columns.extend((np.sin(2 * np.pi * line_Hz * t_s), np.cos(2 * np.pi * line_Hz * t_s)))
-            bare = Chain(chain.lag_s, chain.delay)
-            for name in chain.coupled:
-                seen = respond(run.aux[name], bare, self.Ts_s)
-                columns.extend(
-                    np.concatenate([np.full(tap, seen[0]), seen[: len(seen) - tap]]) for tap in range(chain.taps)
-                )
-            parts.append(np.stack(columns))
-        return np.hstack(parts)
+        slow = None if chain.creep is None else chain.creep_from_s
+        lag = (chain.lag_s, chain.delay, chain.taps) if chain.coupled else None
+        key = (slow, chain.drift, chain.since_s, chain.lines_Hz, chain.coupled, lag)
+        return self._disturbances.of(key, lambda: np.hstack([self._beside(run, chain) for run in self.runs]))
+
+    def _beside(self, run: Run, chain: Chain) -> Floats:
+        """(q, n_i) `disturbances` of one run."""
+        t_s: Floats = self.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
+        columns: list[Floats] = [np.ones(len(t_s))]
+        if chain.creep is not None:
+            columns.extend(np.exp(-t_s / (share * self.span_s)) for share in NUISANCE_DECAYS)
+            columns.append(crept_step(len(t_s), self.Ts_s, chain.creep_from_s))
+        if chain.drift:
+            columns.append(drift_course(t_s, chain.since_s) / drift_course(self.span_s, chain.since_s))
+        for line_Hz in chain.lines_Hz:
+            columns.extend((np.sin(2 * np.pi * line_Hz * t_s), np.cos(2 * np.pi * line_Hz * t_s)))
+        bare = Chain(chain.lag_s, chain.delay)
+        for name in chain.coupled:
+            seen = respond(run.aux[name], bare, self.Ts_s)
+            columns.extend(
+                np.concatenate([np.full(tap, seen[0]), seen[: len(seen) - tap]]) for tap in range(chain.taps)
+            )
+        return np.stack(columns)

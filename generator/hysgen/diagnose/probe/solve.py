@@ -112,13 +112,16 @@ def sensitivities(scene: Scene, fit: Fit, projector: Projector) -> Floats:
     projector: off the columns of the fit's chain. Forward differences: the chain is smooth except where a limit begins
     to act.
     """
-    base = scene.combined(fit.chain, fit.weights)[scene.rows]
+    paths = scene.paths(fit.chain, fit.weights)
+    base = scene.seen(paths, fit.chain, fit.weights)[scene.rows]
     at = fit.chain.coordinates()
     moved = np.empty((len(at), len(base)))
     for i, size in enumerate(step_sizes(fit.chain, scene)):
         shifted = at.copy()
         shifted[i] += size
-        moved[i] = (scene.combined(fit.chain.at(shifted), fit.weights)[scene.rows] - base) / size
+        chain = fit.chain.at(shifted)
+        here = paths if chain.amplifier == fit.chain.amplifier else scene.paths(chain, fit.weights)
+        moved[i] = (scene.seen(here, chain, fit.weights)[scene.rows] - base) / size
     return projector.rest(moved)
 
 

@@ -1,0 +1,94 @@
+/* The linear part of a stage over many columns at once, in float64: slow states, then filters side by side.
+ *
+ *     c(k)   = x(k) + creep * sum_i s_i(k) / 2,          x(k) = h(k) - h(0)
+ *     s_i(k+1) = follow_i x(k) + keep_i s_i(k),          s_i(0) = 0
+ *     y(k)   = h(0) + sum_j share_j F_j c(k - late)
+ *
+ * F_j: numerator_j / denominator_j in z^-1, from rest. Before the record the stage stood at h(0); where `late` is
+ * negative, the last value stays at the end.
+ */
+
+#include <stddef.h>
+
+/* Columns are taken side by side, as many as one vector holds, for a recurrence waits for its own last result. Vectors
+ * are GNU C, which gcc and clang share. gcc also chooses the wider ones where the processor has them, at run time; every
+ * lane is computed as a lone number would be, so the bits are the same. */
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__)
+#define WIDEST __attribute__((target_clones("avx2", "default")))
+enum { LANES = 4 };
+#else
+#define WIDEST
+enum { LANES = 2 };
+#endif
+typedef double Lanes __attribute__((vector_size(LANES * sizeof(double))));
+
+enum { MOST_STATES = 64, MOST_BRANCHES = 8, MOST_ORDER = 4, TAPS = MOST_ORDER + 1 };
+
+struct linear {
+    size_t states;
+    double creep;
+    const double *keep, *follow;
+    size_t branches;
+    const double *share;
+    const size_t *order;
+    const double *numerator, *denominator;
+};
+
+/* `columns` columns, at most LANES, from `x` on; the other lanes run along on zeros and are written nowhere. */
+WIDEST static void pass(const struct linear *linear, size_t columns, size_t samples, const double *x, long late,
+                        size_t row, double *out)
+{
+    Lanes slow[MOST_STATES] = {{0.0}}, state[MOST_BRANCHES][TAPS] = {{{0.0}}}, total = {0.0}, start = {0.0};
+    const long end = (long)samples;
+
+    for (size_t l = 0; l < columns; l++) {
+        start[l] = x[l * samples];
+        for (long k = 0; k < late && k < end; k++) {
+            out[l * row + (size_t)k] = start[l];
+        }
+    }
+    for (long k = 0; k < end; k++) {
+        Lanes in = {0.0}, crept = {0.0};
+        for (size_t l = 0; l < columns; l++) {
+            in[l] = x[l * samples + (size_t)k];
+        }
+        in -= start;
+        for (size_t i = 0; i < linear->states; i++) {
+            crept += 0.5 * slow[i];
+            slow[i] = linear->follow[i] * in + linear->keep[i] * slow[i];
+        }
+        crept = in + linear->creep * crept;
+        total = start;
+        for (size_t j = 0; j < linear->branches; j++) {
+            const double *b = linear->numerator + j * TAPS, *a = linear->denominator + j * TAPS;
+            const Lanes y = b[0] * crept + state[j][0];
+            total += linear->share[j] * y;
+            for (size_t i = 1; i <= linear->order[j]; i++) {
+                state[j][i - 1] = b[i] * crept - a[i] * y + state[j][i];
+            }
+        }
+        if (k + late >= 0 && k + late < end) {
+            for (size_t l = 0; l < columns; l++) {
+                out[l * row + (size_t)(k + late)] = total[l];
+            }
+        }
+    }
+    for (long k = end + late < 0 ? 0 : end + late; k < end; k++) {
+        for (size_t l = 0; l < columns; l++) {
+            out[l * row + (size_t)k] = total[l];
+        }
+    }
+}
+
+/* Column m of h starts at h[m * samples], that of the result at out[m * row]. */
+void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double creep, const double *keep,
+                    const double *follow, size_t branches, const double *share, const size_t *order,
+                    const double *numerator, const double *denominator, long late, size_t row, double *out)
+{
+    const struct linear linear = {states, creep, keep, follow, branches, share, order, numerator, denominator};
+
+    for (size_t first = 0; first < columns; first += LANES) {
+        const size_t left = columns - first < LANES ? columns - first : LANES;
+        pass(&linear, left, samples, h + first * samples, late, row, out + first * row);
+    }
+}
