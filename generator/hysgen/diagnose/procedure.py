@@ -18,7 +18,7 @@ from hysgen.diagnose.ladder import Rung, checked_error, climb, equipped, in_orde
 from hysgen.diagnose.memory_shape import with_best_memory
 from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
-from hysgen.diagnose.probe import rms
+from hysgen.diagnose.probe import rms, side_by_side
 from hysgen.diagnose.remainder import experiment_for, remainder
 from hysgen.diagnose.search import SLOW, Found, present, search, without
 from hysgen.diagnose.spikes import isolated
@@ -245,11 +245,12 @@ def _alone(
     judged = [name for name in names if name != "outliers"]
     if not judged:
         return {}
-    rows, whole_um = checked_error(prepared, extensions, names, settings)
+    asked = [list(names), *([other for other in names if other != name] for name in judged)]
+    checked = side_by_side(lambda those: checked_error(prepared, extensions, those, settings), asked)
+    rows, whole_um = checked[0]
     clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
-    for name in judged:
-        _, without_um = checked_error(prepared, extensions, [other for other in names if other != name], settings)
+    for name, (_, without_um) in zip(judged, checked[1:], strict=True):
         sure = surely_lower(without_um[clean], whole_um[clean], WORTH)
         gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), sure=sure)
     return gains
