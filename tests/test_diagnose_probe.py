@@ -7,12 +7,13 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.signal import StateSpace, lsim
+from scipy.signal import StateSpace, lfilter, lsim
 
 from hysgen.diagnose.probe import Chain, Mode, Operator, Run, Scene, refine, standard_errors
-from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.probe.dynamics import crept_step, respond
 from hysgen.diagnose.spikes import isolated
 from hysgen.kernels.preisach import rate_limited
+from hysgen.kernels.response import Branch, responded
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3
@@ -44,6 +45,35 @@ def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: fl
     got = respond(h, Chain(4e-3, delay, modes=(mode,)), TS_S)
     # Both are exact for held inputs; what remains is rounding over 400 steps.
     np.testing.assert_allclose(got, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize(("columns", "late"), [(1, 0), (2, 3), (5, -4), (8, 1), (9, 250), (3, -250)])
+def test_all_columns_pass_through_creep_and_filters_like_one(columns: int, late: int) -> None:
+    """Whatever their number and the delay, every column is what SciPy's filters make of it, in its own place."""
+    rng = np.random.default_rng(columns)
+    h = np.cumsum(rng.normal(size=(columns, 200)), axis=1) + 5.0
+    keep = np.exp(-1.0 / np.array([2.0, 7.0, 50.0]))
+    lag = Branch(0.7, np.array([0.0, 0.2, 0.1]), np.array([1.0, -0.7, 0.0]))
+    mode = Branch(0.3, np.array([0.0, 0.1, 0.2, 0.1, 0.05]), np.array([1.0, -1.5, 1.0, -0.3, 0.0]))
+    moved = h - h[:, :1]
+    slow = sum(0.5 * lfilter([0.0, 1.0 - a], [1.0, -a], moved, axis=1) for a in keep)
+    total = sum(b.share * lfilter(b.numerator, b.denominator, moved + 0.1 * slow, axis=1) for b in (lag, mode))
+    shifted = np.concatenate([np.zeros((columns, max(late, 0))), total, np.repeat(total[:, -1:], 400, axis=1)], axis=1)
+    expected = h[:, :1] + shifted[:, max(-late, 0) :][:, :200]
+    out = np.full((columns, 210), np.nan)
+    responded(h, 0.1, keep, [lag, mode], late, out, first=6)
+    np.testing.assert_allclose(out[:, 6:206], expected, rtol=1e-12, atol=1e-12)
+    assert np.isnan(out[:, [*range(6), *range(206, 210)]]).all()
+
+
+def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
+    step = np.where(np.arange(600) > 0, 1.0, 0.0)
+    chain = Chain(1e-9, creep=0.1, creep_from_s=5 * TS_S)
+    bare = respond(step, Chain(1e-9), TS_S)
+    crept = respond(step, chain, TS_S) - bare
+    # The record's step comes at its second sample and answers one later: two samples behind one before the record.
+    np.testing.assert_allclose(crept[2:], 0.1 * crept_step(598, TS_S, chain.creep_from_s), atol=1e-4)
+    assert crept[-1] > 0.1
 
 
 def test_rate_limiter_reaches_every_level_it_can_and_never_faster() -> None:
