@@ -72,18 +72,35 @@ def test_batch_is_plain_least_squares_where_that_is_certified() -> None:
 @pytest.mark.parametrize("terms", [(), (Memory.uniform(4, 30.0),)])
 def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
     learnt, allowed = problem(narrow_record(1), FitSettings(terms=terms))
-    best = least_squares_inside(learnt.R, learnt.d, allowed)
+    found = least_squares_inside(learnt.R, learnt.d, allowed)
+    best = found.x
     free = learnt.solve()
     assert learnt.square(best) > learnt.square(free)
     # Convex: moving from the solution towards any other certified point must not help.
     rng = np.random.default_rng(0)
     for _ in range(15):
         target = free + rng.normal(size=best.size) * np.abs(free - best)
-        other = least_squares_inside(np.eye(best.size), target, allowed)
+        other = least_squares_inside(np.eye(best.size), target, allowed).x
         assert allowed.violated(other).floor.size == 0
         for part in (1e-3, 0.1, 1.0):
             # 1e-6 of a limit may be violated, so a neighbour may be better by about as little.
             assert learnt.square(best + part * (other - best)) >= learnt.square(best) * (1.0 - 1e-6)
+
+
+def test_what_held_one_solution_back_shortens_the_way_to_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    learnt, allowed = problem(narrow_record(1), FitSettings(terms=(Memory.polynomial(4, 3, 5.0, 95.0),)))
+    edges = least_squares_inside(learnt.R, learnt.d, allowed).edges
+    assert 0 < edges.floor.size <= learnt.d.size
+    nearby = learnt.d * (1.0 + 1e-3 * np.random.default_rng(0).normal(size=learnt.d.size))
+    rounds = []
+    violated = CertifiedSet.violated
+    monkeypatch.setattr(CertifiedSet, "violated", lambda this, q: rounds.append(q) or violated(this, q))
+    alone = least_squares_inside(learnt.R, nearby, allowed).x
+    cold = len(rounds)
+    told = least_squares_inside(learnt.R, nearby, allowed, edges=edges).x
+    assert len(rounds) - cold < 0.6 * cold
+    # And it leads to the same place; 1e-6 of a limit may be violated.
+    np.testing.assert_allclose(learnt.R @ told, learnt.R @ alone, atol=1e-5 * np.linalg.norm(learnt.d))
 
 
 def test_the_small_gain_of_the_terms_is_kept_below_its_limit() -> None:

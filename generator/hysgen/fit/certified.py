@@ -154,36 +154,49 @@ def certified_set(
     return CertifiedSet(structure, Ts_s, gain_um_per_V, slope_limit, loop_limit, looped, grid)
 
 
-def least_squares_inside(R: Floats, d: Floats, allowed: CertifiedSet, origin: Floats | None = None) -> Floats:
+@dataclass(frozen=True, eq=False)
+class Inside:
+    """The best x inside a set, and the half-spaces that hold it back: those of a task nearby are much the same."""
+
+    x: Floats
+    edges: HalfSpaces
+
+
+def least_squares_inside(
+    R: Floats, d: Floats, allowed: CertifiedSet, origin: Floats | None = None, edges: HalfSpaces | None = None
+) -> Inside:
     """The x that minimises ||R x - d|| with origin + x inside the set. R: (n, n) upper triangular, regular.
 
-    The set limits the first p elements of x; more may follow. Starts without half-spaces and adds those that the
-    solution violates, until none is left. Raises FitError if no x does: then the limits contradict each other.
+    The set limits the first p elements of x; more may follow. Starts with the half-spaces `edges` (with none by
+    default) and adds those that the solution violates, until none is left; which it starts with changes how soon it
+    ends, not where. Raises FitError if no x does: then the limits contradict each other.
     """
     start = np.zeros(allowed.structure.size) if origin is None else origin
-    x = np.asarray(solve_triangular(R, d))
-    violated = allowed.violated(start + x[: start.size])
     # With z = R x - d the task is min ||z||, G z >= h, G = rows R^-1, h = floor - G d.
     inverse = np.asarray(solve_triangular(R, np.eye(d.size)))
-    G, h = np.zeros((0, d.size)), np.zeros(0)
+    told = HalfSpaces(np.zeros((0, start.size)), np.zeros(0)) if edges is None else edges
     for _ in range(ROUNDS):
-        if violated.floor.size == 0:
-            return x
-        further = violated.steps_from(start, d.size)
-        rows = further.rows @ inverse
-        G, h = np.vstack([G, rows]), np.concatenate([h, further.floor - rows @ d])
-        x = inverse @ (_least_distance(G, h) + d)
+        away = told.steps_from(start, d.size)
+        G = away.rows @ inverse
+        z, holds = _least_distance(G, away.floor - G @ d)
+        x = np.asarray(solve_triangular(R, z + d))
         violated = allowed.violated(start + x[: start.size])
+        if violated.floor.size == 0:
+            return Inside(x, HalfSpaces(told.rows[holds], told.floor[holds]))
+        told = told + violated
     raise FitError(
         "no certified model lies near the least-squares fit; choose fewer rules, or allow uncertified models"
     )
 
 
-def _least_distance(G: Floats, h: Floats) -> Floats:
-    """The shortest z with G z >= h.
+def _least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """The shortest z with G z >= h, and which of these hold it back: (n,), (m,).
 
-    From u >= 0 that minimises ||[G'; h'] u - [0; 1]||, with residual r, follows z = -r_1..p / r_p+1.
+    From u >= 0 that minimises ||[G'; h'] u - [0; 1]||, with residual r, follows z = -r_1..p / r_p+1; u > 0 where it is
+    held back.
     """
+    if not (h > 0.0).any():
+        return np.zeros(G.shape[1]), np.zeros(h.size, dtype=bool)
     length = np.linalg.norm(G, axis=1)
     G, h = G / length[:, None], h / length
     # The problem is solved in units of its own distance, or the last row would drown or rule the others.
@@ -197,7 +210,7 @@ def _least_distance(G: Floats, h: Floats) -> Floats:
     residual = matrix @ u - target
     if abs(residual[-1]) <= np.finfo(np.float64).eps:
         raise FitError("the limits on slope and gain contradict each other; allow a larger slope")
-    return np.asarray(-unit * residual[:-1] / residual[-1])
+    return np.asarray(-unit * residual[:-1] / residual[-1]), u > 0.0
 
 
 def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:

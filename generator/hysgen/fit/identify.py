@@ -65,7 +65,7 @@ def _inside(
     progress: Progress | None,
 ) -> tuple[Model, dict[str, object]]:
     """The model with least error inside the set, and what the fit did."""
-    start = learnt.solve() if allowed is None else least_squares_inside(learnt.R, learnt.d, allowed)
+    start = learnt.solve() if allowed is None else least_squares_inside(learnt.R, learnt.d, allowed).x
     model = _model(record, chosen, structure, start)
     outcome: dict[str, object] = {}
     if allowed is not None:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from hysgen.certificates import Certificates, certify
-from hysgen.fit.certified import CertifiedSet, least_squares_inside
+from hysgen.fit.certified import CertifiedSet, HalfSpaces, least_squares_inside
 from hysgen.fit.free_run import Criterion, FreeRunError
 from hysgen.model import Model
 
@@ -54,11 +54,13 @@ def refine(
     now = start = error.criterion(model)
     held = certify(model) if allowed else None
     damping = FIRST_DAMPING
+    edges: HalfSpaces | None = None
     steps = 0
     for iteration in range(iterations):
         moved: tuple[Model, Criterion] | None = None
         while moved is None and damping <= MOST_DAMPING:
-            candidate = error.moved(model, _step(now, damping, allowed, model.parameters))
+            step, edges = _step(now, damping, allowed, model.parameters, edges)
+            candidate = error.moved(model, step)
             trial = error.criterion(candidate)
             if _better(trial, now, start) and (held is None or _keeps(held, candidate)):
                 moved = candidate, trial
@@ -77,16 +79,22 @@ def refine(
     return Refined(model, now, steps)
 
 
-def _step(now: Criterion, damping: float, allowed: CertifiedSet | None, parameters: Floats) -> Floats:
-    """d = -(H + mu D)^-1 g, inside the set; a parameter that the run does not depend on stays where it is."""
+def _step(
+    now: Criterion, damping: float, allowed: CertifiedSet | None, parameters: Floats, edges: HalfSpaces | None
+) -> tuple[Floats, HalfSpaces | None]:
+    """d = -(H + mu D)^-1 g, inside the set; a parameter that the run does not depend on stays where it is.
+
+    edges: the half-spaces that held the last step back; those that hold this one are returned beside it.
+    """
     scale = np.sqrt(np.diag(now.hessian))
     scale[scale == 0.0] = 1.0
     normal = now.hessian / np.outer(scale, scale) + damping * np.eye(scale.size)
     R = cholesky(normal)
     d = -solve_triangular(R, now.gradient / scale, trans="T")
     if allowed is None:
-        return np.asarray(solve_triangular(R, d) / scale)
-    return least_squares_inside(R * scale, d, allowed, parameters)
+        return np.asarray(solve_triangular(R, d) / scale), None
+    inside = least_squares_inside(R * scale, d, allowed, parameters, edges)
+    return inside.x, inside.edges
 
 
 def _better(trial: Criterion, now: Criterion, start: Criterion) -> bool:
