@@ -34,7 +34,7 @@ from hysgen.terms.resonance import Resonance
 from hysgen.verify import verify_texts
 
 TERMS: tuple[Term, ...] = (
-    Memory.polynomial(6, 3, -20.0, 120.0),
+    Memory.polynomial(6, 3, -20.0, 120.0, past_input=True),
     Creep.spread(4, 1e-3, 10.0),
     Resonance((730.0,), (0.05,)),
     Periodic((50.0,)),

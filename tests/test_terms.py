@@ -24,7 +24,7 @@ LAST_BIT = 2.0**-24
 
 TERMS: list[Term] = [
     Memory.uniform(10, 40.0),
-    Memory.polynomial(5, 3, -75.0, 95.0),
+    Memory.polynomial(5, 3, -75.0, 95.0, past_input=True),
     Creep.spread(3, 1e-3, 10.0),
     Resonance((50.0, 730.0), (0.01, 0.3)),
     Periodic((50.0, 101.7)),
@@ -211,7 +211,7 @@ def test_scales_and_channels_fit_the_size(term: Term) -> None:
     ("data", "complaint"),
     [
         ({"kind": "magic"}, "terms: kind 'magic' is unknown; this hysgen knows coupling, creep, drift"),
-        ({"kind": "memory", "thresholds_V": [2.0, 1.0]}, "terms: memory: thresholds_V must be positive and rising"),
+        ({"kind": "memory", "thresholds_V": [2.0, 1.0]}, "terms: memory: thresholds_V must be rising, from 0 or above"),
         ({"kind": "creep", "tau_s": [], "shared": True}, "terms: creep: tau_s must be positive and rising"),
         ({"kind": "creep", "tau_s": [1.0], "shared": 0}, "terms: creep: shared must be true or false"),
         ({"kind": "creep"}, "terms: creep: 'tau_s'"),

@@ -29,7 +29,7 @@ from hysgen.terms.resonance import Resonance
 from hysgen.verify.induction import first_difference
 
 TERMS: list[Term] = [
-    Memory.polynomial(2, 3, -5.0, 105.0),
+    Memory.polynomial(2, 3, -5.0, 105.0, past_input=True),
     Creep.spread(3, 1e-3, 10.0),
     Resonance((50.0, 730.0), (0.01, 0.3)),
     Periodic((50.0, 101.7)),

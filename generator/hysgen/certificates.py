@@ -6,11 +6,16 @@
 
 The inverse solves b u(k) = y(k+1) - f(y(k), 0) - sum_j theta_j phi_j(k), where phi(k) remembers u(k-1), u(k-2), ...
 Linear terms x(k+1) = A x + B u, phi = C x turn it into a filter with the zeros eig(A - B theta C/b), looked at for
-frozen b between the extrema of b(y). Nonlinear terms (play operators) close a second loop around that filter, stable by
-the small-gain theorem if
+frozen b between the extrema of b(y). Nonlinear terms (play operators) close a second loop around that filter. For the
+steps d(k) = u(k) - u(k-1) it is stable by the small-gain theorem if
 
-    loop = ||(b + T)^-1||_1  N < 1,     N a bound of sup |theta . phi| / sup |u| over all nonlinear terms:
-                                        sum_j |theta_j| gamma_j with the terms' gains, or sharper, see `play_slopes`.
+    loop = ||(b + T)^-1||_1  N < 1,     N a bound of |theta . phi(k+1) - theta . phi(k)| / |d(k)| over all nonlinear
+                                        terms: sum_j |theta_j| gamma_j with the terms' gains, or sharper and of slopes
+                                        that play operators can have at a time, see `play_slopes`.
+
+Then sup |d| <= ||(b + T)^-1||_1 / (1 - loop) times the largest step of what is asked: steps do not build up, which is
+how an inverse fails that answers one sample late. Nor do the inputs: b + dw/du >= (1 - loop) b > 0 on every branch of
+the hysteresis w, so b u + w(u), which differs from what is asked by N |d| at most, is bounded only with u.
 """
 
 from __future__ import annotations
@@ -41,7 +46,7 @@ class Certificates:
 
     gain_lowest, gain_highest: extrema of b(y) in um/V. slope: the largest |df/dy|.
     contracting_V: the inputs for which contraction holds, None if there are none inside the input range.
-    zero: largest modulus of the inverse's zeros. loop: small gain of the nonlinear terms around it.
+    zero: largest modulus of the inverse's zeros. loop: small gain of the nonlinear terms around it, for its steps.
     """
 
     y_range_um: tuple[float, float]

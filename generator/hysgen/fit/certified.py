@@ -26,7 +26,7 @@ from hysgen.errors import FitError
 from hysgen.membership import membership_slopes, memberships
 from hysgen.model import Model
 from hysgen.regression import Structure
-from hysgen.terms import Rising, loop_row
+from hysgen.terms import Shaped, loop_row
 
 Floats = NDArray[np.float64]
 
@@ -117,7 +117,7 @@ class CertifiedSet:
         at = cut
         for term, looped in zip(self.structure.terms, self.looped, strict=True):
             if looped:
-                row[0, at : at + term.size] = -loop_row(term, q[at : at + term.size], self.Ts_s, to_fit=True)
+                row[0, at : at + term.size] = -loop_row(term, q[at : at + term.size], self.Ts_s)
             at += term.size
         return HalfSpaces(row / abs(self.gain_um_per_V), np.zeros(1))
 
@@ -217,7 +217,7 @@ def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:
     """What terms say of the sign of their slopes, in units of the gain."""
     rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
     for term in structure.terms:
-        if isinstance(term, Rising):
+        if isinstance(term, Shaped):
             block = term.rising() / gain_um_per_V
             rows.append(np.zeros((len(block), structure.size)))
             rows[-1][:, at : at + term.size] = block

@@ -4,9 +4,9 @@
 
     yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),   yhat(0) = y(0)
 
-Two quadratic forms in the linear parameters hold what the scored part of a free run leaves open: a little of the
-one-step error as `least_squares` left it, for rules that were visited only while the state settled, and the
-disagreement of the rules, see `spread`.
+Quadratic forms in the linear parameters hold what the scored part of a free run leaves open: a little of the one-step
+error as `least_squares` left it, for rules that were visited only while the state settled, the disagreement of the
+rules, and how rough the densities are that terms stand for, see `spread`.
 
 A run depends on the terms through w(k) = theta . phi(k) alone, so a term's weights enter by the columns phi(k), and its
 shape parameters by dw/dshape, taken by central differences. `FreeRunError` keeps what does not change between steps.
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.fit.least_squares import Information
-from hysgen.fit.spread import spread
+from hysgen.fit.spread import roughness, spread
 from hysgen.kernels import FreeRunSums, Rules, free_run_sums
 from hysgen.model import Model
 from hysgen.record import Record
@@ -36,6 +36,13 @@ ONE_STEP_SHARE = 0.1
 
 SPREAD_SHARE = 1e-3
 """Part of the free-run error that rules add which disagree by one step of the grid."""
+
+SPREAD_BESIDE = 1.0
+"""The same beside a term whose weights follow the level of the input: then rules that go ways of their own follow what
+this record has, and leave the next one."""
+
+ROUGH_SHARE = 2.5e-5
+"""Part of the free-run error that a density over the half-widths adds whose curvature is the gain per half range."""
 
 SETTLING_TRUST = 0.03
 """What a sample counts while the terms' unknown start still shows: enough to hold rules that are visited only then."""
@@ -70,13 +77,18 @@ class FreeRunError:
     held: tuple[tuple[float, Information], ...] = ()
 
     def held_near(self, model: Model, one_step: Information) -> FreeRunError:
-        """The same error with both forms, weighted by the free-run error of `model`.
+        """The same error with the forms, weighted by the free-run error of `model`.
 
-        There the one-step error makes up ONE_STEP_SHARE of it, and rules that disagree by a step of the grid
-        SPREAD_SHARE.
+        There the one-step error makes up ONE_STEP_SHARE of it, rules that disagree by a step of the grid SPREAD_SHARE
+        (SPREAD_BESIDE where a term follows the level), and densities as rough as the gain ROUGH_SHARE.
         """
         free, single = self.sums(model).square_um2, one_step.square(model.parameters)
-        forms = [(SPREAD_SHARE * free / model.grid.step_um**2, spread(structure_of(model)))]
+        structure = structure_of(model)
+        rough = roughness(structure)
+        share = SPREAD_BESIDE if len(rough.R) else SPREAD_SHARE
+        forms = [(share * free / model.grid.step_um**2, spread(structure))]
+        if len(rough.R):
+            forms.append((ROUGH_SHARE * free / float(np.mean(model.consequents[:, 1])) ** 2, rough))
         if single > 0.0:
             forms.append((ONE_STEP_SHARE * free / single, one_step))
         return dataclasses.replace(self, held=tuple(forms))

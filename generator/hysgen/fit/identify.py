@@ -18,6 +18,7 @@ from hysgen.fit.settings import FitSettings
 from hysgen.model import Model
 from hysgen.record import Record
 from hysgen.regression import Starts, Structure, Trust
+from hysgen.terms import past_input
 
 Floats = NDArray[np.float64]
 
@@ -96,11 +97,15 @@ def allowed_set(
 
 
 def linear_gain(structure: Structure, learnt: Information) -> float:
-    """Gain in um/V of the least-squares model in which all rules are one: y(k+1) = a y + b u + c + theta . phi."""
-    rules, terms = structure.grid.rules, structure.size - 3 * structure.grid.rules
-    tied = np.zeros((structure.size, 3 + terms))
+    """Gain in um/V of the least-squares model in which all rules are one: y(k+1) = a y + b u + c + theta . phi.
+
+    Without the regressors that are the past input: they would leave even the sign of b to how the samples fall.
+    """
+    rules = structure.grid.rules
+    kept = np.concatenate([np.ones(0, dtype=bool), *(~past_input(term) for term in structure.terms)])
+    tied = np.zeros((structure.size, 3 + kept.size))
     tied[: 3 * rules, :3] = np.tile(np.eye(3), (rules, 1))
-    tied[3 * rules :, 3:] = np.eye(terms)
+    tied[3 * rules :, 3:] = np.diag(kept)
     solution, *_ = np.linalg.lstsq(learnt.R @ tied, learnt.d, rcond=None)
     return float(solution[1])
 

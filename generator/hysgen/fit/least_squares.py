@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 class Information:
     """What a record tells about the parameters: sum of squares = ||R q - d||^2 + rest^2.
 
-    R: (p, p) upper triangular; d: (p,).
+    R: (p, p) upper triangular and d: (p,) of a record; (n, p) and (n,) of what is wanted besides.
     """
 
     R: Floats

@@ -1,10 +1,11 @@
-"""How far the rules disagree where they fire together: what a float32 layer loses to cancellation.
+"""What a fit prefers where the record leaves the choice: rules that agree where they fire together, smooth densities.
 
     V(q) = mean over y and over u in {u_min, u_max} of  sum_l p_l (v_l - f)^2,    v_l = q_l1 y + q_l2 u + q_l3,  f =
     sum_l p_l v_l
 
 Overlapping rules with linear consequents describe the same function in many ways. Where a record leaves the choice
-open, least squares may answer with consequents of hundreds of um that cancel in f; V prefers those that agree.
+open, least squares may answer with consequents of hundreds of um that cancel in f, which a float32 layer loses; V
+prefers those that agree. Likewise for weights that are samples of a density, see `terms.base.Shaped`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from hysgen.fit.least_squares import Information
 from hysgen.kernels import triangularise
 from hysgen.membership import memberships
 from hysgen.regression import Structure
+from hysgen.terms import Shaped
 
 POINTS_PER_RULE = 8
 
@@ -36,3 +38,16 @@ def spread(structure: Structure) -> Information:
             rows *= np.sqrt(p[:, rule] / (2.0 * y.size))[:, None]
             triangularise(factor, rows)
     return Information(factor, np.zeros(structure.size), 0.0)
+
+
+def roughness(structure: Structure) -> Information:
+    """||roughness @ theta||^2 summed over the terms, as information over all linear parameters; (0, p) without any."""
+    rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
+    for term in structure.terms:
+        if isinstance(term, Shaped):
+            block = term.roughness()
+            rows.append(np.zeros((len(block), structure.size)))
+            rows[-1][:, at : at + term.size] = block
+        at += term.size
+    told = np.vstack(rows)
+    return Information(told, np.zeros(len(told)), 0.0)

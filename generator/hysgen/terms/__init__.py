@@ -12,18 +12,19 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.terms.base import Drive, Mirror, Rising, StateSpace, Term, loop_row
+from hysgen.terms.base import Drive, Mirror, Shaped, StateSpace, Term, loop_row, past_input
 
 __all__ = [
     "Drive",
     "Mirror",
-    "Rising",
+    "Shaped",
     "StateSpace",
     "Term",
     "channels_of",
     "kinds",
     "loop_row",
     "part_facts",
+    "past_input",
     "term_from_json",
 ]
 

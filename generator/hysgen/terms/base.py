@@ -24,6 +24,7 @@ Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Bits = NDArray[np.uint32]
 Words = Floats32 | Bits
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -99,23 +100,27 @@ class Steepest(Protocol):
     """A nonlinear term that bounds its output more closely than the gains of its regressors, one by one, do."""
 
     def steepest(self, weights: Floats) -> Floats:
-        """(size,) a row: row @ weights bounds sup |theta . phi| / sup |u|, also between two runs.
+        """(size,) a row: row @ weights bounds |change of theta . phi| / |change of u| over every step of the input.
 
         For any other weights the product is at most their own bound.
         """
         ...
 
-    def steepest_apart(self, weights: Floats) -> Floats:
-        """(size,) the same for a bound that is never below, and that a fit reaches in fewer steps."""
-        ...
-
 
 @runtime_checkable
-class Rising(Protocol):
-    """A term whose output, by its physics, rises with what it remembers: a fit that is certified keeps to that."""
+class Shaped(Protocol):
+    """A term whose weights, by its physics, are samples of a density: it is not negative, and it is smooth."""
 
     def rising(self) -> Floats:
-        """(m, size) rows: row @ weights is a slope that has the sign of the gain, or is 0."""
+        """(n, size) rows: row @ weights is a slope with the sign of the gain, or 0; certified fits keep to it."""
+        ...
+
+    def roughness(self) -> Floats:
+        """(n, size) rows: ||rows @ weights||^2, in the unit of the gain, is small for smooth densities."""
+        ...
+
+    def past_input(self) -> Flags:
+        """(size,) which regressors are functions of u(k-1) alone."""
         ...
 
 
@@ -162,7 +167,7 @@ class Term(Protocol):
         ...
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
-        """Bounds of sup |phi_j| / sup |u|, also between two runs: what a small-gain test of the inverse needs."""
+        """Bounds of sup |phi_j| / sup |u|, also of their changes: what a small-gain test of the inverse needs."""
         ...
 
     def shape(self) -> Floats:
@@ -195,11 +200,14 @@ class Term(Protocol):
         ...
 
 
-def loop_row(term: Term, weights: Floats, Ts_s: float, to_fit: bool = False) -> Floats:
-    """(size,) a row: row @ weights bounds what the term makes of the input, and of others at most their own bound.
-
-    to_fit: the bound that a fit keeps to, never below the other.
-    """
+def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
+    """(size,) a row: row @ weights bounds what the term makes of the steps of the input; of other weights at most that
+    of their own."""
     if isinstance(term, Steepest):
-        return term.steepest_apart(weights) if to_fit else term.steepest(weights)
+        return term.steepest(weights)
     return np.asarray(term.gains(Ts_s)) * np.sign(weights)
+
+
+def past_input(term: Term) -> Flags:
+    """(size,) which regressors of a term are functions of u(k-1) alone."""
+    return term.past_input() if isinstance(term, Shaped) else np.zeros(term.size, dtype=bool)

@@ -6,6 +6,10 @@
     x_j      = clamp((z_j(k-1) - middle) / half, -a_j, a_j)    of where the play stands in range_V; a_j = 1 - r_j/half,
                                                                for no play that was moved once stands further out
 
+A play of half-width 0 is the input one sample ago, and its polynomials are a curve without memory. Plays answer one
+sample late: an inverse has to make up for that with u(k), and overshoots where they weigh more than u(k) does. With
+b + s for u(k) and -s for u(k-1) it does not, for then half of what the plays are about to do is there already.
+
 Plays alone weigh every level of the input alike. A Preisach operator with a density weighs by the level too: it is the
 sum over r of a function of z_r (Brokate and Sprekels, 1996, chapter 2.4), which T_2 and T_3 follow.
 The state one sample old costs nothing in accuracy and keeps the model affine in u(k). Thresholds beyond the largest
@@ -26,11 +30,9 @@ import numpy as np
 
 from hysgen.arithmetic import LEAST
 from hysgen.kernels import play_operators
-from hysgen.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
-from hysgen.terms.play_slopes import slopes, steepest_places, steepest_state
-
-LEVELS = 5
-"""Places at which the slope of a bent play is kept from turning; it is a parabola, so a little room is left between."""
+from hysgen.terms.base import Bits, Drive, Flags, Floats, Floats32, Mirror, StateSpace
+from hysgen.terms.play_density import rising_rows, roughness_rows
+from hysgen.terms.play_slopes import steepest_move
 
 ONE = np.float32(1.0)
 ROOT_2 = np.float32(np.sqrt(2.0))
@@ -39,7 +41,7 @@ ROOT_2 = np.float32(np.sqrt(2.0))
 
 @dataclass(frozen=True)
 class Memory:
-    """Play operators with half-widths `thresholds_V`, (m,) positive and rising.
+    """Play operators with half-widths `thresholds_V`, (m,) rising; the first may be 0.
 
     degree: 1, 2 or 3, of the polynomials; above 1 range_V must hold the lowest and the highest input.
     Raises ValueError if they do not.
@@ -54,8 +56,8 @@ class Memory:
 
     def __post_init__(self) -> None:
         r = np.asarray(self.thresholds_V, dtype=np.float64)
-        if r.size == 0 or not np.isfinite(r).all() or r[0] <= 0 or (np.diff(r) <= 0).any():
-            raise ValueError("thresholds_V must be positive and rising")
+        if r.size == 0 or not np.isfinite(r).all() or r[0] < 0 or (np.diff(r) <= 0).any():
+            raise ValueError("thresholds_V must be rising, from 0 or above")
         if self.degree not in (1, 2, 3):
             raise ValueError("degree must be 1, 2 or 3")
         if (self.range_V is None) != (self.degree == 1):
@@ -71,9 +73,12 @@ class Memory:
         return cls(tuple(float(r) for r in largest_half_amplitude_V * np.arange(1, count + 1) / (count + 1)))
 
     @classmethod
-    def polynomial(cls, count: int, degree: int, low_V: float, high_V: float) -> Self:
-        """`count` plays up to the half range, closer together near 0, where the small loops are decided."""
-        r = 0.5 * (high_V - low_V) * (np.arange(1, count + 1) / (count + 1)) ** 1.5
+    def polynomial(cls, count: int, degree: int, low_V: float, high_V: float, past_input: bool = False) -> Self:
+        """`count` plays up to the half range, closer together near 0, where the small loops are decided.
+
+        past_input: one more before them, of half-width 0.
+        """
+        r = 0.5 * (high_V - low_V) * (np.arange(0 if past_input else 1, count + 1) / (count + 1)) ** 1.5
         return cls(tuple(float(x) for x in r), degree, (low_V, high_V) if degree > 1 else None)
 
     @property
@@ -150,29 +155,31 @@ class Memory:
         return (1.0,) * self.plays + tuple(float(x) for x in steepest[: self.size - self.plays])
 
     def steepest(self, weights: Floats) -> Floats:
-        """Sharper than `gains`, for the plays cannot all stand at their steepest places at once: see `play_slopes`."""
-        if self.degree == 1:
-            return np.sign(weights)
-        half = self.middle_and_half_V[1]
-        return steepest_state(weights, np.asarray(self.thresholds_V) / half, self.reach, half)
-
-    def steepest_apart(self, weights: Floats) -> Floats:
-        """Every play at its own steepest place."""
-        if self.degree == 1:
-            return np.sign(weights)
-        return steepest_places(weights, self.reach, self.middle_and_half_V[1])
+        """Sharper than `gains`, for plays move together, up or down: see `play_slopes`."""
+        return steepest_move(weights, self._r_over_half, self.middle_and_half_V[1])
 
     def rising(self) -> Floats:
-        """(m, size) slopes g_j'(z) of every play at LEVELS places: a Preisach operator's density is nowhere negative.
+        """(n, size) slopes g_j'(z) of every play: a Preisach operator's density is nowhere negative.
 
-        It is g_j'(z) = integral of the density over thresholds (Brokate and Sprekels, 1996, chapter 2.4). Without this
-        squares and cubes turn back where the record was hardly ever; plays alone are left free.
+        Without this squares and cubes turn back where the record was hardly ever; plays alone are left free.
         """
         if self.degree == 1:
             return np.zeros((0, self.size))
-        x = self.reach * np.linspace(-1.0, 1.0, LEVELS)[:, None]
-        each = slopes(x, self.reach, self.middle_and_half_V[1], self.degree)
-        return np.vstack([np.hstack([np.diag(row) for row in at]) for at in each.transpose(1, 0, 2)])
+        return rising_rows(self._r_over_half, self.middle_and_half_V[1], self.degree)
+
+    def roughness(self) -> Floats:
+        """(n, size) curvature of the density over the half-widths: see `play_density`; plays alone are left free."""
+        if self.degree == 1:
+            return np.zeros((0, self.size))
+        return roughness_rows(self._r_over_half, self.middle_and_half_V[1], self.degree)
+
+    def past_input(self) -> Flags:
+        """(size,) the play of half-width 0 and its polynomials."""
+        return np.tile(np.asarray(self.thresholds_V) == 0.0, self.degree)
+
+    @property
+    def _r_over_half(self) -> Floats:
+        return np.asarray(self.thresholds_V) / self.middle_and_half_V[1]
 
     def shape(self) -> Floats:
         """(1,) logarithm of the widest threshold; the others keep their ratio to it."""
