@@ -17,10 +17,11 @@ from hysgen.bank.log import Log, read_log
 from hysgen.bank.result import BankResult, Verdict
 from hysgen.bank.scenario import CATEGORIES, Scenario, memory_only, scenario
 from hysgen.bank.truth import error_with_truth_known
-from hysgen.diagnose.evidence.memory import Memory
+from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import climb
+from hysgen.diagnose.memory_shape import usual_memory, with_best_memory
 from hysgen.diagnose.prepare import prepare
-from hysgen.diagnose.probe import Chain, Fit, rms
+from hysgen.diagnose.probe import rms
 from hysgen.diagnose.procedure import Naming, name_causes
 from hysgen.fit import FitSettings
 from hysgen.record import Record
@@ -107,7 +108,8 @@ def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> 
     held = prepared.held_rows[~corrupted[prepared.held_rows]]
     if hidden.excitation != "good" or not hidden.planted or set(naming.names) != set(hidden.planted):
         return math.nan, math.nan
-    extended = rms(climb(prepared, naming.extensions, agreed, FitSettings()).error_um[held])
+    extensions = with_best_memory(prepared, naming.extensions, agreed, FitSettings())
+    extended = rms(climb(prepared, extensions, agreed, FitSettings()).error_um[held])
     fall = math.nan
     if hidden.planted == ("memory",) and isinstance(hidden.stage.memory, Preisach | Relays):
         fall = rms(climb(prepared, {}, [], FitSettings()).error_um[held]) / extended
@@ -115,13 +117,12 @@ def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> 
 
 
 def left_by_memory(hidden: Scenario) -> float:
-    """Free-run rms in um that the Takagi-Sugeno model with memory leaves on the stage with nothing but hysteresis."""
+    """Free-run rms in um that the model with the usual memory leaves on the stage with nothing but its hysteresis."""
     bare = memory_only(hidden)
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
     prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=("constant",)))
-    scene = prepared.scene()
-    extension = Memory().extension(scene, Fit(Chain(1.0), np.zeros(0), np.zeros(0), 0.0))
-    rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings(certified=False))
+    extension = Extension(term=usual_memory(*prepared.record.u_range_V))
+    rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from hysgen.bank.scenario import Scenario
 from hysgen.diagnose.evidence.coupling import coupling_term
 from hysgen.diagnose.evidence.creep import creep_term
-from hysgen.diagnose.evidence.memory import DEGREE, PLAYS
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import climb
+from hysgen.diagnose.memory_shape import usual_memory
 from hysgen.diagnose.prepare import prepare
 from hysgen.diagnose.probe import rms
 from hysgen.fit import FitSettings
@@ -22,7 +22,6 @@ from hysgen.inputs.saturation import Saturation
 from hysgen.inputs.slew import Slew
 from hysgen.record import Record
 from hysgen.stage import run as measure
-from hysgen.terms.memory import Memory
 from hysgen.terms.periodic import Periodic
 from hysgen.terms.resonance import Resonance
 
@@ -48,7 +47,7 @@ def true_extensions(hidden: Scenario) -> dict[str, Extension]:
         found["saturation"] = Extension(block=Saturation(level.low_V, level.high_V))
         low_V, high_V = max(low_V, level.low_V), min(high_V, level.high_V)
     if "memory" in hidden.planted:
-        found["memory"] = Extension(term=Memory.polynomial(PLAYS, DEGREE, low_V, high_V))
+        found["memory"] = Extension(term=usual_memory(low_V, high_V))
     if stage.slew:
         found["slew"] = Extension(block=Slew(stage.slew.V_per_s, stage.slew.V_per_s))
     if stage.delay:

@@ -83,10 +83,11 @@ class Prepared:
 def reach_um(prepared: Prepared) -> tuple[float, float]:
     """The range of displacement that the whole command will visit, as far as the identification part tells.
 
-        y(k) = c + g x(k),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k))
+        y(k) = g(x(k)),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k)),   g a cubic
 
-    c, g and tau from the identification part, x from the whole command, which is known beforehand. A model whose grid
-    ends where the identification part ends could not follow a plateau that it only ever touched in passing.
+    g and tau from the identification part, x from the whole command, which is known beforehand; beyond the ends of g(x)
+    by the rms that g leaves, for the loops of the hysteresis are that wide. A model whose grid ends where the
+    identification part ends could not follow a plateau that it only ever touched in passing.
     """
     record, rows = prepared.record, prepared.fit_rows
     y_um = prepared.y_um
@@ -94,11 +95,11 @@ def reach_um(prepared: Prepared) -> tuple[float, float]:
     for lag in LAGS:
         rate = np.array([-np.expm1(-1.0 / lag)])
         x = np.concatenate([lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments])
-        gain, offset = np.polyfit(x[rows], y_um[rows], 1)
-        left = float(np.mean((y_um[rows] - offset - gain * x[rows]) ** 2))
+        cubic = np.polynomial.Polynomial.fit(x[rows], y_um[rows], 3)
+        left = float(np.sqrt(np.mean((y_um[rows] - cubic(x[rows])) ** 2)))
         if left < best:
-            ends = sorted(float(offset + gain * end) for end in (x.min(), x.max()))
-            best, reached = left, (ends[0], ends[1])
+            low, high = sorted(float(cubic(end)) for end in (x.min(), x.max()))
+            best, reached = left, (low - left, high + left)
     return reached
 
 

@@ -17,7 +17,8 @@ from hysgen.terms.memory import Memory as MemoryTerm
 Floats = NDArray[np.float64]
 
 PLAYS, DEGREE = 6, 3
-"""Plays of the extension, each with its square and cube: on Preisach stages better than 10 or 16 plays alone."""
+"""Plays while causes are weighed, each with its square and cube. Those fits are unrestricted, and more regressors than
+these lead some of them astray on blocks left out; what the model gets is chosen later, see `memory_shape`."""
 
 FEWEST = 4
 """Samples that a swing needs to be counted."""
