@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -13,9 +14,12 @@ from test_diagnose_signatures import COMMAND_V, CREEP, LAG, LATE, SAMPLES, SPAN_
 
 from hysgen.diagnose import procedure, search
 from hysgen.diagnose.bootstrap import Gain
-from hysgen.diagnose.evidence import Signature
-from hysgen.diagnose.probe import Mode, refine
+from hysgen.diagnose.evidence import Signature, causes
+from hysgen.diagnose.noise import NoiseFloor
+from hysgen.diagnose.probe import Chain, Mode, refine
 from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.remainder import remainder
+from hysgen.diagnose.search import Found
 
 CHECKED = np.arange(60, SAMPLES, 3)
 AGED_UM = 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)
@@ -71,6 +75,33 @@ def test_an_extension_that_takes_one_per_cent_away_is_no_cause(
     assert (gains["creep"].sure > procedure.SURE) == pays
 
 
+@pytest.mark.parametrize(
+    ("left_um", "noise_um", "said"), [(0.012, 0.001, True), (0.009, 0.001, False), (0.012, 0.006, False)]
+)
+def test_what_is_left_is_unknown_only_above_a_thousandth_of_the_span_and_above_the_noise(
+    left_um: float, noise_um: float, said: bool
+) -> None:
+    wave = np.sin(np.arange(SAMPLES) / 40.0)
+    prepared: Any = SimpleNamespace(y_um=5.0 * wave, u_V=50.0 * wave, cut=SAMPLES)  # 10 um of span
+    seen = SimpleNamespace(
+        scene=SimpleNamespace(rows=np.arange(SAMPLES)), fit=SimpleNamespace(error=math.sqrt(2.0) * left_um * wave)
+    )
+    told = remainder(prepared, cast(Found, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
+    assert (told is not None) == said
+
+
+@pytest.mark.parametrize(("ramp_um", "taken"), [(0.009, False), (0.025, True)])
+def test_a_step_that_takes_four_per_cent_away_is_not_taken(
+    monkeypatch: pytest.MonkeyPatch, ramp_um: float, taken: bool
+) -> None:
+    """A ramp of 3 or 7 nm rms over 10 nm that nothing explains takes 4 or 21 per cent of it away."""
+    ramp = causes()["drift"]
+    monkeypatch.setattr(search, "causes", lambda: {"drift": ramp})
+    seen = scene(LAG, 0.02 * np.sin(COMMAND_V / 5.0) + ramp_um * T_S / SPAN_S)
+    fit = refine(seen, LAG)
+    assert (search._best_step(seen, fit, CHECKED) is not None) == taken
+
+
 def test_search_stops_where_nothing_is_left() -> None:
     seen = scene(LAG)
     assert search._best_step(seen, refine(seen, LAG), CHECKED) is None
@@ -83,12 +114,24 @@ def test_search_goes_on_to_an_effect_below_the_noise() -> None:
     assert step.chain.drift
 
 
-def test_a_mode_that_came_first_is_exchanged_for_the_delay_that_explains_more() -> None:
-    seen = scene(LATE)
-    wrong = refine(seen, dataclasses.replace(LAG, modes=(Mode(120.0, 0.3, 0.5),)))
-    right = search._exchanged(seen, wrong, CHECKED).chain
-    assert right.names() == ("lag", "delay")
-    assert right.delay == pytest.approx(1.7, abs=0.05)
+LIMITED, CLIPPED = dataclasses.replace(LAG, rate_V_per_s=800.0), dataclasses.replace(LAG, high_V=60.0)
+
+
+@pytest.mark.parametrize(
+    ("stage", "more_um", "wrong", "right"),
+    [
+        (LATE, 0.0, dataclasses.replace(LAG, modes=(Mode(120.0, 0.3, 0.5),)), "delay"),
+        (LAG, AGED_UM, dataclasses.replace(LAG, drift=True), "aging"),
+        (CREEP, 0.0, dataclasses.replace(LAG, drift=True, since_s=1.0), "creep"),
+        (CLIPPED, 0.0, LIMITED, "saturation"),
+        (LIMITED, 0.0, CLIPPED, "slew"),
+    ],
+)
+def test_a_cause_that_came_first_is_exchanged_for_the_one_like_it_that_explains_more(
+    stage: Chain, more_um: float | NDArray[np.float64], wrong: Chain, right: str
+) -> None:
+    seen = scene(stage, more_um)
+    assert search.present(search._exchanged(seen, refine(seen, wrong), CHECKED).chain) == [right]
 
 
 def test_a_slow_cause_without_evidence_makes_room_for_another() -> None:

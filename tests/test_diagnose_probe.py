@@ -11,6 +11,7 @@ from scipy.signal import StateSpace, lfilter, lsim
 
 from hysgen.diagnose.probe import Chain, Mode, Operator, Run, Scene, refine, standard_errors
 from hysgen.diagnose.probe.dynamics import crept_step, respond
+from hysgen.diagnose.probe.uncertainty import BLOCKS, left_out
 from hysgen.diagnose.spikes import isolated
 from hysgen.kernels.preisach import rate_limited
 from hysgen.kernels.response import Branch, responded
@@ -122,6 +123,18 @@ def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
     # and 3 of those either way is a factor of 2.
     assert abs(np.mean(found) - 1.7) < 4 * np.std(found) / math.sqrt(20)
     assert 0.5 < np.mean(errors) / np.std(found, ddof=1) < 2.0
+
+
+def test_error_behind_a_standard_error_is_that_of_a_fit_that_left_the_block_out() -> None:
+    rng = np.random.default_rng(4)
+    columns, y_um = rng.normal(size=(30, 800)), rng.normal(size=800)
+    fitted = y_um - np.linalg.lstsq(columns.T, y_um)[0] @ columns
+    expected = np.empty(800)
+    for block in np.split(np.arange(800), BLOCKS):
+        weights = np.linalg.lstsq(np.delete(columns, block, axis=1).T, np.delete(y_um, block))[0]
+        expected[block] = y_um[block] - weights @ columns[:, block]
+    # The projector's ridge moves its columns by 1e-9 of their size.
+    np.testing.assert_allclose(left_out(columns, fitted), expected, atol=1e-7)
 
 
 def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() -> None:

@@ -16,7 +16,7 @@ from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.evidence.resonance import weighed
 from hysgen.diagnose.probe import Chain, Errors, Fit, Mode, Operator, Run, Scene, linear_fit, refine
 from hysgen.diagnose.probe.amplifier import amplified
-from hysgen.diagnose.probe.dynamics import respond
+from hysgen.diagnose.probe.dynamics import crept, respond
 from hysgen.diagnose.search import _pruned, _remaining, _sounded, levels, search
 
 Floats = NDArray[np.float64]
@@ -87,20 +87,25 @@ def test_output_that_creeps_back_is_no_creep() -> None:
     assert not evidence("creep", scene(back), back).holds
 
 
-def test_rate_that_holds_a_few_samples_back_is_no_slew_however_well_it_is_known() -> None:
-    limited = dataclasses.replace(LAG, rate_V_per_s=4.5e4)
-    told = evidence("slew", scene(limited), limited)
-    assert told.z > 10.0
-    assert not told.holds, told.text
-
-
-@pytest.mark.parametrize(("error", "holds"), [(0.05, True), (0.2, False)])
-def test_rate_that_is_not_known_is_no_slew(monkeypatch: pytest.MonkeyPatch, error: float, holds: bool) -> None:
-    seen = scene(SLOW_AMPLIFIER)
-    look = Look.at(seen, linear_fit(seen, SLOW_AMPLIFIER))
+@pytest.mark.parametrize(
+    ("rate_V_per_s", "error", "holds"), [(800.0, 0.05, True), (800.0, 0.2, False), (4.5e4, 0.01, False)]
+)
+def test_rate_that_is_not_known_or_holds_a_few_samples_back_is_no_slew(
+    monkeypatch: pytest.MonkeyPatch, rate_V_per_s: float, error: float, holds: bool
+) -> None:
+    limited = dataclasses.replace(LAG, rate_V_per_s=rate_V_per_s)
+    seen = scene(limited)
+    look = Look.at(seen, linear_fit(seen, limited))
     errors = Errors({"rate": error}, np.zeros(1))  # of the logarithm
     monkeypatch.setattr(slew, "standard_errors", lambda at, fit: errors)
     assert causes()["slew"].signature(look, look.fit).holds == holds
+
+
+def test_creep_of_a_move_before_the_record_does_not_change_what_the_record_tells_of_creep() -> None:
+    """Half a range before the first sample, of which nothing is known, creeps on into the record."""
+    before_um = -0.02 * 5.0 * crept(np.ones(SAMPLES), TS_S, 0.05)
+    told = evidence("creep", scene(CREEP, before_um), CREEP).parameters["per_decade"]
+    assert told.value == pytest.approx(0.02, rel=0.02)
 
 
 def test_creep_that_begins_when_the_record_ends_is_none() -> None:
@@ -225,6 +230,14 @@ def test_effect_below_the_noise_counts_by_what_it_leaves_beyond_it() -> None:
     assert _remaining(with_it, without, rows) < 0.6
     assert _remaining(without, with_it, rows) > 1.0
     assert _remaining(with_it, with_it, rows) == 1.0
+
+
+def test_effect_of_a_tenth_of_the_noise_is_neither_there_nor_not() -> None:
+    noise_um = NOISE_UM * np.random.default_rng(9).normal(size=SAMPLES)
+    effect_um = 0.1e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
+    with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
+    rows = np.arange(SAMPLES)
+    assert _remaining(with_it, without, rows) == _remaining(without, with_it, rows) == 1.0
 
 
 def test_one_block_in_which_the_richer_chain_is_wild_does_not_decide() -> None:

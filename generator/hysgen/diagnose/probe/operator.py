@@ -36,9 +36,9 @@ class Operator:
     low_V: float
     high_V: float
     plays: int = 24
-    hats: int = 6
-    curve: int = 5
-    degree: int = 3
+    hats: int = 4
+    curve: int = 7
+    degree: int = 5
     reaches: tuple[float, ...] = (0.06, 0.12, 0.25, 0.5, 1.0)
 
     @property
