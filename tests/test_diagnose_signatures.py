@@ -16,7 +16,7 @@ from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.evidence.resonance import weighed
 from hysgen.diagnose.probe import Chain, Errors, Fit, Mode, Operator, Run, Scene, linear_fit, refine
 from hysgen.diagnose.probe.amplifier import amplified
-from hysgen.diagnose.probe.dynamics import crept, respond
+from hysgen.diagnose.probe.dynamics import crept_step, respond
 from hysgen.diagnose.search import _pruned, _remaining, _sounded, levels, search
 
 Floats = NDArray[np.float64]
@@ -103,7 +103,7 @@ def test_rate_that_is_not_known_or_holds_a_few_samples_back_is_no_slew(
 
 def test_creep_of_a_move_before_the_record_does_not_change_what_the_record_tells_of_creep() -> None:
     """Half a range before the first sample, of which nothing is known, creeps on into the record."""
-    before_um = -0.02 * 5.0 * crept(np.ones(SAMPLES), TS_S, 0.05)
+    before_um = -0.02 * 5.0 * crept_step(SAMPLES, TS_S, 0.05)
     told = evidence("creep", scene(CREEP, before_um), CREEP).parameters["per_decade"]
     assert told.value == pytest.approx(0.02, rel=0.02)
 
