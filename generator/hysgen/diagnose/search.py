@@ -43,8 +43,6 @@ SHARP = 0.25
 """Share of the white noise down to which what lies beneath it is known: its level to 3 % from some 2000 samples."""
 
 MOST_STEPS = 9
-SECONDS = 4
-"""Further proposals of any cause that are refined beside the best of each."""
 
 MOST_ROWS = 8000
 
@@ -137,15 +135,9 @@ def _start(scene: Scene) -> Fit:
 def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     """The most helpful single addition, refined; None if none helps enough."""
     look = Look.at(part, fit)
-    firsts: list[Fit] = []
-    seconds: list[Fit] = []
-    for cause in causes().values():
-        trials = _fitted(part, cause.proposals(look))
-        firsts += trials[:1]
-        seconds += trials[1 : cause.tried]
-    # Each cause's best is refined, however rough it looks: a mode bent around a delay has to straighten out first.
-    seconds.sort(key=lambda trial: trial.rms_um)
-    refined = _refined(part, [trial.chain for trial in (*firsts, *seconds[:SECONDS])])
+    # Each cause's best are refined, however rough they look: a mode bent around a delay has to straighten out first.
+    trials = [trial for cause in causes().values() for trial in _fitted(part, cause.proposals(look))[: cause.tried]]
+    refined = _refined(part, [trial.chain for trial in trials])
     refined = [trial for trial in refined if _possible(part, trial.chain) or not _possible(part, fit.chain)]
     if not refined:
         return None
