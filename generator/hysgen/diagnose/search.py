@@ -136,7 +136,7 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     """The most helpful single addition, refined; None if none helps enough."""
     look = Look.at(part, fit)
     # Each cause's best are refined, however rough they look: a mode bent around a delay has to straighten out first.
-    trials = [trial for cause in causes().values() for trial in _fitted(part, cause.proposals(look))[: cause.tried]]
+    trials = [trial for cause in causes().values() for trial in cause.promising(_fitted(part, cause.proposals(look)))]
     refined = _refined(part, [trial.chain for trial in trials])
     refined = [trial for trial in refined if _possible(part, trial.chain) or not _possible(part, fit.chain)]
     if not refined:

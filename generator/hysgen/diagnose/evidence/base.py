@@ -72,7 +72,7 @@ class Cause(abc.ABC):
     """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
 
     tried: ClassVar[int] = 1
-    """How many of its proposals are refined in a step, the best first."""
+    """How many of its proposals are refined in a step, the best first; `promising` may choose otherwise."""
 
     @abc.abstractmethod
     def present(self, chain: Chain) -> bool:
@@ -109,6 +109,10 @@ class Cause(abc.ABC):
     @abc.abstractmethod
     def proposals(self, look: Look) -> list[Chain]:
         """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""
+
+    def promising(self, trials: list[Fit]) -> list[Fit]:
+        """Those of its proposals, as they stand and the best first, that are worth a refinement."""
+        return trials[: self.tried]
 
     @abc.abstractmethod
     def signature(self, look: Look, rival: Fit) -> Signature:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 
 import numpy as np
 
@@ -16,13 +17,15 @@ LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
 # Closer than LEVELS: with both ends open, a level too far out is a minimum of its own, the curve bent flat before it.
 PAIRED = (0.5, 0.57, 0.64, 0.71, 0.78, 0.85, 0.92)
 
+FURTHER_IN = 2
+
 RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
 
 
 class Saturation(Cause):
     name = "saturation"
     needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
-    tried = 4  # a fit seldom leaves the level of one stroke for that of another
+    tried = 3  # a fit seldom leaves the level of one stroke for that of another
 
     def present(self, chain: Chain) -> bool:
         return chain.low_V is not None or chain.high_V is not None
@@ -54,6 +57,15 @@ class Saturation(Cause):
             for low, high in itertools.product(PAIRED, PAIRED):
                 trials.append(dataclasses.replace(chain, low_V=middle - low * half, high_V=middle + high * half))
         return trials
+
+    def promising(self, trials: list[Fit]) -> list[Fit]:
+        """The best, and beside it the next levels further in: a fit finds outward more readily than inward."""
+        if not trials:
+            return []
+        best = trials[0].chain
+        inside = [trial for trial in trials if 0.0 < _further_in(trial.chain, best) < math.inf]
+        inside.sort(key=lambda trial: _further_in(trial.chain, best))
+        return trials[: self.tried] + [trial for trial in inside[:FURTHER_IN] if trial not in trials[: self.tried]]
 
     def simpler(self, chain: Chain) -> list[Chain]:
         """One end clips instead of both."""
@@ -89,6 +101,18 @@ class Saturation(Cause):
                 scene.operator.high_V + span_V if high_V is None else high_V,
             )
         )
+
+
+def _further_in(chain: Chain, other: Chain) -> float:
+    """By how many V, low and high together, the same ends clip further in than those of `other`; inf if they do not."""
+    total = 0.0
+    for level_V, other_V, sign in ((chain.low_V, other.low_V, 1.0), (chain.high_V, other.high_V, -1.0)):
+        if (level_V is None) != (other_V is None):
+            return math.inf
+        if level_V is not None and other_V is not None:
+            inward_V = sign * (level_V - other_V)
+            total += inward_V if inward_V >= 0.0 else math.inf
+    return total
 
 
 def _slope_beyond(look: Look, level_V: float, sign: float) -> float:
