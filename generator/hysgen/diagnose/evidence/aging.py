@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.evidence.base import SLOW_Z, Cause, Estimate, Look, Signature
 from hysgen.diagnose.evidence.drift import ZERO_UNCERTAIN
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
@@ -45,7 +45,7 @@ class Aging(Cause):
         error = standard_errors(scene, look.fit).coordinates["aging"]
         z = abs(rate) / max(error, 1e-15)
         return Signature(
-            holds=z > 5.0,
+            holds=z > SLOW_Z,
             z=z,
             text=f"gain changes by {100 * rate * scene.span_s:+.2f} % +- {100 * error * scene.span_s:.2f} in this time",
             parameters={

@@ -21,6 +21,10 @@ from hysgen.diagnose.probe.dynamics import respond
 Floats = NDArray[np.float64]
 
 
+SLOW_Z = 4.0
+"""Standard errors by which creep, drift and aging must stand out: few blocks decide on them, and the errors know."""
+
+
 @dataclass(frozen=True, eq=False)
 class Look:
     """The probe's present state: fitted chain, its error (n,) and the projector off all it explains on fitted rows."""

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.evidence.base import SLOW_Z, Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.terms.creep import Creep as CreepTerm
@@ -49,7 +49,7 @@ class Creep(Cause):
         error = standard_errors(look.scene, look.fit).coordinates["creep"]
         z = creep / max(error, 1e-15)
         return Signature(
-            holds=z > 4.0 and chain.creep_from_s < look.scene.span_s / LEAST_DECADES,
+            holds=z > SLOW_Z and chain.creep_from_s < look.scene.span_s / LEAST_DECADES,
             z=z,
             text=f"after a move the output goes on by {100 * creep:.2f} % +- {100 * error:.2f} of it per decade",
             parameters={

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
+from hysgen.diagnose.evidence.base import SLOW_Z, Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension, Wander
 from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
 from hysgen.diagnose.probe.scene import drift_course
@@ -73,7 +73,7 @@ class Drift(Cause):
                 "since_s": Estimate(chain.since_s, math.nan),
             }
         return Signature(
-            holds=z > 5.0
+            holds=z > SLOW_Z
             and abs(drift.size_um) * course > hidden * scene.span_s
             and all(0.5 < share < 1.5 for share in shares),
             z=z,
