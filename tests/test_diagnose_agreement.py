@@ -14,7 +14,7 @@ from test_diagnose_signatures import COMMAND_V, CREEP, LAG, LATE, SAMPLES, SPAN_
 
 from hysgen.diagnose import procedure, search
 from hysgen.diagnose.bootstrap import Gain
-from hysgen.diagnose.evidence import Signature, causes
+from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.noise import NoiseFloor
 from hysgen.diagnose.probe import Chain, Mode, refine
 from hysgen.diagnose.probe.dynamics import respond
@@ -138,3 +138,13 @@ def test_a_slow_cause_without_evidence_makes_room_for_another() -> None:
     seen = scene(LAG, AGED_UM)
     right = search._resigned(seen, refine(seen, CREEP), CHECKED).chain
     assert right.names() == ("lag", "aging")
+
+
+def test_a_slow_cause_without_evidence_goes_where_it_hides_the_evidence_of_another() -> None:
+    seen = scene(LAG, 2e-3 * T_S / SPAN_S)
+    both = refine(seen, dataclasses.replace(CREEP, creep=1e-4, drift=True))
+    drift = causes()["drift"]
+    assert not drift.signature(Look.at(seen, both), both).holds
+    alone = search._resigned(seen, both, CHECKED)
+    assert search.present(alone.chain) == ["drift"]
+    assert drift.signature(Look.at(seen, alone), both).holds

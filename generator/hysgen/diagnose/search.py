@@ -171,13 +171,19 @@ def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
 def _resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit with a cause whose own signature does not hold exchanged for the best of those that are slow like it.
 
-    It explains no more than what it replaces, or `_exchanged` would have taken it; but it is sound.
+    It explains no more than what it replaces, or `_exchanged` would have taken it; but it is sound. If one that is
+    there already becomes sound without its neighbour, the neighbour just goes.
     """
     for old in SLOW:
         if not causes()[old].present(fit.chain):
             continue
         bare = refine(part, causes()[old].without(fit.chain), rounds=8)
-        if causes()[old].signature(Look.at(part, fit), bare).holds:
+        look, bare_look = Look.at(part, fit), Look.at(part, bare)
+        if causes()[old].signature(look, bare).holds:
+            continue
+        beside = [causes()[name] for name in SLOW if name != old and causes()[name].present(fit.chain)]
+        if any(not one.signature(look, bare).holds and one.signature(bare_look, bare).holds for one in beside):
+            fit = bare
             continue
         others = [name for name in SLOW if name != old and not causes()[name].present(fit.chain)]
         trials = [_replacement(part, bare, name) for name in others]
