@@ -244,3 +244,11 @@ def test_one_block_in_which_the_richer_chain_is_wild_does_not_decide() -> None:
     richer, poorer = np.ones(800), np.full(800, 2.0)
     richer[300:400] = 50.0
     assert levels(richer, poorer) == (1.0, 2.0)
+
+
+def test_the_one_block_that_excites_a_mode_decides_though_the_richer_chain_is_worst_there() -> None:
+    richer, poorer = np.ones(800), np.ones(800)
+    richer[300:400], poorer[300:400] = 10.0, 200.0
+    left, right = levels(richer, poorer)
+    assert left < 0.1 * right
+    assert levels(np.ones(800), np.full(800, 5.0)) == (1.0, 5.0)

@@ -42,6 +42,9 @@ SLOW = ("creep", "drift", "aging")
 SHARP = 0.25
 """Share of the white noise down to which what lies beneath it is known: its level to 3 % from some 2000 samples."""
 
+UNDISTURBED = 0.25
+"""Share of the poorer chain's error on a block below which the richer one is not thrown off there."""
+
 MOST_STEPS = 9
 
 MOST_ROWS = 8000
@@ -277,9 +280,14 @@ def _ratio(fit: Fit, rival: Fit, checked: Rows) -> float:
 
 
 def levels(richer_um: Floats, poorer_um: Floats) -> tuple[float, float]:
-    """rms of two errors of the same blocks, (n,) each, less the one block of eight on which the first is worst."""
+    """rms of two errors of the same blocks, (n,) each, less the one block of eight on which the first is worst.
+
+    A block on which the first leaves less than UNDISTURBED of what the second leaves stays: nothing threw it off there,
+    and it may be the only one that excites what it explains.
+    """
     parts = np.array_split(np.arange(len(richer_um)), BLOCKS // 3)
-    worst = max(parts, key=lambda part: rms(richer_um[part]))
+    off = [part for part in parts if rms(richer_um[part]) > UNDISTURBED * rms(poorer_um[part])]
+    worst = max(off, key=lambda part: rms(richer_um[part]), default=np.zeros(0, dtype=np.intp))
     return rms(np.delete(richer_um, worst)), rms(np.delete(poorer_um, worst))
 
 
