@@ -17,11 +17,11 @@ from hysgen.bank.log import Log, read_log
 from hysgen.bank.result import BankResult, Verdict
 from hysgen.bank.scenario import CATEGORIES, Scenario, memory_only, scenario
 from hysgen.bank.truth import error_with_truth_known
-from hysgen.diagnose.evidence.memory import Memory
+from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import climb
-from hysgen.diagnose.memory_shape import with_best_memory
+from hysgen.diagnose.memory_shape import usual_memory, with_best_memory
 from hysgen.diagnose.prepare import prepare
-from hysgen.diagnose.probe import Chain, Fit, rms
+from hysgen.diagnose.probe import rms
 from hysgen.diagnose.procedure import Naming, name_causes
 from hysgen.fit import FitSettings
 from hysgen.record import Record
@@ -117,15 +117,12 @@ def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> 
 
 
 def left_by_memory(hidden: Scenario) -> float:
-    """Free-run rms in um that the model leaves on the stage with nothing but its hysteresis.
-
-    With the memory that causes are weighed with, and as unrestricted: what is below that, weighing cannot see.
-    """
+    """Free-run rms in um that the delivered memory leaves on the stage with nothing but its hysteresis."""
     bare = memory_only(hidden)
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
     prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=("constant",)))
-    extension = Memory().extension(prepared.scene(), Fit(Chain(1.0), np.zeros(0), np.zeros(0), 0.0))
-    rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings(certified=False))
+    extension = Extension(term=usual_memory(*prepared.record.u_range_V))
+    rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
 
 

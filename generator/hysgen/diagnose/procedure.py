@@ -100,10 +100,9 @@ def diagnose(
     naming = dataclasses.replace(naming, extensions=best)
     tell(0.75, "asking which extensions pay")
     made = paying(naming, chosen)
-    rungs = []
-    for count in range(len(made) + 1):
-        tell(0.8 + 0.2 * count / (len(made) + 1), "fitting " + ", ".join(("rules", *made[:count])))
-        rungs.append(climb(naming.prepared, naming.extensions, made[:count], chosen.fit))
+    tell(0.85, "fitting rules, " + ", ".join(made))
+    steps = [made[:count] for count in range(len(made) + 1)]
+    rungs = side_by_side(lambda names: climb(naming.prepared, naming.extensions, names, chosen.fit), steps)
     tell(1.0, "done")
     return _written(naming, made, rungs, chosen)
 
