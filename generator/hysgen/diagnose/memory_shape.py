@@ -40,6 +40,14 @@ def usual_memory(low_V: float, high_V: float) -> Memory:
     return Memory.polynomial(PLAYS, DEGREE, low_V, high_V, past_input=True)
 
 
+def with_finer_memory(extensions: dict[str, Extension]) -> dict[str, Extension] | None:
+    """The extensions, memory with more plays than causes are weighed with at first; None without memory."""
+    memory = extensions["memory"].term if "memory" in extensions else None
+    if not isinstance(memory, Memory) or memory.range_V is None:
+        return None
+    return _with_term(extensions, Memory.polynomial(PLAYS, DEGREE, *memory.range_V))
+
+
 def with_best_memory(
     prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
 ) -> dict[str, Extension]:
@@ -52,17 +60,17 @@ def with_best_memory(
         return extensions
     low_V, high_V = memory.range_V
     names = [name for name in names if name not in LATER]
-
-    def with_plays(term: Memory) -> dict[str, Extension]:
-        return {**extensions, "memory": dataclasses.replace(extensions["memory"], term=term)}
-
-    usual = best = with_plays(usual_memory(low_V, high_V))
+    usual = best = _with_term(extensions, usual_memory(low_V, high_V))
     _, usual_um = checked_error(prepared, usual, names, settings)
     best_um = rms(usual_um)
     for plays, degree, past_input in OTHERS:
-        other = with_plays(Memory.polynomial(plays, degree, low_V, high_V, past_input))
+        other = _with_term(extensions, Memory.polynomial(plays, degree, low_V, high_V, past_input))
         _, other_um = checked_error(prepared, other, names, settings)
         sure = min(gain(usual_um, other_um).sure, surely_lower(usual_um, other_um))
         if sure >= SURE and rms(other_um) < best_um:
             best, best_um = other, rms(other_um)
     return best
+
+
+def _with_term(extensions: dict[str, Extension], term: Memory) -> dict[str, Extension]:
+    return {**extensions, "memory": dataclasses.replace(extensions["memory"], term=term)}

@@ -16,9 +16,9 @@ from hysgen.terms.memory import Memory as MemoryTerm
 
 Floats = NDArray[np.float64]
 
-PLAYS, DEGREE = 10, 3
-"""Plays while causes are weighed, each with its square and cube: a coarser memory hides what small causes gain. Those
-fits are unrestricted, and the past input leads some of them astray; `memory_shape` chooses what the model gets."""
+PLAYS, DEGREE = 6, 3
+"""Plays while causes are weighed, each with its square and cube. Those fits are unrestricted, and the past input leads
+some of them astray; `memory_shape` chooses what the model gets."""
 
 FEWEST = 4
 """Samples that a swing needs to be counted."""
