@@ -49,10 +49,11 @@ def test_limits_at_both_ends_are_found_though_neither_alone_helps() -> None:
     assert abs(verdict.errors["saturation.high_V"]) < PARAMETERS["saturation.high_V"]
 
 
-def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level() -> None:
-    verdict = judge(scenario("saturation", 800))
+@pytest.mark.parametrize(("seed", "level"), [(800, "high"), (908, "low")])
+def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level(seed: int, level: str) -> None:
+    verdict = judge(scenario("saturation", seed))
     assert verdict.exact, verdict.named
-    assert {key for key in verdict.errors if key.startswith("saturation")} == {"saturation.high_V"}
+    assert {key for key in verdict.errors if key.startswith("saturation")} == {f"saturation.{level}_V"}
 
 
 @pytest.mark.parametrize(

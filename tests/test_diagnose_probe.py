@@ -144,4 +144,8 @@ def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() 
     error_um[1200:1204] += 0.5  # four samples are no reading gone wrong
     wrong = [300, 302, 700, 1500, 1700, 1701, 1800, 1801]
     error_um[wrong] += [0.5, 0.4, -0.4, 0.6, 0.5, 0.7, 0.4, -0.5]
+    # What fades in from an unknown past, or out, has neighbours on one side only.
+    fading_um = 2.0 * 0.9 ** np.arange(60)
+    error_um[:60] += fading_um
+    error_um[-60:] -= fading_um[::-1]
     assert np.flatnonzero(isolated(error_um)).tolist() == wrong

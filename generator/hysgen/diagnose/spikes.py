@@ -13,6 +13,9 @@ SCATTERS = 8.0
 
 LOOKS = 4
 
+EDGE = 2
+"""Samples at either end of a run that are never judged."""
+
 
 def isolated(error_um: Floats) -> Flags:
     """Samples of one run that stand off their neighbours alone, or two side by side, (n,).
@@ -21,7 +24,8 @@ def isolated(error_um: Floats) -> Flags:
 
     and twice as far as each neighbour does: a jump or a swing moves its neighbours along. Two side by side stand off
     the two before and the two behind them, twice as far as these four differ. What is found is bridged by a straight
-    line and the rest looked at again, for a corrupted sample spoils the neighbourhood of the next.
+    line and the rest looked at again, for a corrupted sample spoils the neighbourhood of the next. The two samples at
+    either end have no neighbours on both sides: what fades in or out there would stand off those that it has.
     error_um: (n,) what a model leaves, so that the stage's own motion does not count as scatter.
     """
     found = np.zeros(len(error_um), dtype=bool)
@@ -30,6 +34,7 @@ def isolated(error_um: Floats) -> Flags:
     left = error_um
     for _ in range(LOOKS):
         more = _standing(left) & ~found
+        more[:EDGE] = more[-EDGE:] = False
         if not more.any():
             break
         found |= more

@@ -19,6 +19,9 @@ PAIRED = (0.5, 0.57, 0.64, 0.71, 0.78, 0.85, 0.92)
 
 FURTHER_IN = 2
 
+LEAST_BEYOND = 0.01
+"""Share of the command's range that must lie beyond a level: at the very end of the range any curve looks flat."""
+
 RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
 
 
@@ -67,6 +70,12 @@ class Saturation(Cause):
         inside.sort(key=lambda trial: _further_in(trial.chain, best))
         return trials[: self.tried] + [trial for trial in inside[:FURTHER_IN] if trial not in trials[: self.tried]]
 
+    def sound(self, look: Look) -> Chain:
+        """Without a level at the end of the range, of two."""
+        chain = look.fit.chain
+        low_V, high_V = (level if _inside(look.scene, level) else None for level in (chain.low_V, chain.high_V))
+        return chain if low_V is None and high_V is None else dataclasses.replace(chain, low_V=low_V, high_V=high_V)
+
     def simpler(self, chain: Chain) -> list[Chain]:
         """One end clips instead of both."""
         if chain.low_V is None or chain.high_V is None:
@@ -85,7 +94,8 @@ class Saturation(Cause):
             shares.append(_slope_beyond(look, level_V, sign))
             texts.append(f"beyond {level_V:.4g} V the slope is {shares[-1]:.2f} of that inside")
         return Signature(
-            holds=all(abs(share) < 0.35 for share in shares),
+            holds=all(abs(share) < 0.35 for share in shares)
+            and all(_inside(look.scene, level.value) for level in parameters.values()),
             z=float(min((1.0 - abs(share)) / 0.1 for share in shares)),
             text="; ".join(texts),
             parameters=parameters,
@@ -101,6 +111,13 @@ class Saturation(Cause):
                 scene.operator.high_V + span_V if high_V is None else high_V,
             )
         )
+
+
+def _inside(scene: Scene, level_V: float | None) -> bool:
+    """Whether the command goes beyond the level on either side by LEAST_BEYOND of its range."""
+    low_V, high_V = scene.operator.low_V, scene.operator.high_V
+    least_V = LEAST_BEYOND * (high_V - low_V)
+    return level_V is not None and low_V + least_V <= level_V <= high_V - least_V
 
 
 def _further_in(chain: Chain, other: Chain) -> float:
