@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hysgen.bank.log import Log, read_log
 from hysgen.bank.result import BankResult, Verdict
-from hysgen.bank.scenario import CATEGORIES, Scenario, memory_only, scenario
+from hysgen.bank.scenario import CATEGORIES, JUDGED_TOO, Scenario, memory_only, scenario
 from hysgen.bank.truth import error_with_truth_known
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import climb
@@ -75,7 +75,7 @@ def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Verdict]:
 def judge(hidden: Scenario) -> Verdict:
     """Measure a scenario, diagnose the record alone, and compare."""
     measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux, shares=True)
-    record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)
+    record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, accept=JUDGED_TOO)
     left_um = left_by_memory(hidden)
     begun = time.perf_counter()
     naming = name_causes(record)
@@ -120,7 +120,7 @@ def left_by_memory(hidden: Scenario) -> float:
     """Free-run rms in um that the delivered memory leaves on the stage with nothing but its hysteresis."""
     bare = memory_only(hidden)
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
-    prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=("constant",)))
+    prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=JUDGED_TOO))
     extension = Extension(term=usual_memory(*prepared.record.u_range_V))
     rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
