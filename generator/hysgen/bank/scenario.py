@@ -21,7 +21,7 @@ EFFECTS = (
     "creep", "resonance", "delay", "saturation", "slew", "drift", "periodic", "aging", "outliers", "coupling",
 )  # fmt: skip
 JUDGED_TOO = ("constant", "saturation")
-"""Refused where a person can measure again; here a stage may rest, and a mode ring beyond the converter for a moment."""
+"""Refused where a person can measure again; here a stage may rest, and a mode ring beyond the converter."""
 
 CATEGORIES = (*EFFECTS, "pair", "memory", "none", "unknown", "poor")
 RATES_HZ = (200.0, 1000.0, 5000.0, 10e3, 50e3)
