@@ -9,7 +9,7 @@ another is surely lower.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from hysgen.diagnose.bootstrap import gain, surely_lower
 from hysgen.diagnose.extension import Extension
@@ -42,10 +42,12 @@ def usual_memory(low_V: float, high_V: float) -> Memory:
 
 def with_finer_memory(extensions: dict[str, Extension]) -> dict[str, Extension] | None:
     """The extensions, memory with more plays than causes are weighed with at first; None without memory."""
-    memory = extensions["memory"].term if "memory" in extensions else None
-    if not isinstance(memory, Memory) or memory.range_V is None:
-        return None
-    return _with_term(extensions, Memory.polynomial(PLAYS, DEGREE, *memory.range_V))
+    return _reshaped(extensions, lambda low_V, high_V: Memory.polynomial(PLAYS, DEGREE, low_V, high_V))
+
+
+def with_usual_memory(extensions: dict[str, Extension]) -> dict[str, Extension] | None:
+    """The extensions, memory in its usual shape; None without memory."""
+    return _reshaped(extensions, usual_memory)
 
 
 def with_best_memory(
@@ -70,6 +72,13 @@ def with_best_memory(
         if sure >= SURE and rms(other_um) < best_um:
             best, best_um = other, rms(other_um)
     return best
+
+
+def _reshaped(extensions: dict[str, Extension], shape: Callable[[float, float], Memory]) -> dict[str, Extension] | None:
+    memory = extensions["memory"].term if "memory" in extensions else None
+    if not isinstance(memory, Memory) or memory.range_V is None:
+        return None
+    return _with_term(extensions, shape(*memory.range_V))
 
 
 def _with_term(extensions: dict[str, Extension], term: Memory) -> dict[str, Extension]:

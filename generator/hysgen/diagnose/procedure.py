@@ -15,7 +15,7 @@ from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import Rung, checked_error, climb, equipped, in_order
-from hysgen.diagnose.memory_shape import with_best_memory, with_finer_memory
+from hysgen.diagnose.memory_shape import with_best_memory, with_finer_memory, with_usual_memory
 from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms, side_by_side
@@ -204,12 +204,13 @@ def _agreement(
             candidates.append(name)
     free = dataclasses.replace(settings.fit, certified=False)
     agreed, alone, idle = _gaining(prepared, found, extensions, candidates, free)
-    finer = with_finer_memory(extensions) if "memory" in agreed else None
-    if idle and finer is not None:
-        # What a coarse memory leaves may hide what a small cause gains; a fine one may be led astray where it is weak.
-        again, beside, idle_again = _gaining(prepared, found, finer, candidates, free)
+    for usual, others in ((with_finer_memory(extensions), free), (with_usual_memory(extensions), settings.fit)):
+        if not idle or usual is None:
+            break
+        # A coarse memory leaves more than a small cause gains, and a fit without limits may be led astray.
+        again, beside, left = _gaining(prepared, found, usual, candidates, others)
         agreed, alone = in_order(list({*agreed, *again})), {**beside, **alone}
-        idle = [name for name in idle if name in idle_again]
+        idle = [name for name in idle if name in left]
     refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
     return agreed, alone, refused
 
