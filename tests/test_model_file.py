@@ -105,7 +105,7 @@ MALFORMED: dict[str, Callable[[dict[str, Any]], None]] = {
     "consequents[1]: 2 numbers instead of 3": change("consequents.1", [1.0, 2.0]),
     "terms[0]: 'memory' is not an object": change("terms.0", "memory"),
     "terms: kind 'magic' is unknown": change("terms.0.kind", "magic"),
-    "terms: memory: thresholds_V must be positive": change("terms.0.thresholds_V", [3.0, 2.0, 1.0]),
+    "terms: memory: thresholds_V must be rising": change("terms.0.thresholds_V", [3.0, 2.0, 1.0]),
     "weights[0]: False is not a finite number": change("weights.0", False),
     "weights: 1 given": change("weights", [1.0]),
     "blocks: 3 is not a list": change("blocks", 3),

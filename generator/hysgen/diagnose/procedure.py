@@ -32,6 +32,9 @@ Progress = Callable[[float, str], None]
 SURE = 0.7
 """Share of bootstrap draws in which an extension must lower the error of blocks that were left out of the fit."""
 
+SURE_LATER = 0.95
+"""The same for a cause that gained nothing at first and is asked again: each further time is one more chance to err."""
+
 WORTH = 0.02
 """Share of the error that it must take away there: what takes less is nobody's cause of it."""
 
@@ -208,7 +211,7 @@ def _agreement(
         if not idle or usual is None:
             break
         # A coarse memory leaves more than a small cause gains, and a fit without limits may be led astray.
-        again, beside, left = _gaining(prepared, found, usual, candidates, others)
+        again, beside, left = _gaining(prepared, found, usual, candidates, others, SURE_LATER)
         agreed, alone = in_order(list({*agreed, *again})), {**beside, **alone}
         idle = [name for name in idle if name in left]
     refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
@@ -221,6 +224,7 @@ def _gaining(
     extensions: dict[str, Extension],
     names: Sequence[str],
     settings: FitSettings,
+    sure: float = SURE,
 ) -> tuple[list[str], dict[str, Gain], list[str]]:
     """The causes whose extensions gain for certain beside each other, what each gains, and those that left, in turn.
 
@@ -231,7 +235,7 @@ def _gaining(
     while True:
         alone = _alone(prepared, found, extensions, kept, settings)
         worst = min(alone, key=lambda name: (alone[name].sure, alone[name].before_um), default=None)
-        if worst is None or alone[worst].sure >= SURE:
+        if worst is None or alone[worst].sure >= sure:
             return kept, alone, left
         kept.remove(worst)
         left.append(worst)
