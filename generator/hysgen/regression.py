@@ -7,7 +7,7 @@ with p_l at the measured y(k), Eq. (9), and phi the regressors of the terms. A p
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from hysgen.inputs import InputBlock, applied
 from hysgen.kernels import rule_rows
 from hysgen.model import Grid, Model
 from hysgen.record import Record, Segment
-from hysgen.terms import Drive, Term
+from hysgen.terms import Drive, Shaped, Term
 
 Floats = NDArray[np.float64]
 Trust = Sequence[Floats]
@@ -59,6 +59,18 @@ class Structure:
     def range_um(self) -> tuple[float, float, float, float]:
         """The partition as the kernels take it: y_min, y_max, step and first centre."""
         return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um, self.grid.ends_um[0])
+
+
+def rows_of_shaped(structure: Structure, rows_of: Callable[[Shaped], Floats]) -> Floats:
+    """(n, p) what `rows_of` says of the weights of each `Shaped` term, in their places among all parameters."""
+    rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
+    for term in structure.terms:
+        if isinstance(term, Shaped):
+            block = rows_of(term)
+            rows.append(np.zeros((len(block), structure.size)))
+            rows[-1][:, at : at + term.size] = block
+        at += term.size
+    return np.vstack(rows)
 
 
 def structure_of(model: Model) -> Structure:

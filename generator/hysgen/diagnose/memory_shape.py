@@ -57,10 +57,10 @@ def with_best_memory(
 
     Of the shapes that are surely lower than the usual one, the one with the lowest rms.
     """
-    memory = extensions["memory"].term if "memory" in names else None
-    if not isinstance(memory, Memory) or memory.range_V is None:
+    range_V = _range_V(extensions) if "memory" in names else None
+    if range_V is None:
         return extensions
-    low_V, high_V = memory.range_V
+    low_V, high_V = range_V
     names = [name for name in names if name not in LATER]
     usual = best = _with_term(extensions, usual_memory(low_V, high_V))
     _, usual_um = checked_error(prepared, usual, names, settings)
@@ -75,10 +75,14 @@ def with_best_memory(
 
 
 def _reshaped(extensions: dict[str, Extension], shape: Callable[[float, float], Memory]) -> dict[str, Extension] | None:
+    range_V = _range_V(extensions)
+    return None if range_V is None else _with_term(extensions, shape(*range_V))
+
+
+def _range_V(extensions: dict[str, Extension]) -> tuple[float, float] | None:
+    """The input's range that memory counts with; None without memory, or with plays alone."""
     memory = extensions["memory"].term if "memory" in extensions else None
-    if not isinstance(memory, Memory) or memory.range_V is None:
-        return None
-    return _with_term(extensions, shape(*memory.range_V))
+    return memory.range_V if isinstance(memory, Memory) else None
 
 
 def _with_term(extensions: dict[str, Extension], term: Memory) -> dict[str, Extension]:

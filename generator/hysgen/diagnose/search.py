@@ -161,12 +161,8 @@ def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
         for old, new in ((first, second), (second, first)):
             if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
                 continue
-            bare = linear_fit(part, causes()[old].without(fit.chain))
-            trials = _fitted(part, causes()[new].proposals(Look.at(part, bare)))
-            if not trials:
-                continue
-            other = refine(part, trials[0].chain)
-            if _ratio(other, fit, checked) < HELPS_BELOW:
+            other = _replacement(part, linear_fit(part, causes()[old].without(fit.chain)), new)
+            if other is not None and _ratio(other, fit, checked) < HELPS_BELOW:
                 fit = other
     return fit
 

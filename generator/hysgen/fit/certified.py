@@ -25,8 +25,8 @@ from hysgen.enclosure import slope_extremum
 from hysgen.errors import FitError
 from hysgen.membership import membership_slopes, memberships
 from hysgen.model import Model
-from hysgen.regression import Structure
-from hysgen.terms import Shaped, loop_row
+from hysgen.regression import Structure, rows_of_shaped
+from hysgen.terms import loop_row
 
 Floats = NDArray[np.float64]
 
@@ -215,15 +215,8 @@ def _least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
 
 def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:
     """What terms say of the sign of their slopes, in units of the gain."""
-    rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
-    for term in structure.terms:
-        if isinstance(term, Shaped):
-            block = term.rising() / gain_um_per_V
-            rows.append(np.zeros((len(block), structure.size)))
-            rows[-1][:, at : at + term.size] = block
-        at += term.size
-    told = np.vstack(rows)
-    return HalfSpaces(told, np.zeros(len(told)))
+    rows = rows_of_shaped(structure, lambda term: term.rising()) / gain_um_per_V
+    return HalfSpaces(rows, np.zeros(len(rows)))
 
 
 def _slope_limits(structure: Structure, y_um: Floats, u_V: float, limit: float) -> HalfSpaces:

@@ -15,8 +15,7 @@ import numpy as np
 from hysgen.fit.least_squares import Information
 from hysgen.kernels import triangularise
 from hysgen.membership import memberships
-from hysgen.regression import Structure
-from hysgen.terms import Shaped
+from hysgen.regression import Structure, rows_of_shaped
 
 POINTS_PER_RULE = 8
 
@@ -42,12 +41,5 @@ def spread(structure: Structure) -> Information:
 
 def roughness(structure: Structure) -> Information:
     """||roughness @ theta||^2 summed over the terms, as information over all linear parameters; (0, p) without any."""
-    rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
-    for term in structure.terms:
-        if isinstance(term, Shaped):
-            block = term.roughness()
-            rows.append(np.zeros((len(block), structure.size)))
-            rows[-1][:, at : at + term.size] = block
-        at += term.size
-    told = np.vstack(rows)
-    return Information(told, np.zeros(len(told)), 0.0)
+    rows = rows_of_shaped(structure, lambda term: term.roughness())
+    return Information(rows, np.zeros(len(rows)), 0.0)

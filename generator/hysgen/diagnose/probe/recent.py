@@ -20,12 +20,9 @@ class Recent(Generic[Result]):
     def of(self, key: Hashable, make: Callable[[], Result]) -> Result:
         """The result kept for `key`, or that of `make`; it is shared, so nobody may write to it."""
         with self._lock:
-            known = key in self._results
-            result = self._results.pop(key) if known else None
-            if known:
-                self._results[key] = result  # type: ignore[assignment]
-        if known:
-            return result  # type: ignore[return-value]
+            if key in self._results:
+                self._results[key] = self._results.pop(key)
+                return self._results[key]
         result = make()
         with self._lock:
             self._results[key] = result
