@@ -12,7 +12,7 @@ from hysgen.bank.excitation import good
 from hysgen.bank.scenario import scenario
 from hysgen.diagnose.bootstrap import gain, surely_lower
 from hysgen.diagnose.evidence import Look, causes
-from hysgen.diagnose.prepare import prepare, reach_um
+from hysgen.diagnose.prepare import prepare
 from hysgen.diagnose.probe import Chain, Operator, Run, Scene, refine
 from hysgen.diagnose.probe.dynamics import respond
 from hysgen.diagnose.procedure import name_causes
@@ -87,7 +87,7 @@ def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> No
     y_um = 0.1 * respond(u_V, Chain(0.04), TS_S)
     prepared = prepare(Record.from_arrays(u_V, y_um, TS_S), identify=4000 / 6000)
     seen = prepared.identification().y_range_um
-    low_um, high_um = reach_um(prepared)
+    low_um, high_um = prepared.reach_um
     assert seen[1] < 9.0 < high_um
     assert high_um == pytest.approx(10.0, rel=0.03)
     assert low_um < seen[0]

@@ -43,7 +43,7 @@ def problem(record: Record, settings_: FitSettings) -> tuple[Information, Certif
     """What a fit solves."""
     structure = structure_for(record, settings_)
     learnt = information(record, structure)
-    return learnt, certified_set(structure, TS_S, linear_gain(structure, learnt), settings_.slope_limit)
+    return learnt, certified_set(structure, TS_S, linear_gain(structure, learnt, TS_S), settings_.slope_limit)
 
 
 @pytest.mark.parametrize("rules", [4, 9, 20])

@@ -109,7 +109,7 @@ def climb(
         blocks=blocks,
         settle=0,
         input_range_V=prepared.record.u_range_V,
-        displacement_range_um=reach_um(prepared),
+        displacement_range_um=_reach_um(prepared, level),
     )
     weights = _by_segment(trust, [s.samples for s in part.segments])
     try:
@@ -169,6 +169,14 @@ def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
             y_um = extension.zero_um + (y_um - extension.zero_um) / (1.0 + extension.gain_per_s * time_s)
         level.append(dataclasses.replace(segment, y_um=y_um))
     return Record.from_segments(level, record.Ts_s, record.source)
+
+
+def _reach_um(prepared: Prepared, level: Record) -> tuple[float, float]:
+    """The range that the model visits: fitted and scored on the levelled record, it runs on the stage as it is."""
+    ranges = [prepared.reach_um]
+    if level is not prepared.record:
+        ranges.append(reach_um(level, prepared.fit_rows))
+    return min(low for low, _ in ranges), max(high for _, high in ranges)
 
 
 def left_out(prepared: Prepared) -> list[Rows]:

@@ -8,12 +8,14 @@ A segment that the cut goes through is simulated from its own beginning, because
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnose.probe import Operator, Run, Scene
 from hysgen.errors import RecordError
+from hysgen.kernels.play import play_operators
 from hysgen.kernels.poles import lag_states
 from hysgen.record import Record, Segment
 
@@ -29,8 +31,11 @@ FEWEST = 400
 SETTLED_RANGE = 0.9
 """The first excursion has settled the memory once the input has run through this share of its range."""
 
-LAGS = (0.3, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0)
+LAGS = 0.3 * 1.5 ** np.arange(18.0)
 """Time constants in samples among which the range that a command reaches is looked for."""
+
+HALF_WIDTHS = np.array([0.15, 0.4, 0.8])
+"""Plays beside the cubic, in half ranges: small loops, middle ones, and those that only full strokes move."""
 
 LATEST_SETTLED, EARLIEST_SETTLED = 0.3, 0.03
 """If that takes longer than the first share of a segment, it counts as settled at the second, and the start guessed."""
@@ -71,6 +76,11 @@ class Prepared:
         """The part of the record before the cut."""
         return self.record if self.cut == self.record.samples else self.record.rows(0, self.cut)
 
+    @cached_property
+    def reach_um(self) -> tuple[float, float]:
+        """The range of displacement that the whole command visits, foreseen from the identification part."""
+        return reach_um(self.record, self.fit_rows)
+
     def scene(self) -> Scene:
         """What the probe may see: the identification part."""
         part = self.identification()
@@ -80,27 +90,36 @@ class Prepared:
         return Scene(runs, self.record.Ts_s, self.fit_rows, Operator(low_V, high_V))
 
 
-def reach_um(prepared: Prepared) -> tuple[float, float]:
-    """The range of displacement that the whole command will visit, as far as the identification part tells.
+def reach_um(record: Record, rows: Rows) -> tuple[float, float]:
+    """The range of displacement that the whole command of a record visits, as far as its rows `rows` tell.
 
-        y(k) = g(x(k)),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k)),   g a cubic
+        y(k) = g(x(k)) + sum_i c_i play_i(x(k)),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k)),   g a cubic
 
-    g and tau from the identification part, x from the whole command, which is known beforehand; beyond the ends of g(x)
-    by the rms that g leaves, for the loops of the hysteresis are that wide. A model whose grid ends where the
-    identification part ends could not follow a plateau that it only ever touched in passing.
+    g, c and tau by least squares on these rows, x and the plays from the whole command, which is known beforehand;
+    beyond the ends of that by twice the rms it leaves. A model whose grid ends where the identification part ends could
+    not follow a plateau that it only ever touched in passing.
     """
-    record, rows = prepared.record, prepared.fit_rows
-    y_um = prepared.y_um
-    best, reached = np.inf, prepared.identification().y_range_um
+    y_um = np.concatenate([segment.y_um for segment in record.segments])[rows]
+    best, reached = np.inf, (float(y_um.min()), float(y_um.max()))
     for lag in LAGS:
-        rate = np.array([-np.expm1(-1.0 / lag)])
-        x = np.concatenate([lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments])
-        cubic = np.polynomial.Polynomial.fit(x[rows], y_um[rows], 3)
-        left = float(np.sqrt(np.mean((y_um[rows] - cubic(x[rows])) ** 2)))
+        columns = _quasi_static(record, lag)
+        weights, *_ = np.linalg.lstsq(columns[:, rows].T, y_um)
+        left = float(np.sqrt(np.mean((y_um - weights @ columns[:, rows]) ** 2)))
         if left < best:
-            low, high = sorted(float(cubic(end)) for end in (x.min(), x.max()))
-            best, reached = left, (low - left, high + left)
+            foreseen_um = weights @ columns
+            best, reached = left, (float(foreseen_um.min()) - 2.0 * left, float(foreseen_um.max()) + 2.0 * left)
     return reached
+
+
+def _quasi_static(record: Record, lag: float) -> Floats:
+    """(4 + p, n) powers and plays of the command behind a lag of so many samples, from -1 to 1."""
+    rate = np.array([-np.expm1(-1.0 / lag)])
+    behind = [lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments]
+    low, high = min(x.min() for x in behind), max(x.max() for x in behind)
+    behind = [(2.0 * x - (low + high)) / max(high - low, 1e-300) for x in behind]
+    x = np.concatenate(behind)
+    plays = np.concatenate([play_operators(x, HALF_WIDTHS, np.full(HALF_WIDTHS.size, x[0])) for x in behind])
+    return np.vstack([x**0, x, x**2, x**3, plays.T])
 
 
 def prepare(record: Record, holdout: Record | None = None, identify: float = IDENTIFY) -> Prepared:

@@ -90,24 +90,35 @@ def allowed_set(
     """The set that a fit has to stay in; None if the settings do not ask for certificates."""
     if not settings.certified:
         return None
-    gain_um_per_V = linear_gain(structure, learnt)
+    gain_um_per_V = linear_gain(structure, learnt, record.Ts_s)
     return certified_set(
         structure, record.Ts_s, gain_um_per_V, settings.slope_limit, settings.loop_limit, linear_looped
     )
 
 
-def linear_gain(structure: Structure, learnt: Information) -> float:
-    """Gain in um/V of the least-squares model in which all rules are one: y(k+1) = a y + b u + c + theta . phi.
+def linear_gain(structure: Structure, learnt: Information, Ts_s: float) -> float:
+    """Gain b in um/V of the least-squares model in which all rules are one: y(k+1) = a y + b u + c + theta . phi.
 
-    Without the regressors that are the past input: they would leave even the sign of b to how the samples fall.
+    Without the regressors that are the past input: they would leave even the sign of b to how the samples fall. A mode
+    can take nearly all of b to itself, or turn its sign if it is missing: of b with and without the linear terms, the
+    larger that has the sign of the static slope s in y = s u + c.
     """
-    rules = structure.grid.rules
-    kept = np.concatenate([np.ones(0, dtype=bool), *(~past_input(term) for term in structure.terms)])
-    tied = np.zeros((structure.size, 3 + kept.size))
-    tied[: 3 * rules, :3] = np.tile(np.eye(3), (rules, 1))
-    tied[3 * rules :, 3:] = np.diag(kept)
+    rules, terms = structure.grid.rules, structure.terms
+    one = np.zeros((structure.size, 3))
+    one[: 3 * rules] = np.tile(np.eye(3), (rules, 1))
+    slope_um_per_V = _tied(learnt, one[:, 1:])[0]
+    gains = []
+    for linear in (True, False):
+        kept = [~past_input(term) & (linear or term.linear(Ts_s) is None) for term in terms]
+        phi = np.eye(structure.size)[:, 3 * rules :] * np.concatenate([np.zeros(0), *kept])
+        gains.append(float(_tied(learnt, np.hstack([one, phi]))[1]))
+    return max((b for b in gains if b * slope_um_per_V > 0.0), key=abs, default=gains[0])
+
+
+def _tied(learnt: Information, tied: Floats) -> Floats:
+    """(m,) least squares over parameters that follow from fewer, q = tied x; tied (p, m)."""
     solution, *_ = np.linalg.lstsq(learnt.R @ tied, learnt.d, rcond=None)
-    return float(solution[1])
+    return np.asarray(solution)
 
 
 def _model(record: Record, settings: FitSettings, structure: Structure, parameters: Floats) -> Model:

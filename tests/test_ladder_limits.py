@@ -1,0 +1,58 @@
+"""What holds a rung of the ladder back: the range of its grid, and the limits that its gain must stay inside."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from hysgen.bank.scenario import JUDGED_TOO, Scenario, scenario
+from hysgen.bank.truth import true_extensions
+from hysgen.diagnose.extension import Extension
+from hysgen.diagnose.ladder import climb, levelled
+from hysgen.diagnose.prepare import Prepared, prepare
+from hysgen.diagnose.probe import rms
+from hysgen.fit import FitSettings
+from hysgen.record import Record
+from hysgen.stage import run as measure
+from hysgen.terms.memory import Memory
+
+
+def measured(hidden: Scenario) -> Prepared:
+    y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
+    return prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=JUDGED_TOO))
+
+
+def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> None:
+    # The gain falls by 8 %: what is fitted, the displacement with the aging taken out, goes beyond what was measured.
+    hidden = scenario("aging", 1117)
+    aging = hidden.stage.aging
+    assert aging is not None
+    prepared = measured(hidden)
+    new = Extension(gain_per_s=aging.fraction / aging.over_s)
+    level_um = np.concatenate([segment.y_um for segment in levelled(prepared, [new]).segments])
+    assert level_um.max() > prepared.y_um.max() + 1.0
+    rung = climb(prepared, true_extensions(hidden) | {"aging": new}, ["memory", "aging"], FitSettings())
+    grid = rung.model.grid
+    assert grid.y_min_um <= level_um.min()
+    assert level_um.max() <= grid.y_max_um
+    late = prepared.held_rows
+    assert rms(rung.error_um[late]) < 3.0 * rms(rung.error_um[prepared.fit_rows])
+
+
+@pytest.mark.parametrize("name", ["pair:1013", "resonance:1106"])
+def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse(name: str) -> None:
+    # One rule beside the mode has a gain of next to nothing, and so would have the limits that are multiples of it.
+    category, seed = name.split(":")
+    hidden = scenario(category, int(seed))
+    hidden = dataclasses.replace(hidden, stage=hidden.stage.with_effects(outliers=None, drift=None, aging=None))
+    prepared = measured(hidden)
+    low_V, high_V = prepared.record.u_range_V
+    extensions = true_extensions(hidden) | {"memory": Extension(term=Memory.polynomial(6, 3, low_V, high_V, True))}
+    causes = [cause for cause in hidden.planted if cause in extensions]
+    without, beside = (
+        rms(climb(prepared, extensions, names, FitSettings()).error_um[prepared.fit_rows])
+        for names in ([cause for cause in causes if cause != "resonance"], causes)
+    )
+    assert beside < 1.02 * without
