@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +45,12 @@ class Extension:
     zero_um: float = 0.0
     forgetting_s: float | None = None
     gate: bool = False
+
+    @property
+    def content(self) -> Hashable:
+        """What a fit with it depends on: the same for extensions that make the same models."""
+        trust = None if self.trust is None else self.trust.tobytes()
+        return (self.term, self.block, trust, self.drift, self.gain_per_s, self.zero_um, self.learns)
 
     @property
     def learns(self) -> bool:

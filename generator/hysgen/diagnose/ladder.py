@@ -191,6 +191,13 @@ def checked_error(
     prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
 ) -> tuple[Rows, Floats]:
     """Rows of the identification part in order, and the free-run error there of models that were not fitted to them."""
+    asked = tuple((name, extensions[name].content) for name in in_order(names))
+    return prepared.checked.of((asked, settings), lambda: _checked(prepared, extensions, names, settings))
+
+
+def _checked(
+    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
+) -> tuple[Rows, Floats]:
     parts = [(rows, climb(prepared, extensions, names, settings, rows).error_um[rows]) for rows in left_out(prepared)]
     rows, errors = np.concatenate([rows for rows, _ in parts]), np.concatenate([error for _, error in parts])
     order = np.argsort(rows)

@@ -7,7 +7,7 @@ A segment that the cut goes through is simulated from its own beginning, because
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,7 @@ from hysgen.diagnose.probe import Operator, Run, Scene
 from hysgen.errors import RecordError
 from hysgen.kernels.play import play_operators
 from hysgen.kernels.poles import lag_states
+from hysgen.recent import Recent
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
@@ -37,6 +38,9 @@ LAGS = 0.3 * 1.5 ** np.arange(18.0)
 HALF_WIDTHS = np.array([0.15, 0.4, 0.8])
 """Plays beside the cubic, in half ranges: small loops, middle ones, and those that only full strokes move."""
 
+MOST_CHECKED = 100
+"""Fits whose errors are kept; a diagnosis makes some 50."""
+
 LATEST_SETTLED, EARLIEST_SETTLED = 0.3, 0.03
 """If that takes longer than the first share of a segment, it counts as settled at the second, and the start guessed."""
 
@@ -46,11 +50,13 @@ class Prepared:
     """All segments, in order, as one record; rows before `cut` identify.
 
     settled: (n,) rows on which a model's unknown past no longer counts; only they are fitted and scored.
+    checked: errors on rows left out of a fit, by what was fitted: the same models are asked for more than once.
     """
 
     record: Record
     cut: int
     settled: NDArray[np.bool_]
+    checked: Recent[tuple[Rows, Floats]] = field(default_factory=lambda: Recent(MOST_CHECKED))
 
     @property
     def fit_rows(self) -> Rows:

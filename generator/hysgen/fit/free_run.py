@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from hysgen.fit.least_squares import Information
 from hysgen.fit.spread import roughness, spread
 from hysgen.kernels import FreeRunSums, Rules, free_run_sums
 from hysgen.model import Model
+from hysgen.recent import Recent
 from hysgen.record import Record
 from hysgen.regression import Starts, Structure, Trust, drives_of, full_trust, structure_of, term_regressors
 from hysgen.terms import Drive, Term
@@ -68,6 +69,7 @@ class FreeRunError:
     trust: weight of each sample, by segment; 0 where it is not scored.
     shaped: kinds of terms whose shape parameters may move, in the order of the model's terms.
     held: quadratic forms that hold the linear parameters, with their weights kappa.
+    columns: phi of the terms over each segment; only shape parameters change them.
     """
 
     record: Record
@@ -75,6 +77,7 @@ class FreeRunError:
     trust: tuple[Floats, ...]
     shaped: frozenset[str] = frozenset()
     held: tuple[tuple[float, Information], ...] = ()
+    columns: Recent[list[Floats]] = field(default_factory=lambda: Recent(1))
 
     def held_near(self, model: Model, one_step: Information) -> FreeRunError:
         """The same error with the forms, weighted by the free-run error of `model`.
@@ -107,9 +110,9 @@ class FreeRunError:
     def sums(self, model: Model) -> FreeRunSums:
         """The free run's own sums over all segments."""
         rules = Rules(structure_of(model).range_um, model.consequents)
+        columns = self.columns.of(model.terms, lambda: [term_regressors(model.terms, drive) for drive in self.drives])
         total: FreeRunSums | None = None
-        for segment, drive, trust in zip(self.record.segments, self.drives, self.trust, strict=True):
-            phi = term_regressors(model.terms, drive)
+        for segment, drive, trust, phi in zip(self.record.segments, self.drives, self.trust, columns, strict=True):
             extra = np.column_stack([phi, *self._shape_columns(model, drive)]) if self.shaped else phi
             part = free_run_sums(rules, drive.u_V, phi @ model.weights, extra, segment.y_um, trust)
             total = part if total is None else total + part

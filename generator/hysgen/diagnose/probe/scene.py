@@ -13,7 +13,7 @@ from hysgen.diagnose.probe.amplifier import amplified
 from hysgen.diagnose.probe.chain import Chain
 from hysgen.diagnose.probe.dynamics import crept_step, respond, respond_into
 from hysgen.diagnose.probe.operator import Operator
-from hysgen.diagnose.probe.recent import Recent
+from hysgen.recent import Recent
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
