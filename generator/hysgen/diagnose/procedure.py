@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.blas import one_blas_thread
 from hysgen.diagnose.bootstrap import Gain, gain, surely_lower
 from hysgen.diagnose.diagnosis import Diagnosis, NamedCause, Price, Refused, confidence
 from hysgen.diagnose.evidence import Look, Signature, causes
@@ -83,6 +84,7 @@ class Naming:
         }
 
 
+@one_blas_thread()
 def diagnose(
     record: Record,
     holdout: Record | None = None,
@@ -122,6 +124,7 @@ def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
     return made
 
 
+@one_blas_thread()
 def name_causes(
     record: Record,
     holdout: Record | None = None,

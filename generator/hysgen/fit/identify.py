@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.blas import one_blas_thread
 from hysgen.certificates import certify
 from hysgen.fit.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fit.free_run import free_run_error
@@ -23,6 +24,7 @@ from hysgen.terms import past_input
 Floats = NDArray[np.float64]
 
 
+@one_blas_thread()
 def fit(
     record: Record,
     settings: FitSettings | None = None,
