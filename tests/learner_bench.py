@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,9 @@ def texts_of(model: Model) -> dict[str, str]:
 class Pair:
     """A compiled learner and its reference, side by side."""
 
-    def __init__(self, model: Model, texts: dict[str, str] | None = None, toolchain: Toolchain | None = None) -> None:
+    def __init__(
+        self, model: Model, texts: Mapping[str, str] | None = None, toolchain: Toolchain | None = None
+    ) -> None:
         self.model = model
         self.host = Host(model.name, texts or texts_of(model), toolchain)
         self.instance = self.host.instance(float(START_UM), float(START_V))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pytest
 from conftest import need
 from generated_models import everything, smooth
-from learner_bench import Pair, corrupted, lagging, sized, texts_of
+from learner_bench import Floats32, Pair, corrupted, lagging, sized, texts_of
 from proof_models import texts
 
 from hysgen.emit.members import members
@@ -44,6 +46,77 @@ def test_a_subset_of_the_parameters_learns_bit_for_bit(learned: tuple[str, ...])
 @pytest.mark.parametrize(("size", "calls"), [(6, 2), (18, 6)])
 def test_a_spread_update_equals_its_reference_after_every_call(size: int, calls: int) -> None:
     assert Pair(sized(size, calls_per_update=calls, settle=64)).first_difference(*corrupted(600)) is None
+
+
+@functools.lru_cache(maxsize=4)
+def spread_texts(size: int, calls: int) -> Mapping[str, str]:
+    return texts_of(sized(size, calls_per_update=calls))
+
+
+def losing(pair: Pair) -> Iterator[tuple[Floats32, Floats32]]:
+    """Samples between which bits are flipped so that the shadow is lost: beyond its limit, wild, far off for long."""
+    y, u = corrupted(1200)
+    k = 0
+    spread, limit_um = pair.lane.numbers.spread, float(pair.lane.numbers.limit_um)
+    for phase, flipped in (
+        (spread.calls, {"theta": 2.0 * limit_um}),
+        (0, {"d": 1e30}),
+        (0, {"error": 1e9, "age": 1_000_000}),
+    ):
+        yield y[k : k + 150], u[k : k + 150]
+        k += 150
+        while pair.lane.phase[0] != phase:
+            yield y[k : k + 1], u[k : k + 1]
+            k += 1
+        for word, value in flipped.items():
+            getattr(pair.lane, word)[0] = value
+            if word in ("theta", "d"):
+                getattr(pair.learner, word)[0] = value
+            else:
+                setattr(pair.learner, word, value)
+    yield y[k : k + 150], u[k : k + 150]
+
+
+@pytest.mark.parametrize(("size", "calls"), [(6, 12), (18, 2), (18, 8), (40, 8)])
+def test_a_restart_spread_over_calls_is_whole_for_commit_at_once_and_for_the_next_update(size: int, calls: int) -> None:
+    """Bits after every call; the shadow that commit reads is there in the call that loses it, U before what follows."""
+    pair = Pair(sized(size, calls_per_update=calls), spread_texts(size, calls))
+    spread, names = pair.lane.numbers.spread, list(pair.lane.words())
+    row = {name: names.index(name) for name in ("phase", "age", "restarts")}
+    theta, reference, factors = (
+        [k for k, name in enumerate(names) if name.startswith(f"{group}[")] for group in ("theta", "reference", "u")
+    )
+    lost_in: set[int] = set()
+    for y, u in losing(pair):
+        before = pair.expected()
+        for k, got in enumerate(pair.run(y, u)):
+            pair.lane.learn(y[k : k + 1], u[k : k + 1])
+            wrong = np.flatnonzero(got != pair.expected())
+            assert not wrong.size, f"sample {k}: {names[wrong[0]]}"
+            if got[row["restarts"]] > before[row["restarts"]]:
+                lost_in.add(int(before[row["phase"]]))
+                assert got[row["phase"]] == spread.clearing
+                assert got[row["age"]] == 0
+                assert list(got[theta]) == list(got[reference])
+            elif before[row["phase"]] == spread.phases:
+                assert got[row["phase"]] == 0
+                assert set(got[factors].view(np.float32)) <= {0.0, 1.0}
+            before = got
+    # Where the sample is taken, at the end of the first half of an update (of two calls, the same), and at its end.
+    assert lost_in == {0, spread.calls} | ({len(spread.project) - 1} if calls > 2 else set())
+
+
+@pytest.mark.parametrize(
+    ("size", "left_out"), [(40, "    smooth_10_clear_column(self, 39u);\n}"), (18, "self->u[152] = 0.0f;\n}")]
+)
+def test_a_restart_that_leaves_out_a_column_is_found(size: int, left_out: str) -> None:
+    model = sized(size, calls_per_update=8)
+    texts = dict(spread_texts(size, 8))
+    file = f"{model.name}.c"
+    assert texts[file].count(left_out) == 1
+    texts[file] = texts[file].replace(left_out, "}")
+    pair = Pair(model, texts)
+    assert "u[" in str(next(filter(None, (pair.first_difference(*piece) for piece in losing(pair))), None))
 
 
 def test_a_learner_starts_with_every_state_of_the_model_and_of_what_the_input_passes() -> None:

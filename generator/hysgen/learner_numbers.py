@@ -15,16 +15,11 @@ import numpy as np
 
 from hysgen.coefficients import Coefficients, Floats, Floats32, single
 from hysgen.errors import ModelError
+from hysgen.learner_spread import Spread, spread
 from hysgen.learning import BIAS, LearnerSettings
 from hysgen.model import Model
 
 MOST_PARAMETERS: Final = 64
-
-WRITTEN_OUT: Final = 24
-"""Up to this many parameters each element of U has lines of its own; above, columns are looped over: smaller code."""
-
-COLUMNS_PER_PASS: Final = 4
-"""Columns that the loop takes side by side."""
 
 # Multiples of these are what regressors, U, gains and steps are rounded to by adding and taking off 1.5 * 2^23 of them.
 # A product of three of them is still a normal number: nothing that is kept can be denormal (docs/learning.md).
@@ -94,19 +89,9 @@ class LearnerNumbers:
         return len(self.parameters)
 
     @property
-    def borders(self) -> tuple[int, ...]:
-        """Columns 0, ..., n at which the work of one update is cut: each half of its calls does one slice per call.
-
-        Column j costs j + 1; above WRITTEN_OUT parameters the cuts are multiples of COLUMNS_PER_PASS.
-        """
-        passes = max(self.settings.calls_per_update // 2, 1)
-        grain = 1 if self.size <= WRITTEN_OUT else COLUMNS_PER_PASS
-        work = np.cumsum(np.arange(1, self.size + 1))
-        cuts = [0]
-        for share in range(1, passes):
-            cut = int(np.searchsorted(work, work[-1] * share / passes)) + 1
-            cuts.append(min(max(-(-cut // grain) * grain, cuts[-1]), self.size))
-        return (*cuts, self.size)
+    def spread(self) -> Spread:
+        """What each call does of an update."""
+        return spread(self.size, self.settings.calls_per_update)
 
     def learns(self, group: str) -> bool:
         """Whether parameters of `group` are learned."""

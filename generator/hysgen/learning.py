@@ -10,7 +10,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from hysgen.errors import ModelError
 
@@ -22,6 +22,9 @@ BIAS = ("bias",)
 
 LEARNED = {"all": GROUPS, "rules": GROUPS[:3], "terms": GROUPS[3:], "bias": BIAS}
 """The usual choices by name."""
+
+MOST_CALLS: Final = 32
+"""Calls over which an update can be spread."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,7 @@ class LearnerSettings:
     settle: updates after which the shadow is compared with the reference parameters and with y(k+1) = y(k).
     worse, lost: the shadow restarts where its rms error is `worse` times the reference's, or `lost` times that of
         y(k+1) = y(k).
-    calls_per_update: calls of `_learn` over which one update is spread: 1, or an even number.
+    calls_per_update: calls of `_learn` over which one update is spread, up to MOST_CALLS (see `learner_spread`).
     mature: updates since the last restart before `_commit` accepts the shadow.
     gain_floor_um_per_V, slope_limit: what the committed |b(y)| and |df/dy| must keep.
     points, points_per_call: displacements at which `_commit` checks them, and how many of them per call.
@@ -88,13 +91,8 @@ class LearnerSettings:
         _require(64 <= self.settle <= 2**24, "settle", self.settle, "64 to 2^24 updates")
         _require(1.0 < self.worse <= 1e3, "worse", self.worse, "above 1")
         _require(1.0 <= self.lost <= 1e3, "lost", self.lost, "1 to 1e3")
-        even = self.calls_per_update % 2 == 0
-        _require(
-            self.calls_per_update == 1 or (even and 2 <= self.calls_per_update <= 32),
-            "calls_per_update",
-            self.calls_per_update,
-            "1, or an even number up to 32",
-        )
+        calls = self.calls_per_update
+        _require(1 <= calls <= MOST_CALLS, "calls_per_update", calls, f"1 to {MOST_CALLS}")
         _require(0 <= self.mature <= 2**24, "mature", self.mature, "0 to 2^24 updates")
         _require(self.points is None or 4 <= self.points <= 1024, "points", self.points, "4 to 1024")
         _require(1 <= self.points_per_call <= 64, "points_per_call", self.points_per_call, "1 to 64")

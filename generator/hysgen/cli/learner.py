@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 
-from hysgen.learning import LEARNED, LearnerSettings
+from hysgen.learning import LEARNED, MOST_CALLS, LearnerSettings
 from hysgen.model import Model
 
 
@@ -41,7 +41,7 @@ def add_learner_options(parser: argparse.ArgumentParser) -> None:
         "--calls-per-update",
         type=int,
         metavar="N",
-        help="spread one update over N calls: 1, or an even number up to 32 (default 1)",
+        help=f"spread one update over N calls, up to {MOST_CALLS} (default 1)",
     )
 
 

@@ -11,7 +11,6 @@ turn.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,8 +21,11 @@ from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.prepare import Prepared, reach_um
 from hysgen.errors import FitError
 from hysgen.fit import FitSettings, fit
-from hysgen.learning import LearnerSettings
+from hysgen.learner_numbers import MOST_PARAMETERS
+from hysgen.learner_spread import spread
+from hysgen.learning import MOST_CALLS, LearnerSettings
 from hysgen.model import Model
+from hysgen.operations.cycles import budget
 from hysgen.record import Record
 from hysgen.simulate import free_run
 from hysgen.terms.drift import Drift
@@ -45,10 +47,8 @@ WIDEST_BIAS = 0.05
 LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
 """Largest loop gain and slope of a model that is to learn: `_commit` takes no parameters without room below 1."""
 
-UPDATE_S, SHARE_TO_LEARN = 20e-9, 0.4
-"""An update of n parameters takes about n^2 times the first on the target; the share of a period that it may take."""
-
-MOST_CALLS = 32
+SHARE_TO_LEARN = 0.4
+"""Share of a sample period that the dearest call of an update may take; the rest is for a step and a commit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,9 +144,13 @@ def equipped(model: Model, extensions: Sequence[Extension], span_s: float, noise
 
 
 def calls_per_update(parameters: int, Ts_s: float) -> int:
-    """Samples over which an update of the learner is spread so that it leaves the period to the rest: 1, or even."""
-    samples = UPDATE_S * parameters**2 / (SHARE_TO_LEARN * Ts_s)
-    return 1 if samples <= 1.0 else min(2 * math.ceil(0.5 * samples), MOST_CALLS)
+    """Fewest samples over which an update of the learner can be spread so that it leaves the period to the rest.
+
+    If none are enough, those of which more would not make the dearest call cheaper.
+    """
+    ways = [spread(min(parameters, MOST_PARAMETERS), calls) for calls in range(1, MOST_CALLS + 1)]
+    room = SHARE_TO_LEARN * budget(Ts_s)
+    return next((way.calls for way in ways if way.busiest <= room), min(ways, key=lambda way: way.busiest).calls)
 
 
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:

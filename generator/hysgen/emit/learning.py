@@ -15,7 +15,6 @@ from hysgen.emit.parameters import Constant, Section, Table
 from hysgen.emit.pipeline import Turn, pipelined
 from hysgen.emit.sums import polynomial, powers
 from hysgen.learner_numbers import (
-    COLUMNS_PER_PASS,
     FACTOR_GRID,
     FAST,
     GAIN_GRID,
@@ -23,11 +22,11 @@ from hysgen.learner_numbers import (
     REGRESSOR_GRID,
     SLOW,
     STEP_GRID,
-    WRITTEN_OUT,
     LearnerNumbers,
     Parameter,
     learner_numbers,
 )
+from hysgen.learner_spread import COLUMNS_PER_PASS, WRITTEN_OUT, Spread
 from hysgen.learner_status import LEARNER_COUNTERS, LEARNER_MEANINGS
 from hysgen.model import Model
 
@@ -42,7 +41,6 @@ FACTOR_WIDTH = 3
 FACTOR_STAGES = ("load", "multiply", "add", "raise", "lower", "store")
 
 PASS_STAGES = ("load", "", "multiply", "", "add")
-LOOPED_WIDTH = 4
 WEIGH_WIDTH = 9
 WEIGH_STAGES = (
     "seed",
@@ -53,6 +51,11 @@ WEIGH_STAGES = (
     "scale",
     "clamp",
 )
+INNOVATIONS_WIDTH = 2
+INNOVATIONS_STAGES = ("load", "multiply", "add")
+SUM_STAGES = ("multiply", "", "add", "keep")
+VARIANCE_WIDTH = 3
+VARIANCE_STAGES = WEIGH_STAGES[-3:]
 STEP_WIDTH = 3
 STEP_STAGES = ("multiply", "raise", "lower", "carry", "add", "kept", "left", "store")
 
@@ -103,10 +106,11 @@ class Column:
 
 @dataclass(frozen=True)
 class Slice:
-    """Columns first .. last - 1: what one call works off.
+    """Columns first .. last - 1: what one call works off; in half an update, for either half has slices of its own.
 
     project, factor: elements of the slice by rows and by columns, in the order of a pipeline.
-    The blocks hold elements for the columns before, those of the slice, these and those before, these and the others.
+    passes: first columns of what U' x takes side by side. columns: those of the slice, in blocks.
+    The blocks hold elements for the columns before, those of the slice, and both.
     """
 
     number: int
@@ -119,7 +123,22 @@ class Slice:
     begun_blocks: Sequence[Sequence[Element]]
     end_blocks: Sequence[Sequence[Element]]
     done_blocks: Sequence[Sequence[Element]]
-    coming_blocks: Sequence[Sequence[Element]]
+    passes: Sequence[int]
+    columns: Sequence[Column]
+
+
+@dataclass(frozen=True)
+class Phase:
+    """What one call does of an update or a restart that is spread, and the phase behind it.
+
+    work: name of its function, none if it has no columns. kind: project, factor or clear. last: of its kind.
+    """
+
+    work: str
+    number: int
+    following: int
+    kind: str
+    last: bool
 
 
 def learner_concern(model: Model, numbers: Coefficients, _certificates: object) -> Concern | None:
@@ -129,8 +148,10 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
     found = learner_numbers(model, numbers)
     n, upper = found.size, model.name.upper()
     written_out = n <= WRITTEN_OUT
-    calls = model.learner.calls_per_update
     firing = any(found.learns(group) for group in ("slope", "gain", "offset"))
+    ends = [Element(j - 1, j) for j in range(n)]
+    every = _blocks(ends)
+    one_after_another = [Turn(stage, block) for stage in ("multiply", "add") for block in every]
     facts = {
         "n": n,
         "written_out": written_out,
@@ -143,19 +164,32 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         "weight": polynomial("weight", [f"{model.name}_strength[{k}]" for k in range(numbers.rules)]),
         "fixed_rules": _fixed_sums(found) != "",
         "fixed": _fixed(model, found),
-        "slices": [_slice(k, *ends, n) for k, ends in enumerate(itertools.pairwise(found.borders))],
+        "project_slices": _slices(found.spread.project),
+        "factor_slices": _slices(found.spread.factor),
+        "clear_slices": [part for part in _slices(found.spread.factor) if _clears(part.last, n)],
+        "phases": _phases(found.spread, n),
         "chains": [[Element(j - 1, j) for j in range(c, n, SIDE_BY_SIDE)] for c in range(min(SIDE_BY_SIDE, n))],
-        "at_once": calls == 1,
-        "calls": calls,
-        "factor_columns": [Column(j, _blocks(_column(j))) for j in range(n)],
-        "blocks": _blocks([Element(j - 1, j) for j in range(n)]),
-        "weigh": pipelined(_blocks([Element(j - 1, j) for j in range(n)], WEIGH_WIDTH), WEIGH_STAGES),
-        "step": pipelined(_blocks([Element(j - 1, j) for j in range(n)], STEP_WIDTH), STEP_STAGES),
+        "at_once": found.spread.at_once,
+        "calls": found.spread.calls,
+        "clearing": found.spread.clearing,
+        "calls_to_restart": found.spread.phases - found.spread.calls,
+        "blocks": every,
+        "innovations": pipelined(_blocks(ends, INNOVATIONS_WIDTH), INNOVATIONS_STAGES),
+        "sums": pipelined(every, SUM_STAGES) if not written_out else one_after_another,
+        "weigh": pipelined(
+            _blocks(ends, WEIGH_WIDTH if written_out else VARIANCE_WIDTH),
+            WEIGH_STAGES if written_out else VARIANCE_STAGES,
+        ),
+        "reciprocals": [Element(0, c) for c in range(WEIGH_WIDTH)],
+        "reciprocal_passes": [] if written_out else [min(c, n - WEIGH_WIDTH) for c in range(0, n, WEIGH_WIDTH)],
+        "reciprocal": "r%d" if written_out else "r[%d]",
+        "denominator": "a%d" if written_out else "a[%d]",
+        "step": pipelined(_blocks(ends, STEP_WIDTH), STEP_STAGES),
         "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
         "pass_rows": pipelined(
             [[Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)] for i in range(n)], PASS_STAGES
         ),
-        "looped_factor": pipelined(_blocks([Element(j - 1, j) for j in range(n)], LOOPED_WIDTH), FACTOR_STAGES),
+        "column_factor": pipelined(_blocks(ends, FACTOR_WIDTH), FACTOR_STAGES),
         "sliding_always": model.learner.forgetting < 1.0,
         "status_rows": [
             f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
@@ -201,6 +235,29 @@ def _fixed(model: Model, found: LearnerNumbers) -> str:
     return f"{model.name}_settled({' + '.join(parts)})" if parts else "0.0f"
 
 
+def _slices(borders: Sequence[int]) -> list[Slice]:
+    """Every slice that has a column."""
+    pairs = enumerate(itertools.pairwise(borders))
+    return [_slice(number, first, last, borders[-1]) for number, (first, last) in pairs if first < last]
+
+
+def _phases(spread: Spread, n: int) -> list[Phase]:
+    """What the calls after the first one of an update do, and those of a restart."""
+    found: list[Phase] = []
+    for kind, borders in (("project", spread.project), ("factor", spread.factor), ("clear", spread.factor)):
+        for k, (first, last) in enumerate(itertools.pairwise(borders)):
+            busy = first < last and (kind != "clear" or _clears(last, n))
+            number = len(found) + 1
+            following = 0 if number == spread.phases else number + 1
+            found.append(Phase(f"{kind}_{k}" if busy else "", number, following, kind, last=k + 2 == len(borders)))
+    return found
+
+
+def _clears(last: int, n: int) -> bool:
+    """Whether columns up to last - 1 hold anything of U: packed ones have no diagonal."""
+    return n > WRITTEN_OUT or last > 1
+
+
 def _slice(number: int, first: int, last: int, n: int) -> Slice:
     """Columns first .. last - 1 of n."""
     ends = [Element(j - 1, j) for j in range(first, last)]
@@ -208,7 +265,7 @@ def _slice(number: int, first: int, last: int, n: int) -> Slice:
         number=number,
         first=first,
         last=last,
-        about="" if last - first == n else f", columns {first} to {last - 1}",
+        about=_about(first, last, n),
         project=pipelined(
             [part for i in range(last) for part in _parts(_row(i, first, last), PROJECT_WIDTH)], PROJECT_STAGES
         ),
@@ -219,8 +276,15 @@ def _slice(number: int, first: int, last: int, n: int) -> Slice:
         begun_blocks=_blocks([Element(j - 1, j) for j in range(first)]),
         end_blocks=_blocks(ends),
         done_blocks=_blocks([Element(j - 1, j) for j in range(last)]),
-        coming_blocks=_blocks([Element(j - 1, j) for j in range(first, n)]),
+        passes=[min(c, n - COLUMNS_PER_PASS) for c in range(first, last, COLUMNS_PER_PASS)],
+        columns=[Column(j, _blocks(_column(j))) for j in range(first, last)],
     )
+
+
+def _about(first: int, last: int, n: int) -> str:
+    if last - first == n:
+        return ""
+    return f", column {first}" if last - first == 1 else f", columns {first} to {last - 1}"
 
 
 def _row(i: int, first: int, last: int) -> list[Element]:

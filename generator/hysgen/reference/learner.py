@@ -19,7 +19,8 @@ from hysgen.learner_numbers import (
     REGRESSOR_GRID,
     SLOW,
 )
-from hysgen.reference.arithmetic import Floats32, bits_of, float_of, reciprocal
+from hysgen.learner_spread import WRITTEN_OUT
+from hysgen.reference.arithmetic import Floats32, Words, bits_of, float_of, reciprocal
 from hysgen.reference.factorised import (
     denominators,
     factor,
@@ -53,10 +54,12 @@ class Learner(LearnerState):
         away = u - self.mean_u_V
         self.note("rejected", ~usable | (u_lost != 0))
         taking = (self.phase == 0) & (self.fresh != 0) & usable
+        before = self.phase
         innovation = self._take(taking, np.where(taking, y, self.y_um))
         for term in self.terms:
             term.correct(np.where(taking, innovation, _ZERO))
         self._work()
+        self._start_again(before)
         keeping = (self.phase == 0) & usable & (u_lost == 0)
         self._keep(keeping, y, v)
         self.rested = (magnitude(away) < numbers.rest_V).astype(np.uint32)
@@ -122,28 +125,38 @@ class Learner(LearnerState):
 
     def _work(self) -> None:
         """Every lane that has begun an update does what one call does of it."""
-        slices = list(itertools.pairwise(self.numbers.borders))
+        spread = self.numbers.spread
+        projects, factors = list(itertools.pairwise(spread.project)), list(itertools.pairwise(spread.factor))
         begun = self.phase
-        if self.numbers.settings.calls_per_update == 1:
+        if spread.at_once:
             busy = begun != 0
-            self._project(busy, *slices[0])
+            self._project(busy, *projects[0])
             self._weigh(busy)
-            self._factor(self.phase != 0, *slices[0])
+            self._factor(self.phase != 0, *factors[0])
             self._step(self.phase != 0)
             return
-        for number, ends in enumerate(slices):
-            where = begun == number + 1
-            self._project(where, *ends)
-            self.phase = np.where(where, np.uint32(number + 2), self.phase)
-            if number + 1 == len(slices):
+        for phase, columns in enumerate(projects, 1):
+            where = begun == phase
+            self._project(where, *columns)
+            self.phase = np.where(where, np.uint32(phase + 1), self.phase)
+            if phase == len(projects):
                 self._weigh(where)
-        for number, ends in enumerate(slices):
-            where = begun == number + 1 + len(slices)
-            self._factor(where, *ends)
-            if number + 1 == len(slices):
+        for phase, columns in enumerate(factors, 1 + len(projects)):
+            where = begun == phase
+            self._factor(where, *columns)
+            if phase == spread.calls:
                 self._step(where)
             else:
-                self.phase = np.where(where, np.uint32(number + 2 + len(slices)), self.phase)
+                self.phase = np.where(where, np.uint32(phase + 1), self.phase)
+
+    def _start_again(self, begun: Words) -> None:
+        """Every lane that began the call with a part of U still to be written writes the next columns of it."""
+        spread = self.numbers.spread
+        for phase, columns in enumerate(itertools.pairwise(spread.factor), spread.clearing):
+            where = begun == phase
+            self.clear(where, *columns)
+            following = np.uint32(phase + 1 if phase < spread.phases else 0)
+            self.phase = np.where(where, following, self.phase)
 
     def _project(self, where: Mask, first: int, last: int) -> None:
         """f = U' x and g = D f in columns first .. last - 1."""
@@ -197,7 +210,8 @@ class Learner(LearnerState):
 
     def _factor(self, where: Mask, first: int, last: int) -> None:
         """U and k in columns first .. last - 1."""
-        u, k = factor(self.u, self.k, self.l, self.g, first, last)
+        k = np.zeros_like(self.k) if first == 0 and self.numbers.size > WRITTEN_OUT else self.k
+        u, k = factor(self.u, k, self.l, self.g, first, last)
         self.u, self.k = np.where(where, u, self.u), np.where(where, k, self.k)
 
     def _step(self, where: Mask) -> None:

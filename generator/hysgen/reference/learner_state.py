@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.inputs.chain import ChainMirror
-from hysgen.learner_numbers import WRITTEN_OUT, LearnerNumbers, learner_numbers
+from hysgen.learner_numbers import LearnerNumbers, learner_numbers
+from hysgen.learner_spread import WRITTEN_OUT
 from hysgen.learner_status import LEARNER_COUNTERS
 from hysgen.model import Model
 from hysgen.reference.arithmetic import Floats32, Words, bits_of
@@ -57,7 +58,10 @@ class LearnerState:
         self.status: Words = word.copy()
         self.counters: dict[str, Words] = {name: word.copy() for name in LEARNER_COUNTERS}
         self.inputs, self.terms = copy.deepcopy(instance.inputs), copy.deepcopy(instance.terms)
-        self.restart(np.ones(lanes, np.bool_))
+        every = np.ones(lanes, np.bool_)
+        self.restart(every)
+        self.clear(every, 0, n)
+        self.phase = word.copy()
 
     def words(self) -> Mapping[str, Words]:
         """Every word of the C struct before `base`, in its order; `Instance.words` says how they are named."""
@@ -90,23 +94,32 @@ class LearnerState:
             self.u[i, j] = next(left).view(np.float32)
 
     def restart(self, where: Mask) -> None:
-        """The reference parameters and the prior."""
+        """The reference parameters and the prior; U at once, or in the calls to come."""
         if not where.any():
             return
         numbers = self.numbers
         self.theta = np.where(where, self.reference, self.theta)
         self.theta_low = np.where(where, _ZERO, self.theta_low)
         self.d = np.where(where, numbers.prior[:, None], self.d)
-        self.u = np.where(where, _ZERO, self.u)
-        if self.numbers.size > WRITTEN_OUT:
-            diagonal = np.arange(self.numbers.size)
-            self.u[diagonal, diagonal] = np.where(where, _ONE, self.u[diagonal, diagonal])
         for name in ("scale_um", "moving_um"):
             setattr(self, name, np.where(where, numbers.level_um, getattr(self, name)))
         for name in _ERRORS:
             setattr(self, name, np.where(where, _ZERO, getattr(self, name)))
-        for name in ("phase", "run", "age"):
+        for name in ("run", "age"):
             setattr(self, name, np.where(where, np.uint32(0), getattr(self, name)))
+        if numbers.spread.at_once:
+            self.clear(where, 0, numbers.size)
+            self.phase = np.where(where, np.uint32(0), self.phase)
+        else:
+            self.phase = np.where(where, np.uint32(numbers.spread.clearing), self.phase)
+
+    def clear(self, where: Mask, first: int, last: int) -> None:
+        """U = I in columns first .. last - 1; packed columns have no diagonal."""
+        columns = slice(first, last)
+        self.u[:, columns] = np.where(where, _ZERO, self.u[:, columns])
+        if self.numbers.size > WRITTEN_OUT:
+            diagonal = np.arange(first, last)
+            self.u[diagonal, diagonal] = np.where(where, _ONE, self.u[diagonal, diagonal])
 
     def note(self, event: str, happened: Mask) -> None:
         """Set the bit of `event` and step its counter up to its largest value."""

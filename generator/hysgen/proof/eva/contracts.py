@@ -1,8 +1,8 @@
 """Functions that the proof of a learner takes at a contract instead of their text, and the contracts as ACSL.
 
 `beyond` is held against its contract by running it on every float (`contract.py`). What one update does to the shadow
-(`project`, `factor`, `step`) is analysed once, from any bits the learner may hold, which shows two things: what a call
-writes, and that `step` answers 0 only if every parameter that it leaves is finite and inside its limit.
+(`project`, `factor`, `clear`, `step`) is analysed once, from any bits the learner may hold, which shows two things:
+what a call writes, and that `step` answers 0 only if every parameter that it leaves is finite and inside its limit.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from hysgen.proof.layout import words
 WRITES: Final[Mapping[str, tuple[str, ...]]] = {
     "project": ("f", "g"),
     "factor": ("u", "k"),
+    "clear": ("u",),
     "step": ("theta", "theta_low", "phase", "status", "limited", "updates", "age"),
 }
 """Words of the learner that each of them writes, and no other."""
 
-_RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "step": (r"\result",)}
+_RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
 
 LOOKED_AT: Final = "looked_at"
 """Parameter whose cases are distinguished: a number of the analysis, not of the generated C."""
@@ -29,7 +30,8 @@ LOOKED_AT: Final = "looked_at"
 
 def update_functions(name: str, texts: Mapping[str, str]) -> dict[str, str]:
     """C name -> which of WRITES, of every function of an update that has a contract, in the order of the text."""
-    pattern = rf"^static \w+ (?:void|uint32_t) ({name}_(project|factor|step)(?:_\d+)?)\({name}_learner_t \*self\)\n{{"
+    kinds = "|".join(WRITES)
+    pattern = rf"^static \w+ (?:void|uint32_t) ({name}_({kinds})(?:_\d+)?)\({name}_learner_t \*self\)\n{{"
     return {match[1]: match[2] for match in re.finditer(pattern, texts[f"{name}.c"], re.MULTILINE)}
 
 

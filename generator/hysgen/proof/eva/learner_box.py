@@ -98,7 +98,7 @@ def learner_box(model: Model) -> LearnerBox:
     }
     floats |= {level.path: level.box for level in levels}
     floats |= {path: box for path, box in instance.items() if path.startswith(("terms.", "inputs."))}
-    integers = {"turn": numbers.size - 1, "phase": numbers.settings.calls_per_update}
+    integers = {"turn": numbers.size - 1, "phase": numbers.spread.phases}
     integers |= dict.fromkeys(("fresh", "rested", "measuring"), 1)
     return LearnerBox(floats, integers, levels)
 

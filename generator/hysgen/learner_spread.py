@@ -1,0 +1,107 @@
+"""Which columns of U each call works off when one update of the learner is spread over several.
+
+    begin, f = U' x by columns, weigh (alpha, l, D) | U and P x by columns, step (theta)
+
+Each call takes neighbouring columns of one half. The cuts make the dearest call as cheap as they can; no bit depends on
+them. A call that has none left, because `weigh` or `step` fills it or because there are more calls than columns, is
+allowed. A shadow that starts again has its U written in the slices of the second half, a call each.
+
+Costs are stall-free cycles of the C674x, measured at 18, 27, 36 and 54 parameters (docs/target.md).
+"""
+
+from __future__ import annotations
+
+import functools
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Final
+
+WRITTEN_OUT: Final = 24
+"""Up to this many parameters each element of U has lines of its own; above, functions take whole columns."""
+
+COLUMNS_PER_PASS: Final = 6
+"""Columns of U' x that are then taken side by side."""
+
+# Cycles for each element of U written out, of a pass or column above, and for each parameter elsewhere.
+_PROJECT_ELEMENT, _FACTOR_ELEMENT = 1.7, 3.1
+_PROJECT_PASS, _FACTOR_COLUMN = 7.4, 4.2
+_BEGIN, _WEIGH, _STEP = 11.0, 30.0, 15.5
+
+
+@dataclass(frozen=True)
+class Spread:
+    """An update over so many calls.
+
+    project, factor: columns 0, ..., n at which the halves are cut. busiest: cycles of the dearest call.
+    """
+
+    calls: int
+    project: tuple[int, ...]
+    factor: tuple[int, ...]
+    busiest: float
+
+    @property
+    def at_once(self) -> bool:
+        """Whether one call does all of an update, or writes all of U."""
+        return self.calls == 1
+
+    @property
+    def clearing(self) -> int:
+        """Phase of a learner that writes the first columns of U next, after a restart; those of an update come before."""
+        return self.calls + 1
+
+    @property
+    def phases(self) -> int:
+        """Largest phase that a learner can be in."""
+        return self.calls if self.at_once else self.calls + len(self.factor) - 1
+
+
+@functools.lru_cache(maxsize=256)
+def spread(parameters: int, calls: int) -> Spread:
+    """An update of so many parameters over so many calls.
+
+    >>> spread(18, 2).project, spread(18, 2).factor
+    ((0, 18), (0, 18))
+    >>> spread(54, 6).project
+    (0, 24, 54)
+    """
+    n = parameters
+    begin, weigh, step = _BEGIN * n, _WEIGH * n, _STEP * n
+    if n <= WRITTEN_OUT:
+        grain = 1
+        project = [_PROJECT_ELEMENT * (j + 1) for j in range(n)]
+        factor = [_FACTOR_ELEMENT * (j + 1) for j in range(n)]
+    else:
+        grain = COLUMNS_PER_PASS
+        project = [_PROJECT_PASS * n] * -(-n // grain)
+        factor = [_FACTOR_COLUMN * n] * n
+    if calls == 1:
+        return Spread(1, (0, n), (0, n), begin + sum(project) + weigh + sum(factor) + step)
+    found = []
+    for first in range(1, calls):
+        one, passes = _cut([begin, *project, weigh], first)
+        other, columns = _cut([0.0, *factor, step], calls - first)
+        found.append(Spread(calls, tuple(min(grain * c, n) for c in passes), columns, max(one, other)))
+    return min(found, key=lambda s: s.busiest)
+
+
+def _cut(costs: Sequence[float], slices: int) -> tuple[float, tuple[int, ...]]:
+    """The least that the dearest of so many neighbouring groups can cost, and where they are cut.
+
+    The first and the last cost belong to no column, so the cuts count what stands between them.
+    """
+    sums = [0.0, *accumulate(costs)]
+    columns = len(costs) - 2
+
+    def filled(most: float) -> list[int]:
+        cuts = [0]
+        while cuts[-1] < len(costs) and len(cuts) <= slices:
+            cuts.append(bisect_right(sums, sums[cuts[-1]] + most * (1.0 + 1e-12)) - 1)
+        return cuts
+
+    candidates = sorted({end - start for end in sums for start in sums if end > start})
+    most = candidates[bisect_left(candidates, True, key=lambda cost: filled(cost)[-1] == len(costs))]
+    inner = [min(max(cut - 1, 0), columns) for cut in filled(most)[1:-1]]
+    return most, (0, *inner, *[columns] * (slices - len(inner)))
