@@ -327,7 +327,76 @@ APPENDIX_A_INLINE void appendix_a_learner_note(
     *counter += happened & (uint32_t)(*counter < UINT32_MAX);
 }
 
-/* Back to the reference parameters and the prior, P = alpha I. */
+/* U = I, columns 0 to 11. */
+static APPENDIX_A_STRAIGHT void appendix_a_clear_0(appendix_a_learner_t *self)
+{
+    self->u[0] = 0.0f;
+    self->u[1] = 0.0f; self->u[2] = 0.0f;
+    self->u[3] = 0.0f; self->u[4] = 0.0f; self->u[5] = 0.0f;
+    self->u[6] = 0.0f; self->u[7] = 0.0f; self->u[8] = 0.0f; self->u[9] = 0.0f;
+    self->u[10] = 0.0f; self->u[11] = 0.0f; self->u[12] = 0.0f; self->u[13] = 0.0f;
+            self->u[14] = 0.0f;
+    self->u[15] = 0.0f; self->u[16] = 0.0f; self->u[17] = 0.0f; self->u[18] = 0.0f;
+            self->u[19] = 0.0f; self->u[20] = 0.0f;
+    self->u[21] = 0.0f; self->u[22] = 0.0f; self->u[23] = 0.0f; self->u[24] = 0.0f;
+            self->u[25] = 0.0f; self->u[26] = 0.0f;
+    self->u[27] = 0.0f;
+    self->u[28] = 0.0f; self->u[29] = 0.0f; self->u[30] = 0.0f; self->u[31] = 0.0f;
+            self->u[32] = 0.0f; self->u[33] = 0.0f;
+    self->u[34] = 0.0f; self->u[35] = 0.0f;
+    self->u[36] = 0.0f; self->u[37] = 0.0f; self->u[38] = 0.0f; self->u[39] = 0.0f;
+            self->u[40] = 0.0f; self->u[41] = 0.0f;
+    self->u[42] = 0.0f; self->u[43] = 0.0f; self->u[44] = 0.0f;
+    self->u[45] = 0.0f; self->u[46] = 0.0f; self->u[47] = 0.0f; self->u[48] = 0.0f;
+            self->u[49] = 0.0f; self->u[50] = 0.0f;
+    self->u[51] = 0.0f; self->u[52] = 0.0f; self->u[53] = 0.0f; self->u[54] = 0.0f;
+    self->u[55] = 0.0f; self->u[56] = 0.0f; self->u[57] = 0.0f; self->u[58] = 0.0f;
+            self->u[59] = 0.0f; self->u[60] = 0.0f;
+    self->u[61] = 0.0f; self->u[62] = 0.0f; self->u[63] = 0.0f; self->u[64] = 0.0f;
+            self->u[65] = 0.0f;
+}
+
+/* U = I, columns 12 to 16. */
+static APPENDIX_A_STRAIGHT void appendix_a_clear_1(appendix_a_learner_t *self)
+{
+    self->u[66] = 0.0f; self->u[67] = 0.0f; self->u[68] = 0.0f; self->u[69] = 0.0f;
+            self->u[70] = 0.0f; self->u[71] = 0.0f;
+    self->u[72] = 0.0f; self->u[73] = 0.0f; self->u[74] = 0.0f; self->u[75] = 0.0f;
+            self->u[76] = 0.0f; self->u[77] = 0.0f;
+    self->u[78] = 0.0f; self->u[79] = 0.0f; self->u[80] = 0.0f; self->u[81] = 0.0f;
+            self->u[82] = 0.0f; self->u[83] = 0.0f;
+    self->u[84] = 0.0f; self->u[85] = 0.0f; self->u[86] = 0.0f; self->u[87] = 0.0f;
+            self->u[88] = 0.0f; self->u[89] = 0.0f;
+    self->u[90] = 0.0f;
+    self->u[91] = 0.0f; self->u[92] = 0.0f; self->u[93] = 0.0f; self->u[94] = 0.0f;
+            self->u[95] = 0.0f; self->u[96] = 0.0f;
+    self->u[97] = 0.0f; self->u[98] = 0.0f; self->u[99] = 0.0f; self->u[100] = 0.0f;
+            self->u[101] = 0.0f; self->u[102] = 0.0f;
+    self->u[103] = 0.0f; self->u[104] = 0.0f;
+    self->u[105] = 0.0f; self->u[106] = 0.0f; self->u[107] = 0.0f; self->u[108] = 0.0f;
+            self->u[109] = 0.0f; self->u[110] = 0.0f;
+    self->u[111] = 0.0f; self->u[112] = 0.0f; self->u[113] = 0.0f; self->u[114] = 0.0f;
+            self->u[115] = 0.0f; self->u[116] = 0.0f;
+    self->u[117] = 0.0f; self->u[118] = 0.0f; self->u[119] = 0.0f;
+    self->u[120] = 0.0f; self->u[121] = 0.0f; self->u[122] = 0.0f; self->u[123] = 0.0f;
+            self->u[124] = 0.0f; self->u[125] = 0.0f;
+    self->u[126] = 0.0f; self->u[127] = 0.0f; self->u[128] = 0.0f; self->u[129] = 0.0f;
+            self->u[130] = 0.0f; self->u[131] = 0.0f;
+    self->u[132] = 0.0f; self->u[133] = 0.0f; self->u[134] = 0.0f; self->u[135] = 0.0f;
+}
+
+/* U = I, column 17. */
+static APPENDIX_A_STRAIGHT void appendix_a_clear_2(appendix_a_learner_t *self)
+{
+    self->u[136] = 0.0f; self->u[137] = 0.0f; self->u[138] = 0.0f; self->u[139] = 0.0f;
+            self->u[140] = 0.0f; self->u[141] = 0.0f;
+    self->u[142] = 0.0f; self->u[143] = 0.0f; self->u[144] = 0.0f; self->u[145] = 0.0f;
+            self->u[146] = 0.0f; self->u[147] = 0.0f;
+    self->u[148] = 0.0f; self->u[149] = 0.0f; self->u[150] = 0.0f; self->u[151] = 0.0f;
+            self->u[152] = 0.0f;
+}
+
+/* Back to the reference parameters and the prior, P = alpha I: U in the calls to come. */
 static void appendix_a_restart(appendix_a_learner_t *self)
 {
     self->theta[0] = self->reference[0]; self->theta[1] = self->reference[1];
@@ -354,73 +423,19 @@ static void appendix_a_restart(appendix_a_learner_t *self)
     self->d[12] = appendix_a_learn_prior[12]; self->d[13] = appendix_a_learn_prior[13];
             self->d[14] = appendix_a_learn_prior[14]; self->d[15] = appendix_a_learn_prior[15];
             self->d[16] = appendix_a_learn_prior[16]; self->d[17] = appendix_a_learn_prior[17];
-    self->u[0] = 0.0f;
-    self->u[1] = 0.0f; self->u[2] = 0.0f;
-    self->u[3] = 0.0f; self->u[4] = 0.0f; self->u[5] = 0.0f;
-    self->u[6] = 0.0f; self->u[7] = 0.0f; self->u[8] = 0.0f; self->u[9] = 0.0f;
-    self->u[10] = 0.0f; self->u[11] = 0.0f; self->u[12] = 0.0f; self->u[13] = 0.0f;
-            self->u[14] = 0.0f;
-    self->u[15] = 0.0f; self->u[16] = 0.0f; self->u[17] = 0.0f; self->u[18] = 0.0f;
-            self->u[19] = 0.0f; self->u[20] = 0.0f;
-    self->u[21] = 0.0f; self->u[22] = 0.0f; self->u[23] = 0.0f; self->u[24] = 0.0f;
-            self->u[25] = 0.0f; self->u[26] = 0.0f;
-    self->u[27] = 0.0f;
-    self->u[28] = 0.0f; self->u[29] = 0.0f; self->u[30] = 0.0f; self->u[31] = 0.0f;
-            self->u[32] = 0.0f; self->u[33] = 0.0f;
-    self->u[34] = 0.0f; self->u[35] = 0.0f;
-    self->u[36] = 0.0f; self->u[37] = 0.0f; self->u[38] = 0.0f; self->u[39] = 0.0f;
-            self->u[40] = 0.0f; self->u[41] = 0.0f;
-    self->u[42] = 0.0f; self->u[43] = 0.0f; self->u[44] = 0.0f;
-    self->u[45] = 0.0f; self->u[46] = 0.0f; self->u[47] = 0.0f; self->u[48] = 0.0f;
-            self->u[49] = 0.0f; self->u[50] = 0.0f;
-    self->u[51] = 0.0f; self->u[52] = 0.0f; self->u[53] = 0.0f; self->u[54] = 0.0f;
-    self->u[55] = 0.0f; self->u[56] = 0.0f; self->u[57] = 0.0f; self->u[58] = 0.0f;
-            self->u[59] = 0.0f; self->u[60] = 0.0f;
-    self->u[61] = 0.0f; self->u[62] = 0.0f; self->u[63] = 0.0f; self->u[64] = 0.0f;
-            self->u[65] = 0.0f;
-    self->u[66] = 0.0f; self->u[67] = 0.0f; self->u[68] = 0.0f; self->u[69] = 0.0f;
-            self->u[70] = 0.0f; self->u[71] = 0.0f;
-    self->u[72] = 0.0f; self->u[73] = 0.0f; self->u[74] = 0.0f; self->u[75] = 0.0f;
-            self->u[76] = 0.0f; self->u[77] = 0.0f;
-    self->u[78] = 0.0f; self->u[79] = 0.0f; self->u[80] = 0.0f; self->u[81] = 0.0f;
-            self->u[82] = 0.0f; self->u[83] = 0.0f;
-    self->u[84] = 0.0f; self->u[85] = 0.0f; self->u[86] = 0.0f; self->u[87] = 0.0f;
-            self->u[88] = 0.0f; self->u[89] = 0.0f;
-    self->u[90] = 0.0f;
-    self->u[91] = 0.0f; self->u[92] = 0.0f; self->u[93] = 0.0f; self->u[94] = 0.0f;
-            self->u[95] = 0.0f; self->u[96] = 0.0f;
-    self->u[97] = 0.0f; self->u[98] = 0.0f; self->u[99] = 0.0f; self->u[100] = 0.0f;
-            self->u[101] = 0.0f; self->u[102] = 0.0f;
-    self->u[103] = 0.0f; self->u[104] = 0.0f;
-    self->u[105] = 0.0f; self->u[106] = 0.0f; self->u[107] = 0.0f; self->u[108] = 0.0f;
-            self->u[109] = 0.0f; self->u[110] = 0.0f;
-    self->u[111] = 0.0f; self->u[112] = 0.0f; self->u[113] = 0.0f; self->u[114] = 0.0f;
-            self->u[115] = 0.0f; self->u[116] = 0.0f;
-    self->u[117] = 0.0f; self->u[118] = 0.0f; self->u[119] = 0.0f;
-    self->u[120] = 0.0f; self->u[121] = 0.0f; self->u[122] = 0.0f; self->u[123] = 0.0f;
-            self->u[124] = 0.0f; self->u[125] = 0.0f;
-    self->u[126] = 0.0f; self->u[127] = 0.0f; self->u[128] = 0.0f; self->u[129] = 0.0f;
-            self->u[130] = 0.0f; self->u[131] = 0.0f;
-    self->u[132] = 0.0f; self->u[133] = 0.0f; self->u[134] = 0.0f; self->u[135] = 0.0f;
-    self->u[136] = 0.0f; self->u[137] = 0.0f; self->u[138] = 0.0f; self->u[139] = 0.0f;
-            self->u[140] = 0.0f; self->u[141] = 0.0f;
-    self->u[142] = 0.0f; self->u[143] = 0.0f; self->u[144] = 0.0f; self->u[145] = 0.0f;
-            self->u[146] = 0.0f; self->u[147] = 0.0f;
-    self->u[148] = 0.0f; self->u[149] = 0.0f; self->u[150] = 0.0f; self->u[151] = 0.0f;
-            self->u[152] = 0.0f;
     self->scale_um = APPENDIX_A_LEARN_LEVEL_UM;
     self->moving_um = APPENDIX_A_LEARN_LEVEL_UM;
     self->error = 0.0f;
     self->reference_error = 0.0f;
     self->step_error = 0.0f;
-    self->phase = 0u;
+    self->phase = 9u;
     self->run = 0u;
     self->age = 0u;
 }
 
 /* ---- Learner: the update, P = U D U' --------------------------------------------------------------------------- */
 
-/* f = U' x and g = D f, columns 0 to 8. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
+/* f = U' x and g = D f. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
  * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
  * next multiplies. */
 static APPENDIX_A_STRAIGHT void appendix_a_project_0(appendix_a_learner_t *self)
@@ -428,315 +443,196 @@ static APPENDIX_A_STRAIGHT void appendix_a_project_0(appendix_a_learner_t *self)
     const float grid = 1.09139364e-11f;
     const float inflate = self->inflate;
     const float *u = self->u;
-    float f0, f1, f2, f3, f4, f5, f6, f7, f8;
+    float f0, f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17;
 
     const float x0 = self->x[0]; /* row 0 */
     const float u0_1 = u[0], u0_2 = u[1], u0_3 = u[3], u0_4 = u[6], u0_5 = u[10], u0_6 = u[15], u0_7 = u[21],
-            u0_8 = u[28];
+            u0_8 = u[28], u0_9 = u[36], u0_10 = u[45], u0_11 = u[55], u0_12 = u[66];
+    const float u0_13 = u[78], u0_14 = u[91], u0_15 = u[105], u0_16 = u[120], u0_17 = u[136];
+    const float m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0, m0_4 = u0_4 * x0, m0_5 = u0_5 * x0,
+            m0_6 = u0_6 * x0, m0_7 = u0_7 * x0, m0_8 = u0_8 * x0, m0_9 = u0_9 * x0, m0_10 = u0_10 * x0,
+            m0_11 = u0_11 * x0, m0_12 = u0_12 * x0;
     const float x1 = self->x[1]; /* row 1 */
     const float u1_2 = u[2], u1_3 = u[4], u1_4 = u[7], u1_5 = u[11], u1_6 = u[16], u1_7 = u[22],
-            u1_8 = u[29];
-    const float m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0, m0_4 = u0_4 * x0, m0_5 = u0_5 * x0,
-            m0_6 = u0_6 * x0, m0_7 = u0_7 * x0, m0_8 = u0_8 * x0;
-    const float x2 = self->x[2]; /* row 2 */
-    const float u2_3 = u[5], u2_4 = u[8], u2_5 = u[12], u2_6 = u[17], u2_7 = u[23], u2_8 = u[30];
-    const float m1_2 = u1_2 * x1, m1_3 = u1_3 * x1, m1_4 = u1_4 * x1, m1_5 = u1_5 * x1, m1_6 = u1_6 * x1,
-            m1_7 = u1_7 * x1, m1_8 = u1_8 * x1;
-    const float x3 = self->x[3]; /* row 3 */
-    const float u3_4 = u[9], u3_5 = u[13], u3_6 = u[18], u3_7 = u[24], u3_8 = u[31];
+            u1_8 = u[29], u1_9 = u[37], u1_10 = u[46], u1_11 = u[56], u1_12 = u[67], u1_13 = u[79];
+    const float m0_13 = u0_13 * x0, m0_14 = u0_14 * x0, m0_15 = u0_15 * x0, m0_16 = u0_16 * x0,
+            m0_17 = u0_17 * x0;
+    const float u1_14 = u[92], u1_15 = u[106], u1_16 = u[121], u1_17 = u[137];
     f0 = x0;
     f1 = m0_1; f2 = m0_2; f3 = m0_3; f4 = m0_4; f5 = m0_5; f6 = m0_6; f7 = m0_7; f8 = m0_8;
-    const float m2_3 = u2_3 * x2, m2_4 = u2_4 * x2, m2_5 = u2_5 * x2, m2_6 = u2_6 * x2, m2_7 = u2_7 * x2,
-            m2_8 = u2_8 * x2;
-    const float x4 = self->x[4]; /* row 4 */
-    const float u4_5 = u[14], u4_6 = u[19], u4_7 = u[25], u4_8 = u[32];
+            f9 = m0_9; f10 = m0_10; f11 = m0_11; f12 = m0_12;
+    const float m1_2 = u1_2 * x1, m1_3 = u1_3 * x1, m1_4 = u1_4 * x1, m1_5 = u1_5 * x1, m1_6 = u1_6 * x1,
+            m1_7 = u1_7 * x1, m1_8 = u1_8 * x1, m1_9 = u1_9 * x1, m1_10 = u1_10 * x1, m1_11 = u1_11 * x1,
+            m1_12 = u1_12 * x1, m1_13 = u1_13 * x1;
+    const float x2 = self->x[2]; /* row 2 */
+    const float u2_3 = u[5], u2_4 = u[8], u2_5 = u[12], u2_6 = u[17], u2_7 = u[23], u2_8 = u[30],
+            u2_9 = u[38], u2_10 = u[47], u2_11 = u[57], u2_12 = u[68], u2_13 = u[80], u2_14 = u[93];
+    f13 = m0_13; f14 = m0_14; f15 = m0_15; f16 = m0_16; f17 = m0_17;
+    const float m1_14 = u1_14 * x1, m1_15 = u1_15 * x1, m1_16 = u1_16 * x1, m1_17 = u1_17 * x1;
+    const float u2_15 = u[107], u2_16 = u[122], u2_17 = u[138];
     f1 = f1 + x1;
     f2 = f2 + m1_2; f3 = f3 + m1_3; f4 = f4 + m1_4; f5 = f5 + m1_5; f6 = f6 + m1_6;
-            f7 = f7 + m1_7; f8 = f8 + m1_8;
-    const float m3_4 = u3_4 * x3, m3_5 = u3_5 * x3, m3_6 = u3_6 * x3, m3_7 = u3_7 * x3, m3_8 = u3_8 * x3;
-    const float x5 = self->x[5]; /* row 5 */
-    const float u5_6 = u[20], u5_7 = u[26], u5_8 = u[33];
+            f7 = f7 + m1_7; f8 = f8 + m1_8; f9 = f9 + m1_9; f10 = f10 + m1_10; f11 = f11 + m1_11;
+            f12 = f12 + m1_12; f13 = f13 + m1_13;
+    const float m2_3 = u2_3 * x2, m2_4 = u2_4 * x2, m2_5 = u2_5 * x2, m2_6 = u2_6 * x2, m2_7 = u2_7 * x2,
+            m2_8 = u2_8 * x2, m2_9 = u2_9 * x2, m2_10 = u2_10 * x2, m2_11 = u2_11 * x2,
+            m2_12 = u2_12 * x2, m2_13 = u2_13 * x2, m2_14 = u2_14 * x2;
+    const float x3 = self->x[3]; /* row 3 */
+    const float u3_4 = u[9], u3_5 = u[13], u3_6 = u[18], u3_7 = u[24], u3_8 = u[31], u3_9 = u[39],
+            u3_10 = u[48], u3_11 = u[58], u3_12 = u[69], u3_13 = u[81], u3_14 = u[94], u3_15 = u[108];
+    f14 = f14 + m1_14; f15 = f15 + m1_15; f16 = f16 + m1_16; f17 = f17 + m1_17;
+    const float m2_15 = u2_15 * x2, m2_16 = u2_16 * x2, m2_17 = u2_17 * x2;
+    const float u3_16 = u[123], u3_17 = u[139];
     f2 = f2 + x2;
     f3 = f3 + m2_3; f4 = f4 + m2_4; f5 = f5 + m2_5; f6 = f6 + m2_6; f7 = f7 + m2_7;
-            f8 = f8 + m2_8;
-    const float m4_5 = u4_5 * x4, m4_6 = u4_6 * x4, m4_7 = u4_7 * x4, m4_8 = u4_8 * x4;
-    const float x6 = self->x[6]; /* row 6 */
-    const float u6_7 = u[27], u6_8 = u[34];
+            f8 = f8 + m2_8; f9 = f9 + m2_9; f10 = f10 + m2_10; f11 = f11 + m2_11; f12 = f12 + m2_12;
+            f13 = f13 + m2_13; f14 = f14 + m2_14;
+    const float m3_4 = u3_4 * x3, m3_5 = u3_5 * x3, m3_6 = u3_6 * x3, m3_7 = u3_7 * x3, m3_8 = u3_8 * x3,
+            m3_9 = u3_9 * x3, m3_10 = u3_10 * x3, m3_11 = u3_11 * x3, m3_12 = u3_12 * x3,
+            m3_13 = u3_13 * x3, m3_14 = u3_14 * x3, m3_15 = u3_15 * x3;
+    const float x4 = self->x[4]; /* row 4 */
+    const float u4_5 = u[14], u4_6 = u[19], u4_7 = u[25], u4_8 = u[32], u4_9 = u[40], u4_10 = u[49],
+            u4_11 = u[59], u4_12 = u[70], u4_13 = u[82], u4_14 = u[95], u4_15 = u[109], u4_16 = u[124];
+    f15 = f15 + m2_15; f16 = f16 + m2_16; f17 = f17 + m2_17;
+    const float m3_16 = u3_16 * x3, m3_17 = u3_17 * x3;
+    const float u4_17 = u[140];
     f3 = f3 + x3;
     f4 = f4 + m3_4; f5 = f5 + m3_5; f6 = f6 + m3_6; f7 = f7 + m3_7; f8 = f8 + m3_8;
-    const float m5_6 = u5_6 * x5, m5_7 = u5_7 * x5, m5_8 = u5_8 * x5;
-    const float x7 = self->x[7]; /* row 7 */
-    const float u7_8 = u[35];
-    f4 = f4 + x4;
-    f5 = f5 + m4_5; f6 = f6 + m4_6; f7 = f7 + m4_7; f8 = f8 + m4_8;
-    const float m6_7 = u6_7 * x6, m6_8 = u6_8 * x6;
-    f5 = f5 + x5;
-    f6 = f6 + m5_6; f7 = f7 + m5_7; f8 = f8 + m5_8;
-    const float m7_8 = u7_8 * x7;
-    f6 = f6 + x6;
-    f7 = f7 + m6_7; f8 = f8 + m6_8;
-    f7 = f7 + x7;
-    f8 = f8 + m7_8;
-    f8 = f8 + self->x[8];
-
-    self->f[0] = f0; self->f[1] = f1; self->f[2] = f2; self->f[3] = f3; self->f[4] = f4;
-            self->f[5] = f5;
-    self->f[6] = f6; self->f[7] = f7; self->f[8] = f8;
-    const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate,
-            d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate;
-    const float d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate;
-    const float g0 = d0 * f0, g1 = d1 * f1, g2 = d2 * f2, g3 = d3 * f3, g4 = d4 * f4, g5 = d5 * f5;
-    const float g6 = d6 * f6, g7 = d7 * f7, g8 = d8 * f8;
-    const float h0 = g0 + grid, h1 = g1 + grid, h2 = g2 + grid, h3 = g3 + grid, h4 = g4 + grid,
-            h5 = g5 + grid;
-    const float h6 = g6 + grid, h7 = g7 + grid, h8 = g8 + grid;
-    self->g[0] = h0 - grid; self->g[1] = h1 - grid; self->g[2] = h2 - grid;
-            self->g[3] = h3 - grid; self->g[4] = h4 - grid; self->g[5] = h5 - grid;
-    self->g[6] = h6 - grid; self->g[7] = h7 - grid; self->g[8] = h8 - grid;
-}
-
-/* f = U' x and g = D f, columns 9 to 12. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
- * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
- * next multiplies. */
-static APPENDIX_A_STRAIGHT void appendix_a_project_1(appendix_a_learner_t *self)
-{
-    const float grid = 1.09139364e-11f;
-    const float inflate = self->inflate;
-    const float *u = self->u;
-    float f9, f10, f11, f12;
-
-    const float x0 = self->x[0]; /* row 0 */
-    const float u0_9 = u[36], u0_10 = u[45], u0_11 = u[55], u0_12 = u[66];
-    const float x1 = self->x[1]; /* row 1 */
-    const float u1_9 = u[37], u1_10 = u[46], u1_11 = u[56], u1_12 = u[67];
-    const float m0_9 = u0_9 * x0, m0_10 = u0_10 * x0, m0_11 = u0_11 * x0, m0_12 = u0_12 * x0;
-    const float x2 = self->x[2]; /* row 2 */
-    const float u2_9 = u[38], u2_10 = u[47], u2_11 = u[57], u2_12 = u[68];
-    const float m1_9 = u1_9 * x1, m1_10 = u1_10 * x1, m1_11 = u1_11 * x1, m1_12 = u1_12 * x1;
-    const float x3 = self->x[3]; /* row 3 */
-    const float u3_9 = u[39], u3_10 = u[48], u3_11 = u[58], u3_12 = u[69];
-    f9 = m0_9; f10 = m0_10; f11 = m0_11; f12 = m0_12;
-    const float m2_9 = u2_9 * x2, m2_10 = u2_10 * x2, m2_11 = u2_11 * x2, m2_12 = u2_12 * x2;
-    const float x4 = self->x[4]; /* row 4 */
-    const float u4_9 = u[40], u4_10 = u[49], u4_11 = u[59], u4_12 = u[70];
-    f9 = f9 + m1_9; f10 = f10 + m1_10; f11 = f11 + m1_11; f12 = f12 + m1_12;
-    const float m3_9 = u3_9 * x3, m3_10 = u3_10 * x3, m3_11 = u3_11 * x3, m3_12 = u3_12 * x3;
+            f9 = f9 + m3_9; f10 = f10 + m3_10; f11 = f11 + m3_11; f12 = f12 + m3_12; f13 = f13 + m3_13;
+            f14 = f14 + m3_14; f15 = f15 + m3_15;
+    const float m4_5 = u4_5 * x4, m4_6 = u4_6 * x4, m4_7 = u4_7 * x4, m4_8 = u4_8 * x4, m4_9 = u4_9 * x4,
+            m4_10 = u4_10 * x4, m4_11 = u4_11 * x4, m4_12 = u4_12 * x4, m4_13 = u4_13 * x4,
+            m4_14 = u4_14 * x4, m4_15 = u4_15 * x4, m4_16 = u4_16 * x4;
     const float x5 = self->x[5]; /* row 5 */
-    const float u5_9 = u[41], u5_10 = u[50], u5_11 = u[60], u5_12 = u[71];
-    f9 = f9 + m2_9; f10 = f10 + m2_10; f11 = f11 + m2_11; f12 = f12 + m2_12;
-    const float m4_9 = u4_9 * x4, m4_10 = u4_10 * x4, m4_11 = u4_11 * x4, m4_12 = u4_12 * x4;
-    const float x6 = self->x[6]; /* row 6 */
-    const float u6_9 = u[42], u6_10 = u[51], u6_11 = u[61], u6_12 = u[72];
-    f9 = f9 + m3_9; f10 = f10 + m3_10; f11 = f11 + m3_11; f12 = f12 + m3_12;
-    const float m5_9 = u5_9 * x5, m5_10 = u5_10 * x5, m5_11 = u5_11 * x5, m5_12 = u5_12 * x5;
-    const float x7 = self->x[7]; /* row 7 */
-    const float u7_9 = u[43], u7_10 = u[52], u7_11 = u[62], u7_12 = u[73];
-    f9 = f9 + m4_9; f10 = f10 + m4_10; f11 = f11 + m4_11; f12 = f12 + m4_12;
-    const float m6_9 = u6_9 * x6, m6_10 = u6_10 * x6, m6_11 = u6_11 * x6, m6_12 = u6_12 * x6;
-    const float x8 = self->x[8]; /* row 8 */
-    const float u8_9 = u[44], u8_10 = u[53], u8_11 = u[63], u8_12 = u[74];
-    f9 = f9 + m5_9; f10 = f10 + m5_10; f11 = f11 + m5_11; f12 = f12 + m5_12;
-    const float m7_9 = u7_9 * x7, m7_10 = u7_10 * x7, m7_11 = u7_11 * x7, m7_12 = u7_12 * x7;
-    const float x9 = self->x[9]; /* row 9 */
-    const float u9_10 = u[54], u9_11 = u[64], u9_12 = u[75];
-    f9 = f9 + m6_9; f10 = f10 + m6_10; f11 = f11 + m6_11; f12 = f12 + m6_12;
-    const float m8_9 = u8_9 * x8, m8_10 = u8_10 * x8, m8_11 = u8_11 * x8, m8_12 = u8_12 * x8;
-    const float x10 = self->x[10]; /* row 10 */
-    const float u10_11 = u[65], u10_12 = u[76];
-    f9 = f9 + m7_9; f10 = f10 + m7_10; f11 = f11 + m7_11; f12 = f12 + m7_12;
-    const float m9_10 = u9_10 * x9, m9_11 = u9_11 * x9, m9_12 = u9_12 * x9;
-    const float x11 = self->x[11]; /* row 11 */
-    const float u11_12 = u[77];
-    f9 = f9 + m8_9; f10 = f10 + m8_10; f11 = f11 + m8_11; f12 = f12 + m8_12;
-    const float m10_11 = u10_11 * x10, m10_12 = u10_12 * x10;
-    f9 = f9 + x9;
-    f10 = f10 + m9_10; f11 = f11 + m9_11; f12 = f12 + m9_12;
-    const float m11_12 = u11_12 * x11;
-    f10 = f10 + x10;
-    f11 = f11 + m10_11; f12 = f12 + m10_12;
-    f11 = f11 + x11;
-    f12 = f12 + m11_12;
-    f12 = f12 + self->x[12];
-
-    self->f[9] = f9; self->f[10] = f10; self->f[11] = f11; self->f[12] = f12;
-    const float d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate,
-            d12 = self->d[12] * inflate;
-    const float g9 = d9 * f9, g10 = d10 * f10, g11 = d11 * f11, g12 = d12 * f12;
-    const float h9 = g9 + grid, h10 = g10 + grid, h11 = g11 + grid, h12 = g12 + grid;
-    self->g[9] = h9 - grid; self->g[10] = h10 - grid; self->g[11] = h11 - grid;
-            self->g[12] = h12 - grid;
-}
-
-/* f = U' x and g = D f, columns 13 to 15. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
- * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
- * next multiplies. */
-static APPENDIX_A_STRAIGHT void appendix_a_project_2(appendix_a_learner_t *self)
-{
-    const float grid = 1.09139364e-11f;
-    const float inflate = self->inflate;
-    const float *u = self->u;
-    float f13, f14, f15;
-
-    const float x0 = self->x[0]; /* row 0 */
-    const float u0_13 = u[78], u0_14 = u[91], u0_15 = u[105];
-    const float x1 = self->x[1]; /* row 1 */
-    const float u1_13 = u[79], u1_14 = u[92], u1_15 = u[106];
-    const float m0_13 = u0_13 * x0, m0_14 = u0_14 * x0, m0_15 = u0_15 * x0;
-    const float x2 = self->x[2]; /* row 2 */
-    const float u2_13 = u[80], u2_14 = u[93], u2_15 = u[107];
-    const float m1_13 = u1_13 * x1, m1_14 = u1_14 * x1, m1_15 = u1_15 * x1;
-    const float x3 = self->x[3]; /* row 3 */
-    const float u3_13 = u[81], u3_14 = u[94], u3_15 = u[108];
-    f13 = m0_13; f14 = m0_14; f15 = m0_15;
-    const float m2_13 = u2_13 * x2, m2_14 = u2_14 * x2, m2_15 = u2_15 * x2;
-    const float x4 = self->x[4]; /* row 4 */
-    const float u4_13 = u[82], u4_14 = u[95], u4_15 = u[109];
-    f13 = f13 + m1_13; f14 = f14 + m1_14; f15 = f15 + m1_15;
-    const float m3_13 = u3_13 * x3, m3_14 = u3_14 * x3, m3_15 = u3_15 * x3;
-    const float x5 = self->x[5]; /* row 5 */
-    const float u5_13 = u[83], u5_14 = u[96], u5_15 = u[110];
-    f13 = f13 + m2_13; f14 = f14 + m2_14; f15 = f15 + m2_15;
-    const float m4_13 = u4_13 * x4, m4_14 = u4_14 * x4, m4_15 = u4_15 * x4;
-    const float x6 = self->x[6]; /* row 6 */
-    const float u6_13 = u[84], u6_14 = u[97], u6_15 = u[111];
-    f13 = f13 + m3_13; f14 = f14 + m3_14; f15 = f15 + m3_15;
-    const float m5_13 = u5_13 * x5, m5_14 = u5_14 * x5, m5_15 = u5_15 * x5;
-    const float x7 = self->x[7]; /* row 7 */
-    const float u7_13 = u[85], u7_14 = u[98], u7_15 = u[112];
-    f13 = f13 + m4_13; f14 = f14 + m4_14; f15 = f15 + m4_15;
-    const float m6_13 = u6_13 * x6, m6_14 = u6_14 * x6, m6_15 = u6_15 * x6;
-    const float x8 = self->x[8]; /* row 8 */
-    const float u8_13 = u[86], u8_14 = u[99], u8_15 = u[113];
-    f13 = f13 + m5_13; f14 = f14 + m5_14; f15 = f15 + m5_15;
-    const float m7_13 = u7_13 * x7, m7_14 = u7_14 * x7, m7_15 = u7_15 * x7;
-    const float x9 = self->x[9]; /* row 9 */
-    const float u9_13 = u[87], u9_14 = u[100], u9_15 = u[114];
-    f13 = f13 + m6_13; f14 = f14 + m6_14; f15 = f15 + m6_15;
-    const float m8_13 = u8_13 * x8, m8_14 = u8_14 * x8, m8_15 = u8_15 * x8;
-    const float x10 = self->x[10]; /* row 10 */
-    const float u10_13 = u[88], u10_14 = u[101], u10_15 = u[115];
-    f13 = f13 + m7_13; f14 = f14 + m7_14; f15 = f15 + m7_15;
-    const float m9_13 = u9_13 * x9, m9_14 = u9_14 * x9, m9_15 = u9_15 * x9;
-    const float x11 = self->x[11]; /* row 11 */
-    const float u11_13 = u[89], u11_14 = u[102], u11_15 = u[116];
-    f13 = f13 + m8_13; f14 = f14 + m8_14; f15 = f15 + m8_15;
-    const float m10_13 = u10_13 * x10, m10_14 = u10_14 * x10, m10_15 = u10_15 * x10;
-    const float x12 = self->x[12]; /* row 12 */
-    const float u12_13 = u[90], u12_14 = u[103], u12_15 = u[117];
-    f13 = f13 + m9_13; f14 = f14 + m9_14; f15 = f15 + m9_15;
-    const float m11_13 = u11_13 * x11, m11_14 = u11_14 * x11, m11_15 = u11_15 * x11;
-    const float x13 = self->x[13]; /* row 13 */
-    const float u13_14 = u[104], u13_15 = u[118];
-    f13 = f13 + m10_13; f14 = f14 + m10_14; f15 = f15 + m10_15;
-    const float m12_13 = u12_13 * x12, m12_14 = u12_14 * x12, m12_15 = u12_15 * x12;
-    const float x14 = self->x[14]; /* row 14 */
-    const float u14_15 = u[119];
-    f13 = f13 + m11_13; f14 = f14 + m11_14; f15 = f15 + m11_15;
-    const float m13_14 = u13_14 * x13, m13_15 = u13_15 * x13;
-    f13 = f13 + m12_13; f14 = f14 + m12_14; f15 = f15 + m12_15;
-    const float m14_15 = u14_15 * x14;
-    f13 = f13 + x13;
-    f14 = f14 + m13_14; f15 = f15 + m13_15;
-    f14 = f14 + x14;
-    f15 = f15 + m14_15;
-    f15 = f15 + self->x[15];
-
-    self->f[13] = f13; self->f[14] = f14; self->f[15] = f15;
-    const float d13 = self->d[13] * inflate, d14 = self->d[14] * inflate, d15 = self->d[15] * inflate;
-    const float g13 = d13 * f13, g14 = d14 * f14, g15 = d15 * f15;
-    const float h13 = g13 + grid, h14 = g14 + grid, h15 = g15 + grid;
-    self->g[13] = h13 - grid; self->g[14] = h14 - grid; self->g[15] = h15 - grid;
-}
-
-/* f = U' x and g = D f, columns 16 to 17. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
- * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
- * next multiplies. */
-static APPENDIX_A_STRAIGHT void appendix_a_project_3(appendix_a_learner_t *self)
-{
-    const float grid = 1.09139364e-11f;
-    const float inflate = self->inflate;
-    const float *u = self->u;
-    float f16, f17;
-
-    const float x0 = self->x[0]; /* row 0 */
-    const float u0_16 = u[120], u0_17 = u[136];
-    const float x1 = self->x[1]; /* row 1 */
-    const float u1_16 = u[121], u1_17 = u[137];
-    const float m0_16 = u0_16 * x0, m0_17 = u0_17 * x0;
-    const float x2 = self->x[2]; /* row 2 */
-    const float u2_16 = u[122], u2_17 = u[138];
-    const float m1_16 = u1_16 * x1, m1_17 = u1_17 * x1;
-    const float x3 = self->x[3]; /* row 3 */
-    const float u3_16 = u[123], u3_17 = u[139];
-    f16 = m0_16; f17 = m0_17;
-    const float m2_16 = u2_16 * x2, m2_17 = u2_17 * x2;
-    const float x4 = self->x[4]; /* row 4 */
-    const float u4_16 = u[124], u4_17 = u[140];
-    f16 = f16 + m1_16; f17 = f17 + m1_17;
-    const float m3_16 = u3_16 * x3, m3_17 = u3_17 * x3;
-    const float x5 = self->x[5]; /* row 5 */
-    const float u5_16 = u[125], u5_17 = u[141];
-    f16 = f16 + m2_16; f17 = f17 + m2_17;
-    const float m4_16 = u4_16 * x4, m4_17 = u4_17 * x4;
-    const float x6 = self->x[6]; /* row 6 */
-    const float u6_16 = u[126], u6_17 = u[142];
+    const float u5_6 = u[20], u5_7 = u[26], u5_8 = u[33], u5_9 = u[41], u5_10 = u[50], u5_11 = u[60],
+            u5_12 = u[71], u5_13 = u[83], u5_14 = u[96], u5_15 = u[110], u5_16 = u[125], u5_17 = u[141];
     f16 = f16 + m3_16; f17 = f17 + m3_17;
-    const float m5_16 = u5_16 * x5, m5_17 = u5_17 * x5;
+    const float m4_17 = u4_17 * x4;
+    const float x6 = self->x[6]; /* row 6 */
+    const float u6_7 = u[27], u6_8 = u[34], u6_9 = u[42], u6_10 = u[51], u6_11 = u[61], u6_12 = u[72],
+            u6_13 = u[84], u6_14 = u[97], u6_15 = u[111], u6_16 = u[126], u6_17 = u[142];
+    f4 = f4 + x4;
+    f5 = f5 + m4_5; f6 = f6 + m4_6; f7 = f7 + m4_7; f8 = f8 + m4_8; f9 = f9 + m4_9;
+            f10 = f10 + m4_10; f11 = f11 + m4_11; f12 = f12 + m4_12; f13 = f13 + m4_13;
+            f14 = f14 + m4_14; f15 = f15 + m4_15; f16 = f16 + m4_16;
+    const float m5_6 = u5_6 * x5, m5_7 = u5_7 * x5, m5_8 = u5_8 * x5, m5_9 = u5_9 * x5, m5_10 = u5_10 * x5,
+            m5_11 = u5_11 * x5, m5_12 = u5_12 * x5, m5_13 = u5_13 * x5, m5_14 = u5_14 * x5,
+            m5_15 = u5_15 * x5, m5_16 = u5_16 * x5, m5_17 = u5_17 * x5;
     const float x7 = self->x[7]; /* row 7 */
-    const float u7_16 = u[127], u7_17 = u[143];
-    f16 = f16 + m4_16; f17 = f17 + m4_17;
-    const float m6_16 = u6_16 * x6, m6_17 = u6_17 * x6;
+    const float u7_8 = u[35], u7_9 = u[43], u7_10 = u[52], u7_11 = u[62], u7_12 = u[73], u7_13 = u[85],
+            u7_14 = u[98], u7_15 = u[112], u7_16 = u[127], u7_17 = u[143];
+    f17 = f17 + m4_17;
+    const float m6_7 = u6_7 * x6, m6_8 = u6_8 * x6, m6_9 = u6_9 * x6, m6_10 = u6_10 * x6, m6_11 = u6_11 * x6,
+            m6_12 = u6_12 * x6, m6_13 = u6_13 * x6, m6_14 = u6_14 * x6, m6_15 = u6_15 * x6,
+            m6_16 = u6_16 * x6, m6_17 = u6_17 * x6;
     const float x8 = self->x[8]; /* row 8 */
-    const float u8_16 = u[128], u8_17 = u[144];
-    f16 = f16 + m5_16; f17 = f17 + m5_17;
-    const float m7_16 = u7_16 * x7, m7_17 = u7_17 * x7;
+    const float u8_9 = u[44], u8_10 = u[53], u8_11 = u[63], u8_12 = u[74], u8_13 = u[86], u8_14 = u[99],
+            u8_15 = u[113], u8_16 = u[128], u8_17 = u[144];
+    f5 = f5 + x5;
+    f6 = f6 + m5_6; f7 = f7 + m5_7; f8 = f8 + m5_8; f9 = f9 + m5_9; f10 = f10 + m5_10;
+            f11 = f11 + m5_11; f12 = f12 + m5_12; f13 = f13 + m5_13; f14 = f14 + m5_14;
+            f15 = f15 + m5_15; f16 = f16 + m5_16; f17 = f17 + m5_17;
+    const float m7_8 = u7_8 * x7, m7_9 = u7_9 * x7, m7_10 = u7_10 * x7, m7_11 = u7_11 * x7,
+            m7_12 = u7_12 * x7, m7_13 = u7_13 * x7, m7_14 = u7_14 * x7, m7_15 = u7_15 * x7,
+            m7_16 = u7_16 * x7, m7_17 = u7_17 * x7;
     const float x9 = self->x[9]; /* row 9 */
-    const float u9_16 = u[129], u9_17 = u[145];
-    f16 = f16 + m6_16; f17 = f17 + m6_17;
-    const float m8_16 = u8_16 * x8, m8_17 = u8_17 * x8;
+    const float u9_10 = u[54], u9_11 = u[64], u9_12 = u[75], u9_13 = u[87], u9_14 = u[100], u9_15 = u[114],
+            u9_16 = u[129], u9_17 = u[145];
+    f6 = f6 + x6;
+    f7 = f7 + m6_7; f8 = f8 + m6_8; f9 = f9 + m6_9; f10 = f10 + m6_10; f11 = f11 + m6_11;
+            f12 = f12 + m6_12; f13 = f13 + m6_13; f14 = f14 + m6_14; f15 = f15 + m6_15;
+            f16 = f16 + m6_16; f17 = f17 + m6_17;
+    const float m8_9 = u8_9 * x8, m8_10 = u8_10 * x8, m8_11 = u8_11 * x8, m8_12 = u8_12 * x8,
+            m8_13 = u8_13 * x8, m8_14 = u8_14 * x8, m8_15 = u8_15 * x8, m8_16 = u8_16 * x8,
+            m8_17 = u8_17 * x8;
     const float x10 = self->x[10]; /* row 10 */
-    const float u10_16 = u[130], u10_17 = u[146];
-    f16 = f16 + m7_16; f17 = f17 + m7_17;
-    const float m9_16 = u9_16 * x9, m9_17 = u9_17 * x9;
+    const float u10_11 = u[65], u10_12 = u[76], u10_13 = u[88], u10_14 = u[101], u10_15 = u[115],
+            u10_16 = u[130], u10_17 = u[146];
+    f7 = f7 + x7;
+    f8 = f8 + m7_8; f9 = f9 + m7_9; f10 = f10 + m7_10; f11 = f11 + m7_11; f12 = f12 + m7_12;
+            f13 = f13 + m7_13; f14 = f14 + m7_14; f15 = f15 + m7_15; f16 = f16 + m7_16;
+            f17 = f17 + m7_17;
+    const float m9_10 = u9_10 * x9, m9_11 = u9_11 * x9, m9_12 = u9_12 * x9, m9_13 = u9_13 * x9,
+            m9_14 = u9_14 * x9, m9_15 = u9_15 * x9, m9_16 = u9_16 * x9, m9_17 = u9_17 * x9;
     const float x11 = self->x[11]; /* row 11 */
-    const float u11_16 = u[131], u11_17 = u[147];
-    f16 = f16 + m8_16; f17 = f17 + m8_17;
-    const float m10_16 = u10_16 * x10, m10_17 = u10_17 * x10;
+    const float u11_12 = u[77], u11_13 = u[89], u11_14 = u[102], u11_15 = u[116], u11_16 = u[131],
+            u11_17 = u[147];
+    f8 = f8 + x8;
+    f9 = f9 + m8_9; f10 = f10 + m8_10; f11 = f11 + m8_11; f12 = f12 + m8_12; f13 = f13 + m8_13;
+            f14 = f14 + m8_14; f15 = f15 + m8_15; f16 = f16 + m8_16; f17 = f17 + m8_17;
+    const float m10_11 = u10_11 * x10, m10_12 = u10_12 * x10, m10_13 = u10_13 * x10, m10_14 = u10_14 * x10,
+            m10_15 = u10_15 * x10, m10_16 = u10_16 * x10, m10_17 = u10_17 * x10;
     const float x12 = self->x[12]; /* row 12 */
-    const float u12_16 = u[132], u12_17 = u[148];
-    f16 = f16 + m9_16; f17 = f17 + m9_17;
-    const float m11_16 = u11_16 * x11, m11_17 = u11_17 * x11;
+    const float u12_13 = u[90], u12_14 = u[103], u12_15 = u[117], u12_16 = u[132], u12_17 = u[148];
+    f9 = f9 + x9;
+    f10 = f10 + m9_10; f11 = f11 + m9_11; f12 = f12 + m9_12; f13 = f13 + m9_13;
+            f14 = f14 + m9_14; f15 = f15 + m9_15; f16 = f16 + m9_16; f17 = f17 + m9_17;
+    const float m11_12 = u11_12 * x11, m11_13 = u11_13 * x11, m11_14 = u11_14 * x11, m11_15 = u11_15 * x11,
+            m11_16 = u11_16 * x11, m11_17 = u11_17 * x11;
     const float x13 = self->x[13]; /* row 13 */
-    const float u13_16 = u[133], u13_17 = u[149];
-    f16 = f16 + m10_16; f17 = f17 + m10_17;
-    const float m12_16 = u12_16 * x12, m12_17 = u12_17 * x12;
+    const float u13_14 = u[104], u13_15 = u[118], u13_16 = u[133], u13_17 = u[149];
+    f10 = f10 + x10;
+    f11 = f11 + m10_11; f12 = f12 + m10_12; f13 = f13 + m10_13; f14 = f14 + m10_14;
+            f15 = f15 + m10_15; f16 = f16 + m10_16; f17 = f17 + m10_17;
+    const float m12_13 = u12_13 * x12, m12_14 = u12_14 * x12, m12_15 = u12_15 * x12, m12_16 = u12_16 * x12,
+            m12_17 = u12_17 * x12;
     const float x14 = self->x[14]; /* row 14 */
-    const float u14_16 = u[134], u14_17 = u[150];
-    f16 = f16 + m11_16; f17 = f17 + m11_17;
-    const float m13_16 = u13_16 * x13, m13_17 = u13_17 * x13;
+    const float u14_15 = u[119], u14_16 = u[134], u14_17 = u[150];
+    f11 = f11 + x11;
+    f12 = f12 + m11_12; f13 = f13 + m11_13; f14 = f14 + m11_14; f15 = f15 + m11_15;
+            f16 = f16 + m11_16; f17 = f17 + m11_17;
+    const float m13_14 = u13_14 * x13, m13_15 = u13_15 * x13, m13_16 = u13_16 * x13, m13_17 = u13_17 * x13;
     const float x15 = self->x[15]; /* row 15 */
     const float u15_16 = u[135], u15_17 = u[151];
-    f16 = f16 + m12_16; f17 = f17 + m12_17;
-    const float m14_16 = u14_16 * x14, m14_17 = u14_17 * x14;
+    f12 = f12 + x12;
+    f13 = f13 + m12_13; f14 = f14 + m12_14; f15 = f15 + m12_15; f16 = f16 + m12_16;
+            f17 = f17 + m12_17;
+    const float m14_15 = u14_15 * x14, m14_16 = u14_16 * x14, m14_17 = u14_17 * x14;
     const float x16 = self->x[16]; /* row 16 */
     const float u16_17 = u[152];
-    f16 = f16 + m13_16; f17 = f17 + m13_17;
+    f13 = f13 + x13;
+    f14 = f14 + m13_14; f15 = f15 + m13_15; f16 = f16 + m13_16; f17 = f17 + m13_17;
     const float m15_16 = u15_16 * x15, m15_17 = u15_17 * x15;
-    f16 = f16 + m14_16; f17 = f17 + m14_17;
+    f14 = f14 + x14;
+    f15 = f15 + m14_15; f16 = f16 + m14_16; f17 = f17 + m14_17;
     const float m16_17 = u16_17 * x16;
+    f15 = f15 + x15;
     f16 = f16 + m15_16; f17 = f17 + m15_17;
     f16 = f16 + x16;
     f17 = f17 + m16_17;
     f17 = f17 + self->x[17];
 
-    self->f[16] = f16; self->f[17] = f17;
-    const float d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
-    const float g16 = d16 * f16, g17 = d17 * f17;
-    const float h16 = g16 + grid, h17 = g17 + grid;
-    self->g[16] = h16 - grid; self->g[17] = h17 - grid;
+    self->f[0] = f0; self->f[1] = f1; self->f[2] = f2; self->f[3] = f3; self->f[4] = f4;
+            self->f[5] = f5;
+    self->f[6] = f6; self->f[7] = f7; self->f[8] = f8; self->f[9] = f9; self->f[10] = f10;
+            self->f[11] = f11;
+    self->f[12] = f12; self->f[13] = f13; self->f[14] = f14; self->f[15] = f15;
+            self->f[16] = f16; self->f[17] = f17;
+    const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate,
+            d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate;
+    const float d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate,
+            d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate;
+    const float d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate,
+            d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
+    const float g0 = d0 * f0, g1 = d1 * f1, g2 = d2 * f2, g3 = d3 * f3, g4 = d4 * f4, g5 = d5 * f5;
+    const float g6 = d6 * f6, g7 = d7 * f7, g8 = d8 * f8, g9 = d9 * f9, g10 = d10 * f10, g11 = d11 * f11;
+    const float g12 = d12 * f12, g13 = d13 * f13, g14 = d14 * f14, g15 = d15 * f15, g16 = d16 * f16,
+            g17 = d17 * f17;
+    const float h0 = g0 + grid, h1 = g1 + grid, h2 = g2 + grid, h3 = g3 + grid, h4 = g4 + grid,
+            h5 = g5 + grid;
+    const float h6 = g6 + grid, h7 = g7 + grid, h8 = g8 + grid, h9 = g9 + grid, h10 = g10 + grid,
+            h11 = g11 + grid;
+    const float h12 = g12 + grid, h13 = g13 + grid, h14 = g14 + grid, h15 = g15 + grid, h16 = g16 + grid,
+            h17 = g17 + grid;
+    self->g[0] = h0 - grid; self->g[1] = h1 - grid; self->g[2] = h2 - grid;
+            self->g[3] = h3 - grid; self->g[4] = h4 - grid; self->g[5] = h5 - grid;
+    self->g[6] = h6 - grid; self->g[7] = h7 - grid; self->g[8] = h8 - grid;
+            self->g[9] = h9 - grid; self->g[10] = h10 - grid; self->g[11] = h11 - grid;
+    self->g[12] = h12 - grid; self->g[13] = h13 - grid; self->g[14] = h14 - grid;
+            self->g[15] = h15 - grid; self->g[16] = h16 - grid; self->g[17] = h17 - grid;
 }
 
-/* U and P x, columns 0 to 8. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
+/* U and P x, columns 0 to 11. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
  * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
 static APPENDIX_A_STRAIGHT void appendix_a_factor_0(appendix_a_learner_t *self)
 {
@@ -869,44 +765,27 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_0(appendix_a_learner_t *self)
     k3 = k3 + q3_8; k4 = k4 + q4_8; k5 = k5 + q5_8;
     const float p6_8 = k6 * l8, p7_8 = k7 * l8;
     const float q6_8 = u6_8 * k8, q7_8 = u7_8 * k8;
+    const float l9 = self->l[9]; /* column 9 */
+    float k9 = self->g[9];
+    const float u0_9 = u[36], u1_9 = u[37], u2_9 = u[38];
     u[27] = t6_7;
     const float t0_8 = s0_8 - grid, t1_8 = s1_8 - grid, t2_8 = s2_8 - grid;
     const float s3_8 = r3_8 + grid, s4_8 = r4_8 + grid, s5_8 = r5_8 + grid;
     const float r6_8 = u6_8 + p6_8, r7_8 = u7_8 + p7_8;
     k6 = k6 + q6_8; k7 = k7 + q7_8;
-    u[28] = t0_8; u[29] = t1_8; u[30] = t2_8;
-    const float t3_8 = s3_8 - grid, t4_8 = s4_8 - grid, t5_8 = s5_8 - grid;
-    const float s6_8 = r6_8 + grid, s7_8 = r7_8 + grid;
-    u[31] = t3_8; u[32] = t4_8; u[33] = t5_8;
-    const float t6_8 = s6_8 - grid, t7_8 = s7_8 - grid;
-    u[34] = t6_8; u[35] = t7_8;
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8;
-}
-
-/* U and P x, columns 9 to 12. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
-static APPENDIX_A_STRAIGHT void appendix_a_factor_1(appendix_a_learner_t *self)
-{
-    const float grid = 0.01171875f;
-    float *u = self->u;
-    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
-            k5 = self->k[5];
-    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8];
-
-    const float l9 = self->l[9]; /* column 9 */
-    float k9 = self->g[9];
-    const float u0_9 = u[36], u1_9 = u[37], u2_9 = u[38];
     const float p0_9 = k0 * l9, p1_9 = k1 * l9, p2_9 = k2 * l9;
     const float q0_9 = u0_9 * k9, q1_9 = u1_9 * k9, q2_9 = u2_9 * k9;
     const float u3_9 = u[39], u4_9 = u[40], u5_9 = u[41];
+    u[28] = t0_8; u[29] = t1_8; u[30] = t2_8;
+    const float t3_8 = s3_8 - grid, t4_8 = s4_8 - grid, t5_8 = s5_8 - grid;
+    const float s6_8 = r6_8 + grid, s7_8 = r7_8 + grid;
     const float r0_9 = u0_9 + p0_9, r1_9 = u1_9 + p1_9, r2_9 = u2_9 + p2_9;
     k0 = k0 + q0_9; k1 = k1 + q1_9; k2 = k2 + q2_9;
     const float p3_9 = k3 * l9, p4_9 = k4 * l9, p5_9 = k5 * l9;
     const float q3_9 = u3_9 * k9, q4_9 = u4_9 * k9, q5_9 = u5_9 * k9;
     const float u6_9 = u[42], u7_9 = u[43], u8_9 = u[44];
+    u[31] = t3_8; u[32] = t4_8; u[33] = t5_8;
+    const float t6_8 = s6_8 - grid, t7_8 = s7_8 - grid;
     const float s0_9 = r0_9 + grid, s1_9 = r1_9 + grid, s2_9 = r2_9 + grid;
     const float r3_9 = u3_9 + p3_9, r4_9 = u4_9 + p4_9, r5_9 = u5_9 + p5_9;
     k3 = k3 + q3_9; k4 = k4 + q4_9; k5 = k5 + q5_9;
@@ -915,6 +794,7 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_1(appendix_a_learner_t *self)
     const float l10 = self->l[10]; /* column 10 */
     float k10 = self->g[10];
     const float u0_10 = u[45], u1_10 = u[46], u2_10 = u[47];
+    u[34] = t6_8; u[35] = t7_8;
     const float t0_9 = s0_9 - grid, t1_9 = s1_9 - grid, t2_9 = s2_9 - grid;
     const float s3_9 = r3_9 + grid, s4_9 = r4_9 + grid, s5_9 = r5_9 + grid;
     const float r6_9 = u6_9 + p6_9, r7_9 = u7_9 + p7_9, r8_9 = u8_9 + p8_9;
@@ -979,62 +859,27 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_1(appendix_a_learner_t *self)
     k6 = k6 + q6_11; k7 = k7 + q7_11; k8 = k8 + q8_11;
     const float p9_11 = k9 * l11, p10_11 = k10 * l11;
     const float q9_11 = u9_11 * k11, q10_11 = u10_11 * k11;
-    const float l12 = self->l[12]; /* column 12 */
-    float k12 = self->g[12];
-    const float u0_12 = u[66], u1_12 = u[67], u2_12 = u[68];
     u[55] = t0_11; u[56] = t1_11; u[57] = t2_11;
     const float t3_11 = s3_11 - grid, t4_11 = s4_11 - grid, t5_11 = s5_11 - grid;
     const float s6_11 = r6_11 + grid, s7_11 = r7_11 + grid, s8_11 = r8_11 + grid;
     const float r9_11 = u9_11 + p9_11, r10_11 = u10_11 + p10_11;
     k9 = k9 + q9_11; k10 = k10 + q10_11;
-    const float p0_12 = k0 * l12, p1_12 = k1 * l12, p2_12 = k2 * l12;
-    const float q0_12 = u0_12 * k12, q1_12 = u1_12 * k12, q2_12 = u2_12 * k12;
-    const float u3_12 = u[69], u4_12 = u[70], u5_12 = u[71];
     u[58] = t3_11; u[59] = t4_11; u[60] = t5_11;
     const float t6_11 = s6_11 - grid, t7_11 = s7_11 - grid, t8_11 = s8_11 - grid;
     const float s9_11 = r9_11 + grid, s10_11 = r10_11 + grid;
-    const float r0_12 = u0_12 + p0_12, r1_12 = u1_12 + p1_12, r2_12 = u2_12 + p2_12;
-    k0 = k0 + q0_12; k1 = k1 + q1_12; k2 = k2 + q2_12;
-    const float p3_12 = k3 * l12, p4_12 = k4 * l12, p5_12 = k5 * l12;
-    const float q3_12 = u3_12 * k12, q4_12 = u4_12 * k12, q5_12 = u5_12 * k12;
-    const float u6_12 = u[72], u7_12 = u[73], u8_12 = u[74];
     u[61] = t6_11; u[62] = t7_11; u[63] = t8_11;
     const float t9_11 = s9_11 - grid, t10_11 = s10_11 - grid;
-    const float s0_12 = r0_12 + grid, s1_12 = r1_12 + grid, s2_12 = r2_12 + grid;
-    const float r3_12 = u3_12 + p3_12, r4_12 = u4_12 + p4_12, r5_12 = u5_12 + p5_12;
-    k3 = k3 + q3_12; k4 = k4 + q4_12; k5 = k5 + q5_12;
-    const float p6_12 = k6 * l12, p7_12 = k7 * l12, p8_12 = k8 * l12;
-    const float q6_12 = u6_12 * k12, q7_12 = u7_12 * k12, q8_12 = u8_12 * k12;
-    const float u9_12 = u[75], u10_12 = u[76], u11_12 = u[77];
     u[64] = t9_11; u[65] = t10_11;
-    const float t0_12 = s0_12 - grid, t1_12 = s1_12 - grid, t2_12 = s2_12 - grid;
-    const float s3_12 = r3_12 + grid, s4_12 = r4_12 + grid, s5_12 = r5_12 + grid;
-    const float r6_12 = u6_12 + p6_12, r7_12 = u7_12 + p7_12, r8_12 = u8_12 + p8_12;
-    k6 = k6 + q6_12; k7 = k7 + q7_12; k8 = k8 + q8_12;
-    const float p9_12 = k9 * l12, p10_12 = k10 * l12, p11_12 = k11 * l12;
-    const float q9_12 = u9_12 * k12, q10_12 = u10_12 * k12, q11_12 = u11_12 * k12;
-    u[66] = t0_12; u[67] = t1_12; u[68] = t2_12;
-    const float t3_12 = s3_12 - grid, t4_12 = s4_12 - grid, t5_12 = s5_12 - grid;
-    const float s6_12 = r6_12 + grid, s7_12 = r7_12 + grid, s8_12 = r8_12 + grid;
-    const float r9_12 = u9_12 + p9_12, r10_12 = u10_12 + p10_12, r11_12 = u11_12 + p11_12;
-    k9 = k9 + q9_12; k10 = k10 + q10_12; k11 = k11 + q11_12;
-    u[69] = t3_12; u[70] = t4_12; u[71] = t5_12;
-    const float t6_12 = s6_12 - grid, t7_12 = s7_12 - grid, t8_12 = s8_12 - grid;
-    const float s9_12 = r9_12 + grid, s10_12 = r10_12 + grid, s11_12 = r11_12 + grid;
-    u[72] = t6_12; u[73] = t7_12; u[74] = t8_12;
-    const float t9_12 = s9_12 - grid, t10_12 = s10_12 - grid, t11_12 = s11_12 - grid;
-    u[75] = t9_12; u[76] = t10_12; u[77] = t11_12;
 
     self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
             self->k[5] = k5;
     self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
             self->k[11] = k11;
-    self->k[12] = k12;
 }
 
-/* U and P x, columns 13 to 15. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
+/* U and P x, columns 12 to 16. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
  * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
-static APPENDIX_A_STRAIGHT void appendix_a_factor_2(appendix_a_learner_t *self)
+static APPENDIX_A_STRAIGHT void appendix_a_factor_1(appendix_a_learner_t *self)
 {
     const float grid = 0.01171875f;
     float *u = self->u;
@@ -1042,25 +887,58 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_2(appendix_a_learner_t *self)
             k5 = self->k[5];
     float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
             k11 = self->k[11];
-    float k12 = self->k[12];
 
+    const float l12 = self->l[12]; /* column 12 */
+    float k12 = self->g[12];
+    const float u0_12 = u[66], u1_12 = u[67], u2_12 = u[68];
+    const float p0_12 = k0 * l12, p1_12 = k1 * l12, p2_12 = k2 * l12;
+    const float q0_12 = u0_12 * k12, q1_12 = u1_12 * k12, q2_12 = u2_12 * k12;
+    const float u3_12 = u[69], u4_12 = u[70], u5_12 = u[71];
+    const float r0_12 = u0_12 + p0_12, r1_12 = u1_12 + p1_12, r2_12 = u2_12 + p2_12;
+    k0 = k0 + q0_12; k1 = k1 + q1_12; k2 = k2 + q2_12;
+    const float p3_12 = k3 * l12, p4_12 = k4 * l12, p5_12 = k5 * l12;
+    const float q3_12 = u3_12 * k12, q4_12 = u4_12 * k12, q5_12 = u5_12 * k12;
+    const float u6_12 = u[72], u7_12 = u[73], u8_12 = u[74];
+    const float s0_12 = r0_12 + grid, s1_12 = r1_12 + grid, s2_12 = r2_12 + grid;
+    const float r3_12 = u3_12 + p3_12, r4_12 = u4_12 + p4_12, r5_12 = u5_12 + p5_12;
+    k3 = k3 + q3_12; k4 = k4 + q4_12; k5 = k5 + q5_12;
+    const float p6_12 = k6 * l12, p7_12 = k7 * l12, p8_12 = k8 * l12;
+    const float q6_12 = u6_12 * k12, q7_12 = u7_12 * k12, q8_12 = u8_12 * k12;
+    const float u9_12 = u[75], u10_12 = u[76], u11_12 = u[77];
+    const float t0_12 = s0_12 - grid, t1_12 = s1_12 - grid, t2_12 = s2_12 - grid;
+    const float s3_12 = r3_12 + grid, s4_12 = r4_12 + grid, s5_12 = r5_12 + grid;
+    const float r6_12 = u6_12 + p6_12, r7_12 = u7_12 + p7_12, r8_12 = u8_12 + p8_12;
+    k6 = k6 + q6_12; k7 = k7 + q7_12; k8 = k8 + q8_12;
+    const float p9_12 = k9 * l12, p10_12 = k10 * l12, p11_12 = k11 * l12;
+    const float q9_12 = u9_12 * k12, q10_12 = u10_12 * k12, q11_12 = u11_12 * k12;
     const float l13 = self->l[13]; /* column 13 */
     float k13 = self->g[13];
     const float u0_13 = u[78], u1_13 = u[79], u2_13 = u[80];
+    u[66] = t0_12; u[67] = t1_12; u[68] = t2_12;
+    const float t3_12 = s3_12 - grid, t4_12 = s4_12 - grid, t5_12 = s5_12 - grid;
+    const float s6_12 = r6_12 + grid, s7_12 = r7_12 + grid, s8_12 = r8_12 + grid;
+    const float r9_12 = u9_12 + p9_12, r10_12 = u10_12 + p10_12, r11_12 = u11_12 + p11_12;
+    k9 = k9 + q9_12; k10 = k10 + q10_12; k11 = k11 + q11_12;
     const float p0_13 = k0 * l13, p1_13 = k1 * l13, p2_13 = k2 * l13;
     const float q0_13 = u0_13 * k13, q1_13 = u1_13 * k13, q2_13 = u2_13 * k13;
     const float u3_13 = u[81], u4_13 = u[82], u5_13 = u[83];
+    u[69] = t3_12; u[70] = t4_12; u[71] = t5_12;
+    const float t6_12 = s6_12 - grid, t7_12 = s7_12 - grid, t8_12 = s8_12 - grid;
+    const float s9_12 = r9_12 + grid, s10_12 = r10_12 + grid, s11_12 = r11_12 + grid;
     const float r0_13 = u0_13 + p0_13, r1_13 = u1_13 + p1_13, r2_13 = u2_13 + p2_13;
     k0 = k0 + q0_13; k1 = k1 + q1_13; k2 = k2 + q2_13;
     const float p3_13 = k3 * l13, p4_13 = k4 * l13, p5_13 = k5 * l13;
     const float q3_13 = u3_13 * k13, q4_13 = u4_13 * k13, q5_13 = u5_13 * k13;
     const float u6_13 = u[84], u7_13 = u[85], u8_13 = u[86];
+    u[72] = t6_12; u[73] = t7_12; u[74] = t8_12;
+    const float t9_12 = s9_12 - grid, t10_12 = s10_12 - grid, t11_12 = s11_12 - grid;
     const float s0_13 = r0_13 + grid, s1_13 = r1_13 + grid, s2_13 = r2_13 + grid;
     const float r3_13 = u3_13 + p3_13, r4_13 = u4_13 + p4_13, r5_13 = u5_13 + p5_13;
     k3 = k3 + q3_13; k4 = k4 + q4_13; k5 = k5 + q5_13;
     const float p6_13 = k6 * l13, p7_13 = k7 * l13, p8_13 = k8 * l13;
     const float q6_13 = u6_13 * k13, q7_13 = u7_13 * k13, q8_13 = u8_13 * k13;
     const float u9_13 = u[87], u10_13 = u[88], u11_13 = u[89];
+    u[75] = t9_12; u[76] = t10_12; u[77] = t11_12;
     const float t0_13 = s0_13 - grid, t1_13 = s1_13 - grid, t2_13 = s2_13 - grid;
     const float s3_13 = r3_13 + grid, s4_13 = r4_13 + grid, s5_13 = r5_13 + grid;
     const float r6_13 = u6_13 + p6_13, r7_13 = u7_13 + p7_13, r8_13 = u8_13 + p8_13;
@@ -1159,54 +1037,34 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_2(appendix_a_learner_t *self)
     k9 = k9 + q9_15; k10 = k10 + q10_15; k11 = k11 + q11_15;
     const float p12_15 = k12 * l15, p13_15 = k13 * l15, p14_15 = k14 * l15;
     const float q12_15 = u12_15 * k15, q13_15 = u13_15 * k15, q14_15 = u14_15 * k15;
+    const float l16 = self->l[16]; /* column 16 */
+    float k16 = self->g[16];
+    const float u0_16 = u[120], u1_16 = u[121], u2_16 = u[122];
     u[108] = t3_15; u[109] = t4_15; u[110] = t5_15;
     const float t6_15 = s6_15 - grid, t7_15 = s7_15 - grid, t8_15 = s8_15 - grid;
     const float s9_15 = r9_15 + grid, s10_15 = r10_15 + grid, s11_15 = r11_15 + grid;
     const float r12_15 = u12_15 + p12_15, r13_15 = u13_15 + p13_15, r14_15 = u14_15 + p14_15;
     k12 = k12 + q12_15; k13 = k13 + q13_15; k14 = k14 + q14_15;
-    u[111] = t6_15; u[112] = t7_15; u[113] = t8_15;
-    const float t9_15 = s9_15 - grid, t10_15 = s10_15 - grid, t11_15 = s11_15 - grid;
-    const float s12_15 = r12_15 + grid, s13_15 = r13_15 + grid, s14_15 = r14_15 + grid;
-    u[114] = t9_15; u[115] = t10_15; u[116] = t11_15;
-    const float t12_15 = s12_15 - grid, t13_15 = s13_15 - grid, t14_15 = s14_15 - grid;
-    u[117] = t12_15; u[118] = t13_15; u[119] = t14_15;
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
-            self->k[11] = k11;
-    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
-}
-
-/* U and P x, columns 16 to 17. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
-static APPENDIX_A_STRAIGHT void appendix_a_factor_3(appendix_a_learner_t *self)
-{
-    const float grid = 0.01171875f;
-    float *u = self->u;
-    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
-            k5 = self->k[5];
-    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
-            k11 = self->k[11];
-    float k12 = self->k[12], k13 = self->k[13], k14 = self->k[14], k15 = self->k[15];
-
-    const float l16 = self->l[16]; /* column 16 */
-    float k16 = self->g[16];
-    const float u0_16 = u[120], u1_16 = u[121], u2_16 = u[122];
     const float p0_16 = k0 * l16, p1_16 = k1 * l16, p2_16 = k2 * l16;
     const float q0_16 = u0_16 * k16, q1_16 = u1_16 * k16, q2_16 = u2_16 * k16;
     const float u3_16 = u[123], u4_16 = u[124], u5_16 = u[125];
+    u[111] = t6_15; u[112] = t7_15; u[113] = t8_15;
+    const float t9_15 = s9_15 - grid, t10_15 = s10_15 - grid, t11_15 = s11_15 - grid;
+    const float s12_15 = r12_15 + grid, s13_15 = r13_15 + grid, s14_15 = r14_15 + grid;
     const float r0_16 = u0_16 + p0_16, r1_16 = u1_16 + p1_16, r2_16 = u2_16 + p2_16;
     k0 = k0 + q0_16; k1 = k1 + q1_16; k2 = k2 + q2_16;
     const float p3_16 = k3 * l16, p4_16 = k4 * l16, p5_16 = k5 * l16;
     const float q3_16 = u3_16 * k16, q4_16 = u4_16 * k16, q5_16 = u5_16 * k16;
     const float u6_16 = u[126], u7_16 = u[127], u8_16 = u[128];
+    u[114] = t9_15; u[115] = t10_15; u[116] = t11_15;
+    const float t12_15 = s12_15 - grid, t13_15 = s13_15 - grid, t14_15 = s14_15 - grid;
     const float s0_16 = r0_16 + grid, s1_16 = r1_16 + grid, s2_16 = r2_16 + grid;
     const float r3_16 = u3_16 + p3_16, r4_16 = u4_16 + p4_16, r5_16 = u5_16 + p5_16;
     k3 = k3 + q3_16; k4 = k4 + q4_16; k5 = k5 + q5_16;
     const float p6_16 = k6 * l16, p7_16 = k7 * l16, p8_16 = k8 * l16;
     const float q6_16 = u6_16 * k16, q7_16 = u7_16 * k16, q8_16 = u8_16 * k16;
     const float u9_16 = u[129], u10_16 = u[130], u11_16 = u[131];
+    u[117] = t12_15; u[118] = t13_15; u[119] = t14_15;
     const float t0_16 = s0_16 - grid, t1_16 = s1_16 - grid, t2_16 = s2_16 - grid;
     const float s3_16 = r3_16 + grid, s4_16 = r4_16 + grid, s5_16 = r5_16 + grid;
     const float r6_16 = u6_16 + p6_16, r7_16 = u7_16 + p7_16, r8_16 = u8_16 + p8_16;
@@ -1229,34 +1087,56 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_3(appendix_a_learner_t *self)
     k12 = k12 + q12_16; k13 = k13 + q13_16; k14 = k14 + q14_16;
     const float p15_16 = k15 * l16;
     const float q15_16 = u15_16 * k16;
-    const float l17 = self->l[17]; /* column 17 */
-    const float k17 = self->g[17];
-    const float u0_17 = u[136], u1_17 = u[137], u2_17 = u[138];
     u[126] = t6_16; u[127] = t7_16; u[128] = t8_16;
     const float t9_16 = s9_16 - grid, t10_16 = s10_16 - grid, t11_16 = s11_16 - grid;
     const float s12_16 = r12_16 + grid, s13_16 = r13_16 + grid, s14_16 = r14_16 + grid;
     const float r15_16 = u15_16 + p15_16;
     k15 = k15 + q15_16;
-    const float p0_17 = k0 * l17, p1_17 = k1 * l17, p2_17 = k2 * l17;
-    const float q0_17 = u0_17 * k17, q1_17 = u1_17 * k17, q2_17 = u2_17 * k17;
-    const float u3_17 = u[139], u4_17 = u[140], u5_17 = u[141];
     u[129] = t9_16; u[130] = t10_16; u[131] = t11_16;
     const float t12_16 = s12_16 - grid, t13_16 = s13_16 - grid, t14_16 = s14_16 - grid;
     const float s15_16 = r15_16 + grid;
+    u[132] = t12_16; u[133] = t13_16; u[134] = t14_16;
+    const float t15_16 = s15_16 - grid;
+    u[135] = t15_16;
+
+    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
+            self->k[5] = k5;
+    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
+            self->k[11] = k11;
+    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
+            self->k[16] = k16;
+}
+
+/* U and P x, column 17. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
+ * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+static APPENDIX_A_STRAIGHT void appendix_a_factor_2(appendix_a_learner_t *self)
+{
+    const float grid = 0.01171875f;
+    float *u = self->u;
+    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
+            k5 = self->k[5];
+    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
+            k11 = self->k[11];
+    float k12 = self->k[12], k13 = self->k[13], k14 = self->k[14], k15 = self->k[15],
+            k16 = self->k[16];
+
+    const float l17 = self->l[17]; /* column 17 */
+    const float k17 = self->g[17];
+    const float u0_17 = u[136], u1_17 = u[137], u2_17 = u[138];
+    const float p0_17 = k0 * l17, p1_17 = k1 * l17, p2_17 = k2 * l17;
+    const float q0_17 = u0_17 * k17, q1_17 = u1_17 * k17, q2_17 = u2_17 * k17;
+    const float u3_17 = u[139], u4_17 = u[140], u5_17 = u[141];
     const float r0_17 = u0_17 + p0_17, r1_17 = u1_17 + p1_17, r2_17 = u2_17 + p2_17;
     k0 = k0 + q0_17; k1 = k1 + q1_17; k2 = k2 + q2_17;
     const float p3_17 = k3 * l17, p4_17 = k4 * l17, p5_17 = k5 * l17;
     const float q3_17 = u3_17 * k17, q4_17 = u4_17 * k17, q5_17 = u5_17 * k17;
     const float u6_17 = u[142], u7_17 = u[143], u8_17 = u[144];
-    u[132] = t12_16; u[133] = t13_16; u[134] = t14_16;
-    const float t15_16 = s15_16 - grid;
     const float s0_17 = r0_17 + grid, s1_17 = r1_17 + grid, s2_17 = r2_17 + grid;
     const float r3_17 = u3_17 + p3_17, r4_17 = u4_17 + p4_17, r5_17 = u5_17 + p5_17;
     k3 = k3 + q3_17; k4 = k4 + q4_17; k5 = k5 + q5_17;
     const float p6_17 = k6 * l17, p7_17 = k7 * l17, p8_17 = k8 * l17;
     const float q6_17 = u6_17 * k17, q7_17 = u7_17 * k17, q8_17 = u8_17 * k17;
     const float u9_17 = u[145], u10_17 = u[146], u11_17 = u[147];
-    u[135] = t15_16;
     const float t0_17 = s0_17 - grid, t1_17 = s1_17 - grid, t2_17 = s2_17 - grid;
     const float s3_17 = r3_17 + grid, s4_17 = r4_17 + grid, s5_17 = r5_17 + grid;
     const float r6_17 = u6_17 + p6_17, r7_17 = u7_17 + p7_17, r8_17 = u8_17 + p8_17;
@@ -1738,43 +1618,90 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_step(appendix_a_learner_t *self)
 /* Innovation of the displacement y behind the regressors kept, and of the reference parameters for the same sample. */
 static APPENDIX_A_STRAIGHT float appendix_a_innovations(const appendix_a_learner_t *self, float y, float *reference)
 {
-    float shadow = self->x[0] * self->theta[0];
-    float other = self->x[0] * self->reference[0];
+    float shadow;
+    float other;
 
-    shadow = shadow + self->x[1] * self->theta[1];
-    other = other + self->x[1] * self->reference[1];
-    shadow = shadow + self->x[2] * self->theta[2];
-    other = other + self->x[2] * self->reference[2];
-    shadow = shadow + self->x[3] * self->theta[3];
-    other = other + self->x[3] * self->reference[3];
-    shadow = shadow + self->x[4] * self->theta[4];
-    other = other + self->x[4] * self->reference[4];
-    shadow = shadow + self->x[5] * self->theta[5];
-    other = other + self->x[5] * self->reference[5];
-    shadow = shadow + self->x[6] * self->theta[6];
-    other = other + self->x[6] * self->reference[6];
-    shadow = shadow + self->x[7] * self->theta[7];
-    other = other + self->x[7] * self->reference[7];
-    shadow = shadow + self->x[8] * self->theta[8];
-    other = other + self->x[8] * self->reference[8];
-    shadow = shadow + self->x[9] * self->theta[9];
-    other = other + self->x[9] * self->reference[9];
-    shadow = shadow + self->x[10] * self->theta[10];
-    other = other + self->x[10] * self->reference[10];
-    shadow = shadow + self->x[11] * self->theta[11];
-    other = other + self->x[11] * self->reference[11];
-    shadow = shadow + self->x[12] * self->theta[12];
-    other = other + self->x[12] * self->reference[12];
-    shadow = shadow + self->x[13] * self->theta[13];
-    other = other + self->x[13] * self->reference[13];
-    shadow = shadow + self->x[14] * self->theta[14];
-    other = other + self->x[14] * self->reference[14];
-    shadow = shadow + self->x[15] * self->theta[15];
-    other = other + self->x[15] * self->reference[15];
-    shadow = shadow + self->x[16] * self->theta[16];
-    other = other + self->x[16] * self->reference[16];
-    shadow = shadow + self->x[17] * self->theta[17];
-    other = other + self->x[17] * self->reference[17];
+    const float x0 = self->x[0], x1 = self->x[1];
+    const float s0 = self->theta[0], s1 = self->theta[1];
+    const float o0 = self->reference[0], o1 = self->reference[1];
+    const float p0 = x0 * s0, p1 = x1 * s1;
+    const float q0 = x0 * o0, q1 = x1 * o1;
+    const float x2 = self->x[2], x3 = self->x[3];
+    const float s2 = self->theta[2], s3 = self->theta[3];
+    const float o2 = self->reference[2], o3 = self->reference[3];
+    shadow = p0;
+    other = q0;
+    shadow = shadow + p1;
+    other = other + q1;
+    const float p2 = x2 * s2, p3 = x3 * s3;
+    const float q2 = x2 * o2, q3 = x3 * o3;
+    const float x4 = self->x[4], x5 = self->x[5];
+    const float s4 = self->theta[4], s5 = self->theta[5];
+    const float o4 = self->reference[4], o5 = self->reference[5];
+    shadow = shadow + p2;
+    other = other + q2;
+    shadow = shadow + p3;
+    other = other + q3;
+    const float p4 = x4 * s4, p5 = x5 * s5;
+    const float q4 = x4 * o4, q5 = x5 * o5;
+    const float x6 = self->x[6], x7 = self->x[7];
+    const float s6 = self->theta[6], s7 = self->theta[7];
+    const float o6 = self->reference[6], o7 = self->reference[7];
+    shadow = shadow + p4;
+    other = other + q4;
+    shadow = shadow + p5;
+    other = other + q5;
+    const float p6 = x6 * s6, p7 = x7 * s7;
+    const float q6 = x6 * o6, q7 = x7 * o7;
+    const float x8 = self->x[8], x9 = self->x[9];
+    const float s8 = self->theta[8], s9 = self->theta[9];
+    const float o8 = self->reference[8], o9 = self->reference[9];
+    shadow = shadow + p6;
+    other = other + q6;
+    shadow = shadow + p7;
+    other = other + q7;
+    const float p8 = x8 * s8, p9 = x9 * s9;
+    const float q8 = x8 * o8, q9 = x9 * o9;
+    const float x10 = self->x[10], x11 = self->x[11];
+    const float s10 = self->theta[10], s11 = self->theta[11];
+    const float o10 = self->reference[10], o11 = self->reference[11];
+    shadow = shadow + p8;
+    other = other + q8;
+    shadow = shadow + p9;
+    other = other + q9;
+    const float p10 = x10 * s10, p11 = x11 * s11;
+    const float q10 = x10 * o10, q11 = x11 * o11;
+    const float x12 = self->x[12], x13 = self->x[13];
+    const float s12 = self->theta[12], s13 = self->theta[13];
+    const float o12 = self->reference[12], o13 = self->reference[13];
+    shadow = shadow + p10;
+    other = other + q10;
+    shadow = shadow + p11;
+    other = other + q11;
+    const float p12 = x12 * s12, p13 = x13 * s13;
+    const float q12 = x12 * o12, q13 = x13 * o13;
+    const float x14 = self->x[14], x15 = self->x[15];
+    const float s14 = self->theta[14], s15 = self->theta[15];
+    const float o14 = self->reference[14], o15 = self->reference[15];
+    shadow = shadow + p12;
+    other = other + q12;
+    shadow = shadow + p13;
+    other = other + q13;
+    const float p14 = x14 * s14, p15 = x15 * s15;
+    const float q14 = x14 * o14, q15 = x15 * o15;
+    const float x16 = self->x[16], x17 = self->x[17];
+    const float s16 = self->theta[16], s17 = self->theta[17];
+    const float o16 = self->reference[16], o17 = self->reference[17];
+    shadow = shadow + p14;
+    other = other + q14;
+    shadow = shadow + p15;
+    other = other + q15;
+    const float p16 = x16 * s16, p17 = x17 * s17;
+    const float q16 = x16 * o16, q17 = x17 * o17;
+    shadow = shadow + p16;
+    other = other + q16;
+    shadow = shadow + p17;
+    other = other + q17;
     *reference = y - (other + self->fixed_um);
     return y - (shadow + self->fixed_um);
 }
@@ -1901,46 +1828,83 @@ static APPENDIX_A_STRAIGHT void appendix_a_keep(appendix_a_learner_t *self, floa
     appendix_a_learner_note(self, &self->outside, outside, APPENDIX_A_LEARN_OUTSIDE);
 }
 
-/* Work at the update that is begun. Returns 1 if the shadow has to start again. */
+/* Work at an update or a restart behind its first call. Returns 1 if the shadow has to start again. */
 APPENDIX_A_INLINE uint32_t appendix_a_work(appendix_a_learner_t *self)
 {
     uint32_t lost = 0u;
 
     switch (self->phase) {
-    case 1u:
-        appendix_a_project_0(self);
-        self->phase = 2u;
-        break;
     case 2u:
-        appendix_a_project_1(self);
         self->phase = 3u;
+        lost = appendix_a_weigh(self);
+
         break;
     case 3u:
-        appendix_a_project_2(self);
+        appendix_a_factor_0(self);
         self->phase = 4u;
+
         break;
     case 4u:
-        appendix_a_project_3(self);
+        appendix_a_factor_1(self);
         self->phase = 5u;
-        lost = appendix_a_weigh(self);
+
         break;
     case 5u:
-        appendix_a_factor_0(self);
+        appendix_a_factor_2(self);
         self->phase = 6u;
+
         break;
     case 6u:
-        appendix_a_factor_1(self);
         self->phase = 7u;
+
         break;
     case 7u:
-        appendix_a_factor_2(self);
         self->phase = 8u;
+
+        break;
+    case 8u:
+        lost = appendix_a_step(self);
+
+        break;
+    case 9u:
+        appendix_a_clear_0(self);
+        self->phase = 10u;
+
+        break;
+    case 10u:
+        appendix_a_clear_1(self);
+        self->phase = 11u;
+
+        break;
+    case 11u:
+        appendix_a_clear_2(self);
+        self->phase = 12u;
+
+        break;
+    case 12u:
+        self->phase = 13u;
+
+        break;
+    case 13u:
+        self->phase = 14u;
+
         break;
     default:
-        appendix_a_factor_3(self);
-        lost = appendix_a_step(self);
+        self->phase = 0u;
+
         break;
     }
+    return lost;
+}
+
+/* The first call of an update. Returns 1 if the shadow has to start again. */
+APPENDIX_A_INLINE uint32_t appendix_a_open(appendix_a_learner_t *self)
+{
+    uint32_t lost = 0u;
+
+        appendix_a_project_0(self);
+        self->phase = 2u;
+
     return lost;
 }
 
@@ -1959,11 +1923,13 @@ void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V)
     uint32_t lost = 0u;
 
     appendix_a_learner_note(self, &self->rejected, (usable ^ 1u) | u_lost, APPENDIX_A_LEARN_REJECTED);
-    if (((uint32_t)(self->phase == 0u) & self->fresh & usable) != 0u) {
-        lost = appendix_a_take(self, y, &innovation);
-    }
     if (self->phase != 0u) {
         lost = appendix_a_work(self);
+    } else if ((self->fresh & usable) != 0u) {
+        lost = appendix_a_take(self, y, &innovation);
+        if (self->phase != 0u) {
+            lost = appendix_a_open(self);
+        }
     }
     if (lost != 0u) {
         appendix_a_learner_note(self, &self->restarts, 1u, APPENDIX_A_LEARN_RESTARTED);
@@ -2038,6 +2004,10 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
     self->candidate.phase = 0u;
     self->candidate.point = 0u;
     appendix_a_restart(self);
+    appendix_a_clear_0(self);
+    appendix_a_clear_1(self);
+    appendix_a_clear_2(self);
+    self->phase = 0u;
 }
 
 /* ---- Commit ---------------------------------------------------------------------------------------------------- */

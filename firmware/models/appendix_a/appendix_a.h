@@ -152,7 +152,7 @@ typedef struct {
     float error;         /**< mean squares [um^2] of the innovation, of that of the reference parameters, */
     float reference_error; /**< see `error` */
     float step_error;    /**< and of y(k) - y(k-1) */
-    uint32_t phase;      /**< of the update in work, 0: none */
+    uint32_t phase;      /**< of the update or restart in work, 0: none */
     uint32_t fresh;      /**< the regressors belong to the sample before, */
     uint32_t rested;     /**< at which the input rested */
     uint32_t measuring;  /**< this update learns from a sample, it does not put back the prior */
@@ -184,14 +184,14 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
 
 /** Learn from sample k: the displacement y(k) is what the regressors of sample k - 1 had to predict; then those of
  * sample k are kept, and u(k) acts on the learner's own terms. Once per sample, before appendix_a_predict and the like.
- * An update takes 8 calls; the samples in between are not learnt from.
+ * An update takes 8 calls, a restart up to 7; the samples in between are not learnt from.
  *
  * @param self  the learner
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in appendix_a_predict
  *
- * 223 float +-, 336 float *, 53 float comparisons, 400 integer, 338 loads, 332 stores, 14 branches.
- * C674x: about 1602 cycles (estimate). */
+ * 297 float +-, 285 float *, 9 float comparisons, 104 integer, 340 loads, 162 stores, 9 branches.
+ * C674x: about 1138 cycles (estimate). */
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; APPENDIX_A_COMMIT_POINTS check points,

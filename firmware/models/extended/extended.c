@@ -543,7 +543,70 @@ EXTENDED_INLINE void extended_learner_note(
     *counter += happened & (uint32_t)(*counter < UINT32_MAX);
 }
 
-/* Back to the reference parameters and the prior, P = alpha I. */
+/* Column j of U = I. */
+static EXTENDED_STRAIGHT void extended_clear_column(extended_learner_t *self, uint32_t j)
+{
+    float *u = &self->u[j * EXTENDED_LEARNED];
+
+    u[0] = 0.0f; u[1] = 0.0f; u[2] = 0.0f; u[3] = 0.0f; u[4] = 0.0f; u[5] = 0.0f;
+    u[6] = 0.0f; u[7] = 0.0f; u[8] = 0.0f; u[9] = 0.0f; u[10] = 0.0f; u[11] = 0.0f;
+    u[12] = 0.0f; u[13] = 0.0f; u[14] = 0.0f; u[15] = 0.0f; u[16] = 0.0f; u[17] = 0.0f;
+    u[18] = 0.0f; u[19] = 0.0f; u[20] = 0.0f; u[21] = 0.0f; u[22] = 0.0f; u[23] = 0.0f;
+    u[24] = 0.0f;
+    u[j] = 1.0f;
+}
+
+/* U = I, columns 0 to 5. */
+static EXTENDED_STRAIGHT void extended_clear_0(extended_learner_t *self)
+{
+    extended_clear_column(self, 0u);
+    extended_clear_column(self, 1u);
+    extended_clear_column(self, 2u);
+    extended_clear_column(self, 3u);
+    extended_clear_column(self, 4u);
+    extended_clear_column(self, 5u);
+}
+
+/* U = I, columns 6 to 11. */
+static EXTENDED_STRAIGHT void extended_clear_1(extended_learner_t *self)
+{
+    extended_clear_column(self, 6u);
+    extended_clear_column(self, 7u);
+    extended_clear_column(self, 8u);
+    extended_clear_column(self, 9u);
+    extended_clear_column(self, 10u);
+    extended_clear_column(self, 11u);
+}
+
+/* U = I, columns 12 to 17. */
+static EXTENDED_STRAIGHT void extended_clear_2(extended_learner_t *self)
+{
+    extended_clear_column(self, 12u);
+    extended_clear_column(self, 13u);
+    extended_clear_column(self, 14u);
+    extended_clear_column(self, 15u);
+    extended_clear_column(self, 16u);
+    extended_clear_column(self, 17u);
+}
+
+/* U = I, columns 18 to 23. */
+static EXTENDED_STRAIGHT void extended_clear_3(extended_learner_t *self)
+{
+    extended_clear_column(self, 18u);
+    extended_clear_column(self, 19u);
+    extended_clear_column(self, 20u);
+    extended_clear_column(self, 21u);
+    extended_clear_column(self, 22u);
+    extended_clear_column(self, 23u);
+}
+
+/* U = I, column 24. */
+static EXTENDED_STRAIGHT void extended_clear_4(extended_learner_t *self)
+{
+    extended_clear_column(self, 24u);
+}
+
+/* Back to the reference parameters and the prior, P = alpha I: U in the calls to come. */
 static void extended_restart(extended_learner_t *self)
 {
     self->theta[0] = self->reference[0]; self->theta[1] = self->reference[1];
@@ -581,777 +644,370 @@ static void extended_restart(extended_learner_t *self)
     self->theta[24] = self->reference[24];
     self->theta_low[24] = 0.0f;
     self->d[24] = extended_learn_prior[24];
-    for (uint32_t j = 0u; j < EXTENDED_LEARNED; ++j) {
-        float *u = &self->u[j * EXTENDED_LEARNED];
-
-        u[0] = 0.0f; u[1] = 0.0f; u[2] = 0.0f; u[3] = 0.0f; u[4] = 0.0f; u[5] = 0.0f;
-        u[6] = 0.0f; u[7] = 0.0f; u[8] = 0.0f; u[9] = 0.0f; u[10] = 0.0f; u[11] = 0.0f;
-        u[12] = 0.0f; u[13] = 0.0f; u[14] = 0.0f; u[15] = 0.0f; u[16] = 0.0f; u[17] = 0.0f;
-        u[18] = 0.0f; u[19] = 0.0f; u[20] = 0.0f; u[21] = 0.0f; u[22] = 0.0f; u[23] = 0.0f;
-        u[24] = 0.0f;
-        u[j] = 1.0f;
-    }
     self->scale_um = EXTENDED_LEARN_LEVEL_UM;
     self->moving_um = EXTENDED_LEARN_LEVEL_UM;
     self->error = 0.0f;
     self->reference_error = 0.0f;
     self->step_error = 0.0f;
-    self->phase = 0u;
+    self->phase = 9u;
     self->run = 0u;
     self->age = 0u;
 }
 
 /* ---- Learner: the update, P = U D U' --------------------------------------------------------------------------- */
 
-/* f = U' x and g = D f, columns 0 to 15, 4 columns per pass. Every f_j sums over i = 0, 1, ...; U is whole columns
- * with ones on the diagonal and zeros below. The last pass overlaps the one before if their number asks for it. */
+/* f = U' x in 6 columns from c on. Every f_j sums over i = 0, 1, ...; U is whole columns with ones on the diagonal
+ * and zeros below. */
+static EXTENDED_STRAIGHT void extended_project_columns(extended_learner_t *self, uint32_t c)
+{
+    const float *u = &self->u[c * EXTENDED_LEARNED];
+    float f0, f1, f2, f3, f4, f5;
+
+    const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75], u0_4 = u[100], u0_5 = u[125];
+    const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76], u1_4 = u[101], u1_5 = u[126];
+    const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0, m0_4 = u0_4 * x0,
+            m0_5 = u0_5 * x0;
+    const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77], u2_4 = u[102], u2_5 = u[127];
+    const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1, m1_4 = u1_4 * x1,
+            m1_5 = u1_5 * x1;
+    const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78], u3_4 = u[103], u3_5 = u[128];
+    f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3; f4 = m0_4; f5 = m0_5;
+    const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2, m2_4 = u2_4 * x2,
+            m2_5 = u2_5 * x2;
+    const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79], u4_4 = u[104], u4_5 = u[129];
+    f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3; f4 = f4 + m1_4;
+            f5 = f5 + m1_5;
+    const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3, m3_4 = u3_4 * x3,
+            m3_5 = u3_5 * x3;
+    const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80], u5_4 = u[105], u5_5 = u[130];
+    f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3; f4 = f4 + m2_4;
+            f5 = f5 + m2_5;
+    const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4, m4_4 = u4_4 * x4,
+            m4_5 = u4_5 * x4;
+    const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81], u6_4 = u[106], u6_5 = u[131];
+    f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3; f4 = f4 + m3_4;
+            f5 = f5 + m3_5;
+    const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5, m5_4 = u5_4 * x5,
+            m5_5 = u5_5 * x5;
+    const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82], u7_4 = u[107], u7_5 = u[132];
+    f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3; f4 = f4 + m4_4;
+            f5 = f5 + m4_5;
+    const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6, m6_4 = u6_4 * x6,
+            m6_5 = u6_5 * x6;
+    const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83], u8_4 = u[108], u8_5 = u[133];
+    f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3; f4 = f4 + m5_4;
+            f5 = f5 + m5_5;
+    const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7, m7_4 = u7_4 * x7,
+            m7_5 = u7_5 * x7;
+    const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84], u9_4 = u[109], u9_5 = u[134];
+    f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3; f4 = f4 + m6_4;
+            f5 = f5 + m6_5;
+    const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8, m8_4 = u8_4 * x8,
+            m8_5 = u8_5 * x8;
+    const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85], u10_4 = u[110], u10_5 = u[135];
+    f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3; f4 = f4 + m7_4;
+            f5 = f5 + m7_5;
+    const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9, m9_4 = u9_4 * x9,
+            m9_5 = u9_5 * x9;
+    const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86], u11_4 = u[111], u11_5 = u[136];
+    f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3; f4 = f4 + m8_4;
+            f5 = f5 + m8_5;
+    const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10,
+            m10_4 = u10_4 * x10, m10_5 = u10_5 * x10;
+    const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87], u12_4 = u[112], u12_5 = u[137];
+    f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3; f4 = f4 + m9_4;
+            f5 = f5 + m9_5;
+    const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11,
+            m11_4 = u11_4 * x11, m11_5 = u11_5 * x11;
+    const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88], u13_4 = u[113], u13_5 = u[138];
+    f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3; f4 = f4 + m10_4;
+            f5 = f5 + m10_5;
+    const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12,
+            m12_4 = u12_4 * x12, m12_5 = u12_5 * x12;
+    const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89], u14_4 = u[114], u14_5 = u[139];
+    f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3; f4 = f4 + m11_4;
+            f5 = f5 + m11_5;
+    const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13,
+            m13_4 = u13_4 * x13, m13_5 = u13_5 * x13;
+    const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90], u15_4 = u[115], u15_5 = u[140];
+    f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3; f4 = f4 + m12_4;
+            f5 = f5 + m12_5;
+    const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14,
+            m14_4 = u14_4 * x14, m14_5 = u14_5 * x14;
+    const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91], u16_4 = u[116], u16_5 = u[141];
+    f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3; f4 = f4 + m13_4;
+            f5 = f5 + m13_5;
+    const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15,
+            m15_4 = u15_4 * x15, m15_5 = u15_5 * x15;
+    const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92], u17_4 = u[117], u17_5 = u[142];
+    f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3; f4 = f4 + m14_4;
+            f5 = f5 + m14_5;
+    const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16,
+            m16_4 = u16_4 * x16, m16_5 = u16_5 * x16;
+    const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93], u18_4 = u[118], u18_5 = u[143];
+    f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3; f4 = f4 + m15_4;
+            f5 = f5 + m15_5;
+    const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17,
+            m17_4 = u17_4 * x17, m17_5 = u17_5 * x17;
+    const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94], u19_4 = u[119], u19_5 = u[144];
+    f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3; f4 = f4 + m16_4;
+            f5 = f5 + m16_5;
+    const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18,
+            m18_4 = u18_4 * x18, m18_5 = u18_5 * x18;
+    const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95], u20_4 = u[120], u20_5 = u[145];
+    f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3; f4 = f4 + m17_4;
+            f5 = f5 + m17_5;
+    const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19,
+            m19_4 = u19_4 * x19, m19_5 = u19_5 * x19;
+    const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96], u21_4 = u[121], u21_5 = u[146];
+    f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3; f4 = f4 + m18_4;
+            f5 = f5 + m18_5;
+    const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20,
+            m20_4 = u20_4 * x20, m20_5 = u20_5 * x20;
+    const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97], u22_4 = u[122], u22_5 = u[147];
+    f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3; f4 = f4 + m19_4;
+            f5 = f5 + m19_5;
+    const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21,
+            m21_4 = u21_4 * x21, m21_5 = u21_5 * x21;
+    const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98], u23_4 = u[123], u23_5 = u[148];
+    f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3; f4 = f4 + m20_4;
+            f5 = f5 + m20_5;
+    const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22,
+            m22_4 = u22_4 * x22, m22_5 = u22_5 * x22;
+    const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99], u24_4 = u[124], u24_5 = u[149];
+    f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3; f4 = f4 + m21_4;
+            f5 = f5 + m21_5;
+    const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23,
+            m23_4 = u23_4 * x23, m23_5 = u23_5 * x23;
+    f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3; f4 = f4 + m22_4;
+            f5 = f5 + m22_5;
+    const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24,
+            m24_4 = u24_4 * x24, m24_5 = u24_5 * x24;
+    f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3; f4 = f4 + m23_4;
+            f5 = f5 + m23_5;
+    f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3; f4 = f4 + m24_4;
+            f5 = f5 + m24_5;
+    self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
+            self->f[c + 4u] = f4; self->f[c + 5u] = f5;
+}
+
+/* Column j of U, and what it adds to P x, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j.
+ * Below the diagonal both are 0 and stay so; on it U_jj = 1 makes k_j = g_j.
+ * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+static EXTENDED_STRAIGHT void extended_factor_column(extended_learner_t *self, uint32_t j)
+{
+    const float grid = 0.01171875f;
+    const float l = self->l[j];
+    const float g = self->g[j];
+    float *u = &self->u[j * EXTENDED_LEARNED];
+    float *k = self->k;
+
+    const float u0 = u[0], u1 = u[1], u2 = u[2];
+    const float k0 = k[0], k1 = k[1], k2 = k[2];
+    const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l;
+    const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g;
+    const float u3 = u[3], u4 = u[4], u5 = u[5];
+    const float k3 = k[3], k4 = k[4], k5 = k[5];
+    const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2;
+    const float n0 = k0 + q0, n1 = k1 + q1, n2 = k2 + q2;
+    const float p3 = k3 * l, p4 = k4 * l, p5 = k5 * l;
+    const float q3 = u3 * g, q4 = u4 * g, q5 = u5 * g;
+    const float u6 = u[6], u7 = u[7], u8 = u[8];
+    const float k6 = k[6], k7 = k[7], k8 = k[8];
+    const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid;
+    k[0] = n0; k[1] = n1; k[2] = n2;
+    const float r3 = u3 + p3, r4 = u4 + p4, r5 = u5 + p5;
+    const float n3 = k3 + q3, n4 = k4 + q4, n5 = k5 + q5;
+    const float p6 = k6 * l, p7 = k7 * l, p8 = k8 * l;
+    const float q6 = u6 * g, q7 = u7 * g, q8 = u8 * g;
+    const float u9 = u[9], u10 = u[10], u11 = u[11];
+    const float k9 = k[9], k10 = k[10], k11 = k[11];
+    const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid;
+    const float s3 = r3 + grid, s4 = r4 + grid, s5 = r5 + grid;
+    k[3] = n3; k[4] = n4; k[5] = n5;
+    const float r6 = u6 + p6, r7 = u7 + p7, r8 = u8 + p8;
+    const float n6 = k6 + q6, n7 = k7 + q7, n8 = k8 + q8;
+    const float p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
+    const float q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
+    const float u12 = u[12], u13 = u[13], u14 = u[14];
+    const float k12 = k[12], k13 = k[13], k14 = k[14];
+    u[0] = t0; u[1] = t1; u[2] = t2;
+    const float t3 = s3 - grid, t4 = s4 - grid, t5 = s5 - grid;
+    const float s6 = r6 + grid, s7 = r7 + grid, s8 = r8 + grid;
+    k[6] = n6; k[7] = n7; k[8] = n8;
+    const float r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
+    const float n9 = k9 + q9, n10 = k10 + q10, n11 = k11 + q11;
+    const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l;
+    const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g;
+    const float u15 = u[15], u16 = u[16], u17 = u[17];
+    const float k15 = k[15], k16 = k[16], k17 = k[17];
+    u[3] = t3; u[4] = t4; u[5] = t5;
+    const float t6 = s6 - grid, t7 = s7 - grid, t8 = s8 - grid;
+    const float s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
+    k[9] = n9; k[10] = n10; k[11] = n11;
+    const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14;
+    const float n12 = k12 + q12, n13 = k13 + q13, n14 = k14 + q14;
+    const float p15 = k15 * l, p16 = k16 * l, p17 = k17 * l;
+    const float q15 = u15 * g, q16 = u16 * g, q17 = u17 * g;
+    const float u18 = u[18], u19 = u[19], u20 = u[20];
+    const float k18 = k[18], k19 = k[19], k20 = k[20];
+    u[6] = t6; u[7] = t7; u[8] = t8;
+    const float t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
+    const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid;
+    k[12] = n12; k[13] = n13; k[14] = n14;
+    const float r15 = u15 + p15, r16 = u16 + p16, r17 = u17 + p17;
+    const float n15 = k15 + q15, n16 = k16 + q16, n17 = k17 + q17;
+    const float p18 = k18 * l, p19 = k19 * l, p20 = k20 * l;
+    const float q18 = u18 * g, q19 = u19 * g, q20 = u20 * g;
+    const float u21 = u[21], u22 = u[22], u23 = u[23];
+    const float k21 = k[21], k22 = k[22], k23 = k[23];
+    u[9] = t9; u[10] = t10; u[11] = t11;
+    const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid;
+    const float s15 = r15 + grid, s16 = r16 + grid, s17 = r17 + grid;
+    k[15] = n15; k[16] = n16; k[17] = n17;
+    const float r18 = u18 + p18, r19 = u19 + p19, r20 = u20 + p20;
+    const float n18 = k18 + q18, n19 = k19 + q19, n20 = k20 + q20;
+    const float p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
+    const float q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
+    const float u24 = u[24];
+    const float k24 = k[24];
+    u[12] = t12; u[13] = t13; u[14] = t14;
+    const float t15 = s15 - grid, t16 = s16 - grid, t17 = s17 - grid;
+    const float s18 = r18 + grid, s19 = r19 + grid, s20 = r20 + grid;
+    k[18] = n18; k[19] = n19; k[20] = n20;
+    const float r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
+    const float n21 = k21 + q21, n22 = k22 + q22, n23 = k23 + q23;
+    const float p24 = k24 * l;
+    const float q24 = u24 * g;
+    u[15] = t15; u[16] = t16; u[17] = t17;
+    const float t18 = s18 - grid, t19 = s19 - grid, t20 = s20 - grid;
+    const float s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
+    k[21] = n21; k[22] = n22; k[23] = n23;
+    const float r24 = u24 + p24;
+    const float n24 = k24 + q24;
+    u[18] = t18; u[19] = t19; u[20] = t20;
+    const float t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
+    const float s24 = r24 + grid;
+    k[24] = n24;
+    u[21] = t21; u[22] = t22; u[23] = t23;
+    const float t24 = s24 - grid;
+    u[24] = t24;
+}
+
+/* f = U' x and g = D f, columns 0 to 11. */
 static EXTENDED_STRAIGHT void extended_project_0(extended_learner_t *self)
 {
     const float grid = 1.09139364e-11f;
     const float inflate = self->inflate;
 
-    for (uint32_t j = 0u; j < 16u; j += 4u) {
-        const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
-        const float *u = &self->u[c * EXTENDED_LEARNED];
-        float f0, f1, f2, f3;
-
-        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
-        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
-        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
-        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
-        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
-        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
-        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
-        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
-        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
-        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
-        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
-        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
-        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
-        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
-        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
-        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
-        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
-        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
-        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
-        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
-        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
-        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
-        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
-        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
-        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
-        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
-        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
-        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
-        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
-        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
-        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
-        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
-        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
-        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
-        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
-        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
-        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
-        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
-        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
-        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
-        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
-        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
-        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
-        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
-        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
-        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
-        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
-        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
-        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
-        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
-        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
-        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
-        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
-        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
-        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
-        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
-        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
-        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
-        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
-        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
-        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
-        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
-        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
-        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
-        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
-        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
-        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
-        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
-        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
-        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
-        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
-        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
-        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
-        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
-        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
-        self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
-    }
+    extended_project_columns(self, 0u);
+    extended_project_columns(self, 6u);
     const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate,
             d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate;
     const float d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate,
             d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate;
-    const float d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate,
-            d15 = self->d[15] * inflate;
     const float g0 = d0 * self->f[0], g1 = d1 * self->f[1], g2 = d2 * self->f[2], g3 = d3 * self->f[3],
             g4 = d4 * self->f[4], g5 = d5 * self->f[5];
     const float g6 = d6 * self->f[6], g7 = d7 * self->f[7], g8 = d8 * self->f[8], g9 = d9 * self->f[9],
             g10 = d10 * self->f[10], g11 = d11 * self->f[11];
-    const float g12 = d12 * self->f[12], g13 = d13 * self->f[13], g14 = d14 * self->f[14],
-            g15 = d15 * self->f[15];
     const float h0 = g0 + grid, h1 = g1 + grid, h2 = g2 + grid, h3 = g3 + grid, h4 = g4 + grid,
             h5 = g5 + grid;
     const float h6 = g6 + grid, h7 = g7 + grid, h8 = g8 + grid, h9 = g9 + grid, h10 = g10 + grid,
             h11 = g11 + grid;
-    const float h12 = g12 + grid, h13 = g13 + grid, h14 = g14 + grid, h15 = g15 + grid;
     self->g[0] = h0 - grid; self->g[1] = h1 - grid; self->g[2] = h2 - grid;
             self->g[3] = h3 - grid; self->g[4] = h4 - grid; self->g[5] = h5 - grid;
     self->g[6] = h6 - grid; self->g[7] = h7 - grid; self->g[8] = h8 - grid;
             self->g[9] = h9 - grid; self->g[10] = h10 - grid; self->g[11] = h11 - grid;
-    self->g[12] = h12 - grid; self->g[13] = h13 - grid; self->g[14] = h14 - grid;
-            self->g[15] = h15 - grid;
 }
 
-/* f = U' x and g = D f, columns 16 to 19, 4 columns per pass. Every f_j sums over i = 0, 1, ...; U is whole columns
- * with ones on the diagonal and zeros below. The last pass overlaps the one before if their number asks for it. */
+/* f = U' x and g = D f, columns 12 to 24. */
 static EXTENDED_STRAIGHT void extended_project_1(extended_learner_t *self)
 {
     const float grid = 1.09139364e-11f;
     const float inflate = self->inflate;
 
-    for (uint32_t j = 16u; j < 20u; j += 4u) {
-        const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
-        const float *u = &self->u[c * EXTENDED_LEARNED];
-        float f0, f1, f2, f3;
-
-        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
-        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
-        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
-        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
-        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
-        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
-        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
-        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
-        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
-        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
-        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
-        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
-        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
-        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
-        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
-        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
-        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
-        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
-        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
-        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
-        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
-        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
-        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
-        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
-        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
-        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
-        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
-        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
-        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
-        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
-        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
-        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
-        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
-        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
-        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
-        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
-        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
-        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
-        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
-        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
-        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
-        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
-        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
-        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
-        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
-        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
-        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
-        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
-        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
-        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
-        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
-        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
-        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
-        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
-        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
-        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
-        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
-        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
-        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
-        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
-        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
-        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
-        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
-        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
-        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
-        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
-        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
-        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
-        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
-        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
-        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
-        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
-        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
-        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
-        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
-        self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
-    }
-    const float d16 = self->d[16] * inflate, d17 = self->d[17] * inflate, d18 = self->d[18] * inflate,
-            d19 = self->d[19] * inflate;
-    const float g16 = d16 * self->f[16], g17 = d17 * self->f[17], g18 = d18 * self->f[18],
-            g19 = d19 * self->f[19];
-    const float h16 = g16 + grid, h17 = g17 + grid, h18 = g18 + grid, h19 = g19 + grid;
-    self->g[16] = h16 - grid; self->g[17] = h17 - grid; self->g[18] = h18 - grid;
-            self->g[19] = h19 - grid;
-}
-
-/* f = U' x and g = D f, columns 20 to 23, 4 columns per pass. Every f_j sums over i = 0, 1, ...; U is whole columns
- * with ones on the diagonal and zeros below. The last pass overlaps the one before if their number asks for it. */
-static EXTENDED_STRAIGHT void extended_project_2(extended_learner_t *self)
-{
-    const float grid = 1.09139364e-11f;
-    const float inflate = self->inflate;
-
-    for (uint32_t j = 20u; j < 24u; j += 4u) {
-        const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
-        const float *u = &self->u[c * EXTENDED_LEARNED];
-        float f0, f1, f2, f3;
-
-        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
-        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
-        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
-        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
-        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
-        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
-        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
-        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
-        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
-        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
-        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
-        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
-        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
-        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
-        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
-        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
-        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
-        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
-        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
-        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
-        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
-        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
-        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
-        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
-        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
-        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
-        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
-        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
-        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
-        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
-        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
-        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
-        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
-        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
-        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
-        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
-        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
-        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
-        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
-        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
-        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
-        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
-        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
-        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
-        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
-        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
-        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
-        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
-        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
-        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
-        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
-        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
-        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
-        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
-        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
-        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
-        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
-        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
-        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
-        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
-        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
-        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
-        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
-        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
-        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
-        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
-        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
-        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
-        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
-        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
-        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
-        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
-        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
-        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
-        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
-        self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
-    }
-    const float d20 = self->d[20] * inflate, d21 = self->d[21] * inflate, d22 = self->d[22] * inflate,
-            d23 = self->d[23] * inflate;
-    const float g20 = d20 * self->f[20], g21 = d21 * self->f[21], g22 = d22 * self->f[22],
-            g23 = d23 * self->f[23];
-    const float h20 = g20 + grid, h21 = g21 + grid, h22 = g22 + grid, h23 = g23 + grid;
-    self->g[20] = h20 - grid; self->g[21] = h21 - grid; self->g[22] = h22 - grid;
-            self->g[23] = h23 - grid;
-}
-
-/* f = U' x and g = D f, columns 24 to 24, 4 columns per pass. Every f_j sums over i = 0, 1, ...; U is whole columns
- * with ones on the diagonal and zeros below. The last pass overlaps the one before if their number asks for it. */
-static EXTENDED_STRAIGHT void extended_project_3(extended_learner_t *self)
-{
-    const float grid = 1.09139364e-11f;
-    const float inflate = self->inflate;
-
-    for (uint32_t j = 24u; j < 25u; j += 4u) {
-        const uint32_t c = (4u + j > EXTENDED_LEARNED) ? EXTENDED_LEARNED - 4u : j;
-        const float *u = &self->u[c * EXTENDED_LEARNED];
-        float f0, f1, f2, f3;
-
-        const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75];
-        const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76];
-        const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0;
-        const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77];
-        const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1;
-        const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78];
-        f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3;
-        const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2;
-        const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79];
-        f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3;
-        const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3;
-        const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80];
-        f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3;
-        const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4;
-        const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81];
-        f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3;
-        const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5;
-        const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82];
-        f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3;
-        const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6;
-        const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83];
-        f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3;
-        const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7;
-        const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84];
-        f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3;
-        const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8;
-        const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85];
-        f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3;
-        const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9;
-        const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86];
-        f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3;
-        const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10;
-        const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87];
-        f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3;
-        const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11;
-        const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88];
-        f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3;
-        const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12;
-        const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89];
-        f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3;
-        const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13;
-        const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90];
-        f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3;
-        const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14;
-        const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91];
-        f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3;
-        const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15;
-        const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92];
-        f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3;
-        const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16;
-        const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93];
-        f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3;
-        const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17;
-        const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94];
-        f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3;
-        const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18;
-        const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95];
-        f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3;
-        const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19;
-        const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96];
-        f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3;
-        const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20;
-        const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97];
-        f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3;
-        const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21;
-        const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98];
-        f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3;
-        const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22;
-        const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99];
-        f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3;
-        const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23;
-        f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3;
-        const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24;
-        f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3;
-        f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3;
-        self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
-    }
+    extended_project_columns(self, 12u);
+    extended_project_columns(self, 18u);
+    extended_project_columns(self, 19u);
+    const float d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate,
+            d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
+    const float d18 = self->d[18] * inflate, d19 = self->d[19] * inflate, d20 = self->d[20] * inflate,
+            d21 = self->d[21] * inflate, d22 = self->d[22] * inflate, d23 = self->d[23] * inflate;
     const float d24 = self->d[24] * inflate;
+    const float g12 = d12 * self->f[12], g13 = d13 * self->f[13], g14 = d14 * self->f[14],
+            g15 = d15 * self->f[15], g16 = d16 * self->f[16], g17 = d17 * self->f[17];
+    const float g18 = d18 * self->f[18], g19 = d19 * self->f[19], g20 = d20 * self->f[20],
+            g21 = d21 * self->f[21], g22 = d22 * self->f[22], g23 = d23 * self->f[23];
     const float g24 = d24 * self->f[24];
+    const float h12 = g12 + grid, h13 = g13 + grid, h14 = g14 + grid, h15 = g15 + grid, h16 = g16 + grid,
+            h17 = g17 + grid;
+    const float h18 = g18 + grid, h19 = g19 + grid, h20 = g20 + grid, h21 = g21 + grid, h22 = g22 + grid,
+            h23 = g23 + grid;
     const float h24 = g24 + grid;
+    self->g[12] = h12 - grid; self->g[13] = h13 - grid; self->g[14] = h14 - grid;
+            self->g[15] = h15 - grid; self->g[16] = h16 - grid; self->g[17] = h17 - grid;
+    self->g[18] = h18 - grid; self->g[19] = h19 - grid; self->g[20] = h20 - grid;
+            self->g[21] = h21 - grid; self->g[22] = h22 - grid; self->g[23] = h23 - grid;
     self->g[24] = h24 - grid;
 }
 
-/* U and P x, columns 0 to 15. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j.
- * Below the diagonal both are 0 and stay so; on it U_jj = 1 makes k_j = g_j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+/* U and P x, columns 0 to 5. */
 static EXTENDED_STRAIGHT void extended_factor_0(extended_learner_t *self)
 {
-    const float grid = 0.01171875f;
-    float k0 = 0.0f, k1 = 0.0f, k2 = 0.0f, k3 = 0.0f, k4 = 0.0f, k5 = 0.0f;
-    float k6 = 0.0f, k7 = 0.0f, k8 = 0.0f, k9 = 0.0f, k10 = 0.0f, k11 = 0.0f;
-    float k12 = 0.0f, k13 = 0.0f, k14 = 0.0f, k15 = 0.0f, k16 = 0.0f, k17 = 0.0f;
-    float k18 = 0.0f, k19 = 0.0f, k20 = 0.0f, k21 = 0.0f, k22 = 0.0f, k23 = 0.0f;
-    float k24 = 0.0f;
-
-    for (uint32_t j = 0u; j < 16u; ++j) {
-        const float l = self->l[j];
-        const float g = self->g[j];
-        float *u = &self->u[j * EXTENDED_LEARNED];
-
-        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
-        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
-        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
-        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
-        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
-        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
-        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
-        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
-        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
-        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
-        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
-        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
-        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
-        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
-        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
-        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
-        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
-        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
-        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
-        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
-        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
-        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
-        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
-        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
-        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
-        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
-        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
-        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
-        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
-        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
-        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
-        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
-        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
-        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
-        const float u24 = u[24];
-        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
-        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
-        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
-        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
-        const float p24 = k24 * l;
-        const float q24 = u24 * g;
-        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
-        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
-        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
-        const float r24 = u24 + p24;
-        k24 = k24 + q24;
-        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
-        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
-        const float s24 = r24 + grid;
-        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        const float t24 = s24 - grid;
-        u[24] = t24;
-    }
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
-            self->k[11] = k11;
-    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
+    self->k[0] = 0.0f; self->k[1] = 0.0f; self->k[2] = 0.0f; self->k[3] = 0.0f;
+            self->k[4] = 0.0f; self->k[5] = 0.0f;
+    self->k[6] = 0.0f; self->k[7] = 0.0f; self->k[8] = 0.0f; self->k[9] = 0.0f;
+            self->k[10] = 0.0f; self->k[11] = 0.0f;
+    self->k[12] = 0.0f; self->k[13] = 0.0f; self->k[14] = 0.0f; self->k[15] = 0.0f;
+            self->k[16] = 0.0f; self->k[17] = 0.0f;
+    self->k[18] = 0.0f; self->k[19] = 0.0f; self->k[20] = 0.0f; self->k[21] = 0.0f;
+            self->k[22] = 0.0f; self->k[23] = 0.0f;
+    self->k[24] = 0.0f;
+    extended_factor_column(self, 0u);
+    extended_factor_column(self, 1u);
+    extended_factor_column(self, 2u);
+    extended_factor_column(self, 3u);
+    extended_factor_column(self, 4u);
+    extended_factor_column(self, 5u);
 }
 
-/* U and P x, columns 16 to 19. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j.
- * Below the diagonal both are 0 and stay so; on it U_jj = 1 makes k_j = g_j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+/* U and P x, columns 6 to 11. */
 static EXTENDED_STRAIGHT void extended_factor_1(extended_learner_t *self)
 {
-    const float grid = 0.01171875f;
-    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
-            k5 = self->k[5];
-    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
-            k11 = self->k[11];
-    float k12 = self->k[12], k13 = self->k[13], k14 = self->k[14], k15 = self->k[15];
-    float k16 = 0.0f, k17 = 0.0f, k18 = 0.0f, k19 = 0.0f, k20 = 0.0f, k21 = 0.0f;
-    float k22 = 0.0f, k23 = 0.0f, k24 = 0.0f;
-
-    for (uint32_t j = 16u; j < 20u; ++j) {
-        const float l = self->l[j];
-        const float g = self->g[j];
-        float *u = &self->u[j * EXTENDED_LEARNED];
-
-        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
-        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
-        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
-        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
-        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
-        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
-        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
-        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
-        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
-        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
-        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
-        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
-        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
-        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
-        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
-        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
-        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
-        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
-        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
-        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
-        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
-        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
-        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
-        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
-        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
-        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
-        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
-        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
-        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
-        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
-        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
-        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
-        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
-        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
-        const float u24 = u[24];
-        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
-        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
-        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
-        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
-        const float p24 = k24 * l;
-        const float q24 = u24 * g;
-        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
-        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
-        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
-        const float r24 = u24 + p24;
-        k24 = k24 + q24;
-        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
-        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
-        const float s24 = r24 + grid;
-        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        const float t24 = s24 - grid;
-        u[24] = t24;
-    }
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
-            self->k[11] = k11;
-    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
-            self->k[16] = k16; self->k[17] = k17;
-    self->k[18] = k18; self->k[19] = k19;
+    extended_factor_column(self, 6u);
+    extended_factor_column(self, 7u);
+    extended_factor_column(self, 8u);
+    extended_factor_column(self, 9u);
+    extended_factor_column(self, 10u);
+    extended_factor_column(self, 11u);
 }
 
-/* U and P x, columns 20 to 23. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j.
- * Below the diagonal both are 0 and stay so; on it U_jj = 1 makes k_j = g_j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+/* U and P x, columns 12 to 17. */
 static EXTENDED_STRAIGHT void extended_factor_2(extended_learner_t *self)
 {
-    const float grid = 0.01171875f;
-    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
-            k5 = self->k[5];
-    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
-            k11 = self->k[11];
-    float k12 = self->k[12], k13 = self->k[13], k14 = self->k[14], k15 = self->k[15],
-            k16 = self->k[16], k17 = self->k[17];
-    float k18 = self->k[18], k19 = self->k[19];
-    float k20 = 0.0f, k21 = 0.0f, k22 = 0.0f, k23 = 0.0f, k24 = 0.0f;
-
-    for (uint32_t j = 20u; j < 24u; ++j) {
-        const float l = self->l[j];
-        const float g = self->g[j];
-        float *u = &self->u[j * EXTENDED_LEARNED];
-
-        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
-        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
-        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
-        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
-        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
-        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
-        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
-        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
-        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
-        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
-        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
-        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
-        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
-        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
-        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
-        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
-        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
-        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
-        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
-        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
-        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
-        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
-        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
-        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
-        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
-        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
-        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
-        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
-        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
-        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
-        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
-        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
-        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
-        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
-        const float u24 = u[24];
-        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
-        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
-        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
-        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
-        const float p24 = k24 * l;
-        const float q24 = u24 * g;
-        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
-        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
-        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
-        const float r24 = u24 + p24;
-        k24 = k24 + q24;
-        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
-        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
-        const float s24 = r24 + grid;
-        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        const float t24 = s24 - grid;
-        u[24] = t24;
-    }
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
-            self->k[11] = k11;
-    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
-            self->k[16] = k16; self->k[17] = k17;
-    self->k[18] = k18; self->k[19] = k19; self->k[20] = k20; self->k[21] = k21;
-            self->k[22] = k22; self->k[23] = k23;
+    extended_factor_column(self, 12u);
+    extended_factor_column(self, 13u);
+    extended_factor_column(self, 14u);
+    extended_factor_column(self, 15u);
+    extended_factor_column(self, 16u);
+    extended_factor_column(self, 17u);
 }
 
-/* U and P x, columns 24 to 24. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j.
- * Below the diagonal both are 0 and stay so; on it U_jj = 1 makes k_j = g_j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+/* U and P x, columns 18 to 23. */
 static EXTENDED_STRAIGHT void extended_factor_3(extended_learner_t *self)
 {
-    const float grid = 0.01171875f;
-    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
-            k5 = self->k[5];
-    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
-            k11 = self->k[11];
-    float k12 = self->k[12], k13 = self->k[13], k14 = self->k[14], k15 = self->k[15],
-            k16 = self->k[16], k17 = self->k[17];
-    float k18 = self->k[18], k19 = self->k[19], k20 = self->k[20], k21 = self->k[21],
-            k22 = self->k[22], k23 = self->k[23];
-    float k24 = 0.0f;
+    extended_factor_column(self, 18u);
+    extended_factor_column(self, 19u);
+    extended_factor_column(self, 20u);
+    extended_factor_column(self, 21u);
+    extended_factor_column(self, 22u);
+    extended_factor_column(self, 23u);
+}
 
-    for (uint32_t j = 24u; j < 25u; ++j) {
-        const float l = self->l[j];
-        const float g = self->g[j];
-        float *u = &self->u[j * EXTENDED_LEARNED];
-
-        const float u0 = u[0], u1 = u[1], u2 = u[2], u3 = u[3];
-        const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l, p3 = k3 * l;
-        const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g, q3 = u3 * g;
-        const float u4 = u[4], u5 = u[5], u6 = u[6], u7 = u[7];
-        const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2, r3 = u3 + p3;
-        k0 = k0 + q0; k1 = k1 + q1; k2 = k2 + q2; k3 = k3 + q3;
-        const float p4 = k4 * l, p5 = k5 * l, p6 = k6 * l, p7 = k7 * l;
-        const float q4 = u4 * g, q5 = u5 * g, q6 = u6 * g, q7 = u7 * g;
-        const float u8 = u[8], u9 = u[9], u10 = u[10], u11 = u[11];
-        const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid, s3 = r3 + grid;
-        const float r4 = u4 + p4, r5 = u5 + p5, r6 = u6 + p6, r7 = u7 + p7;
-        k4 = k4 + q4; k5 = k5 + q5; k6 = k6 + q6; k7 = k7 + q7;
-        const float p8 = k8 * l, p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-        const float q8 = u8 * g, q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
-        const float u12 = u[12], u13 = u[13], u14 = u[14], u15 = u[15];
-        const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid, t3 = s3 - grid;
-        const float s4 = r4 + grid, s5 = r5 + grid, s6 = r6 + grid, s7 = r7 + grid;
-        const float r8 = u8 + p8, r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
-        k8 = k8 + q8; k9 = k9 + q9; k10 = k10 + q10; k11 = k11 + q11;
-        const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l, p15 = k15 * l;
-        const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g, q15 = u15 * g;
-        const float u16 = u[16], u17 = u[17], u18 = u[18], u19 = u[19];
-        u[0] = t0; u[1] = t1; u[2] = t2; u[3] = t3;
-        const float t4 = s4 - grid, t5 = s5 - grid, t6 = s6 - grid, t7 = s7 - grid;
-        const float s8 = r8 + grid, s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
-        const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14, r15 = u15 + p15;
-        k12 = k12 + q12; k13 = k13 + q13; k14 = k14 + q14; k15 = k15 + q15;
-        const float p16 = k16 * l, p17 = k17 * l, p18 = k18 * l, p19 = k19 * l;
-        const float q16 = u16 * g, q17 = u17 * g, q18 = u18 * g, q19 = u19 * g;
-        const float u20 = u[20], u21 = u[21], u22 = u[22], u23 = u[23];
-        u[4] = t4; u[5] = t5; u[6] = t6; u[7] = t7;
-        const float t8 = s8 - grid, t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
-        const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid, s15 = r15 + grid;
-        const float r16 = u16 + p16, r17 = u17 + p17, r18 = u18 + p18, r19 = u19 + p19;
-        k16 = k16 + q16; k17 = k17 + q17; k18 = k18 + q18; k19 = k19 + q19;
-        const float p20 = k20 * l, p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-        const float q20 = u20 * g, q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
-        const float u24 = u[24];
-        u[8] = t8; u[9] = t9; u[10] = t10; u[11] = t11;
-        const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid, t15 = s15 - grid;
-        const float s16 = r16 + grid, s17 = r17 + grid, s18 = r18 + grid, s19 = r19 + grid;
-        const float r20 = u20 + p20, r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
-        k20 = k20 + q20; k21 = k21 + q21; k22 = k22 + q22; k23 = k23 + q23;
-        const float p24 = k24 * l;
-        const float q24 = u24 * g;
-        u[12] = t12; u[13] = t13; u[14] = t14; u[15] = t15;
-        const float t16 = s16 - grid, t17 = s17 - grid, t18 = s18 - grid, t19 = s19 - grid;
-        const float s20 = r20 + grid, s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
-        const float r24 = u24 + p24;
-        k24 = k24 + q24;
-        u[16] = t16; u[17] = t17; u[18] = t18; u[19] = t19;
-        const float t20 = s20 - grid, t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
-        const float s24 = r24 + grid;
-        u[20] = t20; u[21] = t21; u[22] = t22; u[23] = t23;
-        const float t24 = s24 - grid;
-        u[24] = t24;
-    }
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
-            self->k[11] = k11;
-    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
-            self->k[16] = k16; self->k[17] = k17;
-    self->k[18] = k18; self->k[19] = k19; self->k[20] = k20; self->k[21] = k21;
-            self->k[22] = k22; self->k[23] = k23;
-    self->k[24] = k24;
+/* U and P x, column 24. */
+static EXTENDED_STRAIGHT void extended_factor_4(extended_learner_t *self)
+{
+    extended_factor_column(self, 24u);
 }
 
 /* 1 if the sample behind f and g may be learnt from. Its innovation is expected to be up to the usual one times
@@ -1389,6 +1045,43 @@ static uint32_t extended_admit(extended_learner_t *self, float alpha)
     return (outlier | quiet) ^ 1u;
 }
 
+/* r_i = 1 / a_i, 9 side by side from c on: those of extended_reciprocal. */
+static EXTENDED_STRAIGHT void extended_reciprocals(const float *a, float *r, uint32_t c)
+{
+    const float a0 = a[c + 0u], a1 = a[c + 1u], a2 = a[c + 2u], a3 = a[c + 3u], a4 = a[c + 4u],
+            a5 = a[c + 5u], a6 = a[c + 6u], a7 = a[c + 7u], a8 = a[c + 8u];
+    float r0 = extended_float(0x7ef311c7u - extended_bits(a0)),
+            r1 = extended_float(0x7ef311c7u - extended_bits(a1)),
+            r2 = extended_float(0x7ef311c7u - extended_bits(a2)),
+            r3 = extended_float(0x7ef311c7u - extended_bits(a3)),
+            r4 = extended_float(0x7ef311c7u - extended_bits(a4)),
+            r5 = extended_float(0x7ef311c7u - extended_bits(a5)),
+            r6 = extended_float(0x7ef311c7u - extended_bits(a6)),
+            r7 = extended_float(0x7ef311c7u - extended_bits(a7)),
+            r8 = extended_float(0x7ef311c7u - extended_bits(a8));
+    float t0 = a0 * r0, t1 = a1 * r1, t2 = a2 * r2, t3 = a3 * r3, t4 = a4 * r4, t5 = a5 * r5,
+            t6 = a6 * r6, t7 = a7 * r7, t8 = a8 * r8;
+
+    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
+            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
+    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
+            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
+    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
+            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
+    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
+            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
+    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
+            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
+    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
+            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
+    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
+            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
+    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
+            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
+    r[c + 0u] = r0; r[c + 1u] = r1; r[c + 2u] = r2; r[c + 3u] = r3; r[c + 4u] = r4;
+            r[c + 5u] = r5; r[c + 6u] = r6; r[c + 7u] = r7; r[c + 8u] = r8;
+}
+
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
  * The reciprocals are those of extended_reciprocal, several side by side. Returns 1 if the shadow has to start again. */
 static EXTENDED_STRAIGHT uint32_t extended_weigh(extended_learner_t *self)
@@ -1396,6 +1089,8 @@ static EXTENDED_STRAIGHT uint32_t extended_weigh(extended_learner_t *self)
     const float inflate = self->inflate;
     const float least = EXTENDED_LEARN_LEAST_VARIANCE;
     uint32_t clamped = 0u;
+    float a[EXTENDED_LEARNED];
+    float r[EXTENDED_LEARNED];
     const float m0 = self->f[0] * self->g[0];
     const float m1 = self->f[1] * self->g[1];
     const float m2 = self->f[2] * self->g[2];
@@ -1408,44 +1103,69 @@ static EXTENDED_STRAIGHT uint32_t extended_weigh(extended_learner_t *self)
     const float m9 = self->f[9] * self->g[9];
     const float m10 = self->f[10] * self->g[10];
     const float m11 = self->f[11] * self->g[11];
-    const float m12 = self->f[12] * self->g[12];
-    const float m13 = self->f[13] * self->g[13];
-    const float m14 = self->f[14] * self->g[14];
-    const float m15 = self->f[15] * self->g[15];
-    const float m16 = self->f[16] * self->g[16];
-    const float m17 = self->f[17] * self->g[17];
-    const float m18 = self->f[18] * self->g[18];
-    const float m19 = self->f[19] * self->g[19];
-    const float m20 = self->f[20] * self->g[20];
-    const float m21 = self->f[21] * self->g[21];
-    const float m22 = self->f[22] * self->g[22];
-    const float m23 = self->f[23] * self->g[23];
-    const float m24 = self->f[24] * self->g[24];
     const float a0 = 1.0f + m0;
     const float a1 = a0 + m1;
     const float a2 = a1 + m2;
     const float a3 = a2 + m3;
     const float a4 = a3 + m4;
     const float a5 = a4 + m5;
+    const float m12 = self->f[12] * self->g[12];
+    const float m13 = self->f[13] * self->g[13];
+    const float m14 = self->f[14] * self->g[14];
+    const float m15 = self->f[15] * self->g[15];
+    const float m16 = self->f[16] * self->g[16];
+    const float m17 = self->f[17] * self->g[17];
+    a[0] = a0;
+    a[1] = a1;
+    a[2] = a2;
+    a[3] = a3;
+    a[4] = a4;
+    a[5] = a5;
     const float a6 = a5 + m6;
     const float a7 = a6 + m7;
     const float a8 = a7 + m8;
     const float a9 = a8 + m9;
     const float a10 = a9 + m10;
     const float a11 = a10 + m11;
+    const float m18 = self->f[18] * self->g[18];
+    const float m19 = self->f[19] * self->g[19];
+    const float m20 = self->f[20] * self->g[20];
+    const float m21 = self->f[21] * self->g[21];
+    const float m22 = self->f[22] * self->g[22];
+    const float m23 = self->f[23] * self->g[23];
+    a[6] = a6;
+    a[7] = a7;
+    a[8] = a8;
+    a[9] = a9;
+    a[10] = a10;
+    a[11] = a11;
     const float a12 = a11 + m12;
     const float a13 = a12 + m13;
     const float a14 = a13 + m14;
     const float a15 = a14 + m15;
     const float a16 = a15 + m16;
     const float a17 = a16 + m17;
+    const float m24 = self->f[24] * self->g[24];
+    a[12] = a12;
+    a[13] = a13;
+    a[14] = a14;
+    a[15] = a15;
+    a[16] = a16;
+    a[17] = a17;
     const float a18 = a17 + m18;
     const float a19 = a18 + m19;
     const float a20 = a19 + m20;
     const float a21 = a20 + m21;
     const float a22 = a21 + m22;
     const float a23 = a22 + m23;
+    a[18] = a18;
+    a[19] = a19;
+    a[20] = a20;
+    a[21] = a21;
+    a[22] = a22;
+    a[23] = a23;
     const float a24 = a23 + m24;
+    a[24] = a24;
 
     /* Only rounding gone wild brings alpha here; in the order of the bits this also finds what is not finite. */
     if (extended_bits(a24) >= extended_bits(EXTENDED_LEARN_LARGEST_DENOMINATOR)) {
@@ -1456,294 +1176,230 @@ static EXTENDED_STRAIGHT uint32_t extended_weigh(extended_learner_t *self)
         return 0u;
     }
 
-    float r0 = extended_float(0x7ef311c7u - extended_bits(a0)),
-            r1 = extended_float(0x7ef311c7u - extended_bits(a1)),
-            r2 = extended_float(0x7ef311c7u - extended_bits(a2)),
-            r3 = extended_float(0x7ef311c7u - extended_bits(a3)),
-            r4 = extended_float(0x7ef311c7u - extended_bits(a4)),
-            r5 = extended_float(0x7ef311c7u - extended_bits(a5)),
-            r6 = extended_float(0x7ef311c7u - extended_bits(a6)),
-            r7 = extended_float(0x7ef311c7u - extended_bits(a7)),
-            r8 = extended_float(0x7ef311c7u - extended_bits(a8));
-    float t0 = a0 * r0, t1 = a1 * r1, t2 = a2 * r2, t3 = a3 * r3, t4 = a4 * r4, t5 = a5 * r5,
-            t6 = a6 * r6, t7 = a7 * r7, t8 = a8 * r8;
-    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
-            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
-    float r9 = extended_float(0x7ef311c7u - extended_bits(a9)),
-            r10 = extended_float(0x7ef311c7u - extended_bits(a10)),
-            r11 = extended_float(0x7ef311c7u - extended_bits(a11)),
-            r12 = extended_float(0x7ef311c7u - extended_bits(a12)),
-            r13 = extended_float(0x7ef311c7u - extended_bits(a13)),
-            r14 = extended_float(0x7ef311c7u - extended_bits(a14)),
-            r15 = extended_float(0x7ef311c7u - extended_bits(a15)),
-            r16 = extended_float(0x7ef311c7u - extended_bits(a16)),
-            r17 = extended_float(0x7ef311c7u - extended_bits(a17));
-    float t9 = a9 * r9, t10 = a10 * r10, t11 = a11 * r11, t12 = a12 * r12, t13 = a13 * r13,
-            t14 = a14 * r14, t15 = a15 * r15, t16 = a16 * r16, t17 = a17 * r17;
-    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
-            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
-    t9 = 2.0f - t9; t10 = 2.0f - t10; t11 = 2.0f - t11; t12 = 2.0f - t12; t13 = 2.0f - t13;
-            t14 = 2.0f - t14; t15 = 2.0f - t15; t16 = 2.0f - t16; t17 = 2.0f - t17;
-    float r18 = extended_float(0x7ef311c7u - extended_bits(a18)),
-            r19 = extended_float(0x7ef311c7u - extended_bits(a19)),
-            r20 = extended_float(0x7ef311c7u - extended_bits(a20)),
-            r21 = extended_float(0x7ef311c7u - extended_bits(a21)),
-            r22 = extended_float(0x7ef311c7u - extended_bits(a22)),
-            r23 = extended_float(0x7ef311c7u - extended_bits(a23)),
-            r24 = extended_float(0x7ef311c7u - extended_bits(a24));
-    float t18 = a18 * r18, t19 = a19 * r19, t20 = a20 * r20, t21 = a21 * r21, t22 = a22 * r22,
-            t23 = a23 * r23, t24 = a24 * r24;
-    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
-            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
-    r9 = r9 * t9; r10 = r10 * t10; r11 = r11 * t11; r12 = r12 * t12; r13 = r13 * t13;
-            r14 = r14 * t14; r15 = r15 * t15; r16 = r16 * t16; r17 = r17 * t17;
-    t18 = 2.0f - t18; t19 = 2.0f - t19; t20 = 2.0f - t20; t21 = 2.0f - t21; t22 = 2.0f - t22;
-            t23 = 2.0f - t23; t24 = 2.0f - t24;
-    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
-            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
-    t9 = a9 * r9; t10 = a10 * r10; t11 = a11 * r11; t12 = a12 * r12; t13 = a13 * r13;
-            t14 = a14 * r14; t15 = a15 * r15; t16 = a16 * r16; t17 = a17 * r17;
-    r18 = r18 * t18; r19 = r19 * t19; r20 = r20 * t20; r21 = r21 * t21; r22 = r22 * t22;
-            r23 = r23 * t23; r24 = r24 * t24;
-    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
-            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
-    t9 = 2.0f - t9; t10 = 2.0f - t10; t11 = 2.0f - t11; t12 = 2.0f - t12; t13 = 2.0f - t13;
-            t14 = 2.0f - t14; t15 = 2.0f - t15; t16 = 2.0f - t16; t17 = 2.0f - t17;
-    t18 = a18 * r18; t19 = a19 * r19; t20 = a20 * r20; t21 = a21 * r21; t22 = a22 * r22;
-            t23 = a23 * r23; t24 = a24 * r24;
-    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
-            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
-    r9 = r9 * t9; r10 = r10 * t10; r11 = r11 * t11; r12 = r12 * t12; r13 = r13 * t13;
-            r14 = r14 * t14; r15 = r15 * t15; r16 = r16 * t16; r17 = r17 * t17;
-    t18 = 2.0f - t18; t19 = 2.0f - t19; t20 = 2.0f - t20; t21 = 2.0f - t21; t22 = 2.0f - t22;
-            t23 = 2.0f - t23; t24 = 2.0f - t24;
-    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
-            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
-    t9 = a9 * r9; t10 = a10 * r10; t11 = a11 * r11; t12 = a12 * r12; t13 = a13 * r13;
-            t14 = a14 * r14; t15 = a15 * r15; t16 = a16 * r16; t17 = a17 * r17;
-    r18 = r18 * t18; r19 = r19 * t19; r20 = r20 * t20; r21 = r21 * t21; r22 = r22 * t22;
-            r23 = r23 * t23; r24 = r24 * t24;
-    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
-            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
-    t9 = 2.0f - t9; t10 = 2.0f - t10; t11 = 2.0f - t11; t12 = 2.0f - t12; t13 = 2.0f - t13;
-            t14 = 2.0f - t14; t15 = 2.0f - t15; t16 = 2.0f - t16; t17 = 2.0f - t17;
-    t18 = a18 * r18; t19 = a19 * r19; t20 = a20 * r20; t21 = a21 * r21; t22 = a22 * r22;
-            t23 = a23 * r23; t24 = a24 * r24;
+    extended_reciprocals(a, r, 0u);
+    extended_reciprocals(a, r, 9u);
+    extended_reciprocals(a, r, 16u);
     const float l0 = self->f[0];
-    const float q0 = r0;
-    const float l1 = self->f[1] * r0;
-    const float q1 = a0 * r1;
-    const float l2 = self->f[2] * r1;
-    const float q2 = a1 * r2;
-    const float l3 = self->f[3] * r2;
-    const float q3 = a2 * r3;
-    const float l4 = self->f[4] * r3;
-    const float q4 = a3 * r4;
-    const float l5 = self->f[5] * r4;
-    const float q5 = a4 * r5;
-    const float l6 = self->f[6] * r5;
-    const float q6 = a5 * r6;
-    const float l7 = self->f[7] * r6;
-    const float q7 = a6 * r7;
-    const float l8 = self->f[8] * r7;
-    const float q8 = a7 * r8;
-    const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate,
-            d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate,
-            d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate;
-    r9 = r9 * t9; r10 = r10 * t10; r11 = r11 * t11; r12 = r12 * t12; r13 = r13 * t13;
-            r14 = r14 * t14; r15 = r15 * t15; r16 = r16 * t16; r17 = r17 * t17;
-    t18 = 2.0f - t18; t19 = 2.0f - t19; t20 = 2.0f - t20; t21 = 2.0f - t21; t22 = 2.0f - t22;
-            t23 = 2.0f - t23; t24 = 2.0f - t24;
-    const float v0 = d0 * q0, v1 = d1 * q1, v2 = d2 * q2, v3 = d3 * q3, v4 = d4 * q4, v5 = d5 * q5,
-            v6 = d6 * q6, v7 = d7 * q7, v8 = d8 * q8;
+    const float q0 = r[0];
+    const float l1 = self->f[1] * r[0];
+    const float q1 = a[0] * r[1];
+    const float l2 = self->f[2] * r[1];
+    const float q2 = a[1] * r[2];
+    const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate;
+    const float v0 = d0 * q0, v1 = d1 * q1, v2 = d2 * q2;
     const float c0 = extended_learn_ceiling[0], c1 = extended_learn_ceiling[1],
-            c2 = extended_learn_ceiling[2], c3 = extended_learn_ceiling[3],
-            c4 = extended_learn_ceiling[4], c5 = extended_learn_ceiling[5],
-            c6 = extended_learn_ceiling[6], c7 = extended_learn_ceiling[7],
-            c8 = extended_learn_ceiling[8];
-    self->l[0] = -l0; self->l[1] = -l1; self->l[2] = -l2; self->l[3] = -l3; self->l[4] = -l4;
-            self->l[5] = -l5; self->l[6] = -l6; self->l[7] = -l7; self->l[8] = -l8;
-    const float l9 = self->f[9] * r8;
-    const float q9 = a8 * r9;
-    const float l10 = self->f[10] * r9;
-    const float q10 = a9 * r10;
-    const float l11 = self->f[11] * r10;
-    const float q11 = a10 * r11;
-    const float l12 = self->f[12] * r11;
-    const float q12 = a11 * r12;
-    const float l13 = self->f[13] * r12;
-    const float q13 = a12 * r13;
-    const float l14 = self->f[14] * r13;
-    const float q14 = a13 * r14;
-    const float l15 = self->f[15] * r14;
-    const float q15 = a14 * r15;
-    const float l16 = self->f[16] * r15;
-    const float q16 = a15 * r16;
-    const float l17 = self->f[17] * r16;
-    const float q17 = a16 * r17;
-    const float d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate,
-            d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate,
-            d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
-    r18 = r18 * t18; r19 = r19 * t19; r20 = r20 * t20; r21 = r21 * t21; r22 = r22 * t22;
-            r23 = r23 * t23; r24 = r24 * t24;
+            c2 = extended_learn_ceiling[2];
+    self->l[0] = -l0; self->l[1] = -l1; self->l[2] = -l2;
+    const float l3 = self->f[3] * r[2];
+    const float q3 = a[2] * r[3];
+    const float l4 = self->f[4] * r[3];
+    const float q4 = a[3] * r[4];
+    const float l5 = self->f[5] * r[4];
+    const float q5 = a[4] * r[5];
+    const float d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate;
     const uint32_t below0 = extended_mask((uint32_t)(v0 < least)),
             below1 = extended_mask((uint32_t)(v1 < least)),
-            below2 = extended_mask((uint32_t)(v2 < least)),
-            below3 = extended_mask((uint32_t)(v3 < least)),
-            below4 = extended_mask((uint32_t)(v4 < least)),
-            below5 = extended_mask((uint32_t)(v5 < least)),
-            below6 = extended_mask((uint32_t)(v6 < least)),
-            below7 = extended_mask((uint32_t)(v7 < least)),
-            below8 = extended_mask((uint32_t)(v8 < least));
+            below2 = extended_mask((uint32_t)(v2 < least));
     const uint32_t above0 = extended_mask((uint32_t)(v0 > c0)), above1 = extended_mask((uint32_t)(v1 > c1)),
-            above2 = extended_mask((uint32_t)(v2 > c2)), above3 = extended_mask((uint32_t)(v3 > c3)),
-            above4 = extended_mask((uint32_t)(v4 > c4)), above5 = extended_mask((uint32_t)(v5 > c5)),
-            above6 = extended_mask((uint32_t)(v6 > c6)), above7 = extended_mask((uint32_t)(v7 > c7)),
-            above8 = extended_mask((uint32_t)(v8 > c8));
+            above2 = extended_mask((uint32_t)(v2 > c2));
     const uint32_t inside0 = extended_bits(v0) & ~(below0 | above0),
             inside1 = extended_bits(v1) & ~(below1 | above1),
-            inside2 = extended_bits(v2) & ~(below2 | above2),
-            inside3 = extended_bits(v3) & ~(below3 | above3),
-            inside4 = extended_bits(v4) & ~(below4 | above4),
-            inside5 = extended_bits(v5) & ~(below5 | above5),
-            inside6 = extended_bits(v6) & ~(below6 | above6),
-            inside7 = extended_bits(v7) & ~(below7 | above7),
-            inside8 = extended_bits(v8) & ~(below8 | above8);
+            inside2 = extended_bits(v2) & ~(below2 | above2);
     const uint32_t end0 = (extended_bits(least) & below0) | (extended_bits(c0) & above0),
             end1 = (extended_bits(least) & below1) | (extended_bits(c1) & above1),
-            end2 = (extended_bits(least) & below2) | (extended_bits(c2) & above2),
-            end3 = (extended_bits(least) & below3) | (extended_bits(c3) & above3),
+            end2 = (extended_bits(least) & below2) | (extended_bits(c2) & above2);
+    self->d[0] = extended_float(inside0 | end0); self->d[1] = extended_float(inside1 | end1);
+            self->d[2] = extended_float(inside2 | end2);
+    clamped |= below0 | above0 | below1 | above1 | below2 | above2;
+    const float v3 = d3 * q3, v4 = d4 * q4, v5 = d5 * q5;
+    const float c3 = extended_learn_ceiling[3], c4 = extended_learn_ceiling[4],
+            c5 = extended_learn_ceiling[5];
+    self->l[3] = -l3; self->l[4] = -l4; self->l[5] = -l5;
+    const float l6 = self->f[6] * r[5];
+    const float q6 = a[5] * r[6];
+    const float l7 = self->f[7] * r[6];
+    const float q7 = a[6] * r[7];
+    const float l8 = self->f[8] * r[7];
+    const float q8 = a[7] * r[8];
+    const float d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate;
+    const uint32_t below3 = extended_mask((uint32_t)(v3 < least)),
+            below4 = extended_mask((uint32_t)(v4 < least)),
+            below5 = extended_mask((uint32_t)(v5 < least));
+    const uint32_t above3 = extended_mask((uint32_t)(v3 > c3)), above4 = extended_mask((uint32_t)(v4 > c4)),
+            above5 = extended_mask((uint32_t)(v5 > c5));
+    const uint32_t inside3 = extended_bits(v3) & ~(below3 | above3),
+            inside4 = extended_bits(v4) & ~(below4 | above4),
+            inside5 = extended_bits(v5) & ~(below5 | above5);
+    const uint32_t end3 = (extended_bits(least) & below3) | (extended_bits(c3) & above3),
             end4 = (extended_bits(least) & below4) | (extended_bits(c4) & above4),
-            end5 = (extended_bits(least) & below5) | (extended_bits(c5) & above5),
-            end6 = (extended_bits(least) & below6) | (extended_bits(c6) & above6),
+            end5 = (extended_bits(least) & below5) | (extended_bits(c5) & above5);
+    self->d[3] = extended_float(inside3 | end3); self->d[4] = extended_float(inside4 | end4);
+            self->d[5] = extended_float(inside5 | end5);
+    clamped |= below3 | above3 | below4 | above4 | below5 | above5;
+    const float v6 = d6 * q6, v7 = d7 * q7, v8 = d8 * q8;
+    const float c6 = extended_learn_ceiling[6], c7 = extended_learn_ceiling[7],
+            c8 = extended_learn_ceiling[8];
+    self->l[6] = -l6; self->l[7] = -l7; self->l[8] = -l8;
+    const float l9 = self->f[9] * r[8];
+    const float q9 = a[8] * r[9];
+    const float l10 = self->f[10] * r[9];
+    const float q10 = a[9] * r[10];
+    const float l11 = self->f[11] * r[10];
+    const float q11 = a[10] * r[11];
+    const float d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate;
+    const uint32_t below6 = extended_mask((uint32_t)(v6 < least)),
+            below7 = extended_mask((uint32_t)(v7 < least)),
+            below8 = extended_mask((uint32_t)(v8 < least));
+    const uint32_t above6 = extended_mask((uint32_t)(v6 > c6)), above7 = extended_mask((uint32_t)(v7 > c7)),
+            above8 = extended_mask((uint32_t)(v8 > c8));
+    const uint32_t inside6 = extended_bits(v6) & ~(below6 | above6),
+            inside7 = extended_bits(v7) & ~(below7 | above7),
+            inside8 = extended_bits(v8) & ~(below8 | above8);
+    const uint32_t end6 = (extended_bits(least) & below6) | (extended_bits(c6) & above6),
             end7 = (extended_bits(least) & below7) | (extended_bits(c7) & above7),
             end8 = (extended_bits(least) & below8) | (extended_bits(c8) & above8);
-    self->d[0] = extended_float(inside0 | end0); self->d[1] = extended_float(inside1 | end1);
-            self->d[2] = extended_float(inside2 | end2); self->d[3] = extended_float(inside3 | end3);
-            self->d[4] = extended_float(inside4 | end4); self->d[5] = extended_float(inside5 | end5);
-            self->d[6] = extended_float(inside6 | end6); self->d[7] = extended_float(inside7 | end7);
+    self->d[6] = extended_float(inside6 | end6); self->d[7] = extended_float(inside7 | end7);
             self->d[8] = extended_float(inside8 | end8);
-    clamped |= below0 | above0 | below1 | above1 | below2 | above2 | below3 | above3 | below4 | above4 |
-            below5 | above5 | below6 | above6 | below7 | above7 | below8 | above8;
-    const float v9 = d9 * q9, v10 = d10 * q10, v11 = d11 * q11, v12 = d12 * q12, v13 = d13 * q13,
-            v14 = d14 * q14, v15 = d15 * q15, v16 = d16 * q16, v17 = d17 * q17;
+    clamped |= below6 | above6 | below7 | above7 | below8 | above8;
+    const float v9 = d9 * q9, v10 = d10 * q10, v11 = d11 * q11;
     const float c9 = extended_learn_ceiling[9], c10 = extended_learn_ceiling[10],
-            c11 = extended_learn_ceiling[11], c12 = extended_learn_ceiling[12],
-            c13 = extended_learn_ceiling[13], c14 = extended_learn_ceiling[14],
-            c15 = extended_learn_ceiling[15], c16 = extended_learn_ceiling[16],
-            c17 = extended_learn_ceiling[17];
-    self->l[9] = -l9; self->l[10] = -l10; self->l[11] = -l11; self->l[12] = -l12;
-            self->l[13] = -l13; self->l[14] = -l14; self->l[15] = -l15; self->l[16] = -l16;
-            self->l[17] = -l17;
-    const float l18 = self->f[18] * r17;
-    const float q18 = a17 * r18;
-    const float l19 = self->f[19] * r18;
-    const float q19 = a18 * r19;
-    const float l20 = self->f[20] * r19;
-    const float q20 = a19 * r20;
-    const float l21 = self->f[21] * r20;
-    const float q21 = a20 * r21;
-    const float l22 = self->f[22] * r21;
-    const float q22 = a21 * r22;
-    const float l23 = self->f[23] * r22;
-    const float q23 = a22 * r23;
-    const float l24 = self->f[24] * r23;
-    const float q24 = a23 * r24;
-    const float d18 = self->d[18] * inflate, d19 = self->d[19] * inflate, d20 = self->d[20] * inflate,
-            d21 = self->d[21] * inflate, d22 = self->d[22] * inflate, d23 = self->d[23] * inflate,
-            d24 = self->d[24] * inflate;
+            c11 = extended_learn_ceiling[11];
+    self->l[9] = -l9; self->l[10] = -l10; self->l[11] = -l11;
+    const float l12 = self->f[12] * r[11];
+    const float q12 = a[11] * r[12];
+    const float l13 = self->f[13] * r[12];
+    const float q13 = a[12] * r[13];
+    const float l14 = self->f[14] * r[13];
+    const float q14 = a[13] * r[14];
+    const float d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate;
     const uint32_t below9 = extended_mask((uint32_t)(v9 < least)),
             below10 = extended_mask((uint32_t)(v10 < least)),
-            below11 = extended_mask((uint32_t)(v11 < least)),
-            below12 = extended_mask((uint32_t)(v12 < least)),
-            below13 = extended_mask((uint32_t)(v13 < least)),
-            below14 = extended_mask((uint32_t)(v14 < least)),
-            below15 = extended_mask((uint32_t)(v15 < least)),
-            below16 = extended_mask((uint32_t)(v16 < least)),
-            below17 = extended_mask((uint32_t)(v17 < least));
+            below11 = extended_mask((uint32_t)(v11 < least));
     const uint32_t above9 = extended_mask((uint32_t)(v9 > c9)), above10 = extended_mask((uint32_t)(v10 > c10)),
-            above11 = extended_mask((uint32_t)(v11 > c11)),
-            above12 = extended_mask((uint32_t)(v12 > c12)),
-            above13 = extended_mask((uint32_t)(v13 > c13)),
-            above14 = extended_mask((uint32_t)(v14 > c14)),
-            above15 = extended_mask((uint32_t)(v15 > c15)),
-            above16 = extended_mask((uint32_t)(v16 > c16)),
-            above17 = extended_mask((uint32_t)(v17 > c17));
+            above11 = extended_mask((uint32_t)(v11 > c11));
     const uint32_t inside9 = extended_bits(v9) & ~(below9 | above9),
             inside10 = extended_bits(v10) & ~(below10 | above10),
-            inside11 = extended_bits(v11) & ~(below11 | above11),
-            inside12 = extended_bits(v12) & ~(below12 | above12),
-            inside13 = extended_bits(v13) & ~(below13 | above13),
-            inside14 = extended_bits(v14) & ~(below14 | above14),
-            inside15 = extended_bits(v15) & ~(below15 | above15),
-            inside16 = extended_bits(v16) & ~(below16 | above16),
-            inside17 = extended_bits(v17) & ~(below17 | above17);
+            inside11 = extended_bits(v11) & ~(below11 | above11);
     const uint32_t end9 = (extended_bits(least) & below9) | (extended_bits(c9) & above9),
             end10 = (extended_bits(least) & below10) | (extended_bits(c10) & above10),
-            end11 = (extended_bits(least) & below11) | (extended_bits(c11) & above11),
-            end12 = (extended_bits(least) & below12) | (extended_bits(c12) & above12),
-            end13 = (extended_bits(least) & below13) | (extended_bits(c13) & above13),
-            end14 = (extended_bits(least) & below14) | (extended_bits(c14) & above14),
-            end15 = (extended_bits(least) & below15) | (extended_bits(c15) & above15),
-            end16 = (extended_bits(least) & below16) | (extended_bits(c16) & above16),
-            end17 = (extended_bits(least) & below17) | (extended_bits(c17) & above17);
+            end11 = (extended_bits(least) & below11) | (extended_bits(c11) & above11);
     self->d[9] = extended_float(inside9 | end9); self->d[10] = extended_float(inside10 | end10);
             self->d[11] = extended_float(inside11 | end11);
-            self->d[12] = extended_float(inside12 | end12);
+    clamped |= below9 | above9 | below10 | above10 | below11 | above11;
+    const float v12 = d12 * q12, v13 = d13 * q13, v14 = d14 * q14;
+    const float c12 = extended_learn_ceiling[12], c13 = extended_learn_ceiling[13],
+            c14 = extended_learn_ceiling[14];
+    self->l[12] = -l12; self->l[13] = -l13; self->l[14] = -l14;
+    const float l15 = self->f[15] * r[14];
+    const float q15 = a[14] * r[15];
+    const float l16 = self->f[16] * r[15];
+    const float q16 = a[15] * r[16];
+    const float l17 = self->f[17] * r[16];
+    const float q17 = a[16] * r[17];
+    const float d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
+    const uint32_t below12 = extended_mask((uint32_t)(v12 < least)),
+            below13 = extended_mask((uint32_t)(v13 < least)),
+            below14 = extended_mask((uint32_t)(v14 < least));
+    const uint32_t above12 = extended_mask((uint32_t)(v12 > c12)),
+            above13 = extended_mask((uint32_t)(v13 > c13)),
+            above14 = extended_mask((uint32_t)(v14 > c14));
+    const uint32_t inside12 = extended_bits(v12) & ~(below12 | above12),
+            inside13 = extended_bits(v13) & ~(below13 | above13),
+            inside14 = extended_bits(v14) & ~(below14 | above14);
+    const uint32_t end12 = (extended_bits(least) & below12) | (extended_bits(c12) & above12),
+            end13 = (extended_bits(least) & below13) | (extended_bits(c13) & above13),
+            end14 = (extended_bits(least) & below14) | (extended_bits(c14) & above14);
+    self->d[12] = extended_float(inside12 | end12);
             self->d[13] = extended_float(inside13 | end13);
             self->d[14] = extended_float(inside14 | end14);
-            self->d[15] = extended_float(inside15 | end15);
+    clamped |= below12 | above12 | below13 | above13 | below14 | above14;
+    const float v15 = d15 * q15, v16 = d16 * q16, v17 = d17 * q17;
+    const float c15 = extended_learn_ceiling[15], c16 = extended_learn_ceiling[16],
+            c17 = extended_learn_ceiling[17];
+    self->l[15] = -l15; self->l[16] = -l16; self->l[17] = -l17;
+    const float l18 = self->f[18] * r[17];
+    const float q18 = a[17] * r[18];
+    const float l19 = self->f[19] * r[18];
+    const float q19 = a[18] * r[19];
+    const float l20 = self->f[20] * r[19];
+    const float q20 = a[19] * r[20];
+    const float d18 = self->d[18] * inflate, d19 = self->d[19] * inflate, d20 = self->d[20] * inflate;
+    const uint32_t below15 = extended_mask((uint32_t)(v15 < least)),
+            below16 = extended_mask((uint32_t)(v16 < least)),
+            below17 = extended_mask((uint32_t)(v17 < least));
+    const uint32_t above15 = extended_mask((uint32_t)(v15 > c15)),
+            above16 = extended_mask((uint32_t)(v16 > c16)),
+            above17 = extended_mask((uint32_t)(v17 > c17));
+    const uint32_t inside15 = extended_bits(v15) & ~(below15 | above15),
+            inside16 = extended_bits(v16) & ~(below16 | above16),
+            inside17 = extended_bits(v17) & ~(below17 | above17);
+    const uint32_t end15 = (extended_bits(least) & below15) | (extended_bits(c15) & above15),
+            end16 = (extended_bits(least) & below16) | (extended_bits(c16) & above16),
+            end17 = (extended_bits(least) & below17) | (extended_bits(c17) & above17);
+    self->d[15] = extended_float(inside15 | end15);
             self->d[16] = extended_float(inside16 | end16);
             self->d[17] = extended_float(inside17 | end17);
-    clamped |= below9 | above9 | below10 | above10 | below11 | above11 | below12 | above12 |
-            below13 | above13 | below14 | above14 | below15 | above15 | below16 | above16 |
-            below17 | above17;
-    const float v18 = d18 * q18, v19 = d19 * q19, v20 = d20 * q20, v21 = d21 * q21, v22 = d22 * q22,
-            v23 = d23 * q23, v24 = d24 * q24;
+    clamped |= below15 | above15 | below16 | above16 | below17 | above17;
+    const float v18 = d18 * q18, v19 = d19 * q19, v20 = d20 * q20;
     const float c18 = extended_learn_ceiling[18], c19 = extended_learn_ceiling[19],
-            c20 = extended_learn_ceiling[20], c21 = extended_learn_ceiling[21],
-            c22 = extended_learn_ceiling[22], c23 = extended_learn_ceiling[23],
-            c24 = extended_learn_ceiling[24];
-    self->l[18] = -l18; self->l[19] = -l19; self->l[20] = -l20; self->l[21] = -l21;
-            self->l[22] = -l22; self->l[23] = -l23; self->l[24] = -l24;
+            c20 = extended_learn_ceiling[20];
+    self->l[18] = -l18; self->l[19] = -l19; self->l[20] = -l20;
+    const float l21 = self->f[21] * r[20];
+    const float q21 = a[20] * r[21];
+    const float l22 = self->f[22] * r[21];
+    const float q22 = a[21] * r[22];
+    const float l23 = self->f[23] * r[22];
+    const float q23 = a[22] * r[23];
+    const float d21 = self->d[21] * inflate, d22 = self->d[22] * inflate, d23 = self->d[23] * inflate;
     const uint32_t below18 = extended_mask((uint32_t)(v18 < least)),
             below19 = extended_mask((uint32_t)(v19 < least)),
-            below20 = extended_mask((uint32_t)(v20 < least)),
-            below21 = extended_mask((uint32_t)(v21 < least)),
-            below22 = extended_mask((uint32_t)(v22 < least)),
-            below23 = extended_mask((uint32_t)(v23 < least)),
-            below24 = extended_mask((uint32_t)(v24 < least));
+            below20 = extended_mask((uint32_t)(v20 < least));
     const uint32_t above18 = extended_mask((uint32_t)(v18 > c18)),
             above19 = extended_mask((uint32_t)(v19 > c19)),
-            above20 = extended_mask((uint32_t)(v20 > c20)),
-            above21 = extended_mask((uint32_t)(v21 > c21)),
-            above22 = extended_mask((uint32_t)(v22 > c22)),
-            above23 = extended_mask((uint32_t)(v23 > c23)),
-            above24 = extended_mask((uint32_t)(v24 > c24));
+            above20 = extended_mask((uint32_t)(v20 > c20));
     const uint32_t inside18 = extended_bits(v18) & ~(below18 | above18),
             inside19 = extended_bits(v19) & ~(below19 | above19),
-            inside20 = extended_bits(v20) & ~(below20 | above20),
-            inside21 = extended_bits(v21) & ~(below21 | above21),
-            inside22 = extended_bits(v22) & ~(below22 | above22),
-            inside23 = extended_bits(v23) & ~(below23 | above23),
-            inside24 = extended_bits(v24) & ~(below24 | above24);
+            inside20 = extended_bits(v20) & ~(below20 | above20);
     const uint32_t end18 = (extended_bits(least) & below18) | (extended_bits(c18) & above18),
             end19 = (extended_bits(least) & below19) | (extended_bits(c19) & above19),
-            end20 = (extended_bits(least) & below20) | (extended_bits(c20) & above20),
-            end21 = (extended_bits(least) & below21) | (extended_bits(c21) & above21),
-            end22 = (extended_bits(least) & below22) | (extended_bits(c22) & above22),
-            end23 = (extended_bits(least) & below23) | (extended_bits(c23) & above23),
-            end24 = (extended_bits(least) & below24) | (extended_bits(c24) & above24);
+            end20 = (extended_bits(least) & below20) | (extended_bits(c20) & above20);
     self->d[18] = extended_float(inside18 | end18);
             self->d[19] = extended_float(inside19 | end19);
             self->d[20] = extended_float(inside20 | end20);
-            self->d[21] = extended_float(inside21 | end21);
+    clamped |= below18 | above18 | below19 | above19 | below20 | above20;
+    const float v21 = d21 * q21, v22 = d22 * q22, v23 = d23 * q23;
+    const float c21 = extended_learn_ceiling[21], c22 = extended_learn_ceiling[22],
+            c23 = extended_learn_ceiling[23];
+    self->l[21] = -l21; self->l[22] = -l22; self->l[23] = -l23;
+    const float l24 = self->f[24] * r[23];
+    const float q24 = a[23] * r[24];
+    const float d24 = self->d[24] * inflate;
+    const uint32_t below21 = extended_mask((uint32_t)(v21 < least)),
+            below22 = extended_mask((uint32_t)(v22 < least)),
+            below23 = extended_mask((uint32_t)(v23 < least));
+    const uint32_t above21 = extended_mask((uint32_t)(v21 > c21)),
+            above22 = extended_mask((uint32_t)(v22 > c22)),
+            above23 = extended_mask((uint32_t)(v23 > c23));
+    const uint32_t inside21 = extended_bits(v21) & ~(below21 | above21),
+            inside22 = extended_bits(v22) & ~(below22 | above22),
+            inside23 = extended_bits(v23) & ~(below23 | above23);
+    const uint32_t end21 = (extended_bits(least) & below21) | (extended_bits(c21) & above21),
+            end22 = (extended_bits(least) & below22) | (extended_bits(c22) & above22),
+            end23 = (extended_bits(least) & below23) | (extended_bits(c23) & above23);
+    self->d[21] = extended_float(inside21 | end21);
             self->d[22] = extended_float(inside22 | end22);
             self->d[23] = extended_float(inside23 | end23);
-            self->d[24] = extended_float(inside24 | end24);
-    clamped |= below18 | above18 | below19 | above19 | below20 | above20 | below21 | above21 |
-            below22 | above22 | below23 | above23 | below24 | above24;
-    self->per_alpha = r24;
+    clamped |= below21 | above21 | below22 | above22 | below23 | above23;
+    const float v24 = d24 * q24;
+    const float c24 = extended_learn_ceiling[24];
+    self->l[24] = -l24;
+    const uint32_t below24 = extended_mask((uint32_t)(v24 < least));
+    const uint32_t above24 = extended_mask((uint32_t)(v24 > c24));
+    const uint32_t inside24 = extended_bits(v24) & ~(below24 | above24);
+    const uint32_t end24 = (extended_bits(least) & below24) | (extended_bits(c24) & above24);
+    self->d[24] = extended_float(inside24 | end24);
+    clamped |= below24 | above24;
+    self->per_alpha = r[24];
     extended_learner_note(self, &self->clamped, clamped & 1u, EXTENDED_LEARN_CLAMPED);
     return 0u;
 }
@@ -1930,57 +1586,124 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
 /* Innovation of the displacement y behind the regressors kept, and of the reference parameters for the same sample. */
 static EXTENDED_STRAIGHT float extended_innovations(const extended_learner_t *self, float y, float *reference)
 {
-    float shadow = self->x[0] * self->theta[0];
-    float other = self->x[0] * self->reference[0];
+    float shadow;
+    float other;
 
-    shadow = shadow + self->x[1] * self->theta[1];
-    other = other + self->x[1] * self->reference[1];
-    shadow = shadow + self->x[2] * self->theta[2];
-    other = other + self->x[2] * self->reference[2];
-    shadow = shadow + self->x[3] * self->theta[3];
-    other = other + self->x[3] * self->reference[3];
-    shadow = shadow + self->x[4] * self->theta[4];
-    other = other + self->x[4] * self->reference[4];
-    shadow = shadow + self->x[5] * self->theta[5];
-    other = other + self->x[5] * self->reference[5];
-    shadow = shadow + self->x[6] * self->theta[6];
-    other = other + self->x[6] * self->reference[6];
-    shadow = shadow + self->x[7] * self->theta[7];
-    other = other + self->x[7] * self->reference[7];
-    shadow = shadow + self->x[8] * self->theta[8];
-    other = other + self->x[8] * self->reference[8];
-    shadow = shadow + self->x[9] * self->theta[9];
-    other = other + self->x[9] * self->reference[9];
-    shadow = shadow + self->x[10] * self->theta[10];
-    other = other + self->x[10] * self->reference[10];
-    shadow = shadow + self->x[11] * self->theta[11];
-    other = other + self->x[11] * self->reference[11];
-    shadow = shadow + self->x[12] * self->theta[12];
-    other = other + self->x[12] * self->reference[12];
-    shadow = shadow + self->x[13] * self->theta[13];
-    other = other + self->x[13] * self->reference[13];
-    shadow = shadow + self->x[14] * self->theta[14];
-    other = other + self->x[14] * self->reference[14];
-    shadow = shadow + self->x[15] * self->theta[15];
-    other = other + self->x[15] * self->reference[15];
-    shadow = shadow + self->x[16] * self->theta[16];
-    other = other + self->x[16] * self->reference[16];
-    shadow = shadow + self->x[17] * self->theta[17];
-    other = other + self->x[17] * self->reference[17];
-    shadow = shadow + self->x[18] * self->theta[18];
-    other = other + self->x[18] * self->reference[18];
-    shadow = shadow + self->x[19] * self->theta[19];
-    other = other + self->x[19] * self->reference[19];
-    shadow = shadow + self->x[20] * self->theta[20];
-    other = other + self->x[20] * self->reference[20];
-    shadow = shadow + self->x[21] * self->theta[21];
-    other = other + self->x[21] * self->reference[21];
-    shadow = shadow + self->x[22] * self->theta[22];
-    other = other + self->x[22] * self->reference[22];
-    shadow = shadow + self->x[23] * self->theta[23];
-    other = other + self->x[23] * self->reference[23];
-    shadow = shadow + self->x[24] * self->theta[24];
-    other = other + self->x[24] * self->reference[24];
+    const float x0 = self->x[0], x1 = self->x[1];
+    const float s0 = self->theta[0], s1 = self->theta[1];
+    const float o0 = self->reference[0], o1 = self->reference[1];
+    const float p0 = x0 * s0, p1 = x1 * s1;
+    const float q0 = x0 * o0, q1 = x1 * o1;
+    const float x2 = self->x[2], x3 = self->x[3];
+    const float s2 = self->theta[2], s3 = self->theta[3];
+    const float o2 = self->reference[2], o3 = self->reference[3];
+    shadow = p0;
+    other = q0;
+    shadow = shadow + p1;
+    other = other + q1;
+    const float p2 = x2 * s2, p3 = x3 * s3;
+    const float q2 = x2 * o2, q3 = x3 * o3;
+    const float x4 = self->x[4], x5 = self->x[5];
+    const float s4 = self->theta[4], s5 = self->theta[5];
+    const float o4 = self->reference[4], o5 = self->reference[5];
+    shadow = shadow + p2;
+    other = other + q2;
+    shadow = shadow + p3;
+    other = other + q3;
+    const float p4 = x4 * s4, p5 = x5 * s5;
+    const float q4 = x4 * o4, q5 = x5 * o5;
+    const float x6 = self->x[6], x7 = self->x[7];
+    const float s6 = self->theta[6], s7 = self->theta[7];
+    const float o6 = self->reference[6], o7 = self->reference[7];
+    shadow = shadow + p4;
+    other = other + q4;
+    shadow = shadow + p5;
+    other = other + q5;
+    const float p6 = x6 * s6, p7 = x7 * s7;
+    const float q6 = x6 * o6, q7 = x7 * o7;
+    const float x8 = self->x[8], x9 = self->x[9];
+    const float s8 = self->theta[8], s9 = self->theta[9];
+    const float o8 = self->reference[8], o9 = self->reference[9];
+    shadow = shadow + p6;
+    other = other + q6;
+    shadow = shadow + p7;
+    other = other + q7;
+    const float p8 = x8 * s8, p9 = x9 * s9;
+    const float q8 = x8 * o8, q9 = x9 * o9;
+    const float x10 = self->x[10], x11 = self->x[11];
+    const float s10 = self->theta[10], s11 = self->theta[11];
+    const float o10 = self->reference[10], o11 = self->reference[11];
+    shadow = shadow + p8;
+    other = other + q8;
+    shadow = shadow + p9;
+    other = other + q9;
+    const float p10 = x10 * s10, p11 = x11 * s11;
+    const float q10 = x10 * o10, q11 = x11 * o11;
+    const float x12 = self->x[12], x13 = self->x[13];
+    const float s12 = self->theta[12], s13 = self->theta[13];
+    const float o12 = self->reference[12], o13 = self->reference[13];
+    shadow = shadow + p10;
+    other = other + q10;
+    shadow = shadow + p11;
+    other = other + q11;
+    const float p12 = x12 * s12, p13 = x13 * s13;
+    const float q12 = x12 * o12, q13 = x13 * o13;
+    const float x14 = self->x[14], x15 = self->x[15];
+    const float s14 = self->theta[14], s15 = self->theta[15];
+    const float o14 = self->reference[14], o15 = self->reference[15];
+    shadow = shadow + p12;
+    other = other + q12;
+    shadow = shadow + p13;
+    other = other + q13;
+    const float p14 = x14 * s14, p15 = x15 * s15;
+    const float q14 = x14 * o14, q15 = x15 * o15;
+    const float x16 = self->x[16], x17 = self->x[17];
+    const float s16 = self->theta[16], s17 = self->theta[17];
+    const float o16 = self->reference[16], o17 = self->reference[17];
+    shadow = shadow + p14;
+    other = other + q14;
+    shadow = shadow + p15;
+    other = other + q15;
+    const float p16 = x16 * s16, p17 = x17 * s17;
+    const float q16 = x16 * o16, q17 = x17 * o17;
+    const float x18 = self->x[18], x19 = self->x[19];
+    const float s18 = self->theta[18], s19 = self->theta[19];
+    const float o18 = self->reference[18], o19 = self->reference[19];
+    shadow = shadow + p16;
+    other = other + q16;
+    shadow = shadow + p17;
+    other = other + q17;
+    const float p18 = x18 * s18, p19 = x19 * s19;
+    const float q18 = x18 * o18, q19 = x19 * o19;
+    const float x20 = self->x[20], x21 = self->x[21];
+    const float s20 = self->theta[20], s21 = self->theta[21];
+    const float o20 = self->reference[20], o21 = self->reference[21];
+    shadow = shadow + p18;
+    other = other + q18;
+    shadow = shadow + p19;
+    other = other + q19;
+    const float p20 = x20 * s20, p21 = x21 * s21;
+    const float q20 = x20 * o20, q21 = x21 * o21;
+    const float x22 = self->x[22], x23 = self->x[23];
+    const float s22 = self->theta[22], s23 = self->theta[23];
+    const float o22 = self->reference[22], o23 = self->reference[23];
+    shadow = shadow + p20;
+    other = other + q20;
+    shadow = shadow + p21;
+    other = other + q21;
+    const float p22 = x22 * s22, p23 = x23 * s23;
+    const float q22 = x22 * o22, q23 = x23 * o23;
+    const float x24 = self->x[24];
+    const float s24 = self->theta[24];
+    const float o24 = self->reference[24];
+    shadow = shadow + p22;
+    other = other + q22;
+    shadow = shadow + p23;
+    other = other + q23;
+    const float p24 = x24 * s24;
+    const float q24 = x24 * o24;
+    shadow = shadow + p24;
+    other = other + q24;
     *reference = y - (other + self->fixed_um);
     return y - (shadow + self->fixed_um);
 }
@@ -2146,46 +1869,84 @@ static void extended_creep_copy(extended_creep_t *to, const extended_creep_t *fr
     }
 }
 
-/* Work at the update that is begun. Returns 1 if the shadow has to start again. */
+/* Work at an update or a restart behind its first call. Returns 1 if the shadow has to start again. */
 EXTENDED_INLINE uint32_t extended_work(extended_learner_t *self)
 {
     uint32_t lost = 0u;
 
     switch (self->phase) {
-    case 1u:
-        extended_project_0(self);
-        self->phase = 2u;
-        break;
     case 2u:
         extended_project_1(self);
         self->phase = 3u;
+
         break;
     case 3u:
-        extended_project_2(self);
         self->phase = 4u;
+        lost = extended_weigh(self);
+
         break;
     case 4u:
-        extended_project_3(self);
+        extended_factor_0(self);
         self->phase = 5u;
-        lost = extended_weigh(self);
+
         break;
     case 5u:
-        extended_factor_0(self);
+        extended_factor_1(self);
         self->phase = 6u;
+
         break;
     case 6u:
-        extended_factor_1(self);
+        extended_factor_2(self);
         self->phase = 7u;
+
         break;
     case 7u:
-        extended_factor_2(self);
+        extended_factor_3(self);
         self->phase = 8u;
+
+        break;
+    case 8u:
+        extended_factor_4(self);
+        lost = extended_step(self);
+
+        break;
+    case 9u:
+        extended_clear_0(self);
+        self->phase = 10u;
+
+        break;
+    case 10u:
+        extended_clear_1(self);
+        self->phase = 11u;
+
+        break;
+    case 11u:
+        extended_clear_2(self);
+        self->phase = 12u;
+
+        break;
+    case 12u:
+        extended_clear_3(self);
+        self->phase = 13u;
+
         break;
     default:
-        extended_factor_3(self);
-        lost = extended_step(self);
+        extended_clear_4(self);
+        self->phase = 0u;
+
         break;
     }
+    return lost;
+}
+
+/* The first call of an update. Returns 1 if the shadow has to start again. */
+EXTENDED_INLINE uint32_t extended_open(extended_learner_t *self)
+{
+    uint32_t lost = 0u;
+
+        extended_project_0(self);
+        self->phase = 2u;
+
     return lost;
 }
 
@@ -2205,11 +1966,13 @@ void extended_learn(extended_learner_t *self, float y_um, float u_V)
     uint32_t lost = 0u;
 
     extended_learner_note(self, &self->rejected, (usable ^ 1u) | u_lost, EXTENDED_LEARN_REJECTED);
-    if (((uint32_t)(self->phase == 0u) & self->fresh & usable) != 0u) {
-        lost = extended_take(self, y, &innovation);
-    }
     if (self->phase != 0u) {
         lost = extended_work(self);
+    } else if ((self->fresh & usable) != 0u) {
+        lost = extended_take(self, y, &innovation);
+        if (self->phase != 0u) {
+            lost = extended_open(self);
+        }
     }
     if (lost != 0u) {
         extended_learner_note(self, &self->restarts, 1u, EXTENDED_LEARN_RESTARTED);
@@ -2299,6 +2062,12 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model)
     self->candidate.phase = 0u;
     self->candidate.point = 0u;
     extended_restart(self);
+    extended_clear_0(self);
+    extended_clear_1(self);
+    extended_clear_2(self);
+    extended_clear_3(self);
+    extended_clear_4(self);
+    self->phase = 0u;
 }
 
 /* ---- Commit ---------------------------------------------------------------------------------------------------- */
