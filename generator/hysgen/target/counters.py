@@ -86,7 +86,7 @@ def after(known: Known, packet: Packet, cycles: int, registers: frozenset[int]) 
         executed = known.holds(instruction)
         if executed is False:
             continue
-        for register, value, delay in _writes(action, before):
+        for register, value, delay in writes(action, before):
             if register not in registers:
                 continue
             if delay:
@@ -100,8 +100,8 @@ def after(known: Known, packet: Packet, cycles: int, registers: frozenset[int]) 
     return Known(tuple(sorted(values.items(), key=lambda item: item[0])), left)
 
 
-def _writes(action: Action, before: Mapping[int, Value]) -> list[tuple[int, Value | None, int]]:
-    """(register, value or None, delay slots) of each result."""
+def writes(action: Action, before: Mapping[int, Value]) -> list[tuple[int, Value | None, int]]:
+    """(register, value or None, delay slots) of each result, from what is known `before`."""
     found: list[tuple[int, Value | None, int]] = []
     if isinstance(action, Compute):
         found.append((action.destination.index, _computed(action, before), action.delay))

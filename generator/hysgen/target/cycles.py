@@ -23,6 +23,7 @@ from hysgen.target.decode import Branch, LoadAddress
 from hysgen.target.elf import Image
 from hysgen.target.latency import BRANCH_DELAY
 from hysgen.target.packets import Packet
+from hysgen.target.predicates import Said
 from hysgen.target.processor import STACK_POINTER
 
 MAX_CALL_DEPTH = 16
@@ -58,7 +59,7 @@ class _Place:
 
     landing: (cycles until it lands, target) of branches under way, a target None being the return. returns: addresses
     to return to, innermost last. link: what a call has put into B3, until a branch into a function uses it.
-    taken: how often each bounded branch was taken. known: loop counters.
+    taken: how often each bounded branch was taken. known: loop counters. said: what branches say of predicates.
     """
 
     address: int
@@ -67,6 +68,7 @@ class _Place:
     link: int | None = None
     taken: tuple[int, ...] = ()
     known: counters.Known = field(default_factory=counters.Known)
+    said: Said = field(default_factory=Said)
 
 
 def bounds(
@@ -142,7 +144,8 @@ class _Walk:
             due, target = min(after.landing, default=(_NEVER, None), key=lambda branch: branch[0])
             cycles = min(due, 1 + packet.idle)
             landing = tuple((left - cycles, there) for left, there in after.landing if left > cycles)
-            after = replace(after, known=counters.after(place.known, packet, cycles, self.registers))
+            known = counters.after(place.known, packet, cycles, self.registers)
+            after = replace(after, known=known, said=after.said.after(packet, cycles))
             if due > cycles:
                 yield cycles, replace(after, address=packet.next, landing=landing)
             elif target is not None:
@@ -166,16 +169,19 @@ class _Walk:
                 continue
             if action.link is not None:
                 link = packet.next
-            taken = [way for way in ways if self._may_be_taken(instruction.address, way)]
-            branched = [self._branched(instruction.address, action, way) for way in taken]
-            executed = place.known.holds(instruction)
-            if executed is False:
-                continue
-            if executed:
-                ways = branched
-            else:
-                self.data_dependent.add(instruction.address)
-                ways = ways + branched
+            onward: list[_Place] = []
+            for way in ways:
+                counted = place.known.holds(instruction)
+                executed = way.said.holds(instruction.predicate) if counted is None else counted
+                if executed is None:
+                    self.data_dependent.add(instruction.address)
+                may = executed is not False and self._may_be_taken(instruction.address, way)
+                if not (executed and may):
+                    onward.append(replace(way, said=way.said.with_answer(instruction.predicate, executed=False)))
+                if may:
+                    said = way.said.with_answer(instruction.predicate, executed=True)
+                    onward.append(self._branched(instruction.address, action, replace(way, said=said)))
+            ways = onward
         for way in ways:
             yield replace(way, link=link)
 
