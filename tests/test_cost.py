@@ -34,6 +34,7 @@ from hysgen.target.packets import packets
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
 FUNCTIONS = ("predict", "simulate", "inverse")
+BUDGET = Path(__file__).parents[1] / "firmware" / "budget.json"
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
@@ -161,13 +162,17 @@ def test_estimate_is_within_the_stated_factor_of_the_targets_code(model: Model) 
         assert 0.7 < found.worst / guess < 1.3
 
 
+@pytest.mark.parametrize("name", ["learning", "everything_spread"])
+def test_estimate_of_learn_is_within_the_stated_factor_of_the_targets_code(name: str) -> None:
+    """The budget file holds the cycles to the code of today."""
+    counts = figures(name, texts_for_proofs(name)).operations["learn"]
+    assert 0.7 < read(BUDGET, name)["learn"]["cycles"] / estimated(counts, "learn").value < 1.3
+
+
 def test_clock_of_the_options_sets_the_budget(tmp_path: Path) -> None:
     write(generate(load_model("appendix_a"), Options(clock_Hz=100e6)), tmp_path)
     assert cost(tmp_path, timed=False).budget == 2000
     assert cost_of_texts(load_model("appendix_a"), generate(load_model("appendix_a")), timed=False).budget == 7500
-
-
-BUDGET = Path(__file__).parents[1] / "firmware" / "budget.json"
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "learning", "extended", "everything_spread"])

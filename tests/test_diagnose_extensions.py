@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from generated_models import smooth
 
 from hysgen.bank.scenario import scenario
 from hysgen.bank.truth import true_extensions
@@ -15,7 +16,9 @@ from hysgen.diagnose.ladder import calls_per_update, climb, equipped
 from hysgen.diagnose.memory_shape import usual_memory, with_best_memory
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms
+from hysgen.emit import generate
 from hysgen.fit import FitSettings
+from hysgen.learning import MOST_CALLS, LearnerSettings
 from hysgen.model import Model
 from hysgen.record import Record
 from hysgen.report.price import price_of
@@ -119,5 +122,13 @@ def test_what_follows_a_running_stage_has_its_price(cause: str) -> None:
 def test_an_update_of_many_parameters_is_spread_over_samples() -> None:
     assert calls_per_update(36, 1e-3) == 1
     assert calls_per_update(18, 20e-6) == 1
-    assert calls_per_update(36, 20e-6) == 4
-    assert calls_per_update(500, 20e-6) == 32
+    assert calls_per_update(36, 20e-6) == 5
+    assert calls_per_update(64, 20e-6) == 10
+    assert calls_per_update(500, 2e-6) < MOST_CALLS, "more calls would not make the dearest one cheaper"
+
+
+def test_a_learner_of_54_parameters_fits_a_period_of_50_kHz() -> None:
+    """Six rules, and memory of ten plays whose slopes are cubics: generating raises nothing."""
+    model = smooth(6, (Memory.uniform(36, 60.0),))
+    calls = calls_per_update(model.parameters.size, model.Ts_s)
+    generate(dataclasses.replace(model, learner=LearnerSettings(calls_per_update=calls)))

@@ -49,7 +49,7 @@ class Spread:
 
     @property
     def clearing(self) -> int:
-        """Phase of a learner that writes the first columns of U next, after a restart; those of an update come before."""
+        """Phase of a learner that is to write the first columns of U, after a restart; an update has those before."""
         return self.calls + 1
 
     @property

@@ -191,7 +191,7 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
  * @param u_V   input u(k) [V], limited as in appendix_a_predict
  *
  * 297 float +-, 285 float *, 9 float comparisons, 104 integer, 340 loads, 162 stores, 9 branches.
- * C674x: about 1138 cycles (estimate). */
+ * C674x: about 919 cycles (estimate). */
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; APPENDIX_A_COMMIT_POINTS check points,

@@ -233,7 +233,7 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
  * 715 float +-, 363 float *, 19 float comparisons, 131 integer, 447 loads, 464 stores, 4 branches.
- * C674x: about 1744 cycles (estimate). */
+ * C674x: about 1243 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; EXTENDED_COMMIT_POINTS check points,

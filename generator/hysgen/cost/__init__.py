@@ -124,7 +124,7 @@ def cost_of_texts(
     found = figures(model.name, texts)
     measured = cycles or {}
     known = {
-        name: Cycles(measured[name], measured=True) if name in measured else estimated(counts)
+        name: Cycles(measured[name], measured=True) if name in measured else estimated(counts, name)
         for name, counts in found.operations.items()
     }
     toolchain = default_toolchain() if timed else None

@@ -78,7 +78,7 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     # Costs are counted in the code, then told in the comments of its header.
     found = figures(model.name, _firmware(model.name, facts, {}, {}))
     cycles = {
-        name: Cycles(chosen.cycles[name], measured=True) if name in chosen.cycles else estimated(counts)
+        name: Cycles(chosen.cycles[name], measured=True) if name in chosen.cycles else estimated(counts, name)
         for name, counts in found.operations.items()
     }
     require_budget(model, cycles, chosen.clock_Hz)

@@ -1,11 +1,14 @@
 """Cycles of the TMS320C6748 and the budget of a sample period; what is not measured on the target is estimated.
 
     cycles = 60 + 0.75 operations + 20 branches          (stall-free, gcc 12.2 for the C674x)
+    cycles = 200 + 0.45 operations + 20 branches         of a call of learn
 
 Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules, with and without terms and input
-blocks, compiled as in hysgen.target) the cycles of the compiled code were 0.74 to 1.23 times this estimate, those of a
-learner of 18 parameters 1.16 times. The constant is the latency of the chain exponential, sums, reciprocal; a branch
-costs its jump and the overlap that it prevents. tests/test_cost.py holds the estimate to 0.7 .. 1.3.
+blocks, compiled as in hysgen.target) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
+constant is the latency of the chain exponential, sums, reciprocal; a branch costs its jump and the overlap that it
+prevents. The elements of an update do not wait for each other: learners of 6 to 64 parameters, spread over 1 to 10
+calls, took 0.8 to 1.2 times the second estimate (benchmarks/target_cycles.py). tests/test_cost.py holds both to
+0.7 .. 1.3.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ STEPS: Final = ("predict", "simulate", "inverse")
 BESIDES: Final = ("learn", "commit")
 
 _LATENCY, _PER_OPERATION, _PER_BRANCH = 60.0, 0.75, 20.0
+_LEARN_LATENCY, _LEARN_PER_OPERATION = 200.0, 0.45
 
 
 @dataclass(frozen=True)
@@ -36,10 +40,11 @@ class Cycles:
         return f"{self.value} cycles" if self.measured else f"about {self.value} cycles (estimate)"
 
 
-def estimated(counts: Counts) -> Cycles:
-    """The formula above."""
+def estimated(counts: Counts, function: str = "predict") -> Cycles:
+    """The formula above for a call of `function`, its name without the model's."""
     straight = counts.total - counts.branch
-    return Cycles(round(_LATENCY + _PER_OPERATION * straight + _PER_BRANCH * counts.branch), measured=False)
+    latency, each = (_LEARN_LATENCY, _LEARN_PER_OPERATION) if function == "learn" else (_LATENCY, _PER_OPERATION)
+    return Cycles(round(latency + each * straight + _PER_BRANCH * counts.branch), measured=False)
 
 
 def budget(Ts_s: float, clock_Hz: float = CLOCK_HZ) -> int:

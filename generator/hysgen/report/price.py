@@ -23,6 +23,6 @@ def price_of(model: Model) -> Price | None:
     except (BudgetError, CertificateError):
         return None
     found = figures(model.name, texts)
-    cycles = per_sample({name: estimated(counts) for name, counts in found.operations.items()})
+    cycles = per_sample({name: estimated(counts, name) for name, counts in found.operations.items()})
     held = sum(found.struct_bytes.get(f"{model.name}_{struct}", 0) for struct in ("t", "learner_t"))
     return Price(cycles.value, held + found.constant_bytes)
