@@ -1,4 +1,4 @@
-"""Cycles on the C674x: against rules, against learned parameters, and beside Eq. (10) as the paper prints it.
+"""Cycles on the C674x: against rules, learned parameters, calls per update, and beside Eq. (10) as the paper prints it.
 
 Run:  python benchmarks/target_cycles.py      (a few minutes; needs firmware/toolchain/build_c674x.sh)
 Cycles are stall-free, of the worst way through each function, as `hysgen cost --target c674x` has them; those of the
@@ -15,6 +15,8 @@ from smooth_model import smooth
 from hysgen.emit import Options, generate
 from hysgen.learning import LearnerSettings
 from hysgen.model import Model
+from hysgen.operations import figures
+from hysgen.operations.cycles import STEPS, estimated
 from hysgen.tables import table
 from hysgen.target import toolchain
 from hysgen.target.footprint import footprint
@@ -29,6 +31,21 @@ LEARNED = (
     (6, 18, ("offset", "terms")),
     (10, 0, RULE),
     (12, 4, (*RULE, "terms")),
+)
+# (rules, plays, calls per update); all parameters are learned. At 50 kHz a diagnosis takes the last of each size.
+SPREAD = (
+    (6, 0, 2),
+    (6, 0, 1),
+    (6, 6, 2),
+    (6, 6, 1),
+    (6, 9, 2),
+    (6, 9, 3),
+    (6, 18, 4),
+    (6, 18, 5),
+    (6, 36, 6),
+    (6, 36, 7),
+    (9, 37, 8),
+    (9, 37, 10),
 )
 PARAMETERS = 18
 
@@ -59,6 +76,23 @@ def against_parameters() -> str:
     return table(["parameters", "rules", "plays", "learn", "commit", "code, B", "structs, B"], rows)
 
 
+def against_calls() -> str:
+    """Learners spread over calls; behind the cycles of learn, in brackets, what they are estimated at."""
+    rows = []
+    for rules, plays, calls in SPREAD:
+        model = smooth("smooth", rules, plays, LearnerSettings(calls_per_update=calls))
+        texts = generate(model, Options(clock_Hz=1e10))
+        found = footprint(model.name, texts)
+        guess = estimated(figures(model.name, texts).operations["learn"], "learn").value
+        step = max(found[name]["cycles"] for name in STEPS)
+        learn, commit = (found[name]["cycles"] for name in ("learn", "commit"))
+        n, code = model.parameters.size, found["all"]["code_bytes"]
+        rows.append(
+            [f"{n}", f"{calls}", f"{learn} ({guess})", f"{commit}", f"{step}", f"{learn + commit + step}", f"{code}"]
+        )
+    return table(["parameters", "calls", "learn", "commit", "step", "one period", "code, B"], rows)
+
+
 def as_printed() -> str:
     """Simulated cycles of one update by Eq. (10) as it stands in the paper."""
     text = (Path(__file__).parent / "paper_update.c").read_text(encoding="utf-8")
@@ -74,7 +108,8 @@ def as_printed() -> str:
 def main() -> None:
     print(as_printed(), flush=True)
     print("\n" + against_rules(), flush=True)
-    print("\n" + against_parameters())
+    print("\n" + against_parameters(), flush=True)
+    print("\n" + against_calls())
 
 
 if __name__ == "__main__":
