@@ -1,4 +1,4 @@
-"""Long chains of updates, compiled learner against its NumPy reference: 6, 18, 24 and 40 parameters in every build.
+"""Long chains of updates, compiled learner against its NumPy reference: 6 to 54 parameters in every build.
 
 Every word of the learner's state after every sample is compared, by induction (`hysgen.verify.induction`), at gcc and
 clang, -O0, -O2 and -O3, with and without flush to zero. The plant is the model with 5 % less gain, and noise; its input
@@ -6,7 +6,8 @@ rests a fifth of the time.
 
 Run:  python benchmarks/learner_bits.py [UPDATES [PARAMETERS ...]]
 
-About as many updates as that in a row, 1e6 by default; of all four sizes, or of those that are named.
+About as many updates as that in a row, 1e6 by default, of all sizes, or of those that are named; of an update spread over
+16 calls as many samples.
 """
 
 from __future__ import annotations
@@ -26,8 +27,11 @@ from hysgen.verify.comparison import Task, compare_task
 from hysgen.verify.inputs import chunks
 from hysgen.verify.subjects import LEARNER
 
-SIZES = {6: (2, 0), 18: (6, 0), 24: (8, 0), 40: (10, 10)}
+SIZES = {6: (2, 0), 18: (6, 0), 24: (8, 0), 40: (10, 10), 54: (10, 24)}
 """Parameters -> rules and plays."""
+
+SPREAD = {6: (1,), 18: (1,), 24: (1,), 40: (1, 16), 54: (16,)}
+"""Parameters -> calls over which an update is spread."""
 
 TAUGHT = 0.7
 """Least part of the samples that is learnt from: the input rests during a fifth of them, some innovations are noise."""
@@ -49,10 +53,11 @@ def main() -> int:
     samples = round(float(sys.argv[1] if len(sys.argv) > 1 else "1e6") / TAUGHT)
     found, skipped = toolchains(COMPILERS, LEVELS)
     rows, differences = [], []
-    for parameters in [int(size) for size in sys.argv[2:]] or SIZES:
+    sizes = [int(size) for size in sys.argv[2:]] or list(SIZES)
+    for parameters, calls in [(size, calls) for size in sizes for calls in SPREAD[size]]:
         started = time.monotonic()
         rules, plays = SIZES[parameters]
-        model = smooth(f"learn_{parameters}", rules, plays, LearnerSettings())
+        model = smooth(f"learn_{parameters}", rules, plays, LearnerSettings(calls_per_update=calls))
         texts = generate(model, Options(clock_Hz=1e10))
         builds, unable = compiled(model.name, texts, found)
         skipped += [reason for reason in unable if reason not in skipped]
@@ -61,9 +66,14 @@ def main() -> int:
         updates, restarts = counted(model, texts, samples)
         result = f"{len(wrong)} differ" if wrong else "equal"
         seconds = f"{time.monotonic() - started:.0f}"
-        rows.append((str(parameters), str(samples), str(updates), str(restarts), str(len(builds)), result, seconds))
-        print(f"{parameters} parameters, {updates} updates, {len(builds)} builds: {result}", file=sys.stderr)
-    print(table(("parameters", "samples", "updates", "restarts", "builds", "bits", "s"), rows))
+        rows.append(
+            (str(parameters), str(calls), str(samples), str(updates), str(restarts), str(len(builds)), result, seconds)
+        )
+        print(
+            f"{parameters} parameters, {calls} calls, {updates} updates, {len(builds)} builds: {result}",
+            file=sys.stderr,
+        )
+    print(table(("parameters", "calls", "samples", "updates", "restarts", "builds", "bits", "s"), rows))
     for line in (*(f"NOT COMPARED: {reason}" for reason in skipped), *map(str, differences)):
         print(line)
     return 1 if differences else 0

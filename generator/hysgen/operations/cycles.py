@@ -7,7 +7,7 @@ Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules,
 blocks, compiled as in hysgen.target) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
 constant is the latency of the chain exponential, sums, reciprocal; a branch costs its jump and the overlap that it
 prevents. The elements of an update do not wait for each other: learners of 6 to 64 parameters, spread over 1 to 10
-calls, took 0.8 to 1.2 times the second estimate (benchmarks/target_cycles.py). tests/test_cost.py holds both to
+calls, took 0.78 to 1.2 times the second estimate (benchmarks/target_cycles.py). tests/test_cost.py holds both to
 0.7 .. 1.3.
 """
 
