@@ -6,8 +6,8 @@ rests a fifth of the time.
 
 Run:  python benchmarks/learner_bits.py [UPDATES [PARAMETERS ...]]
 
-About as many updates as that in a row, 1e6 by default, of all sizes, or of those that are named; of an update spread over
-16 calls as many samples.
+About as many updates as that in a row, 1e6 by default, of all sizes, or of those that are named; where an update is
+spread over 16 calls, as many samples.
 """
 
 from __future__ import annotations

@@ -1925,8 +1925,10 @@ void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V)
     appendix_a_learner_note(self, &self->rejected, (usable ^ 1u) | u_lost, APPENDIX_A_LEARN_REJECTED);
     if (self->phase != 0u) {
         lost = appendix_a_work(self);
-    } else if ((self->fresh & usable) != 0u) {
-        lost = appendix_a_take(self, y, &innovation);
+    } else {
+        if ((self->fresh & usable) != 0u) {
+            lost = appendix_a_take(self, y, &innovation);
+        }
         if (self->phase != 0u) {
             lost = appendix_a_open(self);
         }

@@ -1968,8 +1968,10 @@ void extended_learn(extended_learner_t *self, float y_um, float u_V)
     extended_learner_note(self, &self->rejected, (usable ^ 1u) | u_lost, EXTENDED_LEARN_REJECTED);
     if (self->phase != 0u) {
         lost = extended_work(self);
-    } else if ((self->fresh & usable) != 0u) {
-        lost = extended_take(self, y, &innovation);
+    } else {
+        if ((self->fresh & usable) != 0u) {
+            lost = extended_take(self, y, &innovation);
+        }
         if (self->phase != 0u) {
             lost = extended_open(self);
         }
