@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
 from hysgen.bank.scenario import JUDGED_TOO, Scenario, scenario
 from hysgen.bank.truth import true_extensions
+from hysgen.certificates import certify
 from hysgen.diagnose.extension import Extension
-from hysgen.diagnose.ladder import climb, levelled
+from hysgen.diagnose.ladder import checked_error, climb, levelled
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms
 from hysgen.fit import FitSettings
@@ -56,3 +58,22 @@ def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse(
         for names in ([cause for cause in causes if cause != "resonance"], causes)
     )
     assert beside < 1.02 * without
+
+
+def test_a_model_that_only_simulates_keeps_to_rows_it_has_not_seen_and_follows_a_mode_that_no_inverse_could() -> None:
+    hidden = scenario("resonance", 1001)
+    prepared, extensions = measured(hidden), true_extensions(hidden)
+
+    def left_um(names: list[str], settings: FitSettings) -> float:
+        return rms(checked_error(prepared, extensions, names, settings)[1])
+
+    simulating, free, inverted = FitSettings(loop_limit=math.inf), FitSettings(certified=False), FitSettings()
+    memory, both = ["memory"], ["memory", "resonance"]
+    assert left_um(both, simulating) < 0.6 * left_um(memory, simulating)
+    assert left_um(both, inverted) > 0.9 * left_um(memory, inverted)
+    assert left_um(both, free) > left_um(memory, free)
+    model = climb(prepared, extensions, both, simulating).model
+    found = certify(model)
+    assert found.gain_holds
+    assert found.contraction_holds
+    assert not found.inverse_holds

@@ -11,6 +11,7 @@ turn.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -100,7 +101,7 @@ def climb(
         trust[skip] = 0.0
     level = levelled(prepared, chosen)
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
-    if any(extension.learns for extension in chosen):
+    if any(extension.learns for extension in chosen) and math.isfinite(settings.loop_limit):
         loop, slope = min(settings.loop_limit, LOOP_TO_LEARN), min(settings.slope_limit, SLOPE_TO_LEARN)
         settings = dataclasses.replace(settings, loop_limit=loop, slope_limit=slope)
     asked = dataclasses.replace(

@@ -9,7 +9,7 @@ another is surely lower.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from hysgen.diagnose.bootstrap import gain, surely_lower
 from hysgen.diagnose.extension import Extension
@@ -40,14 +40,10 @@ def usual_memory(low_V: float, high_V: float) -> Memory:
     return Memory.polynomial(PLAYS, DEGREE, low_V, high_V, past_input=True)
 
 
-def with_finer_memory(extensions: dict[str, Extension]) -> dict[str, Extension] | None:
-    """The extensions, memory with more plays than causes are weighed with at first; None without memory."""
-    return _reshaped(extensions, lambda low_V, high_V: Memory.polynomial(PLAYS, DEGREE, low_V, high_V))
-
-
-def with_usual_memory(extensions: dict[str, Extension]) -> dict[str, Extension] | None:
-    """The extensions, memory in its usual shape; None without memory."""
-    return _reshaped(extensions, usual_memory)
+def with_usual_memory(extensions: dict[str, Extension]) -> dict[str, Extension]:
+    """The extensions, memory in its usual shape; unchanged without memory."""
+    range_V = _range_V(extensions)
+    return extensions if range_V is None else _with_term(extensions, usual_memory(*range_V))
 
 
 def with_best_memory(
@@ -72,11 +68,6 @@ def with_best_memory(
         if sure >= SURE and rms(other_um) < best_um:
             best, best_um = other, rms(other_um)
     return best
-
-
-def _reshaped(extensions: dict[str, Extension], shape: Callable[[float, float], Memory]) -> dict[str, Extension] | None:
-    range_V = _range_V(extensions)
-    return None if range_V is None else _with_term(extensions, shape(*range_V))
 
 
 def _range_V(extensions: dict[str, Extension]) -> tuple[float, float] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -16,7 +17,7 @@ from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import Rung, checked_error, climb, equipped, in_order
-from hysgen.diagnose.memory_shape import with_best_memory, with_finer_memory, with_usual_memory
+from hysgen.diagnose.memory_shape import with_best_memory, with_usual_memory
 from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms, side_by_side
@@ -208,13 +209,14 @@ def _agreement(
             refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
         else:
             candidates.append(name)
-    free = dataclasses.replace(settings.fit, certified=False)
-    agreed, alone, idle = _gaining(prepared, found, extensions, candidates, free)
-    for usual, others in ((with_finer_memory(extensions), free), (with_usual_memory(extensions), settings.fit)):
-        if not idle or usual is None:
-            break
-        # A coarse memory leaves more than a small cause gains, and a fit without limits may be led astray.
-        again, beside, left = _gaining(prepared, found, usual, candidates, others, SURE_LATER)
+    # Causes are a question about the stage: the models have to simulate it, whether or not an inverse of them exists.
+    simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
+    agreed, alone, idle = _gaining(prepared, found, extensions, candidates, simulating)
+    if idle:
+        # A coarse memory leaves more than a small cause gains; a fine one takes some of what a mode does.
+        again, beside, left = _gaining(
+            prepared, found, with_usual_memory(extensions), candidates, simulating, SURE_LATER
+        )
         agreed, alone = in_order(list({*agreed, *again})), {**beside, **alone}
         idle = [name for name in idle if name in left]
     refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]

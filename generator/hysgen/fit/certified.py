@@ -89,6 +89,11 @@ class CertifiedSet:
     looped: tuple[bool, ...]
     grid: HalfSpaces
 
+    @property
+    def invertible(self) -> bool:
+        """Whether the models are to have an inverse too; else they only simulate."""
+        return bool(np.isfinite(self.loop_limit))
+
     def violated(self, q: Floats) -> HalfSpaces:
         """Half-spaces that contain the set but not q; none if q is inside.
 
@@ -134,6 +139,7 @@ def certified_set(
 
     gain_um_per_V: gain of a single linear rule fitted to the same record. linear_looped: count modes and slow states in
     the small gain too. Then their zeros are inside the unit circle; without, the set does not limit them.
+    loop_limit: inf for models that need have no inverse.
     Raises FitError if the gain is zero.
     """
     if gain_um_per_V == 0.0:
@@ -150,7 +156,8 @@ def certified_set(
     grid = parts[0]
     for part in parts[1:]:
         grid = grid + part
-    looped = tuple(linear_looped or term.linear(Ts_s) is None for term in structure.terms)
+    invertible = bool(np.isfinite(loop_limit))
+    looped = tuple(invertible and (linear_looped or term.linear(Ts_s) is None) for term in structure.terms)
     return CertifiedSet(structure, Ts_s, gain_um_per_V, slope_limit, loop_limit, looped, grid)
 
 

@@ -50,7 +50,8 @@ def fit(
     learnt = information(record, structure, *solver)
     allowed = allowed_set(record, structure, chosen, learnt)
     fitted = _inside(record, chosen, structure, learnt, allowed, trust, starts, progress)
-    if allowed is not None and not all(allowed.looped) and not certify(fitted[0]).inverse_holds:
+    astray = allowed is not None and allowed.invertible and not all(allowed.looped)
+    if astray and not certify(fitted[0]).inverse_holds:
         # Zeros of modes and slow states form no convex set: where they go astray, ask for a smaller one that does.
         allowed = allowed_set(record, structure, chosen, learnt, linear_looped=True)
         fitted = _inside(record, chosen, structure, learnt, allowed, trust, starts, progress)

@@ -52,7 +52,7 @@ def refine(
     progress: told the fraction done and one line, once per step.
     """
     now = start = error.criterion(model)
-    held = certify(model) if allowed else None
+    held = certify(model)
     damping = FIRST_DAMPING
     edges: HalfSpaces | None = None
     steps = 0
@@ -62,7 +62,7 @@ def refine(
             step, edges = _step(now, damping, allowed, model.parameters, edges)
             candidate = error.moved(model, step)
             trial = error.criterion(candidate)
-            if _better(trial, now, start) and (held is None or _keeps(held, candidate)):
+            if _better(trial, now, start) and (allowed is None or _keeps(held, candidate, allowed)):
                 moved = candidate, trial
             else:
                 damping *= 10.0
@@ -102,11 +102,11 @@ def _better(trial: Criterion, now: Criterion, start: Criterion) -> bool:
     return trial.value < now.value and trial.rms_um <= start.rms_um
 
 
-def _keeps(held: Certificates, candidate: Model) -> bool:
-    """Whether every certificate that held before holds for the candidate."""
+def _keeps(held: Certificates, candidate: Model, allowed: CertifiedSet) -> bool:
+    """Whether every certificate that held before, and that the set is about, holds for the candidate."""
     now = certify(candidate)
     return (
         now.gain_holds >= held.gain_holds
         and now.contraction_holds >= held.contraction_holds
-        and now.inverse_holds >= held.inverse_holds
+        and (now.inverse_holds >= held.inverse_holds or not allowed.invertible)
     )

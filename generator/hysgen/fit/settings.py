@@ -30,7 +30,8 @@ class FitSettings:
     segment, samples count a little (see `free_run`).
     certified: keep "batch" and "refined" inside the set of models whose certificates hold; "rls" is never touched.
     slope_limit: the largest |df/dy| allowed then. loop_limit: the largest loop gain of the terms around the inverse; a
-    learner that is to commit needs room below 1. iterations: most Gauss-Newton steps.
+    learner that is to commit needs room below 1; inf: the model is to simulate and need have no inverse.
+    iterations: most Gauss-Newton steps.
 
     Raises FitError naming the field if a value is out of its domain.
     """
@@ -60,7 +61,8 @@ class FitSettings:
         _demand(math.isfinite(self.epsilon), "epsilon", self.epsilon, "finite")
         _demand(0.0 <= self.margin <= 1.0, "margin", self.margin, "between 0 and 1 of the displacement range")
         _demand(0.0 < self.slope_limit < 1.0, "slope_limit", self.slope_limit, "between 0 and 1")
-        _demand(0.0 < self.loop_limit < 1.0, "loop_limit", self.loop_limit, "between 0 and 1")
+        open_ended = self.loop_limit == math.inf
+        _demand(open_ended or 0.0 < self.loop_limit < 1.0, "loop_limit", self.loop_limit, "between 0 and 1, or inf")
         _demand(self.iterations >= 1, "iterations", self.iterations, "at least 1")
         _demand(self.settle is None or self.settle >= 0, "settle", self.settle or 0, "at least 0 samples")
 
@@ -76,7 +78,7 @@ class FitSettings:
             "settle": self.settle,
             "certified": self.certified,
             "slope_limit": self.slope_limit,
-            "loop_limit": self.loop_limit,
+            "loop_limit": self.loop_limit if math.isfinite(self.loop_limit) else None,
             "iterations": self.iterations,
         }
 
