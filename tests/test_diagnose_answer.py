@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -60,7 +61,7 @@ def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
 ) -> None:
     def worse(prepared: Prepared, extensions: Any, names: Sequence[str], settings: FitSettings, *rest: Any) -> Rung:
         rung = climb(prepared, extensions, names, dataclasses.replace(settings, certified=False), *rest)
-        spoilt = settings.certified and "periodic" in names
+        spoilt = math.isfinite(settings.loop_limit) and "periodic" in names  # what is to have an inverse
         return dataclasses.replace(rung, error_um=1e3 * rung.error_um) if spoilt else rung
 
     monkeypatch.setattr(ladder, "climb", worse)

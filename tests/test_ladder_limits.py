@@ -11,10 +11,11 @@ import pytest
 from hysgen.bank.scenario import JUDGED_TOO, Scenario, scenario
 from hysgen.bank.truth import true_extensions
 from hysgen.certificates import certify
+from hysgen.diagnose.evidence import causes
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import checked_error, climb, levelled
 from hysgen.diagnose.prepare import Prepared, prepare
-from hysgen.diagnose.probe import rms
+from hysgen.diagnose.probe import Chain, linear_fit, rms
 from hysgen.fit import FitSettings
 from hysgen.record import Record
 from hysgen.stage import run as measure
@@ -77,3 +78,14 @@ def test_a_model_that_only_simulates_keeps_to_rows_it_has_not_seen_and_follows_a
     assert found.gain_holds
     assert found.contraction_holds
     assert not found.inverse_holds
+
+
+def test_a_channel_that_goes_further_behind_the_cut_is_not_held_at_the_edge_of_what_was_seen() -> None:
+    hidden = scenario("coupling", 1128)
+    prepared = measured(hidden)
+    channel = np.asarray(hidden.aux["axis2_V"])
+    assert np.ptp(channel) > np.ptp(channel[: prepared.cut])
+    scene = prepared.scene()
+    extension = causes()["coupling"].extension(scene, linear_fit(scene, Chain(0.08, coupled=("axis2_V",))))
+    assert extension.term is not None
+    assert extension.term.to_json() | {"low": [channel.min()], "high": [channel.max()]} == extension.term.to_json()

@@ -61,6 +61,7 @@ def true_extensions(hidden: Scenario) -> dict[str, Extension]:
     if stage.periodic:
         found["periodic"] = Extension(term=Periodic(tuple(sorted(line.f_Hz for line in stage.periodic))))
     if stage.coupling:
-        channels = tuple(stage.coupling.um_per_unit)
-        found["coupling"] = Extension(term=coupling_term(channels, [{n: np.asarray(hidden.aux[n]) for n in channels}]))
+        channels = {name: np.asarray(hidden.aux[name]) for name in stage.coupling.um_per_unit}
+        ranges = {name: (float(values.min()), float(values.max())) for name, values in channels.items()}
+        found["coupling"] = Extension(term=coupling_term(ranges))
     return found

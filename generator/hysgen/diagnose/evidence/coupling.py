@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,14 +76,13 @@ class Coupling(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        return Extension(term=coupling_term(fit.chain.coupled, [run.aux for run in scene.runs], fit.chain.taps))
+        return Extension(term=coupling_term({name: scene.range_of(name) for name in fit.chain.coupled}, fit.chain.taps))
 
 
-def coupling_term(channels: tuple[str, ...], runs: Sequence[Mapping[str, Floats]], taps: int = 1) -> CouplingTerm:
-    """The term for some channels, each with the range that it has over all runs."""
-    low = tuple(min(float(run[name].min()) for run in runs) for name in channels)
-    high = tuple(max(float(run[name].max()) for run in runs) for name in channels)
-    return CouplingTerm(channels, low, high, taps)
+def coupling_term(ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> CouplingTerm:
+    """The term for some channels, each with its range."""
+    low, high = zip(*ranges.values(), strict=True)
+    return CouplingTerm(tuple(ranges), low, high, taps)
 
 
 def _moves(look: Look, name: str) -> bool:

@@ -44,6 +44,7 @@ class Run:
 class Scene:
     """Runs at one sampling period; rows of the joined runs used to fit (`rows`), and how hysteresis is expanded.
 
+    known_ranges: lowest and highest value of auxiliary channels over all that will be simulated, where it goes further.
     The columns of the last few settings of the amplifier, and of the last few sets of disturbances, are kept.
     """
 
@@ -51,6 +52,7 @@ class Scene:
     Ts_s: float
     rows: Rows
     operator: Operator
+    known_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     _hysteresis: Recent[list[Floats]] = field(default_factory=lambda: Recent(3), repr=False)
     _disturbances: Recent[Floats] = field(default_factory=lambda: Recent(6), repr=False)
 
@@ -62,6 +64,12 @@ class Scene:
     def y_um(self) -> Floats:
         """(n,) measured displacement of all runs."""
         return np.concatenate([run.y_um for run in self.runs])
+
+    def range_of(self, name: str) -> tuple[float, float]:
+        """Lowest and highest value of an auxiliary channel."""
+        low, high = self.known_ranges.get(name, (np.inf, -np.inf))
+        seen = [run.aux[name] for run in self.runs]
+        return min(low, *(float(a.min()) for a in seen)), max(high, *(float(a.max()) for a in seen))
 
     @property
     def span_s(self) -> float:
