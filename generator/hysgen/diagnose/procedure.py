@@ -212,11 +212,12 @@ def _agreement(
     # Causes are a question about the stage: the models have to simulate it, whether or not an inverse of them exists.
     simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
     agreed, alone, idle = _gaining(prepared, found, extensions, candidates, simulating)
-    if idle:
-        # A coarse memory leaves more than a small cause gains; a fine one takes some of what a mode does.
-        again, beside, left = _gaining(
-            prepared, found, with_usual_memory(extensions), candidates, simulating, SURE_LATER
-        )
+    usual = with_usual_memory(extensions)
+    for others in (simulating, settings.fit):
+        if not idle:
+            break
+        # A coarse memory leaves more than a small cause gains; what is delivered may need what a freer model does not.
+        again, beside, left = _gaining(prepared, found, usual, candidates, others, SURE_LATER)
         agreed, alone = in_order(list({*agreed, *again})), {**beside, **alone}
         idle = [name for name in idle if name in left]
     refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
