@@ -18,7 +18,7 @@ from hysgen.host import Host
 from hysgen.model import Model
 from hysgen.native import compiler_version, default_toolchain
 from hysgen.operations import Counts, figures
-from hysgen.operations.cycles import CLOCK_HZ, Cycles, budget, estimated, per_sample
+from hysgen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample
 
 __all__ = ["Cost", "FunctionCost", "cost", "cost_of_texts"]
 
@@ -122,11 +122,7 @@ def cost_of_texts(
 ) -> Cost:
     """`cost` for generated texts that need not lie in a folder."""
     found = figures(model.name, texts)
-    measured = cycles or {}
-    known = {
-        name: Cycles(measured[name], measured=True) if name in measured else estimated(counts, name)
-        for name, counts in found.operations.items()
-    }
+    known = cycles_of(found.operations, cycles)
     toolchain = default_toolchain() if timed else None
     spent = nanoseconds(Host(model.name, texts, toolchain), model) if timed else {}
     return Cost(

@@ -58,7 +58,7 @@ def with_best_memory(
         return extensions
     low_V, high_V = range_V
     names = [name for name in names if name not in LATER]
-    usual = best = _with_term(extensions, usual_memory(low_V, high_V))
+    usual = best = with_usual_memory(extensions)
     _, usual_um = checked_error(prepared, usual, names, settings)
     best_um = rms(usual_um)
     for plays, degree, past_input in OTHERS:

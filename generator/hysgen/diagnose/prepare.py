@@ -93,12 +93,7 @@ class Prepared:
         runs = tuple(Run(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
         # Ranges are those of the whole command and channels, known beforehand; the probe must not extrapolate.
         low_V, high_V = self.record.u_range_V
-        segments = self.record.segments
-        ranges = {
-            name: (min(float(s.aux[name].min()) for s in segments), max(float(s.aux[name].max()) for s in segments))
-            for name in segments[0].aux
-        }
-        return Scene(runs, self.record.Ts_s, self.fit_rows, Operator(low_V, high_V), ranges)
+        return Scene(runs, self.record.Ts_s, self.fit_rows, Operator(low_V, high_V), self.record.aux_ranges)
 
 
 def reach_um(record: Record, rows: Rows) -> tuple[float, float]:

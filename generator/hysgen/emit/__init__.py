@@ -26,7 +26,7 @@ from hysgen.files import write_whole
 from hysgen.model import Model
 from hysgen.model_file import dump_model
 from hysgen.operations import Figures, figures
-from hysgen.operations.cycles import CLOCK_HZ, Cycles, budget, estimated, per_sample
+from hysgen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample
 from hysgen.reference.accuracy import accuracy
 
 __all__ = ["Options", "generate", "write"]
@@ -77,10 +77,7 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
         facts |= concern.facts
     # Costs are counted in the code, then told in the comments of its header.
     found = figures(model.name, _firmware(model.name, facts, {}, {}))
-    cycles = {
-        name: Cycles(chosen.cycles[name], measured=True) if name in chosen.cycles else estimated(counts, name)
-        for name, counts in found.operations.items()
-    }
+    cycles = cycles_of(found.operations, chosen.cycles)
     require_budget(model, cycles, chosen.clock_Hz)
     told = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in found.operations.items()}
     texts = _firmware(model.name, facts, told, found.struct_bytes)

@@ -242,7 +242,7 @@ def _slices(borders: Sequence[int]) -> list[Slice]:
 
 
 def _phases(spread: Spread, n: int) -> list[Phase]:
-    """What the calls after the first one of an update do, and those of a restart."""
+    """What each call of an update does, and each of a restart."""
     found: list[Phase] = []
     for kind, borders in (("project", spread.project), ("factor", spread.factor), ("clear", spread.factor)):
         for k, (first, last) in enumerate(itertools.pairwise(borders)):

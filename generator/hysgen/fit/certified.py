@@ -92,7 +92,7 @@ class CertifiedSet:
     @property
     def invertible(self) -> bool:
         """Whether the models are to have an inverse too; else they only simulate."""
-        return bool(np.isfinite(self.loop_limit))
+        return self.loop_limit < np.inf
 
     def violated(self, q: Floats) -> HalfSpaces:
         """Half-spaces that contain the set but not q; none if q is inside.
@@ -156,8 +156,7 @@ def certified_set(
     grid = parts[0]
     for part in parts[1:]:
         grid = grid + part
-    invertible = bool(np.isfinite(loop_limit))
-    looped = tuple(invertible and (linear_looped or term.linear(Ts_s) is None) for term in structure.terms)
+    looped = tuple(loop_limit < np.inf and (linear_looped or term.linear(Ts_s) is None) for term in structure.terms)
     return CertifiedSet(structure, Ts_s, gain_um_per_V, slope_limit, loop_limit, looped, grid)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from hysgen.certificates import Certificates, certify
+from hysgen.certificates import certify
 from hysgen.fit.certified import CertifiedSet, HalfSpaces, least_squares_inside
 from hysgen.fit.free_run import Criterion, FreeRunError
 from hysgen.model import Model
@@ -52,7 +52,7 @@ def refine(
     progress: told the fraction done and one line, once per step.
     """
     now = start = error.criterion(model)
-    held = certify(model)
+    held = _holding(model, allowed)
     damping = FIRST_DAMPING
     edges: HalfSpaces | None = None
     steps = 0
@@ -62,7 +62,7 @@ def refine(
             step, edges = _step(now, damping, allowed, model.parameters, edges)
             candidate = error.moved(model, step)
             trial = error.criterion(candidate)
-            if _better(trial, now, start) and (allowed is None or _keeps(held, candidate, allowed)):
+            if _better(trial, now, start) and _keeps(held, _holding(candidate, allowed)):
                 moved = candidate, trial
             else:
                 damping *= 10.0
@@ -102,11 +102,14 @@ def _better(trial: Criterion, now: Criterion, start: Criterion) -> bool:
     return trial.value < now.value and trial.rms_um <= start.rms_um
 
 
-def _keeps(held: Certificates, candidate: Model, allowed: CertifiedSet) -> bool:
-    """Whether every certificate that held before, and that the set is about, holds for the candidate."""
-    now = certify(candidate)
-    return (
-        now.gain_holds >= held.gain_holds
-        and now.contraction_holds >= held.contraction_holds
-        and (now.inverse_holds >= held.inverse_holds or not allowed.invertible)
-    )
+def _holding(model: Model, allowed: CertifiedSet | None) -> tuple[bool, ...]:
+    """Which of the certificates that the set is about hold for a model; without a set there are none."""
+    if allowed is None:
+        return ()
+    found = certify(model)
+    return found.gain_holds, found.contraction_holds, found.inverse_holds and allowed.invertible
+
+
+def _keeps(before: tuple[bool, ...], now: tuple[bool, ...]) -> bool:
+    """Whether everything that held before holds now."""
+    return all(new >= old for old, new in zip(before, now, strict=True))

@@ -47,6 +47,15 @@ def estimated(counts: Counts, function: str = "predict") -> Cycles:
     return Cycles(round(latency + each * straight + _PER_BRANCH * counts.branch), measured=False)
 
 
+def cycles_of(operations: Mapping[str, Counts], measured: Mapping[str, int] | None = None) -> dict[str, Cycles]:
+    """Cycles of public functions, by their names without the model's: `measured` where known, else estimated."""
+    known = measured or {}
+    return {
+        name: Cycles(known[name], measured=True) if name in known else estimated(counts, name)
+        for name, counts in operations.items()
+    }
+
+
 def budget(Ts_s: float, clock_Hz: float = CLOCK_HZ) -> int:
     """Cycles in a sample period: 7500 at 50 kHz and 375 MHz."""
     return int(Ts_s * clock_Hz * (1.0 + 1e-12))

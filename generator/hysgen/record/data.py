@@ -187,6 +187,11 @@ class Record(Displayed):
         return _range(segment.y_um for segment in self.segments)
 
     @property
+    def aux_ranges(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of every further channel over all segments, in its own unit."""
+        return {name: _range(segment.aux[name] for segment in self.segments) for name in self.aux_names}
+
+    @property
     def aux_names(self) -> tuple[str, ...]:
         """Names of the further channels; every segment has all of them."""
         return tuple(self.segments[0].aux)

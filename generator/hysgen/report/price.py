@@ -8,7 +8,7 @@ from hysgen.emit import Options, generate
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model import Model
 from hysgen.operations import figures
-from hysgen.operations.cycles import estimated, per_sample
+from hysgen.operations.cycles import cycles_of, per_sample
 
 
 def price_of(model: Model) -> Price | None:
@@ -23,6 +23,6 @@ def price_of(model: Model) -> Price | None:
     except (BudgetError, CertificateError):
         return None
     found = figures(model.name, texts)
-    cycles = per_sample({name: estimated(counts, name) for name, counts in found.operations.items()})
+    cycles = per_sample(cycles_of(found.operations))
     held = sum(found.struct_bytes.get(f"{model.name}_{struct}", 0) for struct in ("t", "learner_t"))
     return Price(cycles.value, held + found.constant_bytes)

@@ -44,7 +44,8 @@ class Run:
 class Scene:
     """Runs at one sampling period; rows of the joined runs used to fit (`rows`), and how hysteresis is expanded.
 
-    known_ranges: lowest and highest value of auxiliary channels over all that will be simulated, where it goes further.
+    known_ranges: lowest and highest value of auxiliary channels over all that will be simulated; a channel that it does
+    not hold has the range of its runs.
     The columns of the last few settings of the amplifier, and of the last few sets of disturbances, are kept.
     """
 
@@ -67,9 +68,10 @@ class Scene:
 
     def range_of(self, name: str) -> tuple[float, float]:
         """Lowest and highest value of an auxiliary channel."""
-        low, high = self.known_ranges.get(name, (np.inf, -np.inf))
-        seen = [run.aux[name] for run in self.runs]
-        return min(low, *(float(a.min()) for a in seen)), max(high, *(float(a.max()) for a in seen))
+        if name in self.known_ranges:
+            return self.known_ranges[name]
+        seen = np.concatenate([run.aux[name] for run in self.runs])
+        return float(seen.min()), float(seen.max())
 
     @property
     def span_s(self) -> float:
