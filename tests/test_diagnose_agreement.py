@@ -10,13 +10,13 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from test_diagnose_signatures import COMMAND_V, CREEP, LAG, LATE, SAMPLES, SPAN_S, T_S, TS_S, scene
+from test_diagnose_signatures import COMMAND_V, CREEP, LAG, LATE, RINGING, SAMPLES, SPAN_S, T_S, TS_S, scene
 
-from hysgen.diagnose import procedure, search
+from hysgen.diagnose import exchange, procedure, search
 from hysgen.diagnose.bootstrap import Gain
 from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.noise import NoiseFloor
-from hysgen.diagnose.probe import Chain, Mode, refine
+from hysgen.diagnose.probe import Chain, Mode, linear_fit, refine
 from hysgen.diagnose.probe.dynamics import respond
 from hysgen.diagnose.remainder import remainder
 from hysgen.diagnose.search import Found
@@ -131,12 +131,28 @@ def test_a_cause_that_came_first_is_exchanged_for_the_one_like_it_that_explains_
     stage: Chain, more_um: float | NDArray[np.float64], wrong: Chain, right: str
 ) -> None:
     seen = scene(stage, more_um)
-    assert search.present(search._exchanged(seen, refine(seen, wrong), CHECKED).chain) == [right]
+    assert search.present(exchange.exchanged(seen, refine(seen, wrong), CHECKED).chain) == [right]
+
+
+def test_an_exchange_must_not_cost_more_on_the_fitted_rows_than_it_gains(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exchange, "ratio", lambda other, fit, checked: 0.9)
+    seen = scene(RINGING)
+    assert search.present(exchange.exchanged(seen, refine(seen, RINGING), CHECKED).chain) == ["resonance"]
+
+
+def test_a_mode_that_does_not_ring_takes_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exchange, "ratio", lambda other, fit, checked: 0.1 if other.chain.modes else 10.0)
+    seen = scene(LATE)
+    rough = linear_fit(seen, dataclasses.replace(LATE, delay=1.0))
+    mode = exchange._replacement(seen, linear_fit(seen, LAG), "resonance")
+    assert mode is not None
+    assert mode.rms_um < rough.rms_um
+    assert search.present(exchange.exchanged(seen, rough, CHECKED).chain) == ["delay"]
 
 
 def test_a_slow_cause_without_evidence_makes_room_for_another() -> None:
     seen = scene(LAG, AGED_UM)
-    right = search._resigned(seen, refine(seen, CREEP), CHECKED).chain
+    right = exchange.resigned(seen, refine(seen, CREEP), CHECKED).chain
     assert right.names() == ("lag", "aging")
 
 
@@ -145,6 +161,6 @@ def test_a_slow_cause_without_evidence_goes_where_it_hides_the_evidence_of_anoth
     both = refine(seen, dataclasses.replace(CREEP, creep=1e-4, drift=True))
     drift = causes()["drift"]
     assert not drift.signature(Look.at(seen, both), both).holds
-    alone = search._resigned(seen, both, CHECKED)
+    alone = exchange.resigned(seen, both, CHECKED)
     assert search.present(alone.chain) == ["drift"]
     assert drift.signature(Look.at(seen, alone), both).holds

@@ -17,7 +17,8 @@ from hysgen.diagnose.evidence.resonance import weighed
 from hysgen.diagnose.probe import Chain, Errors, Fit, Mode, Operator, Run, Scene, linear_fit, refine
 from hysgen.diagnose.probe.amplifier import amplified
 from hysgen.diagnose.probe.dynamics import crept_step, respond
-from hysgen.diagnose.search import _pruned, _remaining, _sounded, levels, search
+from hysgen.diagnose.search import _pruned, _sounded, search
+from hysgen.diagnose.trials import levels, remaining
 
 Floats = NDArray[np.float64]
 TS_S, SAMPLES = 1e-3, 4000
@@ -227,9 +228,9 @@ def test_effect_below_the_noise_counts_by_what_it_leaves_beyond_it() -> None:
     effect_um = 0.5e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
     with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
     rows = np.arange(SAMPLES)
-    assert _remaining(with_it, without, rows) < 0.6
-    assert _remaining(without, with_it, rows) > 1.0
-    assert _remaining(with_it, with_it, rows) == 1.0
+    assert remaining(with_it, without, rows) < 0.6
+    assert remaining(without, with_it, rows) > 1.0
+    assert remaining(with_it, with_it, rows) == 1.0
 
 
 def test_effect_of_a_tenth_of_the_noise_is_neither_there_nor_not() -> None:
@@ -237,7 +238,7 @@ def test_effect_of_a_tenth_of_the_noise_is_neither_there_nor_not() -> None:
     effect_um = 0.1e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
     with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
     rows = np.arange(SAMPLES)
-    assert _remaining(with_it, without, rows) == _remaining(without, with_it, rows) == 1.0
+    assert remaining(with_it, without, rows) == remaining(without, with_it, rows) == 1.0
 
 
 def test_one_block_in_which_the_richer_chain_is_wild_does_not_decide() -> None:
@@ -252,3 +253,18 @@ def test_the_one_block_that_excites_a_mode_decides_though_the_richer_chain_is_wo
     left, right = levels(richer, poorer)
     assert left < 0.1 * right
     assert levels(np.ones(800), np.full(800, 5.0)) == (1.0, 5.0)
+
+
+@pytest.mark.parametrize(("periods", "proposed"), [(8.3, False), (20.3, True)])
+def test_a_line_has_three_periods_in_each_quarter_at_least(periods: float, proposed: bool) -> None:
+    seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))
+    chains = causes()["periodic"].proposals(Look.at(seen, refine(seen, LAG)))
+    assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in chain.lines_Hz) == proposed
+
+
+def test_a_line_that_hardly_stands_out_goes_beside_one_that_does() -> None:
+    seen = scene(HUMMING, 0.01 * np.sin(2.0 * np.pi * 50.3 * T_S))
+    both = refine(seen, dataclasses.replace(LAG, lines_Hz=(50.3, 97.1)))
+    assert [round(line_Hz, 1) for line_Hz in causes()["periodic"].sound(Look.at(seen, both)).lines_Hz] == [50.3]
+    alone = refine(seen, dataclasses.replace(LAG, lines_Hz=(97.1,)))
+    assert causes()["periodic"].sound(Look.at(seen, alone)) == alone.chain

@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from hysgen.bank.excitation import good
 from hysgen.bank.scenario import scenario
-from hysgen.diagnose.bootstrap import gain, surely_lower
+from hysgen.diagnose.bootstrap import certainty, gain, surely_lower
 from hysgen.diagnose.evidence import Look, causes
 from hysgen.diagnose.prepare import prepare
 from hysgen.diagnose.probe import Chain, Operator, Run, Scene, refine
 from hysgen.diagnose.probe.dynamics import respond
 from hysgen.diagnose.procedure import name_causes
 from hysgen.diagnose.search import _pruned, search
+from hysgen.diagnose.trials import fitted
+from hysgen.errors import RecordError
 from hysgen.record import Record
 from hysgen.stage import run as measure
 
@@ -68,6 +70,39 @@ def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_
     assert naming.names == ("memory", "aging")
 
 
+def test_aging_is_looked_for_with_either_sign() -> None:
+    """A gain that turns about another point than the zero brings a ramp along: the wrong sign is a minimum too."""
+    hidden = scenario("aging", 1154)
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
+    scene = prepare(Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)).scene()
+    part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
+    aging = causes()["aging"]
+    proposals = aging.proposals(Look.at(part, refine(part, Chain(hidden.stage.lag_s))))
+    assert {np.sign(chain.aging_per_s or 0.0) for chain in proposals[1:]} == {-1.0, 1.0}
+    trials = fitted(part, proposals)
+    rates = [refine(part, trial.chain).chain.aging_per_s or 0.0 for trial in aging.promising(trials)]
+    assert sorted(np.sign(rates)) == [-1.0, 1.0]
+
+
+@pytest.mark.parametrize(("lag_s", "lag"), [(1e-5, 0.3), (0.012, 12.0), (0.05, 50.0)])
+def test_rows_that_count_begin_when_the_first_stroke_has_faded_and_end_before_the_last_readings(
+    lag_s: float, lag: float
+) -> None:
+    u_V = 50.0 - 50.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
+    prepared = prepare(Record.from_arrays(u_V, 0.1 * respond(u_V, Chain(lag_s), TS_S), TS_S), identify=0.5)
+    # A cosine has come through 0.98 of its range after 455 samples; what lags fades in at most 0.03 * 6000 more.
+    for rows, lags in ((prepared.fit_rows, 3.0), (prepared.scene().rows, 8.0)):
+        assert 0.8 * min(lags * lag, 180.0) <= rows[0] - 455 <= min(1.3 * lags * lag + 1.0, 180.0)
+        assert rows[-1] == 3000 - 3
+    assert prepared.held_rows[[0, -1]].tolist() == [3000, 5999]
+
+
+def test_a_cut_before_the_input_has_run_through_its_range_is_refused() -> None:
+    u_V = np.linspace(0.0, 16.0, 6000) % 4.0
+    with pytest.raises(RecordError, match="of the 500 samples to identify from come after the input has run through"):
+        prepare(Record.from_arrays(u_V, 0.1 * u_V, TS_S), identify=500 / 6000)
+
+
 def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
     rng = np.random.default_rng(1)
     before, after = rng.normal(size=2400), 0.5 * rng.normal(size=2400)
@@ -78,6 +113,20 @@ def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
     assert surely_lower(before, before) == 0.0
     assert surely_lower(before, 0.99 * before) == 1.0
     assert surely_lower(before, 0.99 * before, 0.02) == 0.0
+
+
+def test_a_quiet_block_that_gets_worse_does_not_decide_either() -> None:
+    rng = np.random.default_rng(2)
+    before = rng.normal(size=2400)
+    before[1200:1600] *= 0.01  # nothing moves here
+    after = 0.8 * before
+    after[1200:1600] *= 2.6
+    assert 0.7 < surely_lower(before, after, 0.02) < 0.95
+    assert certainty(before, after, 0.02) > 0.95
+    after[1200:1600] *= 8.0  # now the mean over blocks is sure of the opposite
+    assert certainty(before, after, 0.02) < 0.7
+    assert gain(before, after, 0.02).sure > 0.95
+    assert gain(before, after, 0.3).sure == 0.0
 
 
 def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> None:

@@ -44,6 +44,27 @@ def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> No
     assert rms(rung.error_um[late]) < 3.0 * rms(rung.error_um[prepared.fit_rows])
 
 
+def test_a_corrupted_last_reading_moves_no_model() -> None:
+    hidden = scenario("memory", 1310)
+    y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed).displacement_um
+    cut = measured(hidden).cut
+    wild_um = y_um.copy()
+    wild_um[cut - 1] -= 0.4  # inside the range of the rest
+    weights = []
+    for seen_um in (y_um, wild_um):
+        prepared = prepare(Record.from_arrays(hidden.u_V, seen_um, hidden.Ts_s))
+        weights.append(climb(prepared, {}, [], FitSettings()).model.parameters)
+    assert np.abs(weights[1] - weights[0]).max() < 1e-6 * np.abs(weights[0]).max()
+
+
+def test_the_top_of_the_first_stroke_is_fitted_where_the_held_out_part_goes_there_again() -> None:
+    # Nothing else before the cut goes above 1.91 of 2.25 um.
+    hidden = scenario("memory", 1310)
+    prepared = measured(hidden)
+    rung = climb(prepared, true_extensions(hidden), ["memory"], FitSettings())
+    assert rms(rung.error_um[prepared.held_rows]) < 0.01
+
+
 @pytest.mark.parametrize("name", ["pair:1013", "resonance:1106"])
 def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse(name: str) -> None:
     # One rule beside the mode has a gain of next to nothing, and so would have the limits that are multiples of it.

@@ -7,6 +7,8 @@ A segment that the cut goes through is simulated from its own beginning, because
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnose.probe import Operator, Run, Scene
+from hysgen.diagnose.spikes import EDGE
 from hysgen.errors import RecordError
 from hysgen.kernels.play import play_operators
 from hysgen.kernels.poles import lag_states
@@ -29,8 +32,13 @@ IDENTIFY = 0.65
 FEWEST = 400
 """Samples that the identification part must have."""
 
-SETTLED_RANGE = 0.9
+SETTLED_RANGE = 0.98
 """The first excursion has settled the memory once the input has run through this share of its range."""
+
+FADED, FORGOTTEN, MOST_FADING = 3.0, 8.0, 0.03
+"""Time constants of the lag after which it has let go of the unknown past: as far as a model can tell, which needs what
+the first stroke shows of the far end of its range; and, for the probe, to 1/3000 of a stroke, the noise of a good
+sensor. And the share of a segment that is given up for that at most."""
 
 LAGS = 0.3 * 1.5 ** np.arange(18.0)
 """Time constants in samples among which the range that a command reaches is looked for."""
@@ -50,18 +58,24 @@ class Prepared:
     """All segments, in order, as one record; rows before `cut` identify.
 
     settled: (n,) rows on which a model's unknown past no longer counts; only they are fitted and scored.
+    forgotten: (n,) rows on which the probe sees nothing of it either; it looks at no others.
     checked: errors on rows left out of a fit, by what was fitted: the same models are asked for more than once.
     """
 
     record: Record
     cut: int
     settled: NDArray[np.bool_]
+    forgotten: NDArray[np.bool_]
     checked: Recent[tuple[Rows, Floats]] = field(default_factory=lambda: Recent(MOST_CHECKED))
 
     @property
     def fit_rows(self) -> Rows:
-        """Rows of the identification part that count."""
-        return np.flatnonzero(self.settled[: self.cut])
+        """Rows of the identification part that count; whether the last of a run are corrupted, nobody can tell."""
+        runs = np.cumsum([segment.samples for segment in self.identification().segments])
+        counts = self.settled[: self.cut].copy()
+        for back in range(1, EDGE + 1):
+            counts[runs - back] = False
+        return np.flatnonzero(counts)
 
     @property
     def held_rows(self) -> Rows:
@@ -93,31 +107,47 @@ class Prepared:
         runs = tuple(Run(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
         # Ranges are those of the whole command and channels, known beforehand; the probe must not extrapolate.
         low_V, high_V = self.record.u_range_V
-        return Scene(runs, self.record.Ts_s, self.fit_rows, Operator(low_V, high_V), self.record.aux_ranges)
+        rows = self.fit_rows[self.forgotten[self.fit_rows]]
+        return Scene(runs, self.record.Ts_s, rows, Operator(low_V, high_V), self.record.aux_ranges)
 
 
 def reach_um(record: Record, rows: Rows) -> tuple[float, float]:
     """The range of displacement that the whole command of a record visits, as far as its rows `rows` tell.
 
+    That of the quasi-static fit, and beyond its ends twice the rms it leaves. A model whose grid ends where the
+    identification part ends could not follow a plateau that it only ever touched in passing.
+    """
+    fit = _quasi_static(record, rows)
+    return float(fit.y_um.min()) - 2.0 * fit.left_um, float(fit.y_um.max()) + 2.0 * fit.left_um
+
+
+@dataclass(frozen=True, eq=False)
+class QuasiStatic:
+    """Time constant in samples, displacement over the whole record, (n,), and the rms that it leaves on some rows."""
+
+    lag: float
+    y_um: Floats
+    left_um: float
+
+
+def _quasi_static(record: Record, rows: Rows) -> QuasiStatic:
+    """A cubic and a few plays of the command behind a lag, as far as the rows `rows` tell.
+
         y(k) = g(x(k)) + sum_i c_i play_i(x(k)),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k)),   g a cubic
 
-    g, c and tau by least squares on these rows, x and the plays from the whole command, which is known beforehand;
-    beyond the ends of that by twice the rms it leaves. A model whose grid ends where the identification part ends could
-    not follow a plateau that it only ever touched in passing.
+    g, c and tau by least squares on these rows, x and the plays from the whole command, which is known beforehand.
     """
     y_um = np.concatenate([segment.y_um for segment in record.segments])[rows]
-    best, reached = np.inf, (float(y_um.min()), float(y_um.max()))
+    fits = []
     for lag in LAGS:
-        columns = _quasi_static(record, lag)
+        columns = _behind(record, lag)
         weights, *_ = np.linalg.lstsq(columns[:, rows].T, y_um)
-        left = float(np.sqrt(np.mean((y_um - weights @ columns[:, rows]) ** 2)))
-        if left < best:
-            foreseen_um = weights @ columns
-            best, reached = left, (float(foreseen_um.min()) - 2.0 * left, float(foreseen_um.max()) + 2.0 * left)
-    return reached
+        left_um = float(np.sqrt(np.mean((y_um - weights @ columns[:, rows]) ** 2)))
+        fits.append(QuasiStatic(float(lag), weights @ columns, left_um))
+    return min(fits, key=lambda fit: fit.left_um)
 
 
-def _quasi_static(record: Record, lag: float) -> Floats:
+def _behind(record: Record, lag: float) -> Floats:
     """(4 + p, n) powers and plays of the command behind a lag of so many samples, from -1 to 1."""
     rate = np.array([-np.expm1(-1.0 / lag)])
     behind = [lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments]
@@ -131,21 +161,36 @@ def _quasi_static(record: Record, lag: float) -> Floats:
 def prepare(record: Record, holdout: Record | None = None, identify: float = IDENTIFY) -> Prepared:
     """Cut a record, or join it with a held-out one.
 
-    Raises RecordError if the identification part is too short, or the two records' periods differ.
+    Raises RecordError if the identification part is too short, or too little of it is settled, or the two records'
+    periods differ.
     """
     joined = record if holdout is None else Record.joined(record, holdout)
     cut = record.samples if holdout is not None else round(identify * record.samples)
     if cut < FEWEST:
         raise RecordError(f"{record.source}: {cut} samples to identify from, a diagnosis needs {FEWEST}; record longer")
-    settled = np.concatenate([_settled(segment) for segment in joined.segments])
-    return Prepared(joined, cut, settled)
+    swept = [_swept(segment) for segment in joined.segments]
+    seen = np.flatnonzero(_from(joined, swept)[:cut])
+    if seen.size < FEWEST // 2:
+        raise RecordError(
+            f"{record.source}: {seen.size} of the {cut} samples to identify from come after the input has run through "
+            f"its range, a diagnosis needs {FEWEST // 2}; identify from more"
+        )
+    lag = _quasi_static(joined, seen).lag
+    most = [int(MOST_FADING * one.samples) for one in joined.segments]
+    settled, forgotten = (
+        _from(joined, np.add(swept, np.minimum(math.ceil(lags * lag), most))) for lags in (FADED, FORGOTTEN)
+    )
+    return Prepared(joined, cut, settled, forgotten)
 
 
-def _settled(segment: Segment) -> NDArray[np.bool_]:
-    """(n,) True from where the input has first run through most of its range."""
+def _from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:
+    """(n,) True from the given sample of each segment on."""
+    return np.concatenate([np.arange(one.samples) >= first for first, one in zip(firsts, record.segments, strict=True)])
+
+
+def _swept(segment: Segment) -> int:
+    """The sample at which the input has first run through most of its range; a guess if that takes long."""
     n = segment.samples
     swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
     first = int(np.argmax(swept >= SETTLED_RANGE * swept[-1]))
-    if first > LATEST_SETTLED * n:
-        first = int(EARLIEST_SETTLED * n)
-    return np.arange(n) >= max(first, int(EARLIEST_SETTLED * n / 3))
+    return max(first, int(EARLIEST_SETTLED * n / 3)) if first <= LATEST_SETTLED * n else int(EARLIEST_SETTLED * n)

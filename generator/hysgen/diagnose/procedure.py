@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.blas import one_blas_thread
-from hysgen.diagnose.bootstrap import Gain, gain, surely_lower
+from hysgen.diagnose.bootstrap import Gain, certainty, gain
 from hysgen.diagnose.diagnosis import Diagnosis, NamedCause, Price, Refused, confidence
 from hysgen.diagnose.evidence import Look, Signature, causes
 from hysgen.diagnose.evidence.outliers import outliers_signature
+from hysgen.diagnose.exchange import SLOW
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.ladder import Rung, checked_error, climb, equipped, in_order
 from hysgen.diagnose.memory_shape import with_best_memory, with_usual_memory
@@ -22,7 +23,7 @@ from hysgen.diagnose.noise import NoiseFloor, noise_floor
 from hysgen.diagnose.prepare import Prepared, prepare
 from hysgen.diagnose.probe import rms, side_by_side
 from hysgen.diagnose.remainder import experiment_for, remainder
-from hysgen.diagnose.search import SLOW, Found, present, search, without
+from hysgen.diagnose.search import Found, present, search, without
 from hysgen.diagnose.spikes import isolated
 from hysgen.fit import FitSettings
 from hysgen.model import Model
@@ -143,8 +144,10 @@ def name_causes(
     found = search(prepared.scene(), lambda line: tell(0.3, line))
     tell(0.7, "weighing the evidence")
     signatures = _signatures(found)
-    extensions = _extensions(found, signatures, prepared)
+    weak = [name for name, signature in signatures.items() if not signature.holds]
+    extensions = _extensions(found, signatures, prepared, weak)
     agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
+    extensions = _extensions(found, signatures, prepared, [name for name in signatures if name not in agreed])
     noise = noise_floor(prepared.identification(), _settled_error(found), found.fit.chain.lag_s)
     return Naming(
         prepared,
@@ -177,14 +180,16 @@ def _signatures(found: Found) -> dict[str, Signature]:
     return signatures
 
 
-def _extensions(found: Found, signatures: dict[str, Signature], prepared: Prepared) -> dict[str, Extension]:
+def _extensions(
+    found: Found, signatures: dict[str, Signature], prepared: Prepared, left: Sequence[str]
+) -> dict[str, Extension]:
     """What each cause adds to the model.
 
-    Slow causes share one course between them: what one has of it is asked again without those that are not sound.
+    Slow causes share one course between them: what one has of it is asked again without those that are left out.
     """
-    weak = [name for name in SLOW if name in signatures and not signatures[name].holds]
-    sound = without(found, weak)
-    fits = {name: found.fit if name in weak else sound for name in signatures if name != "outliers"}
+    left = [name for name in SLOW if name in left]
+    alone = without(found, left)
+    fits = {name: found.fit if name in left else alone for name in signatures if name != "outliers"}
     extensions = {name: causes()[name].extension(found.scene, fit) for name, fit in fits.items()}
     if "outliers" in signatures:
         trust = np.ones(prepared.record.samples)
@@ -267,7 +272,7 @@ def _alone(
     clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
     for name, (_, without_um) in zip(judged, checked[1:], strict=True):
-        sure = surely_lower(without_um[clean], whole_um[clean], WORTH)
+        sure = certainty(without_um[clean], whole_um[clean], WORTH)
         gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), sure=sure)
     return gains
 

@@ -3,8 +3,8 @@
 Forward: every cause proposes rough chains, the best of each is refined, the one that helps most is kept. Everything is
 fitted jointly again at each step, so what a first cause soaked up is given back when the second one arrives.
 Backward: each cause is taken out, everything else refitted; what was not needed goes.
-Helping and needing are measured on blocks of the identification part that were not fitted, less the one block on which
-the richer of two chains is worst: a stroke wider than any that was fitted can throw a good chain off (`levels`).
+In between, causes are exchanged for those that look like them (`exchange`). Helping and needing are measured on blocks
+of the identification part that were not fitted (`trials`).
 """
 
 from __future__ import annotations
@@ -17,33 +17,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnose.evidence import Look, causes
+from hysgen.diagnose.exchange import SLOW, exchanged, likelier, resigned, told_apart
 from hysgen.diagnose.noise import innovation
-from hysgen.diagnose.probe import Chain, Fit, Scene, linear_fit, refine, rms, side_by_side
+from hysgen.diagnose.probe import (
+    Chain,
+    Fit,
+    Scene,
+    refine,
+    rms,
+    side_by_side,
+)
 from hysgen.diagnose.spikes import isolated
+from hysgen.diagnose.trials import (
+    BLOCKS,
+    HELPS_BELOW,
+    KEEP_ABOVE,
+    SHARP,
+    STEP_BELOW,
+    fitted,
+    possible,
+    ratio,
+    refined,
+    remaining,
+)
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Progress = Callable[[str], None]
-
-BLOCKS = 24
-KEEP_ABOVE = 0.85
-"""A part stays only if the error without it, on blocks not fitted and beyond the noise, is 1/0.85 times as large."""
-HELPS_BELOW = 0.98
-"""A step forward is taken if the error falls below this share of what it was; two causes may need each other."""
-STEP_BELOW = 0.93
-"""And if what lies beyond the noise falls below this share: smaller steps are misfit, of which there is no end."""
-
-ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("saturation", "slew"))
-"""Pairs of causes of which the wrong one may come first."""
-
-SLOW = ("creep", "drift", "aging")
-"""Causes that take each other's place where one is unsound."""
-
-SHARP = 0.25
-"""Share of the white noise down to which what lies beneath it is known: its level to 3 % from some 2000 samples."""
-
-UNDISTURBED = 0.25
-"""Share of the poorer chain's error on a block below which the richer one is not thrown off there."""
 
 MOST_STEPS = 9
 
@@ -54,7 +54,8 @@ MOST_ROWS = 8000
 class Found:
     """The chain that the search ended with, its rivals without each cause, and which samples count as corrupted.
 
-    fit: on all usable rows of the identification part; checked_rms_um: on blocks left out of the fit.
+    fit: on all usable rows of the identification part. needs: how many times the error on blocks left out of the fit
+    grows without a cause, or what it needs at least where slow causes are told apart by their likelihood.
     """
 
     scene: Scene
@@ -67,8 +68,8 @@ class Found:
 def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
     """The chain that explains the scene with nothing that it does not need."""
     scene, corrupted = _without_spikes(scene, _start(scene))
-    fitted, checked = _halves(scene)
-    part = scene.using(fitted)
+    fitted_rows, checked = _halves(scene)
+    part = scene.using(fitted_rows)
     fit = _start(part)
     for _ in range(MOST_STEPS):
         step = _best_step(part, fit, checked)
@@ -77,20 +78,24 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
         fit = step
         usable, corrupted = _without_spikes(scene, fit)
-        fitted, checked = _halves(usable)
-        part = scene.using(fitted)
-    fit = _pruned(part, _exchanged(part, fit, checked), checked)
-    fit = _pruned(part, _resigned(part, fit, checked), checked)
+        fitted_rows, checked = _halves(usable)
+        part = scene.using(fitted_rows)
+    fit = _pruned(part, exchanged(part, fit, checked), checked)
+    fit = _pruned(part, resigned(part, fit, checked), checked)
     fit = _sounded(part, _restarted(part, fit, checked), checked)
     usable, corrupted = _without_spikes(scene, fit)
-    fitted, checked = _halves(usable)
-    part = scene.using(fitted)
+    fitted_rows, checked = _halves(usable)
+    part = scene.using(fitted_rows)
+    chain = likelier(usable, fit)
+    fit = fit if chain == fit.chain else refine(part, chain)
     names = present(fit.chain)
-    rivals = dict(zip(names, _refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
-    needs = {name: 1.0 / _remaining(fit, rivals[name], checked) for name in names}
+    rivals = dict(zip(names, refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
+    needs = {name: 1.0 / remaining(fit, rivals[name], checked) for name in names}
     needs |= _slow_needs(part, fit, rivals, checked)
-    final = usable.using(_thinned(usable.rows))
-    return Found(usable, refine(final, fit.chain), rivals, needs, corrupted)
+    final = refine(usable.using(_thinned(usable.rows)), fit.chain)
+    for name in told_apart(usable, final, rivals):
+        needs[name] = max(needs[name], causes()[name].needed)
+    return Found(usable, final, rivals, needs, corrupted)
 
 
 def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:
@@ -105,8 +110,8 @@ def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) ->
         return {}
     chain = _lacking(fit.chain, [name for name in slow if name not in sound])
     alone = refine(part, chain, rounds=8)
-    others = _refined(part, [causes()[name].without(chain) for name in sound])
-    return {name: 1.0 / _remaining(alone, other, checked) for name, other in zip(sound, others, strict=True)}
+    others = refined(part, [causes()[name].without(chain) for name in sound])
+    return {name: 1.0 / remaining(alone, other, checked) for name, other in zip(sound, others, strict=True)}
 
 
 def without(found: Found, names: Sequence[str]) -> Fit:
@@ -132,81 +137,29 @@ def present(chain: Chain) -> list[str]:
 def _start(scene: Scene) -> Fit:
     """The bare stage: hysteresis and one lag, from the best of a few lags."""
     lags = [scale * scene.Ts_s for scale in (0.3, 3.0, 30.0)]
-    return refine(scene, _fitted(scene, [Chain(lag_s) for lag_s in lags])[0].chain)
+    return refine(scene, fitted(scene, [Chain(lag_s) for lag_s in lags])[0].chain)
 
 
 def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     """The most helpful single addition, refined; None if none helps enough."""
     look = Look.at(part, fit)
     # Each cause's best are refined, however rough they look: a mode bent around a delay has to straighten out first.
-    trials = [trial for cause in causes().values() for trial in cause.promising(_fitted(part, cause.proposals(look)))]
-    refined = _refined(part, [trial.chain for trial in trials])
-    refined = [trial for trial in refined if _possible(part, trial.chain) or not _possible(part, fit.chain)]
-    if not refined:
+    trials = [trial for cause in causes().values() for trial in cause.promising(fitted(part, cause.proposals(look)))]
+    steps = refined(part, [trial.chain for trial in trials])
+    steps = [step for step in steps if possible(part, step.chain) or not possible(part, fit.chain)]
+    if not steps:
         return None
-    best = min(refined, key=lambda trial: _ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
-    helped = _ratio(best, fit, checked) < HELPS_BELOW and _remaining(best, fit, checked) < STEP_BELOW
+    best = min(steps, key=lambda trial: ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
+    helped = ratio(best, fit, checked) < HELPS_BELOW and remaining(best, fit, checked) < STEP_BELOW
     # Fitted rows that show nothing but noise have no say: there the fit has bent itself around what is missing.
     silent = fit.rms_um < (1.0 + SHARP**2) * innovation(fit.error[part.rows])
     return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None
 
 
-def _possible(scene: Scene, chain: Chain) -> bool:
-    return all(cause.possible(scene, chain) for cause in causes().values())
-
-
-def _exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit with a cause exchanged for one that looks like it, where that explains more."""
-    for first, second in ALIKE:
-        for old, new in ((first, second), (second, first)):
-            if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
-                continue
-            other = _replacement(part, linear_fit(part, causes()[old].without(fit.chain)), new)
-            if other is not None and _ratio(other, fit, checked) < HELPS_BELOW:
-                fit = other
-    return fit
-
-
-def _resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit with a cause whose own signature does not hold exchanged for the best of those that are slow like it.
-
-    It explains no more than what it replaces, or `_exchanged` would have taken it; but it is sound. If one that is
-    there already becomes sound without its neighbour, the neighbour just goes.
-    """
-    for old in SLOW:
-        if not causes()[old].present(fit.chain):
-            continue
-        bare = refine(part, causes()[old].without(fit.chain), rounds=8)
-        look, bare_look = Look.at(part, fit), Look.at(part, bare)
-        if causes()[old].signature(look, bare).holds:
-            continue
-        beside = [causes()[name] for name in SLOW if name != old and causes()[name].present(fit.chain)]
-        if any(not one.signature(look, bare).holds and one.signature(bare_look, bare).holds for one in beside):
-            fit = bare
-            continue
-        others = [name for name in SLOW if name != old and not causes()[name].present(fit.chain)]
-        trials = [_replacement(part, bare, name) for name in others]
-        sound = [
-            trial
-            for name, trial in zip(others, trials, strict=True)
-            if trial is not None and causes()[name].signature(Look.at(part, trial), bare).holds
-        ]
-        best = min(sound, key=lambda trial: _ratio(trial, bare, checked), default=bare)
-        if _ratio(best, bare, checked) < KEEP_ABOVE:
-            fit = best
-    return fit
-
-
-def _replacement(part: Scene, bare: Fit, name: str) -> Fit | None:
-    """The best fit with the cause `name` added to `bare`."""
-    trials = _fitted(part, causes()[name].proposals(Look.at(part, bare)))
-    return refine(part, trials[0].chain) if trials else None
-
-
 def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit from the best of other starts, where that explains more."""
     for name in present(fit.chain):
-        trials = _fitted(part, causes()[name].restarts(part, fit.chain))[:2]
+        trials = fitted(part, causes()[name].restarts(part, fit.chain))[:2]
         for other in side_by_side(lambda trial: refine(part, trial.chain), trials):
             if other.rms_um < fit.rms_um and rms(other.error[checked]) < rms(fit.error[checked]):
                 fit = other
@@ -221,15 +174,15 @@ def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
     for name in present(fit.chain):
         for chain in causes()[name].simpler(fit.chain):
             plain = refine(part, chain, rounds=8)
-            if _ratio(fit, plain, checked) >= HELPS_BELOW:
+            if ratio(fit, plain, checked) >= HELPS_BELOW:
                 fit = plain
     while True:
         names = present(fit.chain)
-        trials = _refined(part, [less for name in names for less in causes()[name].lessened(fit.chain)])
+        trials = refined(part, [less for name in names for less in causes()[name].lessened(fit.chain)])
         if not trials:
             return fit
-        best = max(trials, key=lambda trial: _ratio(fit, trial, checked))
-        if _remaining(fit, best, checked) < KEEP_ABOVE:
+        best = max(trials, key=lambda trial: ratio(fit, trial, checked))
+        if remaining(fit, best, checked) < KEEP_ABOVE:
             return fit
         fit = best
 
@@ -256,45 +209,6 @@ def _all_sound(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
     """Whether every part of each of these causes shows evidence of its own."""
     look = Look.at(part, fit)
     return all(causes()[name].sound(look) == fit.chain for name in names)
-
-
-def _remaining(fit: Fit, rival: Fit, checked: Rows) -> float:
-    """What `fit` leaves beyond the white noise, as a share of what `rival` leaves beyond it, on the rows `checked`.
-
-    A cause smaller than the noise is still there in many samples at once. Below SHARP of the noise nothing is known.
-    """
-    noise_um = innovation(fit.error[checked])
-    least = (SHARP * noise_um) ** 2
-    beyond = [max(level**2 - noise_um**2, least) + 1e-300 for level in levels(fit.error[checked], rival.error[checked])]
-    return float(np.sqrt(beyond[0] / beyond[1]))
-
-
-def _ratio(fit: Fit, rival: Fit, checked: Rows) -> float:
-    """What `fit` leaves as a share of what `rival` leaves, on the rows `checked`."""
-    level_um, rival_um = levels(fit.error[checked], rival.error[checked])
-    return level_um / (rival_um + 1e-300)
-
-
-def levels(richer_um: Floats, poorer_um: Floats) -> tuple[float, float]:
-    """rms of two errors of the same blocks, (n,) each, less the one block of eight on which the first is worst.
-
-    A block on which the first leaves less than UNDISTURBED of what the second leaves stays: nothing threw it off there,
-    and it may be the only one that excites what it explains.
-    """
-    parts = np.array_split(np.arange(len(richer_um)), BLOCKS // 3)
-    off = [part for part in parts if rms(richer_um[part]) > UNDISTURBED * rms(poorer_um[part])]
-    worst = max(off, key=lambda part: rms(richer_um[part]), default=np.zeros(0, dtype=np.intp))
-    return rms(np.delete(richer_um, worst)), rms(np.delete(poorer_um, worst))
-
-
-def _fitted(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
-    """Linear fits of the chains, the best first."""
-    return sorted(side_by_side(lambda chain: linear_fit(part, chain), chains), key=lambda trial: trial.rms_um)
-
-
-def _refined(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
-    """The best fit from each chain, in their order."""
-    return side_by_side(lambda chain: refine(part, chain, rounds=8), chains)
 
 
 def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:

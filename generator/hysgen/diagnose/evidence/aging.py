@@ -9,13 +9,20 @@ import numpy as np
 from hysgen.diagnose.evidence.base import SLOW_Z, Cause, Estimate, Look, Signature
 from hysgen.diagnose.evidence.drift import ZERO_UNCERTAIN
 from hysgen.diagnose.extension import Extension
-from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors, whitened_fit
 
 FORGET = 0.35
 """Time constant of forgetting, as a share of the record: short enough to follow, long enough to average."""
 
 MOST_CHANGE = 0.5
 """Change of the gain over the record beyond which it is looked for no further: such a stage has no gain to speak of."""
+
+TRIED = (0.003, 0.03)
+"""Changes of the gain, of either sign, from which it is looked for.
+
+Hysteresis that was fitted without aging has bent towards it, and a gain that turns about another point than the stage's
+zero brings a ramp along: a change of the wrong sign can look better at first than none.
+"""
 
 
 class Aging(Cause):
@@ -36,13 +43,18 @@ class Aging(Cause):
         growing = [scene.Ts_s * np.arange(len(seen)) * (seen - zero_um) for seen in look.responses(chain)]
         most = MOST_CHANGE / scene.span_s
         rate = float(np.clip(look.amount(np.concatenate(growing)), -most, most))
-        return [dataclasses.replace(chain, aging_per_s=rate)]
+        rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in TRIED))
+        return [dataclasses.replace(chain, aging_per_s=rate) for rate in rates]
+
+    def promising(self, trials: list[Fit]) -> list[Fit]:
+        """The best of either sign: no way leads from one to the other, see TRIED."""
+        return list({(trial.chain.aging_per_s or 0.0) > 0.0: trial for trial in reversed(trials)}.values())
 
     def signature(self, look: Look, rival: Fit) -> Signature:
-        """The change of gain against its standard error, the ramp of a drift being free beside it."""
-        scene = look.scene
-        rate = look.fit.chain.aging_per_s or 0.0
-        error = standard_errors(scene, look.fit).coordinates["aging"]
+        """The change of gain against its standard error, measured as creep is."""
+        scene, fit = whitened_fit(look.scene, look.fit)
+        rate = fit.chain.aging_per_s or 0.0
+        error = standard_errors(scene, fit).coordinates["aging"]
         z = abs(rate) / max(error, 1e-15)
         return Signature(
             holds=z > SLOW_Z,
@@ -55,6 +67,7 @@ class Aging(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
+        _, fit = whitened_fit(scene, fit)
         # A ramp beside the aging that is no drift of its own says only that the gain turns about another point.
         ramp = (
             scene.drift_column(fit.chain) + scene.hysteresis_size(fit.chain)

@@ -9,7 +9,7 @@ import numpy as np
 
 from hysgen.diagnose.evidence.base import SLOW_Z, Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
-from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors, whitened_fit
 from hysgen.terms.creep import Creep as CreepTerm
 
 LEAST_DECADES = 10.0
@@ -43,22 +43,23 @@ class Creep(Cause):
         return trials
 
     def signature(self, look: Look, rival: Fit) -> Signature:
-        """The creep against its standard error: onward, not back, and over a decade of time at least."""
-        chain = look.fit.chain
-        creep = chain.creep or 0.0
-        error = standard_errors(look.scene, look.fit).coordinates["creep"]
+        """The creep against its standard error: onward, not back, and over a decade of time at least.
+
+        Plateaus tell it best: there the hysteresis rests, and what it leaves does not change.
+        """
+        scene, fit = whitened_fit(look.scene, look.fit)
+        creep, from_s = fit.chain.creep or 0.0, fit.chain.creep_from_s
+        error = standard_errors(scene, fit).coordinates["creep"]
         z = creep / max(error, 1e-15)
         return Signature(
-            holds=z > SLOW_Z and chain.creep_from_s < look.scene.span_s / LEAST_DECADES,
+            holds=z > SLOW_Z and from_s < scene.span_s / LEAST_DECADES,
             z=z,
             text=f"after a move the output goes on by {100 * creep:.2f} % +- {100 * error:.2f} of it per decade",
-            parameters={
-                "per_decade": Estimate(creep, error),
-                "from_s": Estimate(chain.creep_from_s, math.nan),
-            },
+            parameters={"per_decade": Estimate(creep, error), "from_s": Estimate(from_s, math.nan)},
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
+        _, fit = whitened_fit(scene, fit)
         longest_s = max(scene.span_s, 4.0 * fit.chain.creep_from_s)
         return Extension(term=creep_term(fit.chain.creep_from_s, longest_s))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,15 @@ from hysgen.terms.periodic import Periodic as PeriodicTerm
 Floats = NDArray[np.float64]
 
 MOST_LINES = 4
-SHORTEST_PERIODS = 6.0
+FEWEST_PERIODS = 12.0
+"""Three in each quarter of the record, in which the phase is looked at: slower lines are what misfit looks like."""
+
 LEAST_PEAK = 10.0
 """Power of a peak over its neighbourhood from which on a line is tried there."""
+
+
+LEAST_RATIO = 30.0
+"""Power of a line over its background, with the line taken out, from which on it is one."""
 
 
 class Periodic(Cause):
@@ -40,28 +47,42 @@ class Periodic(Cause):
             return []
         return [dataclasses.replace(chain, lines_Hz=(*chain.lines_Hz, line_Hz)) for line_Hz in _peaks(look, 3)]
 
+    def sound(self, look: Look) -> Chain:
+        """The chain without those lines, of several, that hardly stand out or do not keep their phase."""
+        chain = look.fit.chain
+        told = zip(chain.lines_Hz, _stood(look), strict=True)
+        kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in told if steady and ratio > LEAST_RATIO)
+        return dataclasses.replace(chain, lines_Hz=kept or chain.lines_Hz)
+
     def signature(self, look: Look, rival: Fit) -> Signature:
         """Each line's power against the local background, and its phase in each quarter of the record."""
-        chain, scene = look.fit.chain, look.scene
-        errors = standard_errors(scene, look.fit).coordinates
-        first = scene.hysteresis_size(chain) + scene.line_column(chain)
-        parameters, texts, ratios, sound = {}, [], [], True
-        for i, line_Hz in enumerate(chain.lines_Hz):
-            sine, cosine = look.fit.weights[first + 2 * i : first + 2 * i + 2]
-            ratio, steady = _standing(look, line_Hz, float(sine), float(cosine))
+        chain = look.fit.chain
+        errors = standard_errors(look.scene, look.fit).coordinates
+        parameters, texts = {}, []
+        told = _stood(look)
+        for i, (line_Hz, (amplitude_um, ratio, _)) in enumerate(zip(chain.lines_Hz, told, strict=True)):
             suffix = "" if i == 0 else f"_{i + 1}"
-            amplitude = float(np.hypot(sine, cosine))
             parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"line{i}"])
-            parameters[f"amplitude{suffix}_um"] = Estimate(amplitude, amplitude / np.sqrt(max(ratio, 1e-9)))
-            ratios.append(ratio)
-            sound &= steady
-            texts.append(f"line at {line_Hz:.5g} Hz, {amplitude:.3g} um, {ratio:.2g} times its background")
-        texts.append("phase kept throughout" if sound else "phase not kept")
-        holds = bool(sound and min(ratios) > 30.0)
-        return Signature(holds, float(np.sqrt(min(ratios))), "; ".join(texts), parameters)
+            parameters[f"amplitude{suffix}_um"] = Estimate(amplitude_um, amplitude_um / np.sqrt(max(ratio, 1e-9)))
+            texts.append(f"line at {line_Hz:.5g} Hz, {amplitude_um:.3g} um, {ratio:.2g} times its background")
+        least, steady = min(ratio for _, ratio, _ in told), all(keeps for _, _, keeps in told)
+        texts.append("phase kept throughout" if steady else "phase not kept")
+        return Signature(steady and least > LEAST_RATIO, float(np.sqrt(least)), "; ".join(texts), parameters)
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         return Extension(term=PeriodicTerm(tuple(sorted(fit.chain.lines_Hz))))
+
+
+def _stood(look: Look) -> list[tuple[float, float, bool]]:
+    """For each line its amplitude in um, its power over the local background, and whether it keeps its phase."""
+    chain, scene, weights = look.fit.chain, look.scene, look.fit.weights
+    first = scene.hysteresis_size(chain) + scene.line_column(chain)
+    found = []
+    for i, line_Hz in enumerate(chain.lines_Hz):
+        sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
+        ratio, steady = _standing(look, line_Hz, sine, cosine)
+        found.append((math.hypot(sine, cosine), ratio, bool(steady)))
+    return found
 
 
 def _peaks(look: Look, count: int) -> list[float]:
@@ -70,7 +91,7 @@ def _peaks(look: Look, count: int) -> list[float]:
     longest = max(len(run.u_V) for run in scene.runs)
     power = _explained(look, 2 * longest)
     ratio = power / (_local_median(power) + 1e-300)
-    power[: 2 * int(SHORTEST_PERIODS)] = 0.0
+    power[: 2 * int(FEWEST_PERIODS)] = 0.0
     inner = power[1:-1]
     peaks = 1 + np.flatnonzero((inner >= power[:-2]) & (inner >= power[2:]) & (ratio[1:-1] > LEAST_PEAK))
     best = peaks[np.argsort(power[peaks])[::-1][:count]]

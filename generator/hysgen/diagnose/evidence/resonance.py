@@ -11,6 +11,7 @@ import numpy as np
 from hysgen.diagnose.evidence.base import Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension
 from hysgen.diagnose.probe import Chain, Fit, Mode, Scene, standard_errors
+from hysgen.diagnose.probe.solve import MOST_DAMPING
 from hysgen.terms.resonance import Resonance as ResonanceTerm
 
 PER_DECADE = 45
@@ -18,7 +19,7 @@ PER_DECADE = 45
 
 DAMPINGS = (0.03, 0.12)
 MOST_MODES = 3
-LEAST_DAMPING, MOST_DAMPING_NAMED = 1e-3, 0.5
+LEAST_DAMPING = 1e-3
 
 
 class Resonance(Cause):
@@ -36,8 +37,8 @@ class Resonance(Cause):
         return [dataclasses.replace(chain, modes=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
 
     def possible(self, scene: Scene, chain: Chain) -> bool:
-        """A mode that hardly decays at all is a line in disguise."""
-        return all(mode.zeta > LEAST_DAMPING for mode in chain.modes)
+        """A mode that hardly decays at all is a line in disguise, one that the fit lets decay no faster a delay."""
+        return all(LEAST_DAMPING < mode.zeta < 0.99 * MOST_DAMPING for mode in chain.modes)
 
     def sound(self, look: Look) -> Chain:
         chain = look.fit.chain
@@ -78,7 +79,7 @@ class Resonance(Cause):
         return [dataclasses.replace(chain, modes=(*chain.modes, mode)) for mode in chosen]
 
     def signature(self, look: Look, rival: Fit) -> Signature:
-        """Frequency, damping and share against their standard errors; a damping ratio below 0.5, inside the band."""
+        """Frequency, damping and share against their standard errors; it decays, inside the band."""
         chain = look.fit.chain
         errors = standard_errors(look.scene, look.fit).coordinates
         parameters, texts = {}, []
@@ -106,7 +107,7 @@ def weighed(look: Look, errors: Mapping[str, float] | None = None) -> list[tuple
     for i, mode in enumerate(chain.modes):
         z = abs(mode.share) / max(errors[f"share{i}"], 1e-15)
         known = errors[f"f{i}"] < 0.05 and errors[f"zeta{i}"] < 0.5
-        inside = LEAST_DAMPING < mode.zeta < MOST_DAMPING_NAMED and mode.f_Hz * Ts_s < 0.45
+        inside = mode.zeta > LEAST_DAMPING and mode.f_Hz * Ts_s < 0.45
         found.append((mode, bool(known and inside and z > 5.0), z))
     return found
 

@@ -10,6 +10,7 @@ from hysgen.diagnose.probe.scene import Run, Scene
 from hysgen.diagnose.probe.side_by_side import side_by_side
 from hysgen.diagnose.probe.solve import Fit, Projector, linear_fit, refine, rms
 from hysgen.diagnose.probe.uncertainty import Errors, standard_errors
+from hysgen.diagnose.probe.whitened import WhitenedScene, schwarz, whitened_fit
 
 __all__ = [
     "Chain",
@@ -20,9 +21,12 @@ __all__ = [
     "Projector",
     "Run",
     "Scene",
+    "WhitenedScene",
     "linear_fit",
     "refine",
     "rms",
+    "schwarz",
     "side_by_side",
     "standard_errors",
+    "whitened_fit",
 ]
