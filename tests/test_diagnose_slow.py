@@ -54,6 +54,25 @@ def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
     assert np.abs(course - 0.1 * np.log10(1.0 + 2.0 * t_s / 0.2)).max() < 0.01
 
 
+def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
+    """Each takes what the other leaves: the aging of one fit beside the ramp of another adds up to neither."""
+    hidden = scenario("pair", 1222)
+    aged, drifted = hidden.stage.aging, hidden.stage.drift
+    assert aged is not None
+    assert drifted is not None
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
+    scene = prepare(Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)).scene()
+    start = Chain(hidden.stage.lag_s, drift=True, aging_per_s=aged.fraction / aged.over_s)
+    fit = refine(scene, start)
+    drift = causes()["drift"].extension(scene, fit).drift
+    aging = causes()["aging"].extension(scene, fit)
+    assert drift is not None
+    end_s, middle_um = hidden.Ts_s * len(hidden.u_V), float(measured.displacement_um.mean())
+    told_um = float(drift.at(end_s)) + aging.gain_per_s * end_s * (middle_um - aging.zero_um)
+    truth_um = drifted.ramp_um_per_s * end_s + aged.fraction / aged.over_s * end_s * middle_um
+    assert told_um == pytest.approx(truth_um, abs=0.002)
+
+
 def test_drift_at_one_rate_stays_a_ramp() -> None:
     scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
     slowing = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=2.0, memory=False))

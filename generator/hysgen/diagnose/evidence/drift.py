@@ -12,7 +12,7 @@ import numpy as np
 
 from hysgen.diagnose.evidence.base import SLOW_Z, Cause, Estimate, Look, Signature
 from hysgen.diagnose.extension import Extension, Wander
-from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors
+from hysgen.diagnose.probe import Chain, Fit, Scene, standard_errors, whitened_fit
 from hysgen.diagnose.probe.scene import drift_course
 
 ZERO_UNCERTAIN = 0.25
@@ -82,6 +82,7 @@ class Drift(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
+        _, fit = whitened_fit(scene, fit)
         return Extension(drift=_drift(scene, fit))
 
 
