@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from test_ladder_limits import measured
 
 from hysgen.bank.excitation import good
 from hysgen.bank.scenario import scenario
@@ -20,7 +21,6 @@ from hysgen.diagnose.search import _pruned, search
 from hysgen.diagnose.trials import fitted
 from hysgen.errors import RecordError
 from hysgen.record import Record
-from hysgen.stage import run as measure
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3
@@ -60,14 +60,14 @@ def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
     aged, drifted = hidden.stage.aging, hidden.stage.drift
     assert aged is not None
     assert drifted is not None
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
-    scene = prepare(Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)).scene()
+    prepared = measured(hidden)
+    scene = prepared.scene()
     start = Chain(hidden.stage.lag_s, drift=True, aging_per_s=aged.fraction / aged.over_s)
     fit = refine(scene, start)
     drift = causes()["drift"].extension(scene, fit).drift
     aging = causes()["aging"].extension(scene, fit)
     assert drift is not None
-    end_s, middle_um = hidden.Ts_s * len(hidden.u_V), float(measured.displacement_um.mean())
+    end_s, middle_um = hidden.Ts_s * len(hidden.u_V), float(prepared.y_um.mean())
     told_um = float(drift.at(end_s)) + aging.gain_per_s * end_s * (middle_um - aging.zero_um)
     truth_um = drifted.ramp_um_per_s * end_s + aged.fraction / aged.over_s * end_s * middle_um
     assert told_um == pytest.approx(truth_um, abs=0.002)
@@ -84,16 +84,14 @@ def test_drift_at_one_rate_stays_a_ramp() -> None:
 def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_it() -> None:
     # The probe first explains this change of gain by creep whose sign or decades make no sense.
     hidden = scenario("aging", 0)
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
-    naming = name_causes(Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux))
+    naming = name_causes(measured(hidden).record)
     assert naming.names == ("memory", "aging")
 
 
 def test_aging_is_looked_for_with_either_sign() -> None:
     """A gain that turns about another point than the zero brings a ramp along: the wrong sign is a minimum too."""
     hidden = scenario("aging", 1154)
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
-    scene = prepare(Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)).scene()
+    scene = measured(hidden).scene()
     part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
     aging = causes()["aging"]
     proposals = aging.proposals(Look.at(part, refine(part, Chain(hidden.stage.lag_s))))

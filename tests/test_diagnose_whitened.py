@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from test_diagnose_signatures import AGING, COMMAND_V, CREEP, DRIFTING, LAG, SPAN_S, T_S, TS_S, scene
+from test_diagnose_agreement import AGED_UM
+from test_diagnose_signatures import AGING, CREEP, DRIFTING, LAG, SPAN_S, T_S, scene
 
 from hysgen.bank.excitation import good
 from hysgen.diagnose.evidence import Look, causes
 from hysgen.diagnose.exchange import likelier, told_apart
 from hysgen.diagnose.prepare import prepare
 from hysgen.diagnose.probe import Chain, refine, whitened_fit
-from hysgen.diagnose.probe.dynamics import respond
 from hysgen.diagnose.search import present
 from hysgen.kernels.innovation import innovation_gains, innovations
 from hysgen.record import Record
@@ -59,9 +59,6 @@ def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() 
     assert len(told) >= 4
     assert max(told) < 0.15
     assert max(plain) > 0.5
-
-
-AGED_UM = 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,18 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 from hysgen.diagnose.evidence import Look, causes
-from hysgen.diagnose.probe import Chain, Fit, Scene, WhitenedScene, linear_fit, refine, schwarz, side_by_side
-from hysgen.diagnose.trials import HELPS_BELOW, KEEP_ABOVE, Rows, fitted, possible, ratio
+from hysgen.diagnose.probe import Chain, Fit, Scene, WhitenedScene, linear_fit, refine, schwarz
+from hysgen.diagnose.trials import (
+    FINAL_ROUNDS,
+    HELPS_BELOW,
+    KEEP_ABOVE,
+    Rows,
+    fitted,
+    lacking,
+    possible,
+    ratio,
+    refined,
+)
 
 ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("saturation", "slew"))
 """Pairs of causes of which the wrong one may come first."""
@@ -71,21 +81,19 @@ def likelier(scene: Scene, fit: Fit) -> Chain:
     are, unless these are far less likely. Two are looked for where two are there, or one that is not sound. All are
     fitted to one scene, whitened for what the best of them leaves; a cause pays for each of its parameters.
     """
-    there = tuple(name for name in SLOW if causes()[name].present(fit.chain))
+    there = _slow(fit.chain)
     if not there:
         return fit.chain
     sound = _sound(scene, fit, there)
-    bare = fit.chain
-    for name in there:
-        bare = causes()[name].without(bare)
-    fits: dict[tuple[str, ...], Fit] = {there: refine(scene, fit.chain)}
-    for name in SLOW:
-        other = _replacement(scene, linear_fit(scene, bare), name) if (name,) != there else None
-        fits |= {} if other is None else {(name,): other}
-    for pair in itertools.combinations(SLOW, 2) if len(there) > 1 or not sound else ():
-        beside = fits.get(pair[:1])
-        both = _replacement(scene, beside, pair[1]) if beside is not None and pair != there else None
-        fits |= {} if both is None else {pair: both}
+    bare: tuple[str, ...] = ()
+    fits = {bare: linear_fit(scene, lacking(fit.chain, there)), there: refine(scene, fit.chain)}
+    for size in (1, 2) if len(there) > 1 or not sound else (1,):
+        for names in itertools.combinations(SLOW, size):
+            beside = fits.get(names[:-1])
+            other = _replacement(scene, beside, names[-1]) if beside is not None and names != there else None
+            if other is not None:
+                fits[names] = other
+    del fits[bare]
     white = WhitenedScene.of(scene, min(fits.values(), key=lambda one: one.rms_um))
     worth = {names: schwarz(white, refine(white, one.chain)) for names, one in fits.items()}
     most = worth[there] + (-FAR_LIKELIER if sound else FAR_LIKELIER)
@@ -102,12 +110,17 @@ def told_apart(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> list[str]:
 
     On blocks left out, what is free beside creep does much of a drift's work. rivals: the best fit without each cause.
     """
-    there = [name for name in SLOW if causes()[name].present(fit.chain)]
+    there = _slow(fit.chain)
     if len(there) < 2:
         return []
     white = WhitenedScene.of(scene, fit)
     least = schwarz(white, refine(white, fit.chain)) + FAR_LIKELIER
     return [name for name in there if schwarz(white, refine(white, rivals[name].chain)) > least]
+
+
+def _slow(chain: Chain) -> tuple[str, ...]:
+    """Names of the slow causes that the chain holds."""
+    return tuple(name for name in SLOW if causes()[name].present(chain))
 
 
 def _sound(scene: Scene, fit: Fit, names: Sequence[str]) -> bool:
@@ -120,5 +133,5 @@ def _replacement(part: Scene, bare: Fit, name: str) -> Fit | None:
     """The best fit with the cause `name` added to `bare`."""
     cause = causes()[name]
     trials = cause.promising(fitted(part, cause.proposals(Look.at(part, bare))))
-    refined = side_by_side(lambda trial: refine(part, trial.chain), trials)
-    return min(refined, key=lambda trial: trial.rms_um, default=None)
+    found = refined(part, [trial.chain for trial in trials], rounds=FINAL_ROUNDS)
+    return min(found, key=lambda trial: trial.rms_um, default=None)

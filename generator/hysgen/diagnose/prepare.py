@@ -68,7 +68,7 @@ class Prepared:
     forgotten: NDArray[np.bool_]
     checked: Recent[tuple[Rows, Floats]] = field(default_factory=lambda: Recent(MOST_CHECKED))
 
-    @property
+    @cached_property
     def fit_rows(self) -> Rows:
         """Rows of the identification part that count; whether the last of a run are corrupted, nobody can tell."""
         runs = np.cumsum([segment.samples for segment in self.identification().segments])
@@ -138,13 +138,14 @@ def _quasi_static(record: Record, rows: Rows) -> QuasiStatic:
     g, c and tau by least squares on these rows, x and the plays from the whole command, which is known beforehand.
     """
     y_um = np.concatenate([segment.y_um for segment in record.segments])[rows]
-    fits = []
-    for lag in LAGS:
+
+    def at(lag: float) -> QuasiStatic:
         columns = _behind(record, lag)
         weights, *_ = np.linalg.lstsq(columns[:, rows].T, y_um)
         left_um = float(np.sqrt(np.mean((y_um - weights @ columns[:, rows]) ** 2)))
-        fits.append(QuasiStatic(float(lag), weights @ columns, left_um))
-    return min(fits, key=lambda fit: fit.left_um)
+        return QuasiStatic(lag, weights @ columns, left_um)
+
+    return min(map(at, LAGS.tolist()), key=lambda fit: fit.left_um)
 
 
 def _behind(record: Record, lag: float) -> Floats:

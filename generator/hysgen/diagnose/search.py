@@ -19,30 +19,24 @@ from numpy.typing import NDArray
 from hysgen.diagnose.evidence import Look, causes
 from hysgen.diagnose.exchange import SLOW, exchanged, likelier, resigned, told_apart
 from hysgen.diagnose.noise import innovation
-from hysgen.diagnose.probe import (
-    Chain,
-    Fit,
-    Scene,
-    refine,
-    rms,
-    side_by_side,
-)
+from hysgen.diagnose.probe import Chain, Fit, Scene, refine, rms
 from hysgen.diagnose.spikes import isolated
 from hysgen.diagnose.trials import (
     BLOCKS,
+    FINAL_ROUNDS,
     HELPS_BELOW,
     KEEP_ABOVE,
     SHARP,
     STEP_BELOW,
+    Rows,
     fitted,
+    lacking,
     possible,
     ratio,
     refined,
     remaining,
 )
 
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 Progress = Callable[[str], None]
 
 MOST_STEPS = 9
@@ -108,7 +102,7 @@ def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) ->
     sound = [name for name in slow if causes()[name].signature(look, rivals[name]).holds]
     if sound == slow:
         return {}
-    chain = _lacking(fit.chain, [name for name in slow if name not in sound])
+    chain = lacking(fit.chain, [name for name in slow if name not in sound])
     alone = refine(part, chain, rounds=8)
     others = refined(part, [causes()[name].without(chain) for name in sound])
     return {name: 1.0 / remaining(alone, other, checked) for name, other in zip(sound, others, strict=True)}
@@ -119,14 +113,7 @@ def without(found: Found, names: Sequence[str]) -> Fit:
     if not names:
         return found.fit
     scene = found.scene
-    return refine(scene.using(_thinned(scene.rows)), _lacking(found.fit.chain, names), rounds=8)
-
-
-def _lacking(chain: Chain, names: Sequence[str]) -> Chain:
-    """The chain with the parts of all these causes taken out."""
-    for name in names:
-        chain = causes()[name].without(chain)
-    return chain
+    return refine(scene.using(_thinned(scene.rows)), lacking(found.fit.chain, names), rounds=8)
 
 
 def present(chain: Chain) -> list[str]:
@@ -160,7 +147,7 @@ def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit from the best of other starts, where that explains more."""
     for name in present(fit.chain):
         trials = fitted(part, causes()[name].restarts(part, fit.chain))[:2]
-        for other in side_by_side(lambda trial: refine(part, trial.chain), trials):
+        for other in refined(part, [trial.chain for trial in trials], rounds=FINAL_ROUNDS):
             if other.rms_um < fit.rms_um and rms(other.error[checked]) < rms(fit.error[checked]):
                 fit = other
     return fit
@@ -222,8 +209,7 @@ def _halves(scene: Scene) -> tuple[Rows, Rows]:
     """Rows to fit and rows to check, in alternating blocks, two to one; thinned out if there are very many."""
     rows = scene.rows
     block = np.arange(len(rows)) * BLOCKS // len(rows)
-    fitted, checked = rows[block % 3 != 1], rows[block % 3 == 1]
-    return _thinned(fitted), _thinned(checked)
+    return _thinned(rows[block % 3 != 1]), _thinned(rows[block % 3 == 1])
 
 
 def _thinned(rows: Rows) -> Rows:

@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 BLOCKS = 24
+FINAL_ROUNDS = 12
+"""Rounds of the fit of a chain that is to take the place of another, where a step of the search has 8."""
 KEEP_ABOVE = 0.85
 """A part stays only if the error without it, on blocks not fitted and beyond the noise, is 1/0.85 times as large."""
 HELPS_BELOW = 0.98
@@ -38,12 +40,20 @@ def fitted(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
     return sorted(side_by_side(lambda chain: linear_fit(part, chain), chains), key=lambda trial: trial.rms_um)
 
 
-def refined(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
+def refined(part: Scene, chains: Sequence[Chain], rounds: int = 8) -> list[Fit]:
     """The best fit from each chain, in their order."""
-    return side_by_side(lambda chain: refine(part, chain, rounds=8), chains)
+    return side_by_side(lambda chain: refine(part, chain, rounds), chains)
+
+
+def lacking(chain: Chain, names: Sequence[str]) -> Chain:
+    """The chain with the parts of all these causes taken out."""
+    for name in names:
+        chain = causes()[name].without(chain)
+    return chain
 
 
 def possible(scene: Scene, chain: Chain) -> bool:
+    """Whether the numbers in the chain let the signature of each of its causes hold."""
     return all(cause.possible(scene, chain) for cause in causes().values())
 
 

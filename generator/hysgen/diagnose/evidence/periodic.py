@@ -23,7 +23,6 @@ FEWEST_PERIODS = 12.0
 LEAST_PEAK = 10.0
 """Power of a peak over its neighbourhood from which on a line is tried there."""
 
-
 LEAST_RATIO = 30.0
 """Power of a line over its background, with the line taken out, from which on it is one."""
 
