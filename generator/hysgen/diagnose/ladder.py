@@ -93,8 +93,7 @@ def climb(
     chosen = [extensions[name] for name in in_order(names)]
     terms = tuple(e.term for e in chosen if e.term is not None)
     blocks = tuple(sorted((e.block for e in chosen if e.block is not None), key=lambda block: block.place))
-    trust = np.zeros(prepared.record.samples)
-    trust[prepared.fit_rows] = 1.0
+    trust = prepared.trust.copy()
     for extension in chosen:
         if extension.trust is not None:
             trust = trust * extension.trust

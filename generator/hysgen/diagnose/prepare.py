@@ -40,6 +40,9 @@ FADED, FORGOTTEN, MOST_FADING = 3.0, 8.0, 0.03
 the first stroke shows of the far end of its range; and, for the probe, to 1/3000 of a stroke, the noise of a good
 sensor. And the share of a segment that is given up for that at most."""
 
+FADING_TRUST = 0.3
+"""What a row counts in the fit of a model while the unknown past still fades: it may be the only one so far out."""
+
 LAGS = 0.3 * 1.5 ** np.arange(18.0)
 """Time constants in samples among which the range that a command reaches is looked for."""
 
@@ -57,25 +60,36 @@ LATEST_SETTLED, EARLIEST_SETTLED = 0.3, 0.03
 class Prepared:
     """All segments, in order, as one record; rows before `cut` identify.
 
-    settled: (n,) rows on which a model's unknown past no longer counts; only they are fitted and scored.
+    swept: (n,) rows after the first excursion, whose plays know their past; what lags behind them may not.
+    settled: (n,) rows on which a model's unknown past no longer counts; only they are scored.
     forgotten: (n,) rows on which the probe sees nothing of it either; it looks at no others.
     checked: errors on rows left out of a fit, by what was fitted: the same models are asked for more than once.
     """
 
     record: Record
     cut: int
+    swept: NDArray[np.bool_]
     settled: NDArray[np.bool_]
     forgotten: NDArray[np.bool_]
     checked: Recent[tuple[Rows, Floats]] = field(default_factory=lambda: Recent(MOST_CHECKED))
 
     @cached_property
     def fit_rows(self) -> Rows:
-        """Rows of the identification part that count; whether the last of a run are corrupted, nobody can tell."""
+        """Rows of the identification part that count in full."""
+        return np.flatnonzero(self.trust == 1.0)
+
+    @cached_property
+    def trust(self) -> Floats:
+        """(n,) how much a row counts in the fit of a model: 1, less while the past fades, 0 before and held out.
+
+        The last of a run do not count, for whether they are corrupted, nobody can tell.
+        """
+        counts = np.where(self.settled, 1.0, np.where(self.swept, FADING_TRUST, 0.0))
+        counts[self.cut :] = 0.0
         runs = np.cumsum([segment.samples for segment in self.identification().segments])
-        counts = self.settled[: self.cut].copy()
         for back in range(1, EDGE + 1):
-            counts[runs - back] = False
-        return np.flatnonzero(counts)
+            counts[runs - back] = 0.0
+        return counts
 
     @property
     def held_rows(self) -> Rows:
@@ -169,8 +183,9 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
     cut = record.samples if holdout is not None else round(identify * record.samples)
     if cut < FEWEST:
         raise RecordError(f"{record.source}: {cut} samples to identify from, a diagnosis needs {FEWEST}; record longer")
-    swept = [_swept(segment) for segment in joined.segments]
-    seen = np.flatnonzero(_from(joined, swept)[:cut])
+    firsts = [_swept(segment) for segment in joined.segments]
+    swept = _from(joined, firsts)
+    seen = np.flatnonzero(swept[:cut])
     if seen.size < FEWEST // 2:
         raise RecordError(
             f"{record.source}: {seen.size} of the {cut} samples to identify from come after the input has run through "
@@ -179,9 +194,9 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
     lag = _quasi_static(joined, seen).lag
     most = [int(MOST_FADING * one.samples) for one in joined.segments]
     settled, forgotten = (
-        _from(joined, np.add(swept, np.minimum(math.ceil(lags * lag), most))) for lags in (FADED, FORGOTTEN)
+        _from(joined, np.add(firsts, np.minimum(math.ceil(lags * lag), most))) for lags in (FADED, FORGOTTEN)
     )
-    return Prepared(joined, cut, settled, forgotten)
+    return Prepared(joined, cut, swept, settled, forgotten)
 
 
 def _from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:
