@@ -127,7 +127,7 @@ def test_slope_beyond_a_level_that_only_falls_is_no_saturation() -> None:
 
 def test_drift_that_only_the_way_up_shows_is_none() -> None:
     rising = np.gradient(COMMAND_V) > 0
-    told = evidence("drift", scene(LAG, np.where(rising, 0.2, 0.06) * T_S / SPAN_S), DRIFTING)
+    told = evidence("drift", scene(LAG, np.where(rising, 0.004, 0.0012) * T_S / SPAN_S), DRIFTING)
     assert told.z > 5.0
     assert not told.holds
 
@@ -147,7 +147,7 @@ def test_ramp_that_an_uncertain_zero_of_an_aging_gain_explains_is_no_drift(zero_
 
 def test_more_is_asked_of_a_drift_that_slows_down() -> None:
     drift = causes()["drift"]
-    assert drift.needed_in(dataclasses.replace(DRIFTING, since_s=0.1)) >= 1.5 > drift.needed_in(DRIFTING)
+    assert drift.needed_in(dataclasses.replace(DRIFTING, since_s=0.1)) >= 3.0 > 1.5 > drift.needed_in(DRIFTING)
 
 
 def test_line_that_loses_its_phase_is_none() -> None:

@@ -18,7 +18,9 @@ from hysgen.diagnose.probe.scene import drift_course
 ZERO_UNCERTAIN = 0.25
 """Share of the span by which the stage's zero is uncertain: an aging gain turns that into a ramp of its own."""
 
-NEEDED_SLOWING = 1.5
+NEEDED_SLOWING = 3.0
+"""By how much the error must grow without a drift that slows down: a little of that course is in whatever the memory's
+unknown start, creep, or a limit that is not quite found leaves."""
 
 SINCE = (0.01, 0.05, 0.25)
 """Shares of the record at which a drift that slows down is tried to have begun before it."""
@@ -50,14 +52,19 @@ class Drift(Cause):
         return [dataclasses.replace(chain, drift=True), *slowing]
 
     def signature(self, look: Look, rival: Fit) -> Signature:
-        """The drift against its standard error, and the same drift seen on rising and on falling input."""
-        scene, chain = look.scene, look.fit.chain
-        drift = _drift(scene, look.fit)
+        """The drift against its standard error, and the same drift seen on rising and on falling input.
+
+        A ramp is measured as creep is. The misfit would leave nothing certain of a drift that slows down: blocks that
+        were not fitted decide on it, see `needed_in`.
+        """
+        slowing = look.fit.chain.since_s is not None
+        scene, fit = (look.scene, look.fit) if slowing else whitened_fit(look.scene, look.fit)
+        chain, drift = fit.chain, _drift(scene, fit)
         course = float(drift_course(scene.span_s, chain.since_s))
-        error = float(standard_errors(scene, look.fit).disturbances[scene.drift_column(chain)]) / course
+        error = float(standard_errors(scene, fit).disturbances[scene.drift_column(chain)]) / course
         z = abs(drift.size_um) / max(error, 1e-15)
-        hidden = abs(chain.aging_per_s or 0.0) * ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
-        shares = [_seen(look, drift, sign) for sign in (1.0, -1.0)]
+        hidden = abs(chain.aging_per_s or 0.0) * ZERO_UNCERTAIN * float(np.ptp(look.scene.y_um))
+        shares = [_seen(look, sign) for sign in (1.0, -1.0)]
         alike = f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
         size = f"{1e3 * drift.size_um:.3g} nm {{}} +- {1e3 * error:.1g}"
         if chain.since_s is None:
@@ -93,9 +100,9 @@ def _drift(scene: Scene, fit: Fit) -> Wander:
     return Wander(float(fit.weights[at]) / float(drift_course(scene.span_s, since_s)), since_s)
 
 
-def _seen(look: Look, drift: Wander, direction: float) -> float:
+def _seen(look: Look, direction: float) -> float:
     """Share of the drift that stands in the samples where the input moves in one direction."""
-    scene = look.scene
+    scene, drift = look.scene, _drift(look.scene, look.fit)
     time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])
     moving = np.concatenate([np.gradient(run.u_V) for run in scene.runs])
     rows = scene.rows[direction * moving[scene.rows] > 0]
