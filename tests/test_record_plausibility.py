@@ -13,6 +13,8 @@ import pytest
 
 from hysgen.errors import RecordError
 from hysgen.record import Record
+from hysgen.record.channels import Channels
+from hysgen.record.plausibility import at_end
 from hysgen.signals import fig5, fig8, fig11_non_harmonic, plateaus
 from hysgen.stage import BoucWen, Delay, Drift, Outliers, Periodic, Resonance, Saturation, Slew, Stage, StickSlip, run
 
@@ -74,6 +76,8 @@ def test_sensor_at_its_end_is_refused_wherever_it_clips(stage: str, drive: str, 
         Record.from_arrays(u_V, clipped, TS_S)
     accepted = Record.from_arrays(u_V, clipped, TS_S, accept=["saturation"])
     assert [line for line in accepted.warnings if "the sensor is at its end" in line]
+    runs = [Channels.of_arrays("a", u_V[:stop], clipped[:stop], {}) for stop in (clipped.size, 9)]
+    assert np.array_equal(at_end(runs)[0], clipped == (high if end == "highest" else low))
     with pytest.raises(RecordError, match="the sensor is at its end"):
         Record.from_arrays(u_V, -clipped, TS_S)
 
@@ -125,9 +129,11 @@ def test_play_without_noise_rests_at_its_turning_points_and_is_no_sensor_at_its_
     y_um = np.roll(0.1 * play(50 * wave, 10.0), late)
     y_um = np.round(y_um / step_um) * step_um if step_um else y_um
     assert Record.from_arrays((50 * wave)[late:], y_um[late:], 1e-3).warnings == ()
+    assert not at_end([Channels.of_arrays("a", (50 * wave)[late:], y_um[late:], {})])[0].any()
 
 
 def test_slow_sensor_that_repeats_its_values_is_no_sensor_at_its_end() -> None:
     u_V, y_um = measured("laboratory", "non-harmonic")
     held = np.repeat(y_um[::10], 10)[: y_um.size]
     assert Record.from_arrays(u_V, held, TS_S).warnings == ()
+    assert not at_end([Channels.of_arrays("a", u_V, held, {})])[0].any()

@@ -22,6 +22,8 @@ from hysgen.kernels.play import play_operators
 from hysgen.kernels.poles import lag_states
 from hysgen.recent import Recent
 from hysgen.record import Record, Segment
+from hysgen.record.channels import Channels
+from hysgen.record.plausibility import at_end
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -60,6 +62,7 @@ LATEST_SETTLED, EARLIEST_SETTLED = 0.3, 0.03
 class Prepared:
     """All segments, in order, as one record; rows before `cut` identify.
 
+    lost: (n,) rows at which the sensor is at its end; they are not among the others.
     swept: (n,) rows after the first excursion, whose plays know their past; what lags behind them may not.
     settled: (n,) rows on which a model's unknown past no longer counts; only they are scored.
     forgotten: (n,) rows on which the probe sees nothing of it either; it looks at no others.
@@ -68,6 +71,7 @@ class Prepared:
 
     record: Record
     cut: int
+    lost: NDArray[np.bool_]
     swept: NDArray[np.bool_]
     settled: NDArray[np.bool_]
     forgotten: NDArray[np.bool_]
@@ -122,7 +126,8 @@ class Prepared:
         # Ranges are those of the whole command and channels, known beforehand; the probe must not extrapolate.
         low_V, high_V = self.record.u_range_V
         rows = self.fit_rows[self.forgotten[self.fit_rows]]
-        return Scene(runs, self.record.Ts_s, rows, Operator(low_V, high_V), self.record.aux_ranges)
+        lost = np.flatnonzero(self.lost[: self.cut])
+        return Scene(runs, self.record.Ts_s, rows, Operator(low_V, high_V), self.record.aux_ranges, lost)
 
 
 def reach_um(record: Record, rows: Rows) -> tuple[float, float]:
@@ -196,7 +201,9 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
     settled, forgotten = (
         _from(joined, np.add(firsts, np.minimum(math.ceil(lags * lag), most))) for lags in (FADED, FORGOTTEN)
     )
-    return Prepared(joined, cut, swept, settled, forgotten)
+    # Accepted all the same: what a sensor says at its end is nothing that a stage has done.
+    lost = np.concatenate(at_end([Channels.of_arrays(one.name, one.u_V, one.y_um, {}) for one in joined.segments]))
+    return Prepared(joined, cut, lost, swept & ~lost, settled & ~lost, forgotten & ~lost)
 
 
 def _from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:

@@ -201,7 +201,9 @@ def _all_sound(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
 def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
     """The scene's rows less the corrupted samples that the fit's error shows, and those samples, (n,)."""
     edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
-    corrupted = np.concatenate([isolated(fit.error[a:b]) for a, b in itertools.pairwise(edges)])
+    heard = np.delete(np.arange(scene.samples), scene.lost)
+    error = np.interp(np.arange(scene.samples), heard, fit.error[heard])
+    corrupted = np.concatenate([isolated(error[a:b]) for a, b in itertools.pairwise(edges)])
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
 
 

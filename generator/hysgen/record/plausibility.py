@@ -7,6 +7,7 @@ must never be turned away.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,27 +37,56 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
     So holds, slow signals inside one quantum, sticking, and plays at a turning point do not count; and an amplifier
     that clips is not taken for a sensor, because the stage settles there and the sensor's noise stays.
     """
+    best: dict[str, _Flat] = {}
+    for flat in _flats(runs):
+        known = best.get(flat.name)
+        if (flat.certain or flat.likely) and (known is None or flat.certain > known.certain):
+            best[flat.name] = flat
+    for flat in best.values():
+        where = f"{flat.run.source}: {flat.run.locate(flat.start)}: {flat.run.y_name}"
+        stays = f"{where} stays at its {flat.name} value {flat.end_um:.6g} for {flat.stop - flat.start} samples"
+        end_of = "the sensor is at its end" if flat.certain else "the sensor or the amplifier may be at its end"
+        yield "saturation", flat.certain, f"{stays}: {end_of}; drive less, or widen its range"
+
+
+def at_end(runs: Sequence[Channels]) -> list[NDArray[np.bool_]]:
+    """Samples of each run, (n_i,), at exactly an extreme value that is the end of the sensor for `saturation`."""
+    ends_um = {flat.end_um for flat in _flats(runs) if flat.certain}
+    return [np.isin(run.y_um, list(ends_um)) for run in runs]
+
+
+@dataclass(frozen=True)
+class _Flat:
+    """A stretch of a run at exactly its "highest" or "lowest" value, end_um, and whether that is the sensor's end."""
+
+    name: str
+    end_um: float
+    run: Channels
+    start: int
+    stop: int
+    certain: bool
+    likely: bool
+
+
+def _flats(runs: Sequence[Channels]) -> Iterator[_Flat]:
+    """Every stretch of FLAT samples or more at an extreme value, the highest before the lowest."""
     values = np.concatenate([run.y_um for run in runs])
     ends = (("highest", float(values.max())), ("lowest", float(values.min())))
     quantum = min(_smallest_step(run.y_um) for run in runs)
-    span = ends[0][1] - ends[1][1]
-    gain = span / np.ptp(np.concatenate([run.u_V for run in runs]))
+    span, span_V = ends[0][1] - ends[1][1], float(np.ptp(np.concatenate([run.u_V for run in runs])))
+    if span == 0.0 or span_V == 0.0:
+        return
+    gain = span / span_V
     noisy = max(white_noise(run.y_um) for run in runs) > max(0.5 * quantum, 1e-6 * span)
     still = max(STILL, 3 * max(_longest_repeat(run.y_um, ends[0][1], ends[1][1]) for run in runs))
     rising = 1.0 if _correlation(runs) >= 0.0 else -1.0
     for name, end, side in ((*ends[0], rising), (*ends[1], -rising)):
-        best: tuple[bool, str] | None = None
         for run in runs:
             for start, stop in _flat_ends(run.y_um, end):
                 halted = _runs_into(run, start, stop, quantum)
                 certain = stop - start >= still and (noisy or halted)
                 likely = halted or _goes_on(side * run.u_V, start, stop, max(4.0 * quantum, 0.005 * span) / gain)
-                if (certain or likely) and (best is None or certain > best[0]):
-                    where = f"{run.source}: {run.locate(start)}: {run.y_name}"
-                    best = certain, f"{where} stays at its {name} value {end:.6g} for {stop - start} samples"
-        if best is not None:
-            end_of = "the sensor is at its end" if best[0] else "the sensor or the amplifier may be at its end"
-            yield "saturation", best[0], f"{best[1]}: {end_of}; drive less, or widen its range"
+                yield _Flat(name, end, run, start, stop, certain, likely)
 
 
 def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:

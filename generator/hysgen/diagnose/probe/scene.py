@@ -44,6 +44,7 @@ class Run:
 class Scene:
     """Runs at one sampling period; rows of the joined runs used to fit (`rows`), and how hysteresis is expanded.
 
+    lost: samples at which the sensor was at its end; none of them is among the rows.
     known_ranges: lowest and highest value of auxiliary channels over all that will be simulated; a channel that it does
     not hold has the range of its runs.
     The columns of the last few settings of the amplifier, and of the last few sets of disturbances, are kept.
@@ -54,6 +55,7 @@ class Scene:
     rows: Rows
     operator: Operator
     known_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     _hysteresis: Recent[list[Floats]] = field(default_factory=lambda: Recent(3), repr=False)
     _disturbances: Recent[Floats] = field(default_factory=lambda: Recent(6), repr=False)
 
