@@ -4,8 +4,9 @@
 
 A step d minimises g'd + d'H d/2 + mu d'D d/2 with H = sum t S S', g = sum t S e from exact sensitivities S (Levenberg
 and Marquardt: D = diag H, mu grows until J falls), subject to the half-spaces of `certified`. Only steps that lower J
-and keep every certificate that held are taken. J holds more than the free run, which may cost up to a tenth of what it
-was at the start: on the way to a lower one it rises at times, and rules that agree are worth that much.
+and keep every certificate that held are taken. J holds more than the free run, which rises at times on the way to a
+lower one: by up to a tenth of what it was at the start. If it ends above the start, the way is gone again without such
+steps, so the result is never worse than the start.
 x holds the linear parameters; shape parameters of terms may follow.
 """
 
@@ -28,7 +29,7 @@ Progress = Callable[[float, str], None]
 
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e7
 MOST_WORSE = 1.1
-"""What the free-run error may grow to, as a multiple of that at the start."""
+"""What the free-run error may grow to on the way, as a multiple of that at the start."""
 ENOUGH = 1e-6
 """Relative fall of J below which the refinement ends."""
 
@@ -54,7 +55,24 @@ def refine(
     error: the error to lower, over its record. allowed: the set to stay in, or None for no restriction at all.
     progress: told the fraction done and one line, once per step.
     """
-    now = start = error.criterion(model)
+    start = error.criterion(model)
+    refined = _descended(model, start, MOST_WORSE, error, allowed, iterations, progress)
+    if refined.criterion.rms_um > start.rms_um:
+        refined = _descended(model, start, 1.0, error, allowed, iterations, progress)
+    return refined
+
+
+def _descended(
+    model: Model,
+    start: Criterion,
+    most_worse: float,
+    error: FreeRunError,
+    allowed: CertifiedSet | None,
+    iterations: int,
+    progress: Progress | None,
+) -> Refined:
+    """Steps from `model`, whose criterion is `start`; the free run stays below `most_worse` times what it is there."""
+    now = start
     held = _holding(model, allowed)
     damping = FIRST_DAMPING
     edges: HalfSpaces | None = None
@@ -65,7 +83,8 @@ def refine(
             step, edges = _step(now, damping, allowed, model.parameters, edges)
             candidate = error.moved(model, step)
             trial = error.criterion(candidate)
-            if _better(trial, now, start) and _keeps(held, _holding(candidate, allowed)):
+            better = trial.value < now.value and trial.rms_um <= most_worse * start.rms_um
+            if better and _keeps(held, _holding(candidate, allowed)):
                 moved = candidate, trial
             else:
                 damping *= 10.0
@@ -98,11 +117,6 @@ def _step(
         return np.asarray(solve_triangular(R, d) / scale), None
     inside = least_squares_inside(R * scale, d, allowed, parameters, edges)
     return inside.x, inside.edges
-
-
-def _better(trial: Criterion, now: Criterion, start: Criterion) -> bool:
-    """Whether J fell, and the free run, which is only a part of J, is not much worse than at the start."""
-    return trial.value < now.value and trial.rms_um <= MOST_WORSE * start.rms_um
 
 
 def _holding(model: Model, allowed: CertifiedSet | None) -> tuple[bool, ...]:
