@@ -60,6 +60,8 @@ def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level(seed: int, 
     ("category", "seed"),
     [
         ("aging", 702),  # a drift that is none shares the zero with a change of gain
+        ("drift", 1236),  # a change of gain about a zero that plays in a place they never had would put anywhere
+        ("pair", 1251),  # the same, beside a change of gain that is one
         ("pair", 700),  # a creep that is none was taken back by a drift
         ("pair", 1182),  # a little of a drift that slows down is in what the fit leaves
         (

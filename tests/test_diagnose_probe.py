@@ -149,3 +149,22 @@ def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() 
     error_um[:60] += fading_um
     error_um[-60:] -= fading_um[::-1]
     assert np.flatnonzero(isolated(error_um)).tolist() == wrong
+
+
+@pytest.mark.parametrize("u_V", [-10.0, 3.0, 40.0, 85.0])
+def test_middle_of_the_loops_is_that_of_the_widest_one(u_V: float) -> None:
+    operator = Operator(-10.0, 90.0)
+    weights = np.random.default_rng(3).normal(size=operator.size)
+    weights[-2 * len(operator.reaches) :] = 0.0
+    rise_V = np.linspace(-10.0, 90.0, 2001)
+    cycles = np.concatenate([rise_V, rise_V[::-1], rise_V])
+    h_um = weights @ operator.columns(cycles, 0.0)
+    down, up = h_um[2001:4002][::-1], h_um[4002:]
+    assert weights @ operator.at(u_V) == pytest.approx(0.5 * np.interp(u_V, rise_V, down + up), abs=1e-6)
+
+
+def test_outside_the_range_the_stage_goes_on_along_the_line_through_the_ends_of_the_widest_loop() -> None:
+    operator = Operator(20.0, 100.0)
+    weights = np.random.default_rng(4).normal(size=operator.size)
+    low, high, outside = (weights @ operator.at(u_V) for u_V in (20.0, 100.0, 0.0))
+    assert outside == pytest.approx(low - 0.25 * (high - low))

@@ -15,6 +15,7 @@ Only the probe uses it, to look; the model that goes to the DSP has the cheaper 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,10 +68,19 @@ class Operator:
         return out
 
     def at(self, u_V: float) -> Floats:
-        """(size,) the columns in the middle of the loops at u_V, which may lie half a range outside at most."""
-        middle, half = 0.5 * (self.low_V + self.high_V), 0.5 * (self.high_V - self.low_V)
-        v = np.clip((u_V - middle) / half, -1.5, 1.5)
-        curve = np.polynomial.chebyshev.chebvander(np.array([v]), max(self.curve, self.degree))[0]
-        inside = np.polynomial.chebyshev.chebvander(np.array([np.clip(v, -1.0, 1.0)]), self.degree)[0]
-        plays = [np.full(self.hats, t) for t in inside[1:] if self.hats]
-        return np.concatenate([curve[1 : self.curve + 1], *plays, np.zeros(2 * len(self.reaches))])
+        """(size,) the columns in the middle of the widest loop at u_V; outside the range, on the line through its ends.
+
+        On that loop every play is where it has been: its polynomials say nothing of where it never was.
+        """
+        return _middle(self, u_V)
+
+
+@lru_cache(maxsize=16)
+def _middle(operator: Operator, u_V: float) -> Floats:
+    low_V, high_V = operator.low_V, operator.high_V
+    inside_V = min(max(u_V, low_V), high_V)
+    down, up = (operator.columns(np.array([*way, inside_V]), 0.0) for way in ((low_V, high_V), (high_V, low_V)))
+    middle = 0.5 * (down[:, -1] + up[:, -1]) + (u_V - inside_V) / (high_V - low_V) * (down[:, 1] - up[:, 1])
+    middle[operator.size - 2 * len(operator.reaches) :] = 0.0
+    middle.flags.writeable = False
+    return middle
