@@ -20,8 +20,7 @@ MOST_CHANGE = 0.5
 TRIED = (0.003, 0.03)
 """Changes of the gain, of either sign, from which it is looked for.
 
-Hysteresis that was fitted without aging has bent towards it, and a gain that turns about another point than the stage's
-zero brings a ramp along: a change of the wrong sign can look better at first than none.
+Hysteresis that was fitted without aging has bent towards it: a change of the wrong sign can look better at first.
 """
 
 
@@ -47,7 +46,7 @@ class Aging(Cause):
         return [dataclasses.replace(chain, aging_per_s=rate) for rate in rates]
 
     def promising(self, trials: list[Fit]) -> list[Fit]:
-        """The best of either sign: no way leads from one to the other, see TRIED."""
+        """The best of either sign, see TRIED."""
         return list({(trial.chain.aging_per_s or 0.0) > 0.0: trial for trial in reversed(trials)}.values())
 
     def signature(self, look: Look, rival: Fit) -> Signature:
