@@ -61,6 +61,24 @@ def test_a_cause_is_named_only_if_evidence_need_and_gain_agree(
     assert refused.get("creep") == why
 
 
+@pytest.mark.parametrize(("later", "named"), [(0.8, ["memory"]), (0.96, ["memory", "creep"])])
+def test_a_cause_that_is_asked_again_has_to_be_surer(
+    monkeypatch: pytest.MonkeyPatch, later: float, named: list[str]
+) -> None:
+    """Each further time is one more chance to err."""
+    gains = iter([0.6, 1.0, later, 1.0, later, 1.0])  # of all that is asked, the first time without creep the second
+
+    def alone(prepared: Any, found: Any, extensions: Any, names: list[str], settings: Any) -> dict[str, Gain]:
+        sure = next(gains)
+        return {name: Gain(2.0, 1.0, 0.5, 1.5, 1.0 if name == "memory" else sure) for name in names}
+
+    monkeypatch.setattr(procedure, "_alone", alone)
+    signatures = {"memory": Signature(True, 9.0, "loops"), "creep": Signature(True, 6.0, "goes on")}
+    seen: Any = found(memory=20.0, creep=3.0)
+    told, _, _ = procedure._agreement(None, seen, signatures, {}, procedure.DiagnoseSettings())  # type: ignore[arg-type]
+    assert told == named
+
+
 @pytest.mark.parametrize(("share", "pays"), [(0.05, True), (0.01, False)])
 def test_an_extension_that_takes_one_per_cent_away_is_no_cause(
     monkeypatch: pytest.MonkeyPatch, share: float, pays: bool
