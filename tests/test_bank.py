@@ -64,10 +64,7 @@ def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level(seed: int, 
         ("pair", 1251),  # the same, beside a change of gain that is one
         ("pair", 700),  # a creep that is none was taken back by a drift
         ("pair", 1182),  # a little of a drift that slows down is in what the fit leaves
-        (
-            "resonance",
-            1015,
-        ),  # it rings beyond the sensor, whose end is no outlier
+        ("resonance", 1015),  # it rings beyond the sensor, whose end is no outlier
         ("saturation", 645),  # of all levels the best at first sight is one that the fit does not leave again
     ],
 )

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -30,11 +32,15 @@ def found(chain: Any = LAG, **needs: float) -> Any:
 
 
 def agreed(
-    monkeypatch: pytest.MonkeyPatch, creep: Signature, needs: float, sure: float
+    monkeypatch: pytest.MonkeyPatch, creep: Signature, needs: float, sures: Iterator[float]
 ) -> tuple[list[str], dict[str, str]]:
-    """What is named of memory, which is beyond doubt, and creep; and why the rest is not."""
+    """What is named of memory, which is beyond doubt, and creep; and why the rest is not.
+
+    sures: how sure the gain of creep is each time that gains are asked for.
+    """
 
     def alone(prepared: Any, seen: Any, extensions: Any, names: list[str], settings: Any) -> dict[str, Gain]:
+        sure = next(sures)
         return {name: Gain(2.0, 1.0, 0.5, 1.5, 1.0 if name == "memory" else sure) for name in names}
 
     monkeypatch.setattr(procedure, "_alone", alone)
@@ -56,7 +62,7 @@ def agreed(
 def test_a_cause_is_named_only_if_evidence_need_and_gain_agree(
     monkeypatch: pytest.MonkeyPatch, holds: bool, needs: float, sure: float, why: str | None
 ) -> None:
-    named, refused = agreed(monkeypatch, Signature(holds, 6.0, "goes on"), needs, sure)
+    named, refused = agreed(monkeypatch, Signature(holds, 6.0, "goes on"), needs, itertools.repeat(sure))
     assert named == (["memory"] if why else ["memory", "creep"])
     assert refused.get("creep") == why
 
@@ -66,16 +72,8 @@ def test_a_cause_that_is_asked_again_has_to_be_surer(
     monkeypatch: pytest.MonkeyPatch, later: float, named: list[str]
 ) -> None:
     """Each further time is one more chance to err."""
-    gains = iter([0.6, 1.0, later, 1.0, later, 1.0])  # of all that is asked, the first time without creep the second
-
-    def alone(prepared: Any, found: Any, extensions: Any, names: list[str], settings: Any) -> dict[str, Gain]:
-        sure = next(gains)
-        return {name: Gain(2.0, 1.0, 0.5, 1.5, 1.0 if name == "memory" else sure) for name in names}
-
-    monkeypatch.setattr(procedure, "_alone", alone)
-    signatures = {"memory": Signature(True, 9.0, "loops"), "creep": Signature(True, 6.0, "goes on")}
-    seen: Any = found(memory=20.0, creep=3.0)
-    told, _, _ = procedure._agreement(None, seen, signatures, {}, procedure.DiagnoseSettings())  # type: ignore[arg-type]
+    sures = iter([0.6, 1.0, later, 1.0, later, 1.0])  # every second time memory is asked for alone
+    told, _ = agreed(monkeypatch, Signature(True, 6.0, "goes on"), 3.0, sures)
     assert told == named
 
 

@@ -6,23 +6,15 @@ import importlib
 
 import numpy as np
 import pytest
+from test_ladder_limits import measured
 
 from hysgen.bank.scenario import scenario
 from hysgen.bank.truth import true_extensions
 from hysgen.diagnose.ladder import climb
-from hysgen.diagnose.prepare import Prepared, prepare
+from hysgen.diagnose.prepare import Prepared
 from hysgen.diagnose.probe import rms
 from hysgen.fit import FitSettings
-from hysgen.record import Record
-from hysgen.stage import run as measure
 from hysgen.terms.memory import Memory
-
-
-def measured(seed: int) -> Prepared:
-    """A record of the bank that hides memory alone."""
-    hidden = scenario("memory", seed)
-    y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
-    return prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux))
 
 
 def fall(prepared: Prepared, seed: int) -> float:
@@ -53,8 +45,8 @@ def test_roughness_is_the_integral_of_the_curvature_squared_and_leaves_the_past_
 def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_hardly_any_of(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Record 829, the worst of its fifty before: without smoothness, 13 times."""
-    prepared = measured(829)
+    """Record 829, the worst of its fifty before: without smoothness, 15 times."""
+    prepared = measured(scenario("memory", 829))
     smooth = fall(prepared, 829)
     assert smooth > 35.0
     monkeypatch.setattr(importlib.import_module("hysgen.fit.free_run"), "ROUGH_SHARE", 0.0)
@@ -64,7 +56,7 @@ def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_
 @pytest.mark.parametrize("seed", [2, 8, 22, 1045])
 def test_the_grid_reaches_where_the_command_leads_on_rows_that_are_held_out(seed: int) -> None:
     # The identification part of these goes to the ends in passing only; a straight line through it falls short of them.
-    prepared = measured(seed)
+    prepared = measured(scenario("memory", seed))
     low, high = prepared.reach_um
     held_um = prepared.y_um[prepared.held_rows]
     assert low <= held_um.min()

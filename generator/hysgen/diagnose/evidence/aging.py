@@ -46,7 +46,7 @@ class Aging(Cause):
         return [dataclasses.replace(chain, aging_per_s=rate) for rate in rates]
 
     def promising(self, trials: list[Fit]) -> list[Fit]:
-        """The best of either sign, see TRIED."""
+        """The best of either sign: no way may lead from one to the other, see TRIED."""
         return list({(trial.chain.aging_per_s or 0.0) > 0.0: trial for trial in reversed(trials)}.values())
 
     def signature(self, look: Look, rival: Fit) -> Signature:
