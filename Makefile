@@ -18,10 +18,11 @@ run: $(VENV)/.installed  ## the main job on the bundled record: fit, score, C, e
 test: $(VENV)/.tested check  ## style, types, and the whole test suite
 	$(PY) -m pytest -n auto --dist worksteal
 
-check: $(VENV)/.tested
+check: $(VENV)/.tested  ## style, types, import layers
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
+	$(VENV)/bin/lint-imports --no-cache
 
 $(VENV)/.installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "hysgen needs Python 3.11 or newer: install it, or name it: make PYTHON=/path/to/python3"; exit 1; }

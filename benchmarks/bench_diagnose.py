@@ -15,12 +15,12 @@ import hysgen  # noqa: F401  before NumPy, whose BLAS reads once how many thread
 # isort: split
 import numpy as np
 
-from hysgen.bank.excitation import good
-from hysgen.diagnose import diagnose
+from hysgen.diagnosis import diagnose
+from hysgen.display import table
 from hysgen.record import Record
 from hysgen.stage import Stage
 from hysgen.stage import run as measure
-from hysgen.tables import table
+from hysgen.studies.bank.excitation import good
 
 LENGTHS = (6_000, 12_500, 25_000, 50_000, 100_000, 200_000)
 TS_S = 1e-3

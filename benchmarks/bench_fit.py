@@ -11,13 +11,13 @@ import time
 
 import numpy as np
 
-from hysgen.fit import FitSettings, Method, fit
-from hysgen.model_file import load_model
+from hysgen.display import table
+from hysgen.fitting import FitSettings, Method, fit
+from hysgen.model.file import load_model
+from hysgen.model.simulate import simulate
+from hysgen.model.terms import Drive
+from hysgen.model.terms.memory import Memory
 from hysgen.record import Record, Segment
-from hysgen.simulate import simulate
-from hysgen.tables import table
-from hysgen.terms import Drive
-from hysgen.terms.memory import Memory
 
 LENGTHS = (10_000, 100_000, 1_000_000, 10_000_000)
 LONGEST_REFINED = 1_000_000

@@ -12,11 +12,11 @@ import time
 
 import numpy as np
 
-from hysgen.model import Grid, Model
-from hysgen.simulate import simulate
-from hysgen.tables import table
-from hysgen.terms import Drive
-from hysgen.terms.memory import Memory
+from hysgen.display import table
+from hysgen.model.model import Grid, Model
+from hysgen.model.simulate import simulate
+from hysgen.model.terms import Drive
+from hysgen.model.terms.memory import Memory
 
 LENGTHS = (10_000, 100_000, 1_000_000, 10_000_000)
 RULES = (3, 4, 6, 10, 15, 19, 20, 30, 40, 50)

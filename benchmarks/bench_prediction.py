@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from smooth_model import smooth
 
-from hysgen.cost import Cost, cost_of_texts
-from hysgen.emit import generate
-from hysgen.tables import table
+from hysgen.c674x.cost import Cost, cost_of_texts
+from hysgen.codegen import generate
+from hysgen.display import table
 
 RULES = (3, 4, 6, 8, 10, 12, 13, 16, 20, 30, 40, 50)
 FUNCTIONS = ("predict", "simulate", "inverse")

@@ -1,8 +1,8 @@
 """Long chains of updates, compiled learner against its NumPy reference: 6 to 54 parameters in every build.
 
-Every word of the learner's state after every sample is compared, by induction (`hysgen.verify.induction`), at gcc and
-clang, -O0, -O2 and -O3, with and without flush to zero. The plant is the model with 5 % less gain, and noise; its input
-rests a fifth of the time.
+Every word of the learner's state after every sample is compared, by induction (`hysgen.checking.bits.induction`), at
+gcc and clang, -O0, -O2 and -O3, with and without flush to zero. The plant is the model with 5 % less gain, and noise;
+its input rests a fifth of the time.
 
 Run:  python benchmarks/learner_bits.py [UPDATES [PARAMETERS ...]]
 
@@ -17,15 +17,15 @@ import time
 
 from smooth_model import smooth
 
-from hysgen.emit import Options, generate
-from hysgen.host import Host
-from hysgen.learning import LearnerSettings
-from hysgen.model import Model
-from hysgen.tables import table
-from hysgen.verify.builds import COMPILERS, LEVELS, compiled, toolchains
-from hysgen.verify.comparison import Task, compare_task
-from hysgen.verify.inputs import chunks
-from hysgen.verify.subjects import LEARNER
+from hysgen.checking.bits.builds import COMPILERS, LEVELS, compiled, toolchains
+from hysgen.checking.bits.comparison import Task, compare_task
+from hysgen.checking.bits.functions import LEARNER
+from hysgen.checking.bits.inputs import chunks
+from hysgen.checking.host import Host
+from hysgen.codegen import Options, generate
+from hysgen.display import table
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Model
 
 SIZES = {6: (2, 0), 18: (6, 0), 24: (8, 0), 40: (10, 10), 54: (10, 24)}
 """Parameters -> rules and plays."""

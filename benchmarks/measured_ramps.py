@@ -8,14 +8,14 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from hysgen.baselines import fit_baselines, score_baselines
-from hysgen.certificates import certify
-from hysgen.fit import FitSettings, Method, estimate_starts, fit
+from hysgen.certify.certificates import certify
+from hysgen.display import table
+from hysgen.fitting import FitSettings, Method, estimate_starts, fit
+from hysgen.model.rivals import fit_baselines, score_baselines
+from hysgen.model.scores import score
+from hysgen.model.terms import Term
+from hysgen.model.terms.memory import Memory
 from hysgen.record import load_record
-from hysgen.scores import score
-from hysgen.tables import table
-from hysgen.terms import Term
-from hysgen.terms.memory import Memory
 
 ROWS_TO_FIT = 5000
 CASES: tuple[tuple[str, Method, tuple[Term, ...]], ...] = (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysgen.learning import LearnerSettings
-from hysgen.model import Grid, Model
-from hysgen.terms.memory import Memory
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Grid, Model
+from hysgen.model.terms.memory import Memory
 
 
 def smooth(name: str, rules: int, plays: int = 0, learner: LearnerSettings | None = None) -> Model:

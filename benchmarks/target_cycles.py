@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 from smooth_model import smooth
 
-from hysgen.emit import Options, generate
-from hysgen.learning import LearnerSettings
-from hysgen.model import Model
-from hysgen.operations import figures
-from hysgen.operations.cycles import STEPS, estimated
-from hysgen.tables import table
-from hysgen.target import toolchain
-from hysgen.target.footprint import footprint
+from hysgen.c674x import toolchain
+from hysgen.c674x.footprint import footprint
+from hysgen.codegen import Options, generate
+from hysgen.codegen.operations import figures
+from hysgen.codegen.operations.cycles import STEPS, estimated
+from hysgen.display import table
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Model
 
 RULES = (3, 6, 9, 12, 20, 50)
 RULE = ("slope", "gain", "offset")

@@ -15,23 +15,23 @@ import hysgen  # noqa: F401  before NumPy, whose BLAS reads once how many thread
 # isort: split
 import numpy as np
 
-from hysgen.certificates import certify
-from hysgen.emit import generate
-from hysgen.inputs import InputBlock
-from hysgen.inputs.delay import Delay
-from hysgen.inputs.saturation import Saturation
-from hysgen.inputs.slew import Slew
-from hysgen.model import Model
-from hysgen.model_file import load_model
-from hysgen.tables import table
-from hysgen.terms import Term
-from hysgen.terms.coupling import Coupling
-from hysgen.terms.creep import Creep
-from hysgen.terms.drift import Drift
-from hysgen.terms.memory import Memory
-from hysgen.terms.periodic import Periodic
-from hysgen.terms.resonance import Resonance
-from hysgen.verify import verify_texts
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits import verify_texts
+from hysgen.codegen import generate
+from hysgen.display import table
+from hysgen.model.file import load_model
+from hysgen.model.model import Model
+from hysgen.model.path import InputBlock
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.slew import Slew
+from hysgen.model.terms import Term
+from hysgen.model.terms.coupling import Coupling
+from hysgen.model.terms.creep import Creep
+from hysgen.model.terms.drift import Drift
+from hysgen.model.terms.memory import Memory
+from hysgen.model.terms.periodic import Periodic
+from hysgen.model.terms.resonance import Resonance
 
 TERMS: tuple[Term, ...] = (
     Memory.polynomial(6, 3, -20.0, 120.0, past_input=True),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from pathlib import Path
 
 import pytest
@@ -22,11 +21,3 @@ def measured() -> Path:
     if not folder:
         pytest.skip("measured records: set HYSGEN_DATA to their folder to run this test")
     return Path(folder)
-
-
-def need(tool: str) -> None:
-    """Skip, loudly, where `tool` is not installed; where HYSGEN_REQUIRE_TOOLS is set (CI), fail instead."""
-    if shutil.which(tool) is None:
-        if os.environ.get("HYSGEN_REQUIRE_TOOLS"):
-            pytest.fail(f"{tool} is not installed, and HYSGEN_REQUIRE_TOOLS is set")
-        pytest.skip(f"{tool} is not installed: this check did not run")

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import hysgen
-from hysgen.bank.scenario import scenario
 from hysgen.display import Displayed
-from hysgen.plots.results import Drawing
-from hysgen.signals import nested_amplitudes
+from hysgen.report.plots.results import Drawing
 from hysgen.stage import Stage, run
+from hysgen.stage.signals import nested_amplitudes
+from hysgen.studies.bank.scenario import scenario
 
 TS_S = 1e-4
 
@@ -45,12 +45,12 @@ def results(record: hysgen.Record, model: hysgen.Model) -> dict[str, Displayed]:
     }
 
 
-def test_functions_stand_in_front_of_the_rooms_of_the_same_name() -> None:
+def test_names_of_the_api_stand_at_the_top_and_are_loaded_when_they_are_used() -> None:
     code = (
         "import sys, hysgen; assert 'numpy' not in sys.modules, 'loaded too early'\n"
-        "import hysgen.fit.settings, hysgen.verify, hysgen.cost, hysgen.diagnose\n"
+        "import hysgen.fitting.settings, hysgen.checking.bits, hysgen.c674x.cost, hysgen.diagnosis\n"
         "from hysgen import fit, score, diagnose, generate, verify, load_record, cost\n"
-        "from hysgen.fit import FitSettings\n"
+        "from hysgen.fitting import FitSettings\n"
         "assert all(callable(f) for f in (fit, score, diagnose, generate, verify, load_record, cost))\n"
         "assert hysgen.FitSettings is FitSettings\n"
         "assert hysgen.fit is fit and 'diagnose' in dir(hysgen)\n"
@@ -100,7 +100,7 @@ def test_nothing_to_plot_and_no_matplotlib_are_told_in_one_line(
 ) -> None:
     with pytest.raises(hysgen.HysgenError, match="nothing to plot"):
         results["report"].plot()
-    for name in [name for name in sys.modules if name.startswith(("matplotlib", "hysgen.plots"))]:
+    for name in [name for name in sys.modules if name.startswith(("matplotlib", "hysgen.report.plots"))]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(hysgen.HysgenError, match="matplotlib is not installed; pip install matplotlib"):

@@ -14,8 +14,8 @@ ROOT = Path(__file__).resolve().parents[1]
 USE = """
 import numpy as np
 from hysgen import FitSettings, Record, cost, fit, generate, load_model, save_model, score, verify
-from hysgen.signals import nested_amplitudes
-from hysgen.terms.echo import Echo
+from hysgen.stage.signals import nested_amplitudes
+from hysgen.model.terms.echo import Echo
 
 u_V = nested_amplitudes(1e-4, (50.0, 20.0), 40.0, 25.0, 4)
 y_um = np.full(u_V.size, 2.8)
@@ -39,7 +39,7 @@ def test_the_two_files_of_the_page_are_all_that_a_new_term_takes(tmp_path: Path)
     blocks = re.findall(r"```(?:python|c)\n(.*?)```", page, re.DOTALL)
     shutil.copytree(ROOT / "generator" / "hysgen", tmp_path / "generator" / "hysgen")
     shutil.copytree(ROOT / "templates", tmp_path / "templates")
-    (tmp_path / "generator" / "hysgen" / "terms" / "echo.py").write_text(blocks[0])
+    (tmp_path / "generator" / "hysgen" / "model" / "terms" / "echo.py").write_text(blocks[0])
     (tmp_path / "templates" / "terms" / "echo.c.j2").write_text(blocks[1])
     done = subprocess.run(
         [sys.executable, "-c", USE],

@@ -6,30 +6,21 @@
     study = hysgen.diagnose(record)
     hysgen.generate(study.model).write("firmware/stage")
 
-The functions and types are those of `hysgen.api`, loaded when they are first used.
+The functions and types are those of `hysgen.api`, loaded when the first of them is used.
 """
 
 from __future__ import annotations
 
 import importlib
 import os
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-# The matrices here are small: threads of the BLAS cost up to ten times the work on a busy machine, and how many there
-# are changes last bits. Who has set their number, or imported NumPy before, keeps what is.
+# The matrices here are small: threads of the BLAS cost up to ten times the work on a busy machine, and their number
+# changes last bits. A number that the user has set is kept.
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
 
-from hysgen.display import drawn_by  # noqa: E402
-
-__version__ = "0.1.0"
-
-# Pictures stand behind results in the house: results know that there is a door, the package knows where it leads.
-drawn_by("hysgen.plots.results")
-
-_EXPORTED = (
+__all__ = [
     "Columns",
     "Cost",
     "DiagnoseSettings",
@@ -51,31 +42,41 @@ _EXPORTED = (
     "save_model",
     "score",
     "verify",
-)
-
-__all__ = list(_EXPORTED)
+]
 
 if TYPE_CHECKING:
-    from hysgen.api import *  # noqa: F403
+    from hysgen.api import (
+        Columns,
+        Cost,
+        DiagnoseSettings,
+        FitSettings,
+        Generated,
+        HysgenError,
+        Model,
+        Options,
+        Record,
+        Report,
+        Scores,
+        Study,
+        cost,
+        diagnose,
+        fit,
+        generate,
+        load_model,
+        load_record,
+        save_model,
+        score,
+        verify,
+    )
 
 
-class _Package(ModuleType):
-    """The package with its functions in front: `hysgen.fit` is the function, `from hysgen.fit import ...` the room.
-
-    Importing a room would bind its module to the same name; the setter below lets that pass by.
-    """
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *_EXPORTED})
-
-
-def _exported(name: str) -> property:
-    def found(_: ModuleType) -> Any:
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return importlib.import_module("hysgen.machine.installed").version()
+    if name in __all__:
         return getattr(importlib.import_module("hysgen.api"), name)
+    raise AttributeError(f"module 'hysgen' has no attribute {name!r}")
 
-    return property(found, lambda _, __: None)
 
-
-for _name in _EXPORTED:
-    setattr(_Package, _name, _exported(_name))
-sys.modules[__name__].__class__ = _Package
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -13,26 +13,26 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from hysgen.certificates import certify
-from hysgen.cost import Cost, cost_of_texts
-from hysgen.diagnose import DiagnoseSettings
-from hysgen.diagnose.study import Study
-from hysgen.diagnose.study import study as make_study
+from hysgen.c674x.cost import Cost, cost_of_texts
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits import verify_texts
+from hysgen.checking.bits.report import Report
+from hysgen.codegen import Options, write
+from hysgen.codegen import generate as generate_texts
+from hysgen.codegen.manifest import read_folder
+from hysgen.diagnosis import DiagnoseSettings
+from hysgen.diagnosis.study import Study
+from hysgen.diagnosis.study import study as make_study
 from hysgen.display import Displayed, Summary
-from hysgen.emit import Options, write
-from hysgen.emit import generate as generate_texts
-from hysgen.emit.manifest import read_folder
 from hysgen.errors import HysgenError
-from hysgen.fit import FitSettings
-from hysgen.fit import fit as fit_model
-from hysgen.model import Model
-from hysgen.model_file import load_model, save_model
+from hysgen.fitting import FitSettings
+from hysgen.fitting import fit as fit_model
+from hysgen.model.file import load_model, save_model
+from hysgen.model.model import Model
+from hysgen.model.scores import Scores, score
+from hysgen.model.terms.memory import Memory
 from hysgen.record import Columns, Record, load_record
 from hysgen.report.price import price_of
-from hysgen.scores import Scores, score
-from hysgen.terms.memory import Memory
-from hysgen.verify import verify_texts
-from hysgen.verify.report import Report
 
 __all__ = [
     "Columns",

@@ -10,7 +10,25 @@ from dataclasses import dataclass
 from typing import Any
 
 from hysgen.errors import HysgenError
-from hysgen.tables import table
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> str:
+    """Columns aligned by their widest cell: the first `left` of them to the left, the others, numbers, to the right.
+
+    >>> print(table(["model", "rms"], [["base", "0.47"], ["extended", "0.1"]]))
+    model      rms
+    --------  ----
+    base      0.47
+    extended   0.1
+    """
+    cells = [list(header), *[list(row) for row in rows]]
+    widths = [max(len(row[j]) for row in cells) for j in range(len(header))]
+
+    def line(row: Sequence[str]) -> str:
+        columns = enumerate(zip(row, widths, strict=True))
+        return "  ".join(cell.ljust(w) if j < left else cell.rjust(w) for j, (cell, w) in columns).rstrip()
+
+    return "\n".join([line(cells[0]), "  ".join("-" * width for width in widths), *[line(row) for row in cells[1:]]])
 
 
 @dataclass(frozen=True)
@@ -39,12 +57,8 @@ class Summary:
         return "\n".join(lines)
 
 
-_drawing: list[str] = []
-
-
-def drawn_by(module: str) -> None:
-    """Name the module whose `draw(result, *what)` makes pictures; it is loaded when the first one is asked for."""
-    _drawing[:] = [module]
+PICTURES = "hysgen.report.plots.results"
+"""The module whose `draw(result, *what)` makes pictures. It imports matplotlib, so it is loaded by the first `plot`."""
 
 
 class Displayed(abc.ABC):
@@ -60,10 +74,8 @@ class Displayed(abc.ABC):
         what: depends on the kind of result, see docs/api.md.
         Raises HysgenError if there is nothing to plot or matplotlib is not installed.
         """
-        if not _drawing:
-            raise HysgenError("no module draws pictures; import hysgen")
         try:
-            drawing = importlib.import_module(_drawing[0])
+            drawing = importlib.import_module(PICTURES)
         except ModuleNotFoundError as fault:
             missing = str(fault.name).partition(".")[0]
             raise HysgenError(f"{missing} is not installed; pip install {missing} to plot") from fault

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
 
-from hysgen.files import write_whole
+from hysgen.machine.files import write_whole
 
 SECONDS_BETWEEN_PLAIN_LINES = 5.0
 

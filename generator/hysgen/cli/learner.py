@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import dataclasses
 
-from hysgen.learning import LEARNED, MOST_CALLS, LearnerSettings
-from hysgen.model import Model
+from hysgen.model.learner_settings import LEARNED, MOST_CALLS, LearnerSettings
+from hysgen.model.model import Model
 
 
 def add_learner_options(parser: argparse.ArgumentParser) -> None:

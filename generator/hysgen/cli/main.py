@@ -13,10 +13,10 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from hysgen import __version__
 from hysgen.cli.console import Console
 from hysgen.cli.verbs import NAMES, verb
 from hysgen.errors import HysgenError
+from hysgen.machine.installed import version
 
 _DESCRIPTION = (
     "From measured voltage/displacement records of a piezo stage to verified float32 C: "
@@ -34,7 +34,7 @@ class _Parser(argparse.ArgumentParser):
 def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
     """The whole command line, for the program and for its documentation; or that of some verbs alone."""
     top = _Parser(prog="hysgen", description=_DESCRIPTION)
-    top.add_argument("--version", action="version", version=f"hysgen {__version__}")
+    top.add_argument("--version", action="version", version=f"hysgen {version()}")
     verbs = top.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
     for name in names:
         module = verb(name)

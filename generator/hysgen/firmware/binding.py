@@ -9,18 +9,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-import hysgen
-from hysgen.certificates import certify
-from hysgen.coefficients import coefficients
-from hysgen.commit_numbers import commit_numbers
-from hysgen.emit import generate
-from hysgen.emit.parameters import Constant
-from hysgen.emit.render import render
+from hysgen.certify.certificates import certify
+from hysgen.codegen import generate
+from hysgen.codegen.parameters import Constant
+from hysgen.codegen.render import render
 from hysgen.errors import ModelError
-from hysgen.files import digest
-from hysgen.inputs import preview
-from hysgen.model import Model
-from hysgen.terms import channels_of
+from hysgen.float32.coefficients import coefficients
+from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.machine.files import digest
+from hysgen.machine.installed import version
+from hysgen.model.model import Model
+from hysgen.model.path import preview
+from hysgen.model.terms import channels_of
 
 BINDING: Final = "model.h"
 DIGEST_WORDS: Final = 4
@@ -63,7 +63,7 @@ def binding(model: Model) -> str:
     facts = {
         "name": model.name,
         "NAME": model.name.upper(),
-        "version": hysgen.__version__,
+        "version": version(),
         "weights": len(model.weights),
         "preview": preview(model.blocks),
         "constants": constants,

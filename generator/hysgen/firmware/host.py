@@ -15,9 +15,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.checking.host import declarations
 from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
-from hysgen.host import declarations
-from hysgen.native import Library, Toolchain, build
+from hysgen.machine.native import Library, Toolchain, build
 from hysgen.stage import StageState
 
 Floats32 = NDArray[np.float32]

@@ -14,10 +14,10 @@ from typing import Final
 
 import numpy as np
 
-from hysgen.coefficients import Bank, coefficients
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import structure_digest
-from hysgen.model import Model
+from hysgen.float32.coefficients import Bank, coefficients
+from hysgen.model.model import Model
 
 MAGIC: Final = 0x49535948
 VERSION: Final = 1

@@ -14,23 +14,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.files import write_whole
-from hysgen.fit import FitSettings, fit
-from hysgen.inputs.delay import Delay
-from hysgen.learning import LearnerSettings
-from hysgen.model import Model
-from hysgen.model_file import dump_model, load_model
+from hysgen.fitting import FitSettings, fit
+from hysgen.machine.files import write_whole
+from hysgen.model.file import dump_model, load_model
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Model
+from hysgen.model.path.delay import Delay
+from hysgen.model.terms.creep import Creep
+from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
-from hysgen.signals import nested_amplitudes, plateaus
 from hysgen.stage import Stage, StageState
-from hysgen.terms.creep import Creep
-from hysgen.terms.memory import Memory
+from hysgen.stage.signals import nested_amplitudes, plateaus
 
 Floats = NDArray[np.float64]
 
 TS_S: Final = 20e-6
 SENSOR_ZERO_V: Final = 23.0
-"""Appendix A, run to rest, reads 0 um here, as on the bench of hysgen.experiments."""
+"""Appendix A, run to rest, reads 0 um here, as on the bench of hysgen.studies.paper."""
 
 IDENTIFICATION_SEED: Final = 41
 LOW_V, HIGH_V = 22.0, 56.0

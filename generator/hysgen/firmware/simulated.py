@@ -12,18 +12,18 @@ from typing import Any, Final
 
 import numpy as np
 
-from hysgen.emit import generate
+from hysgen.c674x import toolchain
+from hysgen.c674x.assembly import instructions
+from hysgen.c674x.cycles import bounds
+from hysgen.c674x.packets import packets
+from hysgen.c674x.toolchain import Firmware
+from hysgen.checking.host import Host
+from hysgen.codegen import generate
 from hysgen.errors import TargetError
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, SIMULATOR_BOARD, read_sources
-from hysgen.host import Host
-from hysgen.model import Model
-from hysgen.native import build
-from hysgen.target import toolchain
-from hysgen.target.assembly import instructions
-from hysgen.target.cycles import bounds
-from hysgen.target.packets import packets
-from hysgen.target.toolchain import Firmware
+from hysgen.machine.native import build
+from hysgen.model.model import Model
 
 SAMPLES: Final = 12_000
 WEAKER, NOISE_UM, SEED = 0.97, 2e-4, 1

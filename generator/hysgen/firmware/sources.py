@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-import hysgen
-from hysgen.errors import BuildError
+from hysgen.machine.installed import data_folder
 
 CONTROLLER: Final = "controller"
 HOST_BOARD: Final = "board/host"
@@ -18,11 +17,7 @@ Sources = list[tuple[str, str]]
 
 def firmware_folder() -> Path:
     """Where controller/ and board/ are. Raises BuildError if the installation lacks them."""
-    package = Path(hysgen.__file__).resolve().parent
-    for folder in (package / "firmware", package.parents[1] / "firmware"):
-        if (folder / CONTROLLER).is_dir():
-            return folder
-    raise BuildError(f"{package}: the firmware's C is missing; install hysgen again")
+    return data_folder("firmware", holds=CONTROLLER)
 
 
 def read_sources(folder: str, *patterns: str) -> Sources:

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from hysgen.c674x import toolchain
+from hysgen.c674x.toolchain import Firmware
 from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
-from hysgen.target import toolchain
-from hysgen.target.toolchain import Firmware
 
 MEMORIES: Final = {"L2 RAM": (0x11800000, 256 * 1024), "shared RAM": (0x80000000, 128 * 1024)}
 """Memories of the C6748 by name: first address, bytes."""

@@ -15,8 +15,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen import signals
-from hysgen.baselines import fit_proportional
 from hysgen.errors import HysgenError
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import HostFirmware, Image, Settings, State
@@ -30,10 +28,11 @@ from hysgen.firmware.reference_models import (
     measured,
     with_learner,
 )
-from hysgen.fit import FitSettings
-from hysgen.inputs import preview
-from hysgen.model import Model
-from hysgen.stage import StageState
+from hysgen.fitting import FitSettings
+from hysgen.model.model import Model
+from hysgen.model.path import preview
+from hysgen.model.rivals import fit_proportional
+from hysgen.stage import StageState, signals
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from hysgen.certificates import certify
-from hysgen.cost import Cost, cost_of_texts
-from hysgen.diagnose.study import Study
-from hysgen.emit import Options, generate
+from hysgen.c674x.cost import Cost, cost_of_texts
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits import verify_texts
+from hysgen.checking.bits.report import Report
+from hysgen.codegen import Options, generate
+from hysgen.diagnosis.study import Study
 from hysgen.errors import HysgenError
-from hysgen.plots.diagnosis import pictures
-from hysgen.plots.picture import Picture
 from hysgen.report.page import KeyFigure, Page, Section, Table
+from hysgen.report.plots.diagnosis import pictures
+from hysgen.report.plots.picture import Picture
 from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
 from hysgen.report.words import ladder_header, ladder_rows, parameter_text, price_of_all, verdict
-from hysgen.verify import verify_texts
-from hysgen.verify.report import Report
 
 SAMPLES = 100_000
 """Samples of each build over which the report compares the generated C."""

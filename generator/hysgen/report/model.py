@@ -6,17 +6,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hysgen.cost import Cost
-from hysgen.model import Model
-from hysgen.plots import style
-from hysgen.plots.picture import Picture
-from hysgen.plots.traces import horizon, loops, validation
+from hysgen.c674x.cost import Cost
+from hysgen.checking.bits.report import Report
+from hysgen.model.model import Model
+from hysgen.model.scores import SCORE_HEADER, Score, Scores, score_rows
+from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.report.page import KeyFigure, Page, Section, Table
+from hysgen.report.plots import style
+from hysgen.report.plots.picture import Picture
+from hysgen.report.plots.traces import horizon, loops, validation
 from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
-from hysgen.scores import SCORE_HEADER, Score, Scores, score_rows
-from hysgen.simulate import free_run
-from hysgen.verify.report import Report
 
 COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE)
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import jinja2
 
-import hysgen
-from hysgen.emit.render import template_environment
-from hysgen.plots.picture import Picture
+from hysgen.codegen.render import template_environment
+from hysgen.machine.installed import version
+from hysgen.report.plots.picture import Picture
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Page:
 
     def html(self) -> str:
         """The page as text."""
-        return _environment().get_template("report/page.html.j2").render(page=self, version=hysgen.__version__)
+        return _environment().get_template("report/page.html.j2").render(page=self, version=version())
 
 
 @functools.cache

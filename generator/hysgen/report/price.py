@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from hysgen.certificates import certify
-from hysgen.diagnose.diagnosis import Price
-from hysgen.emit import Options, generate
+from hysgen.certify.certificates import certify
+from hysgen.codegen import Options, generate
+from hysgen.codegen.operations import figures
+from hysgen.codegen.operations.cycles import cycles_of, per_sample
+from hysgen.diagnosis.answer import Price
 from hysgen.errors import BudgetError, CertificateError
-from hysgen.model import Model
-from hysgen.operations import figures
-from hysgen.operations.cycles import cycles_of, per_sample
+from hysgen.model.model import Model
 
 
 def price_of(model: Model) -> Price | None:
@@ -16,7 +16,7 @@ def price_of(model: Model) -> Price | None:
 
     A sample takes the dearest of predict, simulate and inverse, and with a learner `learn` and `commit` beside it, as
     `hysgen cost` counts. Counted in the C that is generated of the model; cycles are the estimate of
-    `hysgen.operations.cycles`. None if there is no C: a sample does not fit its period, or nothing could be committed.
+    `hysgen.codegen.operations.cycles`. None without C: a sample does not fit its period, or nothing could be committed.
     """
     try:
         texts = generate(model, Options(inverse=certify(model).inverse_holds))

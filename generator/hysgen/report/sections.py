@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import scipy
 
-import hysgen
-from hysgen.certificates import certify
-from hysgen.cost import Cost
-from hysgen.dynamics import dynamics
-from hysgen.files import digest
-from hysgen.model import Model
-from hysgen.model_file import dump_model
+from hysgen.c674x.cost import Cost
+from hysgen.certify.certificates import certify
+from hysgen.certify.dynamics import dynamics
+from hysgen.checking.bits.report import Report
+from hysgen.machine.files import digest
+from hysgen.machine.installed import version
+from hysgen.model.file import dump_model
+from hysgen.model.model import Model
 from hysgen.report.page import Section, Table
-from hysgen.verify.report import Report
 
 
 def model_section(model: Model) -> Section:
@@ -118,7 +118,7 @@ def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> Sectio
         *[list(fact) for fact in facts],
         ["model", f"{model.name}, SHA-256 {digest(dump_model(model).encode())}"],
         ["fit settings", _settings(fit if isinstance(fit, dict) else {})],
-        ["hysgen", hysgen.__version__],
+        ["hysgen", version()],
         ["Python, NumPy, SciPy", f"{platform.python_version()}, {np.__version__}, {scipy.__version__}"],
     ]
     return Section("Provenance", tables=[Table(["what", "which"], rows, left=2)])

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from hysgen.certificates import certify
-from hysgen.diagnose.study import Study
+from hysgen.certify.certificates import certify
+from hysgen.diagnosis.study import Study
+from hysgen.display import table
 from hysgen.report.words import ladder_header, ladder_rows, parameter_text, verdict, where_rows
-from hysgen.tables import table
 
 
 def diagnosis_text(study: Study) -> str:

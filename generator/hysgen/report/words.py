@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from hysgen.diagnose.diagnosis import Price
-from hysgen.diagnose.evidence import Estimate
-from hysgen.diagnose.misfit import spread
-from hysgen.diagnose.study import Study
+from hysgen.diagnosis.answer import Price
+from hysgen.diagnosis.causes import Estimate
+from hysgen.diagnosis.error_map import spread
+from hysgen.diagnosis.study import Study
 
 UNITS = ("um", "V", "s", "Hz", "samples")
 """Units that names of parameters end with."""

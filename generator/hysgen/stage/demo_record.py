@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.files import write_whole
-from hysgen.signals import nested_amplitudes, plateaus
+from hysgen.machine.files import write_whole
 from hysgen.stage.description import Stage
 from hysgen.stage.measure import Measurement, run
+from hysgen.stage.signals import nested_amplitudes, plateaus
 
 Floats = NDArray[np.float64]
 Trains = tuple[tuple[float, int], ...]

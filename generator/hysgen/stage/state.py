@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen import native
+from hysgen.machine import native
 from hysgen.stage.description import Stage
 from hysgen.stage.discretise import Linear, Mesh, Spectrum, amplifier, creep_spectrum, mechanics, mesh
 from hysgen.stage.effects import Aging, Drift, Noise, Outliers, StageError, StickSlip, require

@@ -11,10 +11,10 @@ import dataclasses
 import os
 from pathlib import Path
 
-from hysgen.bank import CATEGORIES, Verdict, limits, limits_table
-from hysgen.bank import run as run_bank
 from hysgen.cli.console import Console
 from hysgen.errors import HysgenError
+from hysgen.studies.bank import CATEGORIES, Verdict, limits, limits_table
+from hysgen.studies.bank import run as run_bank
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

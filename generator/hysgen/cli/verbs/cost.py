@@ -10,14 +10,14 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
+from hysgen.c674x.cost import Cost, cost
+from hysgen.c674x.cost.budget_file import Change, changes, read, update
+from hysgen.c674x.footprint import footprint
+from hysgen.c674x.toolchain import version
 from hysgen.cli.console import Console
-from hysgen.cost import Cost, cost
-from hysgen.cost.budget_file import Change, changes, read, update
-from hysgen.emit.manifest import read_folder
+from hysgen.codegen.manifest import read_folder
+from hysgen.display import table
 from hysgen.errors import HysgenError
-from hysgen.tables import table
-from hysgen.target.footprint import footprint
-from hysgen.target.toolchain import version
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

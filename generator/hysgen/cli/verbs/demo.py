@@ -11,25 +11,25 @@ from pathlib import Path
 
 import numpy as np
 
-from hysgen.baselines import fit_baselines, score_baselines
-from hysgen.certificates import certify
+from hysgen.c674x.cost import cost
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits import verify
 from hysgen.cli.console import Console
 from hysgen.cli.verbs.cost import cost_text
 from hysgen.cli.verbs.fit import memory_terms
-from hysgen.cost import cost
-from hysgen.emit import generate, write
-from hysgen.files import write_whole
-from hysgen.fit import FitSettings, fit
-from hysgen.model import Model
-from hysgen.model_file import save_model
-from hysgen.plots import style
-from hysgen.plots.traces import horizon, loops, validation
+from hysgen.codegen import generate, write
+from hysgen.fitting import FitSettings, fit
+from hysgen.machine.files import write_whole
+from hysgen.model.file import save_model
+from hysgen.model.model import Model
+from hysgen.model.rivals import fit_baselines, score_baselines
+from hysgen.model.scores import Score, Scores, score, score_lines
+from hysgen.model.simulate import free_run, one_step
 from hysgen.record import Record, load_record
 from hysgen.report.model import model_page
-from hysgen.scores import Score, Scores, score, score_lines
-from hysgen.simulate import free_run, one_step
+from hysgen.report.plots import style
+from hysgen.report.plots.traces import horizon, loops, validation
 from hysgen.stage.demo_record import bundled_csv, identification_rows
-from hysgen.verify import verify
 
 PLAYS = 12
 PAPER, EXTENDED = "paper's model", "with memory"

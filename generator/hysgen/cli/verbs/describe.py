@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from hysgen.certificates import certify
+from hysgen.certify.certificates import certify
+from hysgen.certify.dynamics import dynamics
 from hysgen.cli.console import Console
-from hysgen.dynamics import dynamics
-from hysgen.model_file import load_model
+from hysgen.model.file import load_model
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

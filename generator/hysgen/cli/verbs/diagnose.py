@@ -13,15 +13,15 @@ from pathlib import Path
 from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, parse_rows, read_records
 from hysgen.cli.verbs.fit import c_name
-from hysgen.diagnose import DiagnoseSettings
-from hysgen.diagnose.study import Study, study
-from hysgen.files import write_whole
-from hysgen.fit import FitSettings
-from hysgen.model import Model
-from hysgen.model_file import save_model
+from hysgen.diagnosis import DiagnoseSettings
+from hysgen.diagnosis.study import Study, study
+from hysgen.fitting import FitSettings
+from hysgen.machine.files import write_whole
+from hysgen.model.file import save_model
+from hysgen.model.model import Model
+from hysgen.model.scores import score
 from hysgen.report.price import price_of
 from hysgen.report.terminal import diagnosis_text
-from hysgen.scores import score
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +74,7 @@ def scored(found: Study) -> Model:
 
 def write_pictures(found: Study, folder: Path) -> list[Path]:
     """Every picture of the diagnosis as PNG."""
-    from hysgen.plots import style
-    from hysgen.plots.diagnosis import pictures
+    from hysgen.report.plots import style
+    from hysgen.report.plots.diagnosis import pictures
 
     return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in pictures(found)]

@@ -6,9 +6,9 @@ import argparse
 
 from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, read_records
-from hysgen.model_file import load_model
-from hysgen.revision import Comparison, compare
-from hysgen.tables import table
+from hysgen.display import table
+from hysgen.fitting.refit import Comparison, compare
+from hysgen.model.file import load_model
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import argparse
 
+from hysgen.checking.endurance import ALLOWED_RATIO, CASES, HEADINGS, rows, trials
+from hysgen.checking.endurance import run as endure
 from hysgen.cli.console import Console
-from hysgen.endurance import ALLOWED_RATIO, CASES, HEADINGS, rows, trials
-from hysgen.endurance import run as endure
+from hysgen.display import table
 from hysgen.errors import HysgenError
-from hysgen.tables import table
 
 LEAST_SAMPLES = 1000
 LEGEND = f"""\

@@ -9,12 +9,12 @@ import argparse
 from pathlib import Path
 
 from hysgen.cli.console import Console
-from hysgen.experiments.learning import CHANGES, Agreement, Change, agreement, change
-from hysgen.experiments.modelling import EXPERIMENTS, Outcome, repeat
-from hysgen.experiments.tracking import CASES, Tracking, track_case
-from hysgen.plots import style
-from hysgen.plots.experiments import modelling_figures, tracking_figure
-from hysgen.tables import table
+from hysgen.display import table
+from hysgen.report.plots import style
+from hysgen.report.plots.experiments import modelling_figures, tracking_figure
+from hysgen.studies.paper.learning import CHANGES, Agreement, Change, agreement, change
+from hysgen.studies.paper.modelling import EXPERIMENTS, Outcome, repeat
+from hysgen.studies.paper.tracking import CASES, Tracking, track_case
 
 LEARNED = EXPERIMENTS[:2]
 

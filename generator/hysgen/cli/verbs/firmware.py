@@ -8,14 +8,14 @@ import argparse
 from pathlib import Path
 
 from hysgen.cli.console import Console
-from hysgen.emit import write
+from hysgen.codegen import write
+from hysgen.display import table
 from hysgen.errors import BuildError, TargetError
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.reference_models import with_learner
 from hysgen.firmware.simulated import SAMPLES, Simulated, image, simulate, static_bounds
 from hysgen.firmware.target import MEMORIES, Built, build
-from hysgen.model_file import load_model
-from hysgen.tables import table
+from hysgen.model.file import load_model
 
 BUDGET = 7500
 

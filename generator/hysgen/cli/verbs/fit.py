@@ -10,16 +10,16 @@ import argparse
 import dataclasses
 from pathlib import Path
 
-from hysgen.certificates import certify
+from hysgen.certify.certificates import certify
 from hysgen.cli.console import Console
 from hysgen.cli.learner import add_learner_options, with_learner
 from hysgen.cli.records import add_record_options, parse_rows, read_records
-from hysgen.fit import FitSettings, fit
-from hysgen.model_file import model_to_json, save_model
+from hysgen.fitting import FitSettings, fit
+from hysgen.model.file import model_to_json, save_model
+from hysgen.model.scores import score
+from hysgen.model.terms import Term
+from hysgen.model.terms.memory import Memory
 from hysgen.record import Record, check_for_fit
-from hysgen.scores import score
-from hysgen.terms import Term
-from hysgen.terms.memory import Memory
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -12,10 +12,10 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.cli.learner import add_learner_options, with_learner
-from hysgen.emit import Options, generate, write
-from hysgen.emit.freshness import stale
-from hysgen.model import Model
-from hysgen.model_file import load_model
+from hysgen.codegen import Options, generate, write
+from hysgen.codegen.freshness import stale
+from hysgen.model.file import load_model
+from hysgen.model.model import Model
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

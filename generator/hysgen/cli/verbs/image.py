@@ -7,10 +7,10 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.errors import ModelError
-from hysgen.files import write_whole
 from hysgen.firmware.binding import structure_digest
 from hysgen.firmware.image import encode
-from hysgen.model_file import load_model
+from hysgen.machine.files import write_whole
+from hysgen.model.file import load_model
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

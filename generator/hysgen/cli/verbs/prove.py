@@ -13,13 +13,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final, Protocol
 
+from hysgen.checking.proof.eva.report import prove
+from hysgen.checking.proof.misra import misra
+from hysgen.checking.proof.sanitize import sanitize
+from hysgen.checking.proof.warnings import wall
 from hysgen.cli.console import Console
-from hysgen.emit.manifest import Folder, read_folder
+from hysgen.codegen.manifest import Folder, read_folder
 from hysgen.errors import HysgenError
-from hysgen.proof.eva.report import prove
-from hysgen.proof.misra import misra
-from hysgen.proof.sanitize import sanitize
-from hysgen.proof.warnings import wall
 
 
 class Answer(Protocol):

@@ -14,24 +14,24 @@ import time
 from pathlib import Path
 from typing import Any
 
-from hysgen.certificates import certify
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits import verify
 from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, read_records
 from hysgen.cli.verbs.diff import comparison_text
-from hysgen.diagnose import DiagnoseSettings
-from hysgen.diagnose.study import study
-from hysgen.emit import Options, generate, write
-from hysgen.emit.freshness import stale
-from hysgen.emit.manifest import MANIFEST, read_folder
+from hysgen.codegen import Options, generate, write
+from hysgen.codegen.freshness import stale
+from hysgen.codegen.manifest import MANIFEST, read_folder
+from hysgen.diagnosis import DiagnoseSettings
+from hysgen.diagnosis.study import study
 from hysgen.errors import HysgenError
-from hysgen.fit import FitSettings
-from hysgen.model import Model
-from hysgen.model_file import load_model, save_model
+from hysgen.fitting import FitSettings
+from hysgen.fitting.refit import compare, refit, restricted_as, structure_fits
+from hysgen.model.file import load_model, save_model
+from hysgen.model.model import Model
 from hysgen.record import Record
 from hysgen.report.price import price_of
 from hysgen.report.words import verdict
-from hysgen.revision import compare, refit, restricted_as, structure_fits
-from hysgen.verify import verify
 
 VERIFIED_SAMPLES = 200_000
 

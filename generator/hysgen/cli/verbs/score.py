@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from hysgen.baselines import fit_baselines, score_baselines
 from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, parse_rows, read_records
-from hysgen.model_file import load_model
-from hysgen.plots import style
-from hysgen.plots.traces import validation
-from hysgen.scores import score, score_lines
-from hysgen.simulate import free_run, one_step
+from hysgen.model.file import load_model
+from hysgen.model.rivals import fit_baselines, score_baselines
+from hysgen.model.scores import score, score_lines
+from hysgen.model.simulate import free_run, one_step
+from hysgen.report.plots import style
+from hysgen.report.plots.traces import validation
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from hysgen.cli.console import Console
+from hysgen.display import table
 from hysgen.firmware.tracking import PAPER_NM, SECONDS, Tracked, track
-from hysgen.tables import table
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -10,18 +10,18 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from hysgen.c674x.cost import cost_of_texts
+from hysgen.c674x.generated import verify_on_target
+from hysgen.checking.bits import DEFAULT_SAMPLES, DEFAULT_STRUCTURES, verify
+from hysgen.checking.proof.emulated.contraction import contraction, contraction_rows
+from hysgen.checking.proof.emulated.equality import LEARNING_SHARE, equality
+from hysgen.checking.proof.emulated.machines import MACHINES, Machine
 from hysgen.cli.console import Console
-from hysgen.cost import cost_of_texts
-from hysgen.emit.manifest import read_folder
+from hysgen.codegen.manifest import read_folder
+from hysgen.display import table
 from hysgen.errors import HysgenError
-from hysgen.files import write_whole
-from hysgen.proof.emulated.contraction import contraction, contraction_rows
-from hysgen.proof.emulated.equality import LEARNING_SHARE, equality
-from hysgen.proof.emulated.machines import MACHINES, Machine
+from hysgen.machine.files import write_whole
 from hysgen.report.model import folder_page
-from hysgen.tables import table
-from hysgen.target.generated import verify_on_target
-from hysgen.verify import DEFAULT_SAMPLES, DEFAULT_STRUCTURES, verify
 
 TARGET_SAMPLES = 4000
 EMULATED_SAMPLES = 20_000

@@ -1,0 +1,90 @@
+"""A budget file: what the C of some models costs on the target, kept under version control, and what exceeds it.
+
+{"compiler": ..., "models": {model: {function: {"cycles": .., "code_bytes": .., "stack_bytes": ..},
+"data": {"struct_bytes": .., "constant_bytes": ..}}}}. A figure may grow by TOLERANCE before it counts as exceeded;
+one that shrank by more asks for a tighter budget, so that what was won is not lost unseen.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from hysgen.errors import HysgenError
+from hysgen.machine.files import write_whole
+
+TOLERANCE: Final = 0.02
+
+Figures = Mapping[str, Mapping[str, int]]
+"""Function, or "data", -> what is counted -> how much."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A figure that is not what the budget says by more than TOLERANCE; None: there is none on that side."""
+
+    model: str
+    function: str
+    figure: str
+    budget: int | None
+    found: int | None
+
+    @property
+    def exceeds(self) -> bool:
+        """Whether this is more than the budget, or something that it does not know of, or knows and is gone."""
+        return self.budget is None or self.found is None or self.found > self.budget
+
+    def __str__(self) -> str:
+        what = f"{self.model}, {self.function}: {self.figure.replace('_', ' ')}"
+        if self.budget is None:
+            return f"NOT IN THE BUDGET: {what} {self.found}"
+        if self.found is None:
+            return f"IN THE BUDGET ONLY: {what} {self.budget}"
+        share = 100.0 * (self.found - self.budget) / max(self.budget, 1)
+        verdict = "OVER BUDGET" if self.exceeds else "below budget, tighten it with --update-budget"
+        return f"{verdict}: {what} {self.found}, budget {self.budget} ({share:+.1f} %)"
+
+
+def read(path: Path, model: str) -> Figures:
+    """The budget of one model. Raises HysgenError if the file is missing, is none, or does not know the model."""
+    models = _models(path)
+    if model not in models:
+        raise HysgenError(f"{path}: no budget for {model}; write it with --update-budget")
+    found: Figures = models[model]
+    return found
+
+
+def update(path: Path, model: str, figures: Figures, compiler: str) -> None:
+    """Put the figures of one model into the file, which is made if it is not there; other models stay."""
+    models = dict(_models(path)) if path.exists() else {}
+    models[model] = figures
+    content = {"compiler": compiler, "models": dict(sorted(models.items()))}
+    write_whole(path, json.dumps(content, indent=2) + "\n")
+
+
+def changes(model: str, budget: Figures, found: Figures) -> list[Change]:
+    """Figures that differ from the budget by more than TOLERANCE, in the order of what was found."""
+    different = []
+    for function in [*found, *(name for name in budget if name not in found)]:
+        old, new = budget.get(function, {}), found.get(function, {})
+        for figure in [*new, *(name for name in old if name not in new)]:
+            was, now = old.get(figure), new.get(figure)
+            if was is None or now is None or abs(now - was) > TOLERANCE * was:
+                different.append(Change(model, function, figure, was, now))
+    return different
+
+
+def _models(path: Path) -> Mapping[str, Any]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as fault:
+        raise HysgenError(f"{path}: {fault.strerror}; write it with --update-budget") from None
+    except ValueError:
+        content = None
+    if not isinstance(content, dict) or not isinstance(content.get("models"), dict):
+        raise HysgenError(f"{path}: not a budget file; write it anew with --update-budget")
+    models: Mapping[str, Any] = content["models"]
+    return models

@@ -1,0 +1,174 @@
+"""Loop counters without running: registers whose value is known because nothing that depends on data went into it.
+
+A loop of constant length counts in a register, or moves a pointer to a fixed distance from where it began. So a value
+here is a number, or the value that a register had on entry plus a number. Only registers that decide a jump backwards,
+and those that they are computed from, are followed. Whatever is not understood is not known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hysgen.c674x.assembly import Instruction, Memory, Register
+from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source
+from hysgen.c674x.packets import Packet
+from hysgen.c674x.semantics import INTEGER, MASK, signed
+from hysgen.errors import TargetError
+
+
+@dataclass(frozen=True)
+class Value:
+    """`number` on top of what register `base` held on entry; on top of nothing if base is None."""
+
+    number: int
+    base: int | None = None
+
+
+_STEP = {"add": 1, "addab": 1, "addah": 2, "addaw": 4, "addad": 8, "addk": 1}
+_STEP_BACK = {"sub": 1, "subab": 1, "subah": 2, "subaw": 4}
+
+
+@dataclass(frozen=True)
+class Known:
+    """values: (register, value) of what is known. awaited: (cycles until a result lands, register), not known then."""
+
+    values: tuple[tuple[int, Value], ...] = ()
+    awaited: tuple[tuple[int, int], ...] = ()
+
+    def holds(self, instruction: Instruction) -> bool | None:
+        """Whether the instruction is executed; None if that is not known."""
+        if instruction.predicate is None:
+            return True
+        value = dict(self.values).get(instruction.predicate.register.index)
+        if value is None or value.base is not None:
+            return None
+        return (value.number == 0) == instruction.predicate.when_zero
+
+    def below(self, register: int) -> int:
+        """By how much the register is lower than on entry. Raises TargetError if that is not known."""
+        value = dict(self.values).get(register)
+        if value is None or value.base != register:
+            raise TargetError(f"{Register(register)}: moved by what is not known here; how deep the stack is, neither")
+        return max(0, -signed(value.number))
+
+
+def followed(packets: Mapping[int, Packet], start: int) -> frozenset[int]:
+    """Registers that decide a jump backwards in what can be reached from `start`, and what they are computed from."""
+    reached = _reached(packets, start)
+    every = [pair for packet in reached for pair in zip(packet.instructions, packet.actions, strict=True)]
+    found = {
+        instruction.predicate.register.index
+        for instruction, action in every
+        if isinstance(action, Branch) and instruction.predicate and _goes_back(instruction, action)
+    }
+    size = -1
+    while found and size != len(found):
+        size = len(found)
+        for _, action in every:
+            if isinstance(action, Compute) and action.mnemonic in INTEGER and action.destination.index in found:
+                found |= {source.index for source in action.sources if isinstance(source, Register)}
+    return frozenset(found)
+
+
+def on_entry(registers: frozenset[int]) -> Known:
+    """Every register holds what it holds."""
+    return Known(tuple((register, Value(0, register)) for register in sorted(registers)))
+
+
+def after(known: Known, packet: Packet, cycles: int, registers: frozenset[int]) -> Known:
+    """What is known once the packet was issued and `cycles` cycles have passed."""
+    if not registers:
+        return known
+    before = dict(known.values)
+    values, awaited = dict(before), list(known.awaited)
+    for instruction, action in zip(packet.instructions, packet.actions, strict=True):
+        executed = known.holds(instruction)
+        if executed is False:
+            continue
+        for register, value, delay in writes(action, before):
+            if register not in registers:
+                continue
+            if delay:
+                awaited.append((delay + 1, register))
+                value = None
+            if value is None or executed is None or any(other == register for _, other in awaited):
+                values.pop(register, None)
+            else:
+                values[register] = value
+    left = tuple(sorted({(due - cycles, register) for due, register in awaited if due > cycles}))
+    return Known(tuple(sorted(values.items(), key=lambda item: item[0])), left)
+
+
+def writes(action: Action, before: Mapping[int, Value]) -> list[tuple[int, Value | None, int]]:
+    """(register, value or None, delay slots) of each result, from what is known `before`."""
+    found: list[tuple[int, Value | None, int]] = []
+    if isinstance(action, Compute):
+        found.append((action.destination.index, _computed(action, before), action.delay))
+    elif isinstance(action, LoadAddress):
+        found.append((action.destination.index, Value(action.address), 0))
+    elif isinstance(action, Branch) and action.link is not None:
+        found.append((action.link.index, None, 0))
+    elif isinstance(action, Access):
+        if action.memory.step:
+            found.append((action.memory.base.index, _moved(action.memory, action.size, before), 0))
+        if isinstance(action, Load):
+            found += [(register.index, None, action.delay) for register in action.registers]
+    return found
+
+
+def _moved(memory: Memory, size: int, before: Mapping[int, Value]) -> Value | None:
+    base, offset = before.get(memory.base.index), _value(memory.offset, before)
+    if base is None or offset is None or offset.base is not None:
+        return None
+    step = offset.number * (size if memory.scaled else 1)
+    return Value(base.number + memory.sign * step & MASK, base.base)
+
+
+def _computed(action: Compute, before: Mapping[int, Value]) -> Value | None:
+    operands = [_value(source, before) for source in action.sources]
+    known = [operand for operand in operands if operand is not None]
+    if action.mnemonic not in INTEGER or len(known) != len(operands):
+        return None
+    if all(operand.base is None for operand in known):
+        return Value(INTEGER[action.mnemonic](*[operand.number for operand in known]))
+    return _relative(action.mnemonic, *known) if len(known) == 2 else None
+
+
+def _relative(mnemonic: str, a: Value, b: Value) -> Value | None:
+    """a and b, at least one of them on top of what a register held on entry."""
+    if mnemonic in _STEP and b.base is None:
+        return Value(a.number + _STEP[mnemonic] * b.number & MASK, a.base)
+    if mnemonic in _STEP and a.base is None and _STEP[mnemonic] == 1:
+        return Value(a.number + b.number & MASK, b.base)
+    if mnemonic in _STEP_BACK and b.base is None:
+        return Value(a.number - _STEP_BACK[mnemonic] * b.number & MASK, a.base)
+    if mnemonic == "sub" and a.base == b.base:
+        return Value(a.number - b.number & MASK)
+    if mnemonic == "cmpeq" and a.base == b.base:
+        return Value(int(a.number == b.number))
+    if mnemonic in ("or", "xor") and Value(0) in (a, b):
+        return b if a == Value(0) else a
+    return None
+
+
+def _value(source: Source, before: Mapping[int, Value]) -> Value | None:
+    return before.get(source.index) if isinstance(source, Register) else Value(source & MASK)
+
+
+def _goes_back(instruction: Instruction, action: Branch) -> bool:
+    return isinstance(action.target, int) and action.target <= instruction.address
+
+
+def _reached(packets: Mapping[int, Packet], start: int) -> list[Packet]:
+    """Every packet that some way may lead to, returns and calls included."""
+    found: dict[int, Packet] = {}
+    todo = [start]
+    while todo:
+        packet = packets.get(todo.pop())
+        if packet is None or packet.refusal or packet.address in found:
+            continue
+        found[packet.address] = packet
+        todo += [packet.next]
+        todo += [a.target for a in packet.actions if isinstance(a, Branch) and isinstance(a.target, int)]
+    return list(found.values())

@@ -1,0 +1,191 @@
+"""From an instruction to what it does: one of six actions.
+
+The interpreter, the fast engine and the cycle counts all start from the same actions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from hysgen.c674x.assembly import Instruction, Label, Memory, Operand, Pair, Register
+from hysgen.c674x.latency import DELAY_SLOTS
+from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, READS_DESTINATION
+from hysgen.errors import TargetError
+
+Source = Register | int
+
+
+@dataclass(frozen=True)
+class Compute:
+    """destination := operation(sources), readable after `delay` further cycles."""
+
+    mnemonic: str
+    sources: tuple[Source, ...]
+    destination: Register
+    delay: int
+
+
+@dataclass(frozen=True)
+class Access:
+    """What a load or a store shares: `size` bytes at `memory`, which must be a multiple of `alignment`.
+
+    registers: the low word's register first, then the high word's if there are 64 bits.
+    """
+
+    memory: Memory
+    size: int
+    alignment: int
+    registers: tuple[Register, ...]
+
+
+@dataclass(frozen=True)
+class Load(Access):
+    """registers := memory, extended by sign or by zeros; readable after `delay` further cycles."""
+
+    signed: bool
+    delay: int
+
+
+@dataclass(frozen=True)
+class Store(Access):
+    """memory := registers, seen by loads of later packets."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Go on at `target` after the delay slots. `link`: register that gets the address of the next packet, for a call.
+
+    idle: cycles without instructions that follow the packet.
+    """
+
+    target: Register | int
+    link: Register | None
+    idle: int
+
+
+@dataclass(frozen=True)
+class LoadAddress:
+    """destination := a code address, known when the program is linked; then `idle` cycles without instructions."""
+
+    destination: Register
+    address: int
+    idle: int
+
+
+@dataclass(frozen=True)
+class Idle:
+    """`cycles` cycles without instructions beyond the packet's own."""
+
+    cycles: int
+
+
+Action = Compute | Load | Store | Branch | LoadAddress | Idle
+
+# mnemonic -> bytes, alignment, sign extension
+_LOADS = {
+    "ldb": (1, 1, True),
+    "ldbu": (1, 1, False),
+    "ldh": (2, 2, True),
+    "ldhu": (2, 2, False),
+    "ldw": (4, 4, False),
+    "lddw": (8, 8, False),
+    "ldnw": (4, 1, False),
+    "ldndw": (8, 1, False),
+}
+_STORES = {"stb": (1, 1), "sth": (2, 2), "stw": (4, 4), "stdw": (8, 8), "stnw": (4, 1), "stndw": (8, 1)}
+_CONSTANT_FORM_ONLY = frozenset({"ext", "extu", "set", "clr"})
+
+
+def action(instruction: Instruction) -> Action:
+    """What the instruction does.
+
+    Raises TargetError if it, or this form of it, is not modelled; the text says where and names the instruction.
+    """
+    try:
+        found = _action(instruction)
+    except (ValueError, IndexError):
+        found = None
+    if found is None:
+        raise TargetError(f"{instruction}: not modelled by the simulator; avoid what compiles to it, or use the host")
+    return found
+
+
+def _action(instruction: Instruction) -> Action | None:
+    mnemonic, operands = instruction.mnemonic, instruction.operands
+    if mnemonic in INTEGER or mnemonic in FLOAT:
+        return _compute(mnemonic, operands)
+    if mnemonic in _LOADS:
+        memory, data = operands
+        size, alignment, signed = _LOADS[mnemonic]
+        return Load(_memory(memory), size, alignment, _data(data, size), signed, DELAY_SLOTS[mnemonic])
+    if mnemonic in _STORES:
+        data, memory = operands
+        size, alignment = _STORES[mnemonic]
+        return Store(_memory(memory), size, alignment, _data(data, size))
+    if mnemonic in _CONTROL:
+        return _CONTROL[mnemonic](operands)
+    return None
+
+
+def _compute(mnemonic: str, operands: tuple[Operand, ...]) -> Compute | None:
+    *printed, last = operands
+    destination = _register(last)
+    sources = tuple(_source(operand) for operand in printed)
+    if mnemonic in READS_DESTINATION:
+        sources = (*sources, destination)
+    if mnemonic in _CONSTANT_FORM_ONLY and len(sources) != 3:
+        return None
+    return Compute(mnemonic, sources, destination, DELAY_SLOTS[mnemonic])
+
+
+def _source(operand: Operand) -> Source:
+    return operand if isinstance(operand, Register) else _constant(operand) & MASK
+
+
+def _constant(operand: Operand) -> int:
+    if not isinstance(operand, int):
+        raise ValueError(operand)
+    return operand
+
+
+def _register(operand: Operand) -> Register:
+    if not isinstance(operand, Register):
+        raise ValueError(operand)
+    return operand
+
+
+def _label(operand: Operand) -> int:
+    if not isinstance(operand, Label):
+        raise ValueError(operand)
+    return operand.address
+
+
+def _target(operand: Operand) -> Register | int:
+    return operand if isinstance(operand, Register) else _label(operand)
+
+
+_CONTROL: Mapping[str, Callable[[tuple[Operand, ...]], Action]] = {
+    "b": lambda operands: Branch(_target(operands[0]), None, 0),
+    "bnop": lambda operands: Branch(_target(operands[0]), None, _constant(operands[1])),
+    "callp": lambda operands: Branch(_target(operands[0]), _register(operands[1]), 5),
+    "addkpc": lambda operands: LoadAddress(_register(operands[1]), _label(operands[0]), _constant(operands[2])),
+    "nop": lambda operands: Idle((_constant(operands[0]) if operands else 1) - 1),
+}
+
+MODELLED = frozenset({*INTEGER, *FLOAT, *_LOADS, *_STORES, *_CONTROL})
+"""Mnemonics of every instruction that has an action; whatever else there is, is refused."""
+
+
+def _memory(operand: Operand) -> Memory:
+    if not isinstance(operand, Memory):
+        raise ValueError(operand)
+    return operand
+
+
+def _data(operand: Operand, size: int) -> tuple[Register, ...]:
+    if size == 8:
+        if not isinstance(operand, Pair):
+            raise ValueError(operand)
+        return operand.low, operand.high
+    return (_register(operand),)

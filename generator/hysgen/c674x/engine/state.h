@@ -1,0 +1,34 @@
+/* The C674x as the fast engine sees it. Read by the C compiler and by cffi: declarations only. */
+
+typedef struct {
+    /* Set before a run. */
+    uint32_t reg[64]; /* A0..A31, B0..B31 */
+    uint8_t *memory;
+    uint32_t memory_base, memory_size, read_only_end;
+    uint32_t program_counter, return_address;
+    uint64_t cycle_limit;
+
+    /* In flight, by the cycle modulo 8 in which it lands: nothing takes longer than 6 cycles. */
+    uint32_t value[8][64];     /* results, valid where a bit of `landing` is set */
+    uint64_t landing[8];       /* registers that get a result */
+    uint64_t landing_quick[8]; /* those of them that do not come from memory */
+    uint32_t ports[8];         /* unit write ports in use */
+    uint32_t branch_target[8];
+    uint8_t branch_due[8];
+
+    /* Counted. */
+    uint64_t cycle, stalls, packets, denormals, nans;
+    uint32_t lowest_stack_pointer;
+
+    /* What ended the run early: numbers of hysgen.c674x.processor.Fault, the packet and a detail. */
+    uint32_t fault, fault_address, fault_detail;
+} c674x_t;
+
+/* One execute packet: its work, the registers it reads over a cross path, what follows it. */
+typedef struct {
+    void (*issue)(c674x_t *m);
+    uint64_t cross_reads;
+    uint32_t next, idle;
+} packet_t;
+
+void c674x_run(c674x_t *m);

@@ -1,0 +1,198 @@
+"""Running packets one cycle at a time, written to be read: the specification of the pipeline.
+
+The rules, each a few lines below (source: SPRUFE8, sections 3 and 4):
+- every instruction of a packet reads its registers before any of them writes;
+- a result lands `delay + 1` cycles after issue; until then the old value is there to be read;
+- memory is read and written in the order of issue, the loads of a packet before its stores;
+- a taken branch lands 6 cycles after issue and ends a multi-cycle NOP that is under way;
+- two results for one register in one cycle, or from one unit's write port, are undefined: refused.
+Stalls (caches, memory banks, cross paths) are not part of `cycles`; those of the cross paths are counted aside.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from hysgen.c674x.assembly import Instruction, Register
+from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source, Store
+from hysgen.c674x.latency import BRANCH_DELAY
+from hysgen.c674x.packets import Packet
+from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, STACK_POINTER, Counts, Fault, Processor
+from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, FloatUnit, signed
+
+
+@dataclass(frozen=True)
+class _Write:
+    """A result on its way to a register. `port`: the unit that writes it, None for loads and addresses."""
+
+    register: Register
+    value: int
+    port: str | None
+    load: bool
+
+
+class _FaultError(Exception):
+    """A fault inside the packet being issued; `run` adds where."""
+
+    def __init__(self, kind: Fault, detail: int = 0) -> None:
+        self.kind, self.detail = kind, detail
+
+
+@dataclass
+class _Run:
+    """A run under way: the processor, and the results and branches in flight by the cycle in which they land."""
+
+    processor: Processor
+    cycle: int = 0
+    writes: dict[int, list[_Write]] = field(default_factory=dict)
+    branches: dict[int, int] = field(default_factory=dict)
+    unit: FloatUnit = field(default_factory=FloatUnit)
+    lowest_stack_pointer: int = MASK
+
+
+def run(processor: Processor, cycle_limit: int) -> Counts:
+    """Run from `processor.program_counter` until a branch to RETURN_ADDRESS lands.
+
+    Raises TargetError, naming the packet, for what the processor forbids or the simulator does not model.
+    """
+    state = _Run(processor)
+    idle = stalls = issued = here = 0
+    while True:
+        just_written = _land(state)
+        target = state.branches.pop(state.cycle, None)
+        if target is not None:
+            processor.program_counter, idle = target, 0
+        if processor.program_counter == RETURN_ADDRESS:
+            break
+        if state.cycle >= cycle_limit:
+            raise processor.fault(Fault.CYCLE_LIMIT, here, cycle_limit)
+        if idle:
+            idle -= 1
+        else:
+            here = processor.program_counter
+            packet = processor.packet(here)
+            try:
+                _issue(packet, state)
+            except _FaultError as fault:
+                raise processor.fault(fault.kind, here, fault.detail) from None
+            issued += 1
+            stalls += bool(packet.cross_reads & just_written)
+            processor.program_counter, idle = packet.next, packet.idle
+        state.cycle += 1
+    cycles = state.cycle
+    while state.writes:
+        state.cycle += 1
+        _land(state)
+    return Counts(cycles, stalls, issued, state.unit.denormals, state.unit.nans, state.lowest_stack_pointer)
+
+
+def _land(state: _Run) -> set[Register]:
+    """Results due in this cycle reach their registers; those that a cross path would have to wait for are returned."""
+    landing = state.writes.pop(state.cycle, [])
+    for write in landing:
+        state.processor.registers[write.register.index] = write.value
+        if write.register.index == STACK_POINTER:
+            state.lowest_stack_pointer = min(state.lowest_stack_pointer, write.value)
+    return {write.register for write in landing if not write.load}
+
+
+def _issue(packet: Packet, state: _Run) -> None:
+    registers = tuple(state.processor.registers)
+    executed = [
+        (instruction, action)
+        for instruction, action in zip(packet.instructions, packet.actions, strict=True)
+        if _executes(instruction, registers)
+    ]
+    # Loads see memory as it was before this packet's stores.
+    for instruction, action in sorted(executed, key=lambda pair: isinstance(pair[1], Store)):
+        _start(instruction, action, packet, registers, state)
+
+
+def _executes(instruction: Instruction, registers: tuple[int, ...]) -> bool:
+    condition = instruction.predicate
+    return condition is None or (registers[condition.register.index] == 0) == condition.when_zero
+
+
+def _start(instruction: Instruction, action: Action, packet: Packet, registers: tuple[int, ...], state: _Run) -> None:
+    """Take the operands from `registers`, their values at issue, and put the results on their way."""
+    match action:
+        case Compute(destination=destination, delay=delay):
+            value = _computed(action, registers, state.unit)
+            _later(state, delay, _Write(destination, value, _port(instruction), False))
+        case Load():
+            address = _address(action, registers, state)
+            value = _read(state.processor, address, action)
+            for word, register in enumerate(action.registers):
+                _later(state, action.delay, _Write(register, value >> 32 * word & MASK, None, True))
+        case Store():
+            address = _address(action, registers, state)
+            value = sum(registers[register.index] << 32 * word for word, register in enumerate(action.registers))
+            _store(state.processor, address, action.size, value)
+        case Branch(target=target, link=link):
+            lands = state.cycle + BRANCH_DELAY + 1
+            if lands in state.branches:
+                raise _FaultError(Fault.BRANCH_CLASH)
+            state.branches[lands] = _value(target, registers)
+            if link is not None:
+                _later(state, 0, _Write(link, packet.next, None, False))
+        case LoadAddress(destination=destination, address=address):
+            _later(state, 0, _Write(destination, address, None, False))
+
+
+def _computed(action: Compute, registers: tuple[int, ...], unit: FloatUnit) -> int:
+    images = [_value(source, registers) for source in action.sources]
+    if action.mnemonic in INTEGER:
+        return INTEGER[action.mnemonic](*images)
+    try:
+        return FLOAT[action.mnemonic](unit, *images)
+    except ValueError:
+        raise _FaultError(Fault.NAN_TO_INTEGER) from None
+
+
+def _value(source: Source, registers: tuple[int, ...]) -> int:
+    return registers[source.index] if isinstance(source, Register) else source
+
+
+def _port(instruction: Instruction) -> str | None:
+    """The write port that results of different latencies of an L, S or M unit share; D knows one latency only."""
+    unit = instruction.unit
+    return unit.name if unit and unit.kind in "LSM" else None
+
+
+def _later(state: _Run, delay: int, write: _Write) -> None:
+    landing = state.writes.setdefault(state.cycle + delay + 1, [])
+    for other in landing:
+        if other.register == write.register:
+            raise _FaultError(Fault.REGISTER_CLASH, write.register.index)
+        if write.port is not None and other.port == write.port:
+            raise _FaultError(Fault.PORT_CLASH)
+    landing.append(write)
+
+
+def _address(action: Access, registers: tuple[int, ...], state: _Run) -> int:
+    """The address accessed; the base register, if it moves, gets its new value in the next cycle."""
+    memory = action.memory
+    base = registers[memory.base.index]
+    offset = _value(memory.offset, registers) * (action.size if memory.scaled else 1)
+    moved = base + memory.sign * offset & MASK
+    if memory.step:
+        _later(state, 0, _Write(memory.base, moved, None, False))
+    address = base if memory.step == "after" else moved
+    if address % action.alignment:
+        raise _FaultError(Fault.MISALIGNED, address)
+    if not MEMORY_BASE <= address <= MEMORY_BASE + MEMORY_SIZE - action.size:
+        raise _FaultError(Fault.OUTSIDE, address)
+    return address
+
+
+def _read(processor: Processor, address: int, action: Load) -> int:
+    start = address - MEMORY_BASE
+    value = int.from_bytes(processor.memory[start : start + action.size], "little")
+    return signed(value, 8 * action.size) & MASK if action.signed else value
+
+
+def _store(processor: Processor, address: int, size: int, value: int) -> None:
+    if address < processor.read_only_end:
+        raise _FaultError(Fault.READ_ONLY, address)
+    start = address - MEMORY_BASE
+    processor.memory[start : start + size] = (value & (1 << 8 * size) - 1).to_bytes(size, "little")

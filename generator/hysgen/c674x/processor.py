@@ -1,0 +1,109 @@
+"""The state that packets act on: registers and memory, what a run counts, and what ends it early."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hysgen.c674x.elf import Image
+from hysgen.c674x.packets import Packet
+from hysgen.errors import TargetError
+
+MEMORY_BASE = 0x1180_0000
+MEMORY_SIZE = 0x4_0000  # the C6748's 256 KiB of L2 RAM, as the linker file says
+RETURN_ADDRESS = 0xFFFF_FF00  # where a called function returns to: outside any program
+STACK_POINTER = 32 + 15
+
+
+class Fault(enum.IntEnum):
+    """Why a run cannot go on; the text says it with the packet and one number."""
+
+    NONE = 0
+    MISALIGNED = 1
+    OUTSIDE = 2
+    READ_ONLY = 3
+    REGISTER_CLASH = 4
+    PORT_CLASH = 5
+    BRANCH_CLASH = 6
+    NAN_TO_INTEGER = 7
+    NO_PACKET = 8
+    REFUSED = 9
+    CYCLE_LIMIT = 10
+
+
+_TEXTS = {
+    Fault.MISALIGNED: "address {detail:08x} is not a multiple of the size of the access",
+    Fault.OUTSIDE: "address {detail:08x} lies outside the memory",
+    Fault.READ_ONLY: "a store to {detail:08x}, where code and constants lie",
+    Fault.REGISTER_CLASH: "two results reach register {register} in one cycle",
+    Fault.PORT_CLASH: "two results leave one functional unit in one cycle",
+    Fault.BRANCH_CLASH: "two branches land in one cycle",
+    Fault.NAN_TO_INTEGER: "a NaN becomes an integer, which is not modelled; keep NaN out",
+    Fault.CYCLE_LIMIT: "still running after {detail} cycles; an endless loop, or raise the limit",
+}
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What a run counted.
+
+    cycles: without stalls. stalls: cycles that silicon would add for operands over a cross path (not in `cycles`).
+    packets: execute packets issued. denormals: operands and results flushed to zero. nans: results that were NaN.
+    lowest_stack_pointer: how far the stack reached down.
+    """
+
+    cycles: int
+    stalls: int
+    packets: int
+    denormals: int
+    nans: int
+    lowest_stack_pointer: int
+
+
+@dataclass
+class Processor:
+    """Registers, memory and the program in it. `read_only_end`: below it lie code and constants."""
+
+    packets: Mapping[int, Packet]
+    memory: bytearray
+    read_only_end: int
+    free: int
+    registers: list[int]
+    program_counter: int = RETURN_ADDRESS
+
+    def packet(self, address: int) -> Packet:
+        """The packet at `address`. Raises TargetError if none starts there, or if it is not modelled."""
+        found = self.packets.get(address)
+        if found is None:
+            raise TargetError(f"{address:08x}: no execute packet starts here; a jump into data or into a packet")
+        if found.refusal:
+            raise TargetError(found.refusal)
+        return found
+
+    def fault(self, kind: Fault, address: int, detail: int) -> TargetError:
+        """What to raise when the packet at `address` meets a fault."""
+        if kind in (Fault.NO_PACKET, Fault.REFUSED):
+            try:
+                self.packet(address)
+            except TargetError as told:
+                return told
+        register = f"{'ab'[detail // 32 % 2]}{detail % 32}"
+        told_text = _TEXTS[kind].format(detail=detail, register=register)
+        return TargetError(f"{address:08x} {self.packets[address]}: {told_text}")
+
+
+def load(image: Image, packets: Mapping[int, Packet]) -> Processor:
+    """A processor with the program in its memory. Raises TargetError if the program does not fit there."""
+    memory = bytearray(MEMORY_SIZE)
+    for section in image.sections:
+        start = section.address - MEMORY_BASE
+        if start < 0 or start + section.size > MEMORY_SIZE:
+            raise TargetError(f"section {section.name} lies outside the memory; link with l2ram.ld, or make it smaller")
+        memory[start : start + len(section.content)] = section.content
+    ends = [section.address + section.size for section in image.sections]
+    constant_ends = [section.address + section.size for section in image.sections if not section.writable]
+    read_only_end = max(constant_ends, default=MEMORY_BASE)
+    if any(section.writable and section.address < read_only_end for section in image.sections):
+        raise TargetError("writable sections lie below constant ones; link with l2ram.ld")
+    return Processor(packets, memory, read_only_end, max(ends, default=MEMORY_BASE), [0] * 64)

@@ -1,0 +1,131 @@
+"""The C compiler for the target: finding it, compiling C texts with the project's flags, and what came out.
+
+The compiler is gcc for the C6000, made by firmware/toolchain/build_c674x.sh.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from hysgen.c674x import elf
+from hysgen.c674x.elf import Image
+from hysgen.c674x.machine import Machine
+from hysgen.errors import BuildError
+
+# No contraction and no reciprocals: bits. No small data: no pointer register to set up. No modulo scheduling: no
+# hardware loops, which the simulator does not model and which gain nothing here. No jump tables: the only jumps through
+# a register are returns, so cycles can be bounded without running. No loops turned into library calls: the library's
+# copy is a hardware loop, whose counter interrupt service routines do not save. -fsched-pressure and
+# -fno-tree-forwprop gave the fewest cycles for the generated code.
+# -fdbg-cnt=sched_breakdep:0 keeps the scheduler from moving loads across changes of their base register, where gcc 12
+# sometimes corrects the offset twice: wrong code, found by comparing bits.
+FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-fsched-pressure",
+    "-fno-tree-forwprop",
+    "-march=c674x",
+    "-ffreestanding",
+    "-ffp-contract=off",
+    "-fno-reciprocal-math",
+    "-fno-modulo-sched",
+    "-fno-jump-tables",
+    "-fno-tree-loop-distribute-patterns",
+    "-fdbg-cnt=sched_breakdep:0",
+    "-msdata=none",
+)
+WARNINGS = ("-Wall", "-Wextra", "-Werror")
+
+_PREFIX = "tic6x-elf-"
+_OPCODE_TABLE = Path("share/hysgen/tic6x-opcode-table.h")
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """A linked program. listing: its disassembly. section_bytes: of .text, .rodata, .data and .bss, 0 if absent."""
+
+    elf: bytes
+    image: Image
+    listing: str
+    section_bytes: Mapping[str, int]
+
+    def machine(self, interpreted: bool = False) -> Machine:
+        """A simulated C674x with this program in its memory."""
+        return Machine(self.image, self.listing, interpreted)
+
+    def function_bytes(self, name: str) -> int:
+        """Code bytes of one function, without what it calls."""
+        return self.image.symbol(name).size
+
+
+def folder() -> Path:
+    """Where the toolchain is: HYSGEN_C674X if set, else the cache folder that the build script fills.
+
+    Raises BuildError that names the script if there is none.
+    """
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    chosen = Path(os.environ.get("HYSGEN_C674X") or Path(base) / "hysgen" / "c674x")
+    if not (chosen / "bin" / f"{_PREFIX}gcc").exists():
+        raise BuildError(
+            f"{chosen}: no C674x compiler there; run firmware/toolchain/build_c674x.sh (five minutes, once), "
+            "or point HYSGEN_C674X at one"
+        )
+    return chosen
+
+
+def opcode_table() -> str:
+    """The assembler's table of instructions, which the build script keeps beside the compiler.
+
+    Raises BuildError if the toolchain was not made by that script.
+    """
+    path = folder() / _OPCODE_TABLE
+    if not path.exists():
+        raise BuildError(f"{path}: missing; make the toolchain with firmware/toolchain/build_c674x.sh")
+    return path.read_text(encoding="utf-8")
+
+
+def version() -> str:
+    """First line of the compiler's own `--version`."""
+    return _run("gcc", ["--version"], Path.cwd()).splitlines()[0]
+
+
+def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), script: str | None = None) -> Firmware:
+    """Compile and link C texts for the target.
+
+    sources: (file name, text) pairs; headers among them are found by #include, `.c` and `.s` files are compiled.
+    flags: added after FLAGS. script: text of the linker script; None: a program alone in L2 RAM. Nothing is left out by
+    the linker, called or not.
+    Raises BuildError with the compiler's first complaint.
+    """
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        for name, text in sources:
+            (here / name).write_text(text, encoding="utf-8", newline="\n")
+        alone = resources.files("hysgen.c674x") / "l2ram.ld"
+        (here / "link.ld").write_text(script or alone.read_text(encoding="utf-8"), encoding="utf-8")
+        units = [name for name, _ in sources if name.endswith((".c", ".s"))]
+        _run("gcc", [*FLAGS, *WARNINGS, *flags, "-nostdlib", "-T", "link.ld", *units, "-lgcc", "-o", "a.out"], here)
+        # -z: long runs of `nop 1` are encoded as zeros, which objdump would skip.
+        listing = _run("objdump", ["-dz", "a.out"], here)
+        data = (here / "a.out").read_bytes()
+    image = elf.read(data)
+    sizes = {section.name: section.size for section in image.sections}
+    wanted = (".text", ".rodata", ".data", ".bss")
+    return Firmware(data, image, listing, {name: sizes.get(name, 0) for name in wanted})
+
+
+def _run(tool: str, arguments: Sequence[str], where: Path) -> str:
+    command = str(folder() / "bin" / f"{_PREFIX}{tool}")
+    environment = {**os.environ, "LC_ALL": "C"}
+    run = subprocess.run([command, *arguments], cwd=where, capture_output=True, text=True, check=False, env=environment)
+    if run.returncode != 0:
+        lines = run.stderr.splitlines()
+        complaint = next((line for line in lines if "error" in line or "undefined" in line), run.stderr.strip()[:200])
+        raise BuildError(f"{_PREFIX}{tool}: {complaint}")
+    return run.stdout

@@ -1,0 +1,160 @@
+"""Packets as C: the same rules as the interpreter's, compiled on the host, for runs of millions of cycles.
+
+Every packet becomes one C function that puts its results on their way; `engine/run.c` is the cycle loop around them.
+Nothing is optimised across packets, so that each function can be read beside its assembly, which stands above it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from importlib import resources
+
+from hysgen.c674x.assembly import Instruction, Register
+from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source, Store
+from hysgen.c674x.latency import BRANCH_DELAY
+from hysgen.c674x.packets import Packet
+from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, Counts, Fault, Processor
+from hysgen.c674x.semantics import FLOAT, MASK
+from hysgen.machine.native import Toolchain, build, default_toolchain
+
+Engine = Callable[[Processor, int], Counts]
+
+_UNIT_BITS = {name: 1 << bit for bit, name in enumerate(("L1", "S1", "M1", "L2", "S2", "M2"))}
+
+
+def engine(packets: Mapping[int, Packet]) -> Engine:
+    """A function that runs this program as `interpreter.run` does: same registers, memory, counts and errors.
+
+    Raises BuildError if there is no C compiler on the host.
+    """
+    texts = runtime()
+    host = Toolchain(default_toolchain().command, ("-O1",))
+    library = build([*texts.items(), ("program.c", program(packets))], texts["state.h"], host)
+
+    def run(processor: Processor, cycle_limit: int) -> Counts:
+        state = library.ffi.new("c674x_t *")
+        state.reg = processor.registers
+        state.memory = library.ffi.from_buffer("uint8_t[]", processor.memory)
+        state.memory_base, state.memory_size = MEMORY_BASE, MEMORY_SIZE
+        state.read_only_end = processor.read_only_end
+        state.program_counter, state.return_address = processor.program_counter, RETURN_ADDRESS
+        state.cycle_limit = cycle_limit
+        state.lowest_stack_pointer = MASK
+        library.lib.c674x_run(state)
+        if state.fault:
+            raise processor.fault(Fault(state.fault), state.fault_address, state.fault_detail)
+        processor.registers = list(state.reg)
+        processor.program_counter = state.program_counter
+        lowest = state.lowest_stack_pointer
+        return Counts(state.cycle, state.stalls, state.packets, state.denormals, state.nans, lowest)
+
+    return run
+
+
+def runtime() -> dict[str, str]:
+    """The engine's own C, by file name: what every translated program is compiled with."""
+    names = ("state.h", "operations.h", "pipeline.h", "pipeline.c", "run.c")
+    folder = resources.files("hysgen.c674x") / "engine"
+    return {name: (folder / name).read_text(encoding="utf-8") for name in names}
+
+
+def program(packets: Mapping[int, Packet]) -> str:
+    """C of a whole program: one function per packet, and the table in which the cycle loop finds it by its address."""
+    start = min(packets, default=0)
+    words = (max(packets, default=0) - start) // 4 + 1
+    lines = ['#include "pipeline.h"', ""]
+    for packet in packets.values():
+        lines.extend(_function(packet))
+    lines += [
+        "extern const uint32_t program_start, program_words;",
+        "extern const packet_t program[];",
+        f"const uint32_t program_start = 0x{start:x}u, program_words = {words};",
+        f"const packet_t program[{words}] = {{",
+    ]
+    for packet in packets.values():
+        crossed = sum(1 << register.index for register in packet.cross_reads)
+        row = f"packet_{packet.address:08x}, 0x{crossed:x}u, 0x{packet.next:08x}u, {packet.idle}"
+        lines.append(f"    [{(packet.address - start) // 4}] = {{{row}}},")
+    lines += ["};", ""]
+    return "\n".join(lines)
+
+
+def _function(packet: Packet) -> Iterator[str]:
+    yield f"/* {packet} */"
+    yield f"static void packet_{packet.address:08x}(c674x_t *m)"
+    yield "{"
+    if packet.refusal:
+        yield "    stop(m, FAULT_REFUSED, 0);"
+    else:
+        pairs = list(zip(packet.instructions, packet.actions, strict=True))
+        # Loads see memory as it was before this packet's stores. Registers do not change before the next cycle.
+        for instruction, action in sorted(pairs, key=lambda pair: isinstance(pair[1], Store)):
+            body = list(_statements(instruction, action, packet))
+            yield from _guarded(instruction, body) if body else ()
+    yield "}"
+    yield ""
+
+
+def _guarded(instruction: Instruction, body: list[str]) -> Iterator[str]:
+    condition = instruction.predicate
+    if condition is None:
+        yield from (f"    {line}" for line in body)
+    else:
+        yield f"    if ({_value(condition.register)} {'==' if condition.when_zero else '!='} 0) {{"
+        yield from (f"        {line}" for line in body)
+        yield "    }"
+
+
+def _statements(instruction: Instruction, action: Action, packet: Packet) -> Iterator[str]:
+    match action:
+        case Compute(destination=destination, delay=delay):
+            yield _later(delay, destination, _computed(action), _port(instruction))
+        case Access():
+            yield from _access(action)
+        case Branch(target=target, link=link):
+            yield f"branch(m, {BRANCH_DELAY}, {_value(target)});"
+            if link is not None:
+                yield _later(0, link, _value(packet.next))
+        case LoadAddress(destination=destination, address=address):
+            yield _later(0, destination, _value(address))
+
+
+def _computed(action: Compute) -> str:
+    operands = ", ".join(_value(source) for source in action.sources)
+    return f"op_{action.mnemonic}({'m, ' if action.mnemonic in FLOAT else ''}{operands})"
+
+
+def _access(action: Access) -> Iterator[str]:
+    memory = action.memory
+    base = _value(memory.base)
+    scale = f" * {action.size}u" if memory.scaled else ""
+    moved = f"{base} {'+' if memory.sign > 0 else '-'} {_value(memory.offset)}{scale}"
+    if memory.step:
+        yield _later(0, memory.base, moved)
+    where = f"{base if memory.step == 'after' else moved}, {action.size}, {action.alignment}"
+    if isinstance(action, Load):
+        value = f"load(m, {where})"
+        if action.signed:
+            bits = 64 - 8 * action.size
+            value = f"(uint64_t)((int64_t)({value} << {bits}) >> {bits})"
+        yield f"{{ uint64_t loaded = {value};"
+        for word, register in enumerate(action.registers):
+            part = f"(uint32_t)(loaded >> {32 * word})"
+            yield f"  later(m, {action.delay}, {register.index}, {part}, 0, 1);"
+        yield "}"
+    else:
+        words = (f"(uint64_t){_value(register)} << {32 * i}" for i, register in enumerate(action.registers))
+        yield f"store(m, {where}, {' | '.join(words)});"
+
+
+def _value(source: Source) -> str:
+    return f"m->reg[{source.index}]" if isinstance(source, Register) else f"0x{source:x}u"
+
+
+def _port(instruction: Instruction) -> int:
+    unit = instruction.unit
+    return _UNIT_BITS.get(unit.name, 0) if unit else 0
+
+
+def _later(delay: int, register: Register, value: str, port: int = 0) -> str:
+    return f"later(m, {delay}, {register.index}, {value}, {port}, 0);"

@@ -1,0 +1,231 @@
+"""Gain and slope of a model, and their extrema over its operating range: enclosed, not sampled.
+
+    gain   b(y) = df/du = E[q2]
+    slope  df/dy = E[q1] + Cov(l, v)/h,     v_l = q_l1 y + q_l2 u + q_l3
+
+E and Cov are taken over the rules with the firing strengths p_l. With s = (y - y_min)/h these are p_l ~ exp(s l -
+l^2/2), so about the middle s_i of a cell, with t = s - s_i, p_l = p_l(s_i), o_l = l - E[l] there, and any numbers g_l,
+
+    E[g](t) = c + G(t)/D(t),   G = sum p_l exp(t o_l) (g_l - c),   D = sum p_l exp(t o_l),   c = E[g](0)
+
+(for the slope g_l = v_l + t h q_l1, and c moves with t likewise). The Taylor series of G, D and their quotient come
+from the moments sum p_l o_l^k g_l. What the series leaves out is bounded by Cauchy's estimate: in the disk |t| <= rho
+
+    |D| >= 1 - sum p_l (exp(rho |o_l|) - 1 - rho |o_l|) = delta > 0,   |G| <= sum p_l exp(rho |o_l|) |g_l - c| = gamma,
+
+hence the k-th coefficient of G/D is at most gamma/delta rho^-k. The quadratic part of the series has its extrema where
+they are; the rest is bounded by its absolute values. Cells that could still hold the extremum are split until the
+enclosure is as narrow as asked. df/dy is affine in u, so its extrema over u lie at u_min and u_max. Rounding, about
+1e-15 of the largest v_l, is not part of the bounds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.model.membership import memberships
+from hysgen.model.model import Model
+
+Floats = NDArray[np.float64]
+
+NARROW = 1e-6
+"""Width to which extrema are enclosed: for slopes, and relative to the largest gain for gains."""
+
+CELLS_PER_RULE = 8
+ORDER = 12
+RHO = 0.8
+MOST_CELLS = 200_000
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """An extremum over the operating range: the value met at (y, u), and the bound that no point exceeds.
+
+    u_V is None where the quantity does not depend on u.
+    """
+
+    value: float
+    bound: float
+    y_um: float
+    u_V: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {"value": self.value, "bound": self.bound, "y_um": self.y_um, "u_V": self.u_V}
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Intervals of s: middle and half-width, and the input that each is looked at with, (n,) each."""
+
+    middle: Floats
+    half: Floats
+    u_V: Floats
+
+    def thirds(self, chosen: NDArray[np.bool_]) -> Cells:
+        """The chosen cells, each split in three."""
+        shift = np.array([-2.0, 0.0, 2.0]) / 3.0
+        middle = (self.middle[chosen, None] + self.half[chosen, None] * shift).ravel()
+        return Cells(middle, np.repeat(self.half[chosen] / 3.0, 3), np.repeat(self.u_V[chosen], 3))
+
+
+@dataclass(frozen=True)
+class Series:
+    """A function over cells: Taylor coefficients (n, ORDER) about the middle, and a bound (n,) of the rest."""
+
+    coefficients: Floats
+    remainder: Floats
+
+
+Quantity = Callable[[Cells], Series]
+
+
+def gain(model: Model, y_um: Floats) -> Floats:
+    """b(y) in um/V, (n,), at displacements (n,)."""
+    return np.asarray(memberships(y_um, model.grid) @ model.consequents[:, 1])
+
+
+def slope(model: Model, y_um: Floats, u_V: Floats) -> Floats:
+    """df/dy, (n,), at displacements inside the grid and inputs, (n,) each: what is left of a deviation one step on."""
+    p = memberships(y_um, model.grid)
+    q1, q2, q3 = model.consequents.T
+    v = q1 * y_um[:, None] + q2 * u_V[:, None] + q3
+    v = v - (p * v).sum(axis=1, keepdims=True)
+    return np.asarray(p @ q1 + (p * v) @ np.arange(model.grid.rules) / model.grid.step_um)
+
+
+def gain_extrema(model: Model, narrow: float = NARROW) -> tuple[Extremum, Extremum]:
+    """Smallest and largest gain b(y) in um/V, enclosed to `narrow` times the largest |b|."""
+    scale = narrow * max(float(np.abs(gain(model, model.grid.centres_um)).max()), np.finfo(np.float64).tiny)
+    lowest = _largest(gain_series(model, -1.0), model, (0.0,), scale, absolute=False)
+    highest = _largest(gain_series(model, 1.0), model, (0.0,), scale, absolute=False)
+    return Extremum(-lowest.value, -lowest.bound, lowest.y_um), Extremum(highest.value, highest.bound, highest.y_um)
+
+
+def slope_extremum(model: Model, u_V: tuple[float, ...] | None = None, narrow: float = NARROW) -> Extremum:
+    """Largest |df/dy| over the displacement range and the inputs `u_V`, by default the ends of the input range."""
+    return _largest(slope_series(model), model, u_V or (model.u_min_V, model.u_max_V), narrow, absolute=True)
+
+
+def gain_series(model: Model, sign: float = 1.0) -> Quantity:
+    """`sign` times b(y) over cells."""
+
+    def quantity(cells: Cells) -> Series:
+        firing = _Firing(model, cells.middle)
+        mean, quotient, size = firing.expectation(sign * np.tile(model.consequents[:, 1], (cells.middle.size, 1)), 0.0)
+        quotient[:, 0] += mean
+        return Series(quotient[:, :ORDER], size * _tail(cells.half / RHO, 0))
+
+    return quantity
+
+
+def slope_series(model: Model) -> Quantity:
+    """df/dy over cells: the derivative of the series of f = E[v]."""
+    q1, q2, q3 = model.consequents.T
+    h = model.grid.step_um
+
+    def quantity(cells: Cells) -> Series:
+        firing = _Firing(model, cells.middle)
+        y = model.grid.ends_um[0] + h * cells.middle
+        v = q1 * y[:, None] + q2 * cells.u_V[:, None] + q3
+        _, quotient, size = firing.expectation(v, h * np.broadcast_to(q1, v.shape))
+        slopes = quotient[:, 1:] * np.arange(1.0, ORDER + 1.0) / h
+        slopes[:, 0] += firing.p @ q1
+        return Series(slopes, size / (RHO * h) * _tail(cells.half / RHO, 1))
+
+    return quantity
+
+
+class _Firing:
+    """Firing strengths in the middle of cells, (n, L), and what follows from them for expectations nearby."""
+
+    def __init__(self, model: Model, middle: Floats) -> None:
+        index = np.arange(model.grid.rules)
+        self.p = memberships(model.grid.ends_um[0] + model.grid.step_um * middle, model.grid)
+        offset = index - (self.p @ index)[:, None]
+        powers = [self.p]
+        for k in range(1, ORDER + 1):
+            powers.append(powers[-1] * offset / k)
+        # p_l o_l^k / k!, (ORDER + 1, n, L)
+        self.moments = np.stack(powers)
+        away = RHO * np.abs(offset)
+        grown = np.exp(away)
+        self.most = self.p * grown
+        self.delta = 1.0 - (self.p * (grown - 1.0 - away)).sum(axis=1)
+
+    def expectation(self, g: Floats, rising: Floats | float) -> tuple[Floats, Floats, Floats]:
+        """E of g_l + t rising_l, (n, L) each, as mean + t (mean of rising) + G/D.
+
+        Returns the mean at t = 0, (n,); the series of G/D, (n, ORDER + 1); and gamma/delta, (n,).
+        """
+        mean = (self.p * g).sum(axis=1)
+        g = g - mean[:, None]
+        G = (self.moments * g).sum(axis=2)
+        most = np.abs(g)
+        if isinstance(rising, np.ndarray):
+            rising = rising - (self.p * rising).sum(axis=1, keepdims=True)
+            G[1:] += (self.moments[:-1] * rising).sum(axis=2)
+            most = most + RHO * np.abs(rising)
+        D = self.moments.sum(axis=2)
+        quotient = np.empty_like(G)
+        for k in range(ORDER + 1):
+            quotient[k] = G[k] - (D[1 : k + 1] * quotient[:k][::-1]).sum(axis=0)
+        return mean, quotient.T.copy(), (self.most * most).sum(axis=1) / self.delta
+
+
+def _tail(x: Floats, derivative: int) -> Floats:
+    """sum_{k >= ORDER} x^k, or sum_{k >= ORDER} (k + 1) x^k for the derivative, 0 <= x < 1."""
+    if derivative == 0:
+        return np.asarray(x**ORDER / (1.0 - x))
+    return np.asarray(x**ORDER * (ORDER + 1.0 - ORDER * x) / (1.0 - x) ** 2)
+
+
+def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow: float, absolute: bool) -> Extremum:
+    """The largest value (or magnitude) over the displacement range and the given inputs, by branch and bound."""
+    low, high = model.grid.places
+    count = math.ceil(CELLS_PER_RULE * (high - low))
+    half = 0.5 * (high - low) / count
+    middle = low + half * (2.0 * np.arange(count) + 1.0)
+    cells = Cells(
+        np.tile(middle, len(inputs)),
+        np.full(count * len(inputs), half),
+        np.repeat(np.asarray(inputs, dtype=np.float64), count),
+    )
+    best, place, settled = -np.inf, (0.0, 0.0), -np.inf
+    while True:
+        value, bound, at = _peak(quantity(cells), cells.half, absolute)
+        top = int(np.argmax(value))
+        if value[top] > best:
+            best, place = float(value[top]), (float(cells.middle[top] + at[top]), float(cells.u_V[top]))
+        undecided = bound > best + narrow
+        settled = max(settled, float(np.max(bound[~undecided], initial=-np.inf)))
+        if not undecided.any() or 3 * np.count_nonzero(undecided) > MOST_CELLS:
+            limit = max(best, settled, float(np.max(bound[undecided], initial=-np.inf)))
+            y_um = float(model.grid.clamp(np.array(model.grid.ends_um[0] + model.grid.step_um * place[0])))
+            return Extremum(best, limit, y_um, place[1])
+        cells = cells.thirds(undecided)
+
+
+def _peak(series: Series, half: Floats, absolute: bool) -> tuple[Floats, Floats, Floats]:
+    """Per cell: the value at the extremum of the quadratic part, a bound of the whole series, and where that is, t."""
+    c = series.coefficients
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertex = np.where(c[:, 2] != 0.0, -0.5 * c[:, 1] / c[:, 2], 0.0)
+    t = np.stack([-half, np.clip(vertex, -half, half), half])
+    quadratic = c[:, 0] + t * (c[:, 1] + t * c[:, 2])
+    chosen = np.argmax(np.abs(quadratic) if absolute else quadratic, axis=0)
+    lane = np.arange(half.size)
+    at = t[chosen, lane]
+    powers = half[:, None] ** np.arange(3, ORDER)
+    beyond = (np.abs(c[:, 3:]) * powers).sum(axis=1) + series.remainder
+    value = (c * at[:, None] ** np.arange(ORDER)).sum(axis=1)
+    top = quadratic[chosen, lane]
+    if absolute:
+        value, top = np.abs(value), np.abs(top)
+    return value, top + beyond, at

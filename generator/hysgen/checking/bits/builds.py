@@ -1,0 +1,60 @@
+"""Which compilers, levels and floating-point modes a verification covers on this machine, and which it cannot."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from hysgen.checking.host import Host
+from hysgen.errors import BuildError
+from hysgen.machine.native import Toolchain, compiler_version
+
+COMPILERS: Final = ("gcc", "clang")
+LEVELS: Final = ("-O0", "-O2", "-O3")
+
+
+@dataclass(frozen=True)
+class Build:
+    """Generated C as one compiler made it, run with or without flushing denormal numbers to zero."""
+
+    toolchain: Toolchain
+    flush: bool
+    host: Host
+
+    def __str__(self) -> str:
+        return f"{self.toolchain}{', flush to zero' if self.flush else ''}"
+
+
+def toolchains(compilers: Sequence[str], levels: Sequence[str]) -> tuple[list[Toolchain], list[str]]:
+    """Every level of the compilers that are installed, and a line for each compiler that is not.
+
+    levels: flags, those of one level in one string. Raises BuildError if no compiler is installed.
+    """
+    there = [compiler for compiler in compilers if shutil.which(compiler)]
+    missing = [f"{name}: not installed, nothing was compared with it" for name in compilers if name not in there]
+    if not there:
+        raise BuildError(f"none of {', '.join(compilers)} is installed; install one to verify with")
+    return [Toolchain(compiler, tuple(level.split())) for compiler in there for level in levels], missing
+
+
+def compiled(name: str, texts: Mapping[str, str], chain: Sequence[Toolchain]) -> tuple[list[Build], list[str]]:
+    """Every build of generated texts, and a line if this machine cannot flush.
+
+    Raises BuildError if a compiler refuses the generated C.
+    """
+    hosts = [(toolchain, Host(name, texts, toolchain)) for toolchain in chain]
+    flushes = all(host.flushes for _, host in hosts)
+    modes = (False, True) if flushes else (False,)
+    skipped = [] if flushes else ["flush to zero: this machine has no control for it that is known here"]
+    return [Build(toolchain, flush, host) for toolchain, host in hosts for flush in modes], skipped
+
+
+def versions(chain: Sequence[Toolchain]) -> list[str]:
+    """One line per compiler: its version and the levels."""
+    commands = dict.fromkeys(toolchain.command for toolchain in chain)
+    return [
+        f"{compiler_version(command)} ({', '.join(' '.join(t.flags) for t in chain if t.command == command)})"
+        for command in commands
+    ]

@@ -1,0 +1,106 @@
+"""What a verification found, as data, as JSON values and as lines for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import struct
+from dataclasses import dataclass
+from typing import Any
+
+from hysgen.display import Displayed, Summary, table
+
+SMALLEST_NORMAL = 0x00800000
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """One place where generated C and reference differ: the first of its run.
+
+    word: "result", or the C path of a word of the state; inputs: the bits of the arguments of that sample.
+    """
+
+    model: str
+    function: str
+    style: str
+    build: str
+    sample: int
+    word: str
+    got: int
+    expected: int
+    inputs: tuple[int, ...]
+
+    def __str__(self) -> str:
+        call = f"{self.model}_{self.function}({', '.join(_shown(bits) for bits in self.inputs)})"
+        where = f"{self.style} inputs, sample {self.sample}, {self.build}"
+        return f"{call}: {self.word} is {_shown(self.got)}, expected {_shown(self.expected)} [{where}]"
+
+
+@dataclass(frozen=True)
+class Run:
+    """Samples of one function of one model that were compared in `builds` builds."""
+
+    model: str
+    function: str
+    style: str
+    samples: int
+    builds: int
+
+
+@dataclass(frozen=True, repr=False)
+class Report(Displayed):
+    """builds: compilers, levels and flushing that were compared; skipped: what was not, and why; seconds: wall time."""
+
+    model: str
+    builds: tuple[str, ...]
+    skipped: tuple[str, ...]
+    altered: tuple[str, ...]
+    runs: tuple[Run, ...]
+    mismatches: tuple[Mismatch, ...]
+    seconds: float
+
+    @property
+    def equal(self) -> bool:
+        """Every bit of every comparison, and every file as the manifest says."""
+        return not self.mismatches and not self.altered and bool(self.runs)
+
+    @property
+    def samples(self) -> int:
+        """Samples of the model itself that every build was compared over, starts, self-test and commits left out."""
+        steps = (
+            run for run in self.runs if run.model == self.model and run.function not in ("init", "selftest", "commit")
+        )
+        return sum(run.samples for run in steps)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return dataclasses.asdict(self) | {"equal": self.equal, "samples": self.samples}
+
+    def summary(self) -> Summary:
+        """One row per function and model, then what was skipped and what differs."""
+        rows = []
+        keys = dict.fromkeys((run.model, run.function) for run in self.runs)
+        for model, function in keys:
+            runs = [run for run in self.runs if (run.model, run.function) == (model, function)]
+            wrong = len({m.build for m in self.mismatches if (m.model, m.function) == (model, function)})
+            total, builds = sum(run.samples for run in runs), max(run.builds for run in runs)
+            rows.append([model, function, f"{total}", f"{builds}", f"{wrong} differ" if wrong else "equal"])
+        verdict = "equal in every bit" if self.equal else "NOT EQUAL"
+        notes = [
+            f"builds: {', '.join(self.builds)}",
+            *(f"NOT COMPARED: {reason}" for reason in self.skipped),
+            *(f"ALTERED: {reason}" for reason in self.altered),
+            *(f"DIFFERENT: {mismatch}" for mismatch in self.mismatches),
+        ]
+        title = f"{self.model}: {verdict} over {self.samples} samples per build"
+        return Summary(title, ["model", "function", "samples", "builds", "result"], rows, notes, left=2)
+
+    def lines(self) -> list[str]:
+        """The report as text, the verdict last."""
+        told = self.summary()
+        return [table(told.header, told.rows, told.left), *told.notes, f"{told.title}, {self.seconds:.1f} s"]
+
+
+def _shown(bits: int) -> str:
+    """The pattern, and the number that it is: a float, or where that would be denormal, a counter or status word."""
+    value = struct.unpack("<f", struct.pack("<I", bits))[0] if bits >= SMALLEST_NORMAL else bits
+    return f"0x{bits:08x} ({value:.9g})"

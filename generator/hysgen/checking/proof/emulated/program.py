@@ -1,0 +1,168 @@
+"""Generated C as a program for another processor, under qemu: the interface of `checking.host.Host` over pipes."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+import weakref
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.checking.host import channels, commits, entries
+from hysgen.checking.proof.emulated.machines import STRICT, Machine
+from hysgen.checking.proof.layout import words
+from hysgen.codegen.render import render
+from hysgen.errors import BuildError
+
+Words = NDArray[np.uint32]
+
+COMMON: Final = ("-std=c99", "-Wall", "-Wextra", "-Werror")
+
+
+class Emulated:
+    """A model's generated C, compiled for `machine` and running under its emulator until this object goes.
+
+    texts: file name -> text, as `emit.generate` returns them; flags: what shapes the arithmetic and the schedule.
+    Structs are arrays of their 32-bit words. Raises BuildError if a command is missing or the compiler refuses the C.
+    """
+
+    flushes: Final = False
+
+    def __init__(self, name: str, texts: Mapping[str, str], machine: Machine, flags: Sequence[str] = STRICT) -> None:
+        if machine.missing:
+            needed = " ".join(machine.packages)
+            raise BuildError(f"{machine.name}: {', '.join(machine.missing)} not installed; apt-get install {needed}")
+        self.name, self.machine = name, machine
+        self._header = texts[f"{name}.h"]
+        self.entries = {entry.name: entry for entry in entries(name, self._header)}
+        self.channels = channels(self._header)
+        self.selftested = f"{name}_selftest.c" in texts
+        self.commits = commits(name, self._header)
+        self._scratch = tempfile.TemporaryDirectory(prefix="hysgen-")
+        _compile(self.name, texts, machine, flags, self._facts(), Path(self._scratch.name))
+        self._complaints = Path(self._scratch.name) / "stderr"
+        with self._complaints.open("wb") as stderr:
+            self._process = subprocess.Popen(
+                [*filter(None, [machine.emulator]), str(Path(self._scratch.name) / "program")],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=stderr,
+            )
+        weakref.finalize(self, _close, self._process, self._scratch)
+
+    def struct(self, name: str) -> Words:
+        """A zeroed `<name>` owned by the caller."""
+        return np.zeros(len(words(self._header, name)), dtype=np.uint32)
+
+    def instance(self, y_um: float, u_V: float) -> Words:
+        """A new `<name>_t`, initialised at y_um and u_V."""
+        self_t = self.struct(f"{self.name}_t")
+        start = np.array([y_um, u_V], dtype=np.float32).view(np.uint32)
+        aux = [np.zeros(1, dtype=np.uint32)] * self.channels
+        self.run("init", self_t, [start[:1], start[1:], *aux])
+        return self_t
+
+    def call(self, function: str, *arguments: Any) -> Any:
+        """`<name>_selftest()`, or `<name>_learn_init(learner, model)`."""
+        if function == "selftest":
+            self._send([0, 0, 0, 0, 0, 0])
+            return int(self._receive(1)[0])
+        if function == "learn_init":
+            learner, model = arguments
+            self._send([len(self.entries) + 1, 0, 0, 0, 0, model.size], model)
+            learner[:] = self._receive(learner.size)
+            return None
+        raise BuildError(f"{self.name}_{function}: not among the functions that are run on other processors")
+
+    def commit(self, instance: Words, learner: Words, *, flush: bool = False) -> int:
+        """One call of `<name>_commit`: its answer."""
+        self._send([len(self.entries) + 2, 0, 0, 0, 0, instance.size], instance, learner)
+        answer = int(self._receive(1)[0])
+        instance[:] = self._receive(instance.size)
+        learner[:] = self._receive(learner.size)
+        return answer
+
+    def words_of(self, struct: Words) -> Words:
+        """The 32-bit words of a struct, as a live view."""
+        return struct
+
+    def layout(self, struct: str) -> dict[str, int]:
+        """Word index of every scalar in a struct, by its C path."""
+        return {word.path: place for place, word in enumerate(words(self._header, struct))}
+
+    def run(
+        self,
+        function: str,
+        struct: Words,
+        inputs: Sequence[Words],
+        *,
+        first: int = 0,
+        words: int = 0,
+        flush: bool = False,
+    ) -> tuple[Words, Words]:
+        """Step `struct` through samples, as `Host.run`."""
+        n, place = len(inputs[0]), list(self.entries).index(function) + 1
+        self._send([place, n, len(inputs), first, words, struct.size], struct, *inputs)
+        struct[:] = self._receive(struct.size)
+        out = self._receive(n)
+        return out, self._receive(n * words).reshape(n, words)
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "name": self.name,
+            "entries": list(self.entries.values()),
+            "channels": self.channels,
+            "commits": self.commits,
+            "selftested": self.selftested,
+            "learns": f"{self.name}_learn_init(" in self._header,
+        }
+
+    def _send(self, head: list[int], *arrays: Words) -> None:
+        assert self._process.stdin is not None
+        order = f"{self.machine.order}u4"
+        try:
+            for array in (np.array(head), *arrays):
+                self._process.stdin.write(array.astype(order).tobytes())
+            self._process.stdin.flush()
+        except BrokenPipeError as fault:
+            raise BuildError(self._end()) from fault
+
+    def _receive(self, count: int) -> Words:
+        assert self._process.stdout is not None
+        data = self._process.stdout.read(4 * count)
+        if len(data) != 4 * count:
+            raise BuildError(self._end())
+        return np.frombuffer(data, dtype=f"{self.machine.order}u4").astype(np.uint32)
+
+    def _end(self) -> str:
+        """Why there is no answer: the exit code, and what the program complained of first."""
+        code = self._process.wait()
+        complaint = next(iter(self._complaints.read_text(errors="replace").splitlines()), "no message")
+        return f"{self.name} on {self.machine.name}: the program ended with {code}: {complaint}"
+
+
+def _compile(
+    name: str, texts: Mapping[str, str], machine: Machine, flags: Sequence[str], facts: dict[str, Any], folder: Path
+) -> None:
+    sources = {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
+    sources |= {"driver.c": render("driver.c.j2", facts), "main.c": render("proof/emulated.c.j2", facts)}
+    for file, text in sources.items():
+        (folder / file).write_text(text, encoding="utf-8", newline="\n")
+    units = [file for file in sources if file.endswith(".c")]
+    call = [machine.compiler, *COMMON, *machine.flags, *flags, "-o", "program", *units]
+    run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        complaint = next((line for line in run.stderr.splitlines() if "error" in line), run.stderr.strip()[:200])
+        raise BuildError(f"{machine.compiler} {' '.join(flags)}: {complaint}")
+
+
+def _close(process: subprocess.Popen[bytes], scratch: tempfile.TemporaryDirectory[str]) -> None:
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            pipe.close()
+    process.wait()
+    scratch.cleanup()

@@ -1,0 +1,98 @@
+"""The numbers that a bank may hold: the model's own, and whatever a learner may commit in their place.
+
+commit takes over parameters within their limit (`bank_box`), and of those only banks whose gain it has found between
+its floor and its ceiling over the whole range: at check points with Taylor bounds between them (`commit_numbers.py`).
+The first is proved of the generated C; the second is a theorem about check points, which an analysis by intervals
+cannot see: it is told so (`told_gain`), with what rounding may take off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from hysgen.certify.certificates import certify
+from hysgen.checking.proof.eva.boxes import instance_box, regressor_sizes
+from hysgen.checking.proof.eva.intervals import Interval, hexadecimal, symmetric
+from hysgen.errors import ModelError
+from hysgen.float32.coefficients import Floats32, coefficients
+from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.float32.learner_numbers import learner_numbers
+from hysgen.model.model import Model
+
+SEEN: Final = 4.0
+"""Times an output's largest magnitude: what intervals see of it."""
+
+ROUNDINGS: Final = 64.0 * 2.0**-24
+"""What rounding may add to a sum over the rules or to a check point, per largest number of the bank, generously."""
+
+
+def bank_box(model: Model) -> dict[str, Interval]:
+    """Every number of a bank of a model that learns, by C path."""
+    numbers = learner_numbers(model, coefficients(model))
+    bank = coefficients(model).bank
+    groups = {"slope": bank.slope, "offset": bank.offset, "gain": bank.gain, "weight": bank.weight}
+    box = {f"{group}[{i}]": _at(x) for group, values in groups.items() for i, x in enumerate(values)}
+    for parameter, per_scale in zip(numbers.parameters, numbers.per_scale, strict=True):
+        reach = symmetric(float(numbers.limit_um) * float(per_scale))
+        names = {"terms": [f"weight[{parameter.index}]"], "bias": [f"offset[{i}]" for i in range(len(bank.offset))]}
+        for path in names.get(parameter.group, [f"{parameter.group}[{parameter.index}]"]):
+            box[path] = reach.hull(box[path]).outwards(reach.high if parameter.group == "bias" else 0.0)
+    return box
+
+
+def committed_box(model: Model) -> dict[str, Interval]:
+    """`instance_box` of a model that learns: with any bank, y_um reaches further."""
+    box, banks, numbers = instance_box(model), bank_box(model), coefficients(model)
+    most = {group: _most(banks, group, numbers.strength) for group in ("slope", "offset", "gain")}
+    y = max(abs(model.grid.y_min_um), abs(model.grid.y_max_um))
+    u = max(abs(model.u_min_V), abs(model.u_max_V))
+    extra = sum(banks[f"weight[{j}]"].magnitude * size for j, size in enumerate(regressor_sizes(model)))
+    reach = SEEN * (most["slope"] * y + most["offset"] + most["gain"] * u + extra)
+    return box | {"y_um": symmetric(reach).hull(box["y_um"]).outwards()}
+
+
+def state_box(model: Model) -> dict[str, Interval]:
+    """The box of the instance: with the model's own bank, or with any that its learner may commit."""
+    return committed_box(model) if model.learner else instance_box(model)
+
+
+def committed_gain(model: Model) -> Interval:
+    """sum v_l q_l2 / sum v_l, times its sign, in the float32 of the generated C, over the range: what commit lets pass.
+
+    Raises ModelError if rounding might take all of it.
+    """
+    numbers = commit_numbers(model, coefficients(model), certify(model))
+    lost = ROUNDINGS * _most(bank_box(model), "gain", coefficients(model).strength)
+    if lost >= float(numbers.gain_floor):
+        raise ModelError(f"{model.name}: rounding of a gain ({lost:.2g}) hides commit's floor {numbers.gain_floor:.2g}")
+    return Interval(float(numbers.gain_floor) - lost, float(numbers.gain_ceiling) + lost)
+
+
+def told_gain(model: Model, source: str) -> str:
+    """`source` of `<name>.c` with what commit guarantees of a bank told where the inverse divides by the gain.
+
+    Raises ModelError if the line is not found: then the generated text has changed under the proof.
+    """
+    name = model.name
+    sign = float(commit_numbers(model, coefficients(model), certify(model)).sign)
+    gain, told = committed_gain(model), "sums.gain" if sign > 0 else "-sums.gain"
+    low, high = (hexadecimal(end)[:-1] for end in (gain.low, gain.high))
+    line = f"    //@ admit committed: {low} * sums.weight <= {told} <= {high} * sums.weight;\n"
+    start = source.index(f"float {name}_inverse(")
+    anchor = f"    const {name}_sums_t sums = {name}_rule_sums(bank, y);\n"
+    place = source.find(anchor, start, source.index("\n}\n", start))
+    if place < 0:
+        raise ModelError(f"{name}_inverse: no line `{anchor.strip()}`; adapt proof/eva/banks.py")
+    return source[: place + len(anchor)] + line + source[place + len(anchor) :]
+
+
+def _most(banks: Mapping[str, Interval], group: str, strength: Floats32) -> float:
+    """Largest magnitude of a rule's number of `group`, its strength taken off: no convex sum of them is larger."""
+    return max(banks[f"{group}[{i}]"].magnitude / float(w) for i, w in enumerate(strength))
+
+
+def _at(x: float | np.float32) -> Interval:
+    return Interval(float(x), float(x)).outwards()

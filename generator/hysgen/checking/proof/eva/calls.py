@@ -1,0 +1,69 @@
+"""What Eva is given: one call of a generated function from any state of the certified box, and what must hold then."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final
+
+from hysgen.checking.proof.eva.banks import told_gain
+from hysgen.checking.proof.eva.boxes import KEPT
+from hysgen.checking.proof.eva.frama import Floats, Verdict, analyse
+from hysgen.checking.proof.eva.intervals import ANY
+from hysgen.checking.proof.eva.splits import annotated, splits
+from hysgen.checking.proof.eva.states import ANY_WORD, bank_words, between, instance_words
+from hysgen.codegen.render import render
+from hysgen.model.model import Model
+from hysgen.model.terms import channels_of
+
+ENTRY: Final = "step.c"
+
+FUNCTIONS: Final[Mapping[str, int]] = {"init": 2, "predict": 2, "simulate": 1, "inverse": 2, "aux": 0}
+"""Functions of an instance, and how many floats they take."""
+
+
+def functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
+    """The functions of an instance that the generated header declares."""
+    header = texts[f"{model.name}.h"]
+    return tuple(function for function in FUNCTIONS if re.search(rf"\b{model.name}_{function}\(", header))
+
+
+def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[dict[str, str], int]:
+    """The C that Eva analyses for one call, and the number of its checks.
+
+    inputs: every finite float, or any 32 bits. Raises ModelError if the model holds what the proof does not know.
+    """
+    name, known = model.name, instance_words(model, texts)
+    banks = [] if function == "init" else bank_words(model)
+    floats = {"finite": between(ANY), "any": f"{name}_float({ANY_WORD})"}
+    source = annotated(name, texts[f"{name}.c"], splits(model, KEPT))
+    if inputs == "any":
+        source = finite_checked(name, source)
+    if function == "inverse" and banks:
+        source = told_gain(model, source)
+    facts = {
+        "name": name,
+        "function": function,
+        "words": [*banks, *known],
+        "inputs": FUNCTIONS[function],
+        "channels": len(channels_of(model.terms)) if function == "aux" else 0,
+        "input": floats[inputs],
+        "result": "float" if function in ("predict", "simulate", "inverse") else "",
+    }
+    checks = sum(word.demanded != "" for word in known) + (facts["result"] == "float")
+    return {**texts, f"{name}.c": source, ENTRY: render("proof/step.c.j2", facts)}, checks
+
+
+def prove_call(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:
+    """What Eva says of one call, and how many checks it must have come to."""
+    sources, checks = step(model, texts, function, inputs)
+    return analyse(sources, ENTRY, inputs), checks
+
+
+def finite_checked(name: str, source: str) -> str:
+    r"""`source` with a check behind every input that was looked at: from there on it is finite, whatever came in.
+
+    With it the rest of the call is what the proof for finite inputs has seen.
+    """
+    pattern = rf"^(    const float (\w+) = {name}_finite\(.*\);)$"
+    return re.sub(pattern, r"\1\n    //@ check finite: \\is_finite(\2);", source, flags=re.MULTILINE)

@@ -1,0 +1,66 @@
+"""What Eva is given for one call of commit: any shadow within its limits, any candidate, any phase."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from hysgen.certify.certificates import certify
+from hysgen.checking.proof.eva.banks import bank_box
+from hysgen.checking.proof.eva.boxes import KEPT
+from hysgen.checking.proof.eva.calls import ENTRY
+from hysgen.checking.proof.eva.contracts import with_beyond
+from hysgen.checking.proof.eva.frama import Verdict, analyse
+from hysgen.checking.proof.eva.intervals import symmetric
+from hysgen.checking.proof.eva.learner_box import LEARNED, RESTS
+from hysgen.checking.proof.eva.splits import Split, annotated, signs, splits
+from hysgen.checking.proof.eva.states import assumed
+from hysgen.codegen.render import render
+from hysgen.float32.coefficients import coefficients
+from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.float32.learner_numbers import learner_numbers
+from hysgen.model.model import Model
+
+
+def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str], int]:
+    """The C that Eva analyses for one call of commit, and the number of its checks.
+
+    The learner's parameters and its candidate are in their boxes, and so must both banks be after the call. A candidate
+    that is being checked has a check point left; any other may have come to their end.
+    """
+    name, numbers = model.name, learner_numbers(model, coefficients(model))
+    points = commit_numbers(model, coefficients(model), certify(model)).points
+    limit, banks = float(numbers.limit_um), bank_box(model)
+    boxes = {f"{path}[{j}]": symmetric(limit) for path in LEARNED for j in range(numbers.size)}
+    boxes |= {f"candidate.bank.{path}": box for path, box in banks.items()}
+    boxes |= {f"base.{path}": box for path, box in banks.items()}
+    boxes |= {path: symmetric(RESTS) for path in ("candidate.gain_rest_um_per_V", "candidate.slope_rest[0]")}
+    boxes |= {"candidate.slope_rest[1]": symmetric(RESTS)}
+    known = [assumed("learner", path, box, None) for path, box in boxes.items()]
+    known += [assumed("self", f"bank[{b}].{path}", box, None) for b in range(2) for path, box in banks.items()]
+    known += [assumed("self", "active", None, 1), assumed("learner", "candidate.phase", None, 3)]
+    known += [assumed("learner", "age", None, None)]
+    facts = {"name": name, "words": known, "points": points}
+    source = with_beyond(name, annotated(name, texts[f"{name}.c"], [*splits(model, KEPT), *_commit_splits(name)]))
+    # Asked where commit returns, case by case: afterwards the cases are taken together.
+    left = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */\n"
+    source = re.sub(rf"^(uint32_t {name}_commit\()", lambda match: left + match[1], source, flags=re.MULTILINE)
+    checks = sum(word.demanded != "" for word in known) + 1
+    return {**texts, f"{name}.c": source, ENTRY: render("proof/commit.c.j2", facts)}, checks
+
+
+def prove_commit(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
+    """What Eva says of one call of commit, and how many checks it must have come to."""
+    sources, checks = commit_step(model, texts)
+    options = ["-eva-use-spec", f"{model.name}_beyond", "-eva-split-return-function", f"{model.name}_snapshot:0"]
+    return analyse(sources, ENTRY, "finite", options=options), checks
+
+
+def _commit_splits(name: str) -> list[Split]:
+    return [
+        Split("size", signs("x")),
+        *(Split(function, signs(x)) for function in ("lesser", "greater") for x in ("a", "b")),
+        Split("lesser", ("b < a",)),
+        Split("greater", ("b <= a",)),
+        Split("commit", (f"candidate->point < {name.upper()}_COMMIT_POINTS",), "candidate->point += 1u"),
+    ]

@@ -1,0 +1,114 @@
+"""Functions that the proof of a learner takes at a contract instead of their text, and the contracts as ACSL.
+
+`beyond` is held against its contract by running it on every float (`contract.py`). What one update does to the shadow
+(`project`, `factor`, `clear`, `step`) is analysed once, from any bits the learner may hold, which shows two things:
+what a call writes, and that `step` answers 0 only if every parameter that it leaves is finite and inside its limit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final
+
+from hysgen.checking.proof.layout import words
+from hysgen.errors import ModelError
+
+WRITES: Final[Mapping[str, tuple[str, ...]]] = {
+    "project": ("f", "g"),
+    "factor": ("u", "k"),
+    "clear": ("u",),
+    "step": ("theta", "theta_low", "phase", "status", "limited", "updates", "age"),
+}
+"""Words of the learner that each of them writes, and no other."""
+
+_RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
+
+LOOKED_AT: Final = "looked_at"
+"""Parameter whose cases are distinguished: a number of the analysis, not of the generated C."""
+
+
+def update_functions(name: str, texts: Mapping[str, str]) -> dict[str, str]:
+    """C name -> which of WRITES, of every function of an update that has a contract, in the order of the text."""
+    kinds = "|".join(WRITES)
+    pattern = rf"^static \w+ (?:void|uint32_t) ({name}_({kinds})(?:_\d+)?)\({name}_learner_t \*self\)\n{{"
+    return {match[1]: match[2] for match in re.finditer(pattern, texts[f"{name}.c"], re.MULTILINE)}
+
+
+def with_contracts(name: str, texts: Mapping[str, str], source: str) -> str:
+    """`source` of `<name>.c` with a contract before each of them, for an analysis that takes it on trust."""
+    for function, kind in update_functions(name, texts).items():
+        written = [f"self->{_whole(name, texts, word)}" for word in WRITES[kind]]
+        clauses = [f"assigns {', '.join([*written, *_RESULT[kind]])} \\from \\nothing;"]
+        if kind == "step":
+            kept = " && ".join(within(name, f"self->theta[{j}]") for j in range(_parameters(name, texts)))
+            clauses += ["ensures self->phase == 0;", rf"ensures \result == 1 || (\result == 0 && {kept});"]
+        source = _before(source, function, "\n    ".join(clauses))
+    return source
+
+
+def with_checks(name: str, texts: Mapping[str, str], source: str) -> str:
+    """`source` with checks of what `with_contracts` promises of `step`, for the parameter that is looked at.
+
+    Raises ModelError if its lines are not found: then the generated text has changed under the proof.
+    """
+    limit = f"{name.upper()}_LEARN_LIMIT_UM"
+
+    def looked_at(match: re.Match[str]) -> str:
+        cases = [
+            f"    /*@ ghost if ({LOOKED_AT} == {j}u) {{ /@ split \\is_NaN({x}); @/"
+            f" if ({x} < {limit}) {{ if ({x} <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
+            for j, x in re.findall(r"self->theta\[(\d+)\] = (sum\d+);", match[0])
+        ]
+        return "\n".join([match[0], *cases])
+
+    start = source.index(f" {name}_step({name}_learner_t *self)\n{{")
+    end = source.index("\n}\n", start)
+    lines = r"^ +self->theta\[\d+\] = sum\d+;(?:\s+self->theta\[\d+\] = sum\d+;)*$"
+    body = re.sub(lines, looked_at, source[start:end], flags=re.MULTILINE)
+    ending = re.search(r"\n    return ([^;\n]*);$", body)
+    if ending is None or body.count("/*@ ghost") != _parameters(name, texts):
+        raise ModelError(
+            f"{name}_step: its parameters are not where the proof looks for them; adapt proof/eva/contracts.py"
+        )
+    answer = ending[1]
+    checks = [f"answer: {answer} <= 1", "phase: self->phase == 0"]
+    checks += [
+        f"kept_{j}: {LOOKED_AT} == {j} && {answer} == 0 ==> {within(name, f'self->theta[{j}]')}"
+        for j in range(_parameters(name, texts))
+    ]
+    asked = "".join(f"\n    //@ check {check};" for check in checks)
+    return source[:start] + body[: ending.start()] + asked + ending[0] + source[end:]
+
+
+def with_beyond(name: str, source: str) -> str:
+    """`source` with the contract of `beyond` before its body."""
+    kept = within(name, "theta")
+    contract = (
+        r"assigns \result \from theta;" + "\n    ensures 0 <= \\result <= 1;\n"
+        rf"    behavior in: assumes {kept}; ensures \result == 0;" + "\n"
+        rf"    behavior out: assumes !({kept}); ensures \result == 1;"
+    )
+    return _before(source, f"{name}_beyond", contract)
+
+
+def within(name: str, theta: str) -> str:
+    """That a parameter is finite and inside its limit, as ACSL."""
+    limit = f"{name.upper()}_LEARN_LIMIT_UM"
+    return rf"\is_finite({theta}) && -{limit} < {theta} < {limit}"
+
+
+def _parameters(name: str, texts: Mapping[str, str]) -> int:
+    return sum(word.path.startswith("theta[") for word in words(texts[f"{name}.h"], f"{name}_learner_t"))
+
+
+def _whole(name: str, texts: Mapping[str, str], field: str) -> str:
+    """All words of a field of the learner, as ACSL."""
+    paths = [word.path for word in words(texts[f"{name}.h"], f"{name}_learner_t")]
+    return field if field in paths else f"{field}[0..{sum(path.startswith(f'{field}[') for path in paths) - 1}]"
+
+
+def _before(source: str, function: str, clauses: str) -> str:
+    """`source` with a contract before the definition of `function`."""
+    head = rf"^(?=[^\n;]*\b{function}\([^;{{]*\)\n{{)"
+    return re.sub(head, lambda _: f"/*@ {clauses} */\n", source, count=1, flags=re.MULTILINE)

@@ -1,0 +1,134 @@
+"""What Eva is given for one call of learn: any 32 bits as inputs, from any state of the learner's box.
+
+In two parts. First what an update does to the shadow, from any bits at all: which words it writes, and that the shadow
+starts again unless every parameter is finite and inside its limit. Then the whole call with that as contracts.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping
+
+from hysgen.checking.proof.eva.boxes import KEPT
+from hysgen.checking.proof.eva.calls import ENTRY, finite_checked
+from hysgen.checking.proof.eva.contracts import (
+    LOOKED_AT,
+    WRITES,
+    update_functions,
+    with_beyond,
+    with_checks,
+    with_contracts,
+)
+from hysgen.checking.proof.eva.frama import Verdict, analyse
+from hysgen.checking.proof.eva.intervals import hexadecimal
+from hysgen.checking.proof.eva.learner_box import WILD, LearnerBox, learner_box
+from hysgen.checking.proof.eva.splits import Join, Split, annotated, displacements, joined, signs, splits
+from hysgen.checking.proof.eva.states import ANY_WORD, Assumed, assumed, bank_words, instance_words, ring_places
+from hysgen.checking.proof.layout import words
+from hysgen.codegen.render import render
+from hysgen.float32.coefficients import coefficients
+from hysgen.model.model import Model
+from hysgen.model.terms import channels_of
+
+
+def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[dict[str, str], int]:
+    """The C that Eva analyses for one call of learn_init, learn_aux or learn, and the number of its checks.
+
+    Inputs are any 32 bits; learn_init has none, but a model in any state and with any bank that may be committed.
+    """
+    name, box = model.name, learner_box(model)
+    integers = {**box.integers, **ring_places(model)}
+    known: list[Assumed] = []
+    for word in words(texts[f"{name}.h"], f"{name}_learner_t"):
+        if word.path.split("[")[0] not in WILD and not word.path.startswith(("candidate.", "base.")):
+            known.append(assumed("learner", word.path, box.floats.get(word.path), integers.get(word.path)))
+    facts = {
+        "name": name,
+        "function": function,
+        "model_words": [*bank_words(model), *instance_words(model, texts)],
+        "words": known,
+        "channels": len(channels_of(model.terms)),
+        "wild": [word for word in WILD if re.search(rf"^    float {word}\[", texts[f"{name}.h"], re.MULTILINE)],
+        "scalars": ["per_alpha"],
+        "any": f"{name}_float({ANY_WORD})",
+    }
+    source = annotated(name, texts[f"{name}.c"], [*splits(model, KEPT), *_learn_splits(model)])
+    source = joined(name, source, _joins(model, box))
+    source = with_contracts(name, texts, finite_checked(name, source))
+    checks = sum(word.demanded != "" for word in known)
+    return {**texts, f"{name}.c": source, ENTRY: render("proof/learn.c.j2", facts)}, checks
+
+
+def prove_learn(model: Model, texts: Mapping[str, str], function: str) -> tuple[Verdict, int]:
+    """What Eva says of one call of learn_init, learn_aux or learn, and how many checks it must have come to."""
+    sources, checks = learn_step(model, texts, function)
+    name = model.name
+    trusted = update_functions(name, texts)
+    apart = ",".join(f"{name}_{function}:0" for function in ("weigh", "work", "take"))
+    options = ("-eva-use-spec", ",".join(trusted), "-eva-split-return-function", apart)
+    return analyse(sources, ENTRY, "finite" if function == "learn_init" else "any", options=options), checks
+
+
+def update_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str], int]:
+    """The C that Eva analyses for what one update does to the shadow, and the number of its checks."""
+    name = model.name
+    functions = update_functions(name, texts)
+    source = with_beyond(name, with_checks(name, texts, texts[f"{name}.c"]))
+    parameters = source.count(f"ghost if ({LOOKED_AT} ==")
+    facts = {
+        "name": name,
+        "looked_at": LOOKED_AT,
+        "functions": [function for function, kind in functions.items() if kind != "step"],
+        "parameters": parameters,
+    }
+    return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, parameters + 2
+
+
+def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
+    """What Eva says of an update, and how many checks it must have come to.
+
+    A function that writes another word of the learner than its contract says counts as an alarm.
+    """
+    name = model.name
+    sources, checks = update_step(model, texts)
+    verdict = analyse(sources, ENTRY, "any", options=("-eva-use-spec", f"{name}_beyond", "-out-external"))
+    alarms = list(verdict.alarms)
+    for function, kind in update_functions(name, texts).items():
+        more = sorted(verdict.fields(function, "learner") - set(WRITES[kind]))
+        alarms += [f"{function}: writes {', '.join(more)}: not in its contract"] if more else []
+    return dataclasses.replace(verdict, alarms=tuple(alarms)), checks
+
+
+def _learn_splits(model: Model) -> list[Split]:
+    return [
+        Split("learn", _plausible(model), "const float y = "),
+        Split("keep", displacements(coefficients(model)), "const float y = "),
+        Split("lost", signs("moved")),
+        Split("admit", signs("e"), "const float e = "),
+        Split("limited", ("x <= high",)),
+    ]
+
+
+def _joins(model: Model, box: LearnerBox) -> list[Join]:
+    """What depends on one case is computed between two of these; the mean input and `usable` are known to the end."""
+    levels = {level.path: level for level in box.levels}
+    low, high = (hexadecimal(end) for end in (model.u_min_V, model.u_max_V))
+    return [
+        Join("learn", "const float away", kept=(f"self->mean_u_V < {low}", f"self->mean_u_V <= {high}", "usable")),
+        Join("learn", r"if \(self->phase != 0u\)"),
+        Join("learn", "self->fresh = "),
+        *(
+            Join("lost", f"self->{path} = ", levels[path].borders)
+            for path in ("moving_um", "error", "reference_error", "step_error")
+        ),
+        Join("lost", "return "),
+        Join("admit", "if ", levels["scale_um"].borders),
+        Join("admit", "self->run = "),
+        Join("keep", r"(?:const float [yu]_share|self->x\[0\]) = "),
+    ]
+
+
+def _plausible(model: Model) -> tuple[str, ...]:
+    upper = model.name.upper()
+    return (f"y < {upper}_LEARN_Y_LOW_UM", f"y <= {upper}_LEARN_Y_HIGH_UM")

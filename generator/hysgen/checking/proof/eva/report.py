@@ -1,0 +1,153 @@
+"""Every call of a model proved, and on demand every guard taken out to see the proof fail."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from hysgen.checking.proof.eva.calls import functions, prove_call
+from hysgen.checking.proof.eva.commit import prove_commit
+from hysgen.checking.proof.eva.contract import check_contract
+from hysgen.checking.proof.eva.frama import Floats, Verdict, version
+from hysgen.checking.proof.eva.guards import guards, without
+from hysgen.checking.proof.eva.learn import prove_learn, prove_update
+from hysgen.display import table
+from hysgen.errors import ModelError
+from hysgen.model.model import Model
+
+LEARNER: Final[Mapping[str, Floats]] = {
+    "beyond": "any",
+    "update": "any",
+    "learn_init": "finite",
+    "learn_aux": "any",
+    "learn": "any",
+    "commit": "finite",
+}
+"""beyond and update are what the others lean on; learn takes any 32 bits at once; learn_init and commit no inputs."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What Eva said of one call; expected: checks that it must have come to, else it saw less than the whole call."""
+
+    function: str
+    inputs: Floats
+    alarms: tuple[str, ...]
+    held: int
+    checks: int
+    expected: int
+    seconds: float
+
+    @property
+    def holds(self) -> bool:
+        return not self.alarms and self.held == self.checks >= self.expected
+
+
+@dataclass(frozen=True)
+class TakenOut:
+    """A guard, the call analysed without it, and how many alarms that raised."""
+
+    about: str
+    function: str
+    alarms: int
+
+
+@dataclass(frozen=True)
+class Proofs:
+    """proofs: of the C as generated. taken_out: of the C without a guard, where this was asked for."""
+
+    model: str
+    tool: str
+    proofs: tuple[Proof, ...]
+    taken_out: tuple[TakenOut, ...]
+
+    @property
+    def holds(self) -> bool:
+        """No alarm with the guards, some without any of them."""
+        return bool(self.proofs) and all(p.holds for p in self.proofs) and all(t.alarms for t in self.taken_out)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return dataclasses.asdict(self) | {"holds": self.holds}
+
+    def lines(self) -> list[str]:
+        """The report as text."""
+        rows = [
+            [p.function, p.inputs, str(len(p.alarms)), f"{p.held} of {p.checks}", f"{p.seconds:.1f}"]
+            for p in self.proofs
+        ]
+        text = [self.tool, table(["call", "inputs", "alarms", "checks hold", "s"], rows, left=2)]
+        text += [f"ALARM: {p.function}, {p.inputs} inputs: {alarm}" for p in self.proofs for alarm in p.alarms]
+        if self.taken_out:
+            taken = [[out.about, out.function, str(out.alarms)] for out in self.taken_out]
+            text += [table(["taken out: that ...", "call", "alarms"], taken, left=2)]
+            text += [f"NOT MISSED: that {out.about}" for out in self.taken_out if not out.alarms]
+        return [*text, f"{self.model}: {'proved' if self.holds else 'NOT PROVED'}"]
+
+
+def prove(
+    model: Model,
+    texts: Mapping[str, str],
+    *,
+    calls: Sequence[str] = (),
+    take_out: bool = False,
+    progress: Callable[[float, str], None] | None = None,
+) -> Proofs:
+    """Prove every call of a model's generated C, for every finite input and for any 32 bits.
+
+    calls: functions to prove instead of all. take_out: also without each of their guards in turn.
+    Raises BuildError if Frama-C is not installed or fails, ModelError if the model holds what the proof does not know
+    or has no such call.
+    """
+    tool = version()
+    tasks: list[tuple[str, Floats]] = []
+    known = (*functions(model, texts), *learner_functions(model, texts))
+    for function in calls or known:
+        if function not in known:
+            raise ModelError(f"{model.name}: no call {function} to prove; choose among {', '.join(known)}")
+        both: tuple[Floats, ...] = ("finite", "any")
+        tasks += [(function, inputs) for inputs in ([LEARNER[function]] if function in LEARNER else both)]
+    chosen = {function for function, _ in tasks}
+    outs = [guard for guard in guards(model.name, texts) if take_out and guard.function in chosen]
+    done, total = 0, len(tasks) + len(outs)
+    found: list[Proof] = []
+    taken: list[TakenOut] = []
+    for function, inputs in tasks:
+        _tell(progress, done / total, f"proving {model.name}_{function}, {inputs} inputs")
+        verdict, expected = proved(model, texts, function, inputs)
+        found.append(Proof(function, inputs, verdict.alarms, verdict.held, verdict.checks, expected, verdict.seconds))
+        done += 1
+    for guard in outs:
+        _tell(progress, done / total, f"without: that {guard.about}")
+        verdict, _ = proved(model, without(guard, model.name, texts), guard.function, guard.inputs)
+        taken.append(TakenOut(guard.about, guard.function, len(verdict.alarms)))
+        done += 1
+    return Proofs(model.name, tool, tuple(found), tuple(taken))
+
+
+def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:
+    """What Eva says of one call, and how many checks it must have come to; of `beyond`, what running it says."""
+    if function == "beyond":
+        return check_contract(model.name, texts), 1
+    if function == "update":
+        return prove_update(model, texts)
+    if function in ("learn_init", "learn_aux", "learn"):
+        return prove_learn(model, texts, function)
+    if function == "commit":
+        return prove_commit(model, texts)
+    return prove_call(model, texts, function, inputs)
+
+
+def learner_functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
+    """What is proved of a learner, if the generated header declares one."""
+    header = texts[f"{model.name}.h"]
+    there = {f: re.search(rf"\b{model.name}_{f}\(", header) is not None for f in ("learn", "learn_aux")}
+    return tuple(f for f in LEARNER if there["learn"] and there.get(f, True))
+
+
+def _tell(progress: Callable[[float, str], None] | None, fraction: float, what: str) -> None:
+    if progress is not None:
+        progress(fraction, what)

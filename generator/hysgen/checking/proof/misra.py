@@ -1,0 +1,191 @@
+"""MISRA C:2012 by cppcheck's add-on: every finding is either a listed deviation or an error.
+
+The add-on checks most of the decidable rules and none that need a human; it knows the numbers of the rules, not their
+texts, which may not be copied. Required rules are to have no finding at all; of the advisory ones, those in DEVIATIONS
+are not followed, each for its reason. A finding of any other rule is red.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from hysgen.checking.proof.sources import folder_of
+from hysgen.errors import BuildError
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A rule that the generated C does not follow; about: what it asks for, in our words; reason: why not here."""
+
+    rule: str
+    about: str
+    reason: str
+
+
+DEVIATIONS: Final = (
+    Deviation(
+        "8.9",
+        "an object used in one function only is defined inside it",
+        "<name>_params.h holds every number, so that identifying a model again changes that file and no other",
+    ),
+    Deviation(
+        "10.5",
+        "a value is not cast to an inappropriate kind of type",
+        "0 or 1 from a comparison becomes a mask of bits: what limits an input without a branch",
+    ),
+    Deviation(
+        "12.1",
+        "precedence is made explicit by parentheses",
+        "products in sums follow the equations; parentheses stand where the order of additions matters to the bits",
+    ),
+    Deviation(
+        "12.3",
+        "the comma operator is not used",
+        "it is not: the add-on takes the commas between several declarators for it",
+    ),
+    Deviation(
+        "15.5",
+        "a function returns at its end only",
+        "a learner or commit that has to stop early says so where it happens, instead of carrying a flag through",
+    ),
+    Deviation(
+        "19.2",
+        "unions are not used",
+        "the bits of a float are read and written through a union in two functions: C defines it, without a library",
+    ),
+)
+
+# fmt: off
+ADVISORY: Final = frozenset((
+    "2.3", "2.4", "2.5", "2.6", "2.7", "4.2", "5.9", "8.7", "8.9", "8.11", "8.13", "10.5", "11.4", "11.5", "12.1",
+    "12.3", "12.4", "13.3", "13.4", "15.1", "15.4", "15.5", "17.5", "17.8", "18.4", "18.5", "19.2", "20.1", "20.5",
+    "21.12",
+))
+# fmt: on
+"""Advisory rules; all others are required or mandatory."""
+
+CONFIGURATION: Final = ("--std=c99", "-D__GNUC__=12", "-D__FLT_EVAL_METHOD__=0")
+"""As gcc sees the files: the other branches of the preprocessor differ in a pragma or an attribute only."""
+
+_FINDING: Final = re.compile(r"^\[(?P<file>[^:\]]+):(?P<line>\d+)\].*\[misra-c2012-(?P<rule>[\d.]+)\]$")
+_ADDONS: Final = (
+    "/usr/lib/x86_64-linux-gnu/cppcheck/addons",
+    "/usr/lib/aarch64-linux-gnu/cppcheck/addons",
+    "/usr/share/cppcheck/addons",
+    "/usr/local/share/Cppcheck/addons",
+)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Where a rule is not followed."""
+
+    rule: str
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        kind = "advisory" if self.rule in ADVISORY else "required"
+        return f"{self.file}:{self.line}: rule {self.rule} ({kind})"
+
+
+@dataclass(frozen=True)
+class Misra:
+    """findings: of rules without a deviation; deviating: number of findings per rule with one."""
+
+    model: str
+    tool: str
+    findings: tuple[Finding, ...]
+    deviating: Mapping[str, int]
+
+    @property
+    def clean(self) -> bool:
+        """Nothing but listed deviations."""
+        return not self.findings
+
+    @property
+    def required(self) -> int:
+        """Findings of required and mandatory rules, deviations or not."""
+        listed = sum(count for rule, count in self.deviating.items() if rule not in ADVISORY)
+        return listed + sum(finding.rule not in ADVISORY for finding in self.findings)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        reasons = {deviation.rule: dataclasses.asdict(deviation) for deviation in DEVIATIONS}
+        told = [reasons[rule] | {"findings": count} for rule, count in sorted(self.deviating.items())]
+        found = [dataclasses.asdict(finding) for finding in self.findings]
+        return {
+            "model": self.model,
+            "tool": self.tool,
+            "required": self.required,
+            "findings": found,
+            "deviations": told,
+        }
+
+    def lines(self) -> list[str]:
+        """The report as text."""
+        text = [f"{self.tool}, MISRA C:2012 add-on"]
+        for deviation in DEVIATIONS:
+            count = self.deviating.get(deviation.rule, 0)
+            text.append(
+                f"deviation {deviation.rule:>5} (advisory, {count:>4} x): {deviation.about}. {deviation.reason}."
+            )
+        text += [f"NOT ALLOWED: {finding}" for finding in self.findings]
+        verdict = "listed deviations only" if self.clean else "FINDINGS"
+        return [*text, f"{self.model}: {self.required} findings of required rules; {verdict}"]
+
+
+def misra(name: str, texts: Mapping[str, str], *, progress: Callable[[float, str], None] | None = None) -> Misra:
+    """Check every C file of model `name`. Raises BuildError if cppcheck or its add-on is not installed, or fails."""
+    addon = _addon()
+    sources = sorted(file for file in texts if file.endswith(".c"))
+    found: list[Finding] = []
+    with folder_of(texts) as scratch:
+        for place, source in enumerate(sources):
+            if progress is not None:
+                progress(place / len(sources), f"MISRA rules in {source}")
+            _run(["cppcheck", "--dump", *CONFIGURATION, "--quiet", source], scratch)
+            output = _run([sys.executable, str(addon), "--no-summary", f"{source}.dump"], scratch)
+            found += _findings(output)
+    listed = {deviation.rule for deviation in DEVIATIONS}
+    version = _run(["cppcheck", "--version"], Path()).strip()
+    # A header is read with each source that includes it; what it holds is told once.
+    unique = list(dict.fromkeys(found))
+    rest = tuple(finding for finding in unique if finding.rule not in listed)
+    return Misra(name, version, rest, dict(Counter(finding.rule for finding in unique if finding.rule in listed)))
+
+
+def _findings(output: str) -> list[Finding]:
+    """Each line that names a rule. Raises BuildError if there is a complaint of another kind."""
+    matches = [_FINDING.match(line) for line in output.splitlines()]
+    for line, match in zip(output.splitlines(), matches, strict=True):
+        if match is None and not line.startswith("Checking ") and line.strip():
+            raise BuildError(f"cppcheck's MISRA add-on: {line}")
+    return [Finding(match["rule"], Path(match["file"]).name, int(match["line"])) for match in matches if match]
+
+
+def _addon() -> Path:
+    if shutil.which("cppcheck") is None:
+        raise BuildError("cppcheck: not installed; apt-get install cppcheck")
+    for folder in _ADDONS:
+        if Path(folder, "misra.py").exists():
+            return Path(folder, "misra.py")
+    raise BuildError(f"cppcheck: its add-on misra.py is in none of {', '.join(_ADDONS)}")
+
+
+def _run(call: Sequence[str], folder: Path) -> str:
+    """What a command says on both channels. Raises BuildError if it cannot do its work."""
+    run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    # The add-on ends with 1 where it found something; what it cannot read it says in a traceback.
+    if run.returncode not in (0, 1) or "Traceback" in run.stderr:
+        raise BuildError(f"{call[0]}: {(run.stderr.strip().splitlines() or ['no message'])[-1]}")
+    return run.stdout + run.stderr

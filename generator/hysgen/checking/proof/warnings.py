@@ -1,0 +1,95 @@
+"""The warning wall: one list of flags for gcc and clang, every warning an error."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+import subprocess
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from hysgen.checking.proof.sources import folder_of
+from hysgen.errors import BuildError
+from hysgen.machine.native import compiler_version
+
+COMPILERS: Final = ("gcc", "clang")
+
+# fmt: off
+WALL: Final = (
+    "-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wconversion", "-Wsign-conversion",
+    "-Wfloat-conversion", "-Wdouble-promotion", "-Wfloat-equal", "-Wshadow", "-Wundef", "-Wunused", "-Wunused-macros",
+    "-Wuninitialized", "-Winit-self", "-Wcast-qual", "-Wcast-align", "-Wpointer-arith", "-Wstrict-prototypes",
+    "-Wmissing-prototypes", "-Wmissing-declarations", "-Wold-style-definition", "-Wnested-externs",
+    "-Wredundant-decls", "-Wbad-function-cast", "-Wwrite-strings", "-Wvla", "-Wformat=2", "-Wswitch-default",
+    "-Wswitch-enum", "-Wnull-dereference", "-Wstrict-overflow=2", "-Wstrict-aliasing=2", "-Wdisabled-optimization",
+)
+# fmt: on
+
+
+@dataclass(frozen=True)
+class Walled:
+    """What one compiler said of one file: `complaints` are its lines."""
+
+    compiler: str
+    file: str
+    complaints: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Every file under every installed compiler; skipped: compilers that are not installed."""
+
+    model: str
+    flags: tuple[str, ...]
+    compilers: tuple[str, ...]
+    skipped: tuple[str, ...]
+    files: tuple[Walled, ...]
+
+    @property
+    def clean(self) -> bool:
+        """Nothing was complained of, and something was looked at."""
+        return bool(self.files) and not any(walled.complaints for walled in self.files)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return dataclasses.asdict(self) | {"clean": self.clean}
+
+    def lines(self) -> list[str]:
+        """The report as text."""
+        text = [f"{'; '.join(self.compilers)}: {len(self.flags)} flags, {len(self.files)} files compiled"]
+        text += [f"NOT COMPILED: {reason}" for reason in self.skipped]
+        text += [f"{walled.compiler}: {line}" for walled in self.files for line in walled.complaints]
+        return [*text, f"{self.model}: {'no warning' if self.clean else 'WARNINGS'}"]
+
+
+def wall(
+    name: str,
+    texts: Mapping[str, str],
+    *,
+    compilers: Sequence[str] = COMPILERS,
+    progress: Callable[[float, str], None] | None = None,
+) -> Wall:
+    """Compile every C file of model `name` under the wall. Raises BuildError if no compiler is installed."""
+    there = [compiler for compiler in compilers if shutil.which(compiler)]
+    if not there:
+        raise BuildError(f"none of {', '.join(compilers)} is installed; install one to check warnings with")
+    skipped = tuple(f"{compiler}: not installed" for compiler in compilers if compiler not in there)
+    sources = sorted(file for file in texts if file.endswith(".c"))
+    found = []
+    with folder_of(texts) as scratch:
+        for place, compiler in enumerate(there):
+            if progress is not None:
+                progress(place / len(there), f"warnings of {compiler}")
+            found += [_compile(compiler, file, scratch) for file in sources]
+    return Wall(name, WALL, tuple(map(compiler_version, there)), skipped, tuple(found))
+
+
+def _compile(compiler: str, file: str, folder: Path) -> Walled:
+    call = [compiler, *WALL, "-c", "-o", "out.o", file]
+    run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    complaints = tuple(line for line in run.stderr.splitlines() if ": error:" in line or ": warning:" in line)
+    if run.returncode != 0 and not complaints:
+        complaints = (run.stderr.strip()[:200] or f"exit code {run.returncode}",)
+    return Walled(compiler, file, complaints)

@@ -1,0 +1,75 @@
+"""What `_commit` adds to the generated files."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hysgen.certify.certificates import Certificates
+from hysgen.codegen.concerns import Concern
+from hysgen.codegen.parameters import Constant, Section, Table
+from hysgen.float32.coefficients import Coefficients
+from hysgen.float32.commit_numbers import CommitNumbers, commit_numbers
+from hysgen.float32.learner_numbers import learner_numbers
+from hysgen.float32.learner_status import COMMIT_MEANINGS
+from hysgen.model.model import Model
+
+
+def commit_concern(model: Model, numbers: Coefficients, certificates: Certificates) -> Concern | None:
+    """The commit of a model with learner settings; None for one without.
+
+    Raises CertificateError if the model's own parameters would not pass.
+    """
+    if model.learner is None:
+        return None
+    found = commit_numbers(model, numbers, certificates)
+    upper = model.name.upper()
+    facts = {
+        "answer_rows": [
+            f"#define {upper}_{answer.name:<15}  {int(answer)}u  /**< {meaning} */"
+            for answer, meaning in COMMIT_MEANINGS.items()
+        ],
+        "bias": "bias" in model.learner.learned,
+        "weights": bool(model.terms) and "terms" in model.learner.learned,
+        "points_per_call": model.learner.points_per_call,
+        "kept": _kept(model, numbers),
+    }
+    return Concern("commit.c.j2", {"commit": facts}, [_section(found, upper, weights=bool(facts["weights"]))])
+
+
+def _kept(model: Model, numbers: Coefficients) -> list[str]:
+    """What a bank holds and the learner does not learn, in C."""
+    learned = {f"{parameter.group}[{parameter.index}]" for parameter in learner_numbers(model, numbers).parameters}
+    weights = sum(term.size for term in model.terms)
+    rules = [f"{group}[{rule}]" for group in ("slope", "offset", "gain") for rule in range(numbers.bank_rules)]
+    kept = [place for place in rules if place not in learned]
+    return kept + [f"weight[{j}]" for j in range(weights) if f"terms[{j}]" not in learned]
+
+
+def _section(found: CommitNumbers, upper: str, *, weights: bool) -> Section:
+    constants = [
+        Constant("COMMIT_MATURE", np.uint32(found.settings.mature)),
+        Constant("COMMIT_POINTS", np.uint32(found.points)),
+        Constant("COMMIT_HALF_UM", found.half_um),
+        Constant("COMMIT_GAIN_REST", found.gain_rest),
+        Constant("COMMIT_SLOPE_REST_1", found.slope_rest_1),
+        Constant("COMMIT_SLOPE_REST_3", found.slope_rest_3),
+        Constant("COMMIT_SIGN", found.sign),
+        Constant("COMMIT_GAIN_FLOOR", found.gain_floor),
+        Constant("COMMIT_GAIN_CEILING", found.gain_ceiling),
+        Constant("COMMIT_SLOPE_LIMIT", found.slope_limit),
+    ]
+    tables = [
+        Table("commit_unfold", f"{upper}_RULES", found.unfold),
+        Table("commit_y", f"{found.points}", found.y_um),
+        Table("commit_table", f"{found.table.size}", found.table.ravel()),
+    ]
+    if weights:
+        constants.append(Constant("COMMIT_WEIGHT_BUDGET", found.weight_budget))
+        tables.append(Table("commit_gamma", f"{upper}_WEIGHTS", found.gammas))
+    return Section(
+        "Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the\n"
+        "memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''\n"
+        "over the strengths w_l at each check point.",
+        constants,
+        tables,
+    )

@@ -1,0 +1,81 @@
+"""MANIFEST.json: what a generated folder is made of, from what, with which guarantees and at what cost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from hysgen.errors import HysgenError
+from hysgen.machine.files import digest
+from hysgen.machine.installed import version
+from hysgen.model.file import load_model
+from hysgen.model.model import Model
+
+MANIFEST: Final = "MANIFEST.json"
+SCHEMA: Final = "hysgen-manifest"
+VERSION: Final = 1
+
+
+def manifest(model: Model, texts: Mapping[str, str], facts: Mapping[str, Any]) -> str:
+    """The text of MANIFEST.json: digests of every file, then `facts` (options, certificates, errors, cost)."""
+    data = {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "hysgen": version(),
+        "model": model.name,
+        "model_file": model_file(model),
+        "files": {name: digest(texts[name].encode()) for name in sorted(texts)},
+        **facts,
+    }
+    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def model_file(model: Model) -> str:
+    """Name of the model's own file in the folder."""
+    return f"{model.name}.json"
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A generated folder as read back: its model, its C by file name, and a line per file that was altered since."""
+
+    model: Model
+    texts: Mapping[str, str]
+    facts: Mapping[str, Any]
+    altered: tuple[str, ...]
+
+
+def read_folder(folder: Path) -> Folder:
+    """What `hysgen generate` wrote. Raises HysgenError if the folder lacks its manifest, its model or a file."""
+    facts = _read_manifest(folder / MANIFEST)
+    texts: dict[str, str] = {}
+    altered = []
+    for name, told in facts["files"].items():
+        path = folder / name
+        try:
+            data = path.read_bytes()
+            texts[name] = data.decode("utf-8")
+        except (OSError, UnicodeDecodeError) as fault:
+            raise HysgenError(f"{path}: cannot be read ({fault}); generate the folder again") from fault
+        if digest(data) != told:
+            altered.append(f"{path}: is not what was generated (its digest differs from {MANIFEST})")
+    return Folder(load_model(folder / facts["model_file"]), texts, facts, tuple(altered))
+
+
+def _read_manifest(path: Path) -> dict[str, Any]:
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as fault:
+        raise HysgenError(f"{path}: is missing; this is not a folder that hysgen generate wrote") from fault
+    except (OSError, ValueError) as fault:
+        raise HysgenError(f"{path}: cannot be read ({fault}); generate the folder again") from fault
+    if not isinstance(facts, dict) or facts.get("schema") != SCHEMA or facts.get("version") != VERSION:
+        raise HysgenError(f"{path}: is not a manifest of version {VERSION}; generate the folder again")
+    named = facts.get("files")
+    plain = isinstance(named, dict) and all(Path(name).name == name for name in named)
+    if not plain or facts.get("model_file") not in set(named or {}):
+        raise HysgenError(f"{path}: names no files of a model; generate the folder again")
+    return facts

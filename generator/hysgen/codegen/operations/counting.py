@@ -1,0 +1,273 @@
+"""Exact operation counts of generated C: its tree walked along the worst path, calls inlined, loops multiplied out.
+
+Counted is what the source says, as a compiler sees it without optimisation: a value that is used twice is loaded twice.
+Local variables, and pointers to them, count as registers; a minus before a number belongs to the number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from pycparser import c_ast
+
+from hysgen.codegen.operations.counts import Counts, worse
+from hysgen.codegen.operations.types import FLOAT, INTEGER, Array, Pointer, Scalar, Struct, Type, Types, constant, words
+from hysgen.errors import HysgenError
+
+_NOTHING = Counts()
+_LOAD, _STORE, _INTEGER = Counts(load=1), Counts(store=1), Counts(integer=1)
+_COMPARISONS = frozenset({"<", ">", "<=", ">=", "==", "!="})
+
+
+@dataclass(frozen=True)
+class Value:
+    """What an expression stands for: its type, and whether it lies in memory (or points there)."""
+
+    type: Type
+    in_memory: bool = False
+
+
+@dataclass
+class Scope:
+    """Variables by name."""
+
+    names: dict[str, Value] = field(default_factory=dict)
+
+
+class Program:
+    """A translation unit whose public functions can be counted."""
+
+    def __init__(self, tree: c_ast.FileAST) -> None:
+        self.types = Types()
+        self._functions: dict[str, c_ast.FuncDef] = {}
+        self._globals = Scope()
+        self.constant_words = 0
+        for node in tree.ext:
+            match node:
+                case c_ast.Typedef():
+                    self.types.define(node)
+                case c_ast.FuncDef():
+                    self._functions[node.decl.name] = node
+                case c_ast.Decl() if not isinstance(node.type, c_ast.FuncDecl):
+                    kind = self.types.of(node.type)
+                    self._globals.names[node.name] = Value(kind, in_memory=True)
+                    self.constant_words += words(kind)
+
+    def public(self) -> list[str]:
+        """Functions that can be called from elsewhere."""
+        return [name for name, node in self._functions.items() if "static" not in node.decl.storage]
+
+    def count(self, name: str) -> Counts:
+        """Operations of the worst path through function `name`, its struct in memory."""
+        function = self._functions[name]
+        arguments = [Value(self.types.of(p.type), in_memory=True) for p in _parameters(function)]
+        return self._called(function, arguments)
+
+    def _called(self, function: c_ast.FuncDef, arguments: Sequence[Value]) -> Counts:
+        scope = Scope(dict(self._globals.names))
+        for parameter, value in zip(_parameters(function), arguments, strict=True):
+            kind = self.types.of(parameter.type)
+            # A scalar arrives in a register; a pointer points to where the caller's does.
+            scope.names[parameter.name] = Value(kind, value.in_memory and not isinstance(kind, Scalar))
+        return self._block(function.body.block_items or [], scope)[0]
+
+    def _block(self, statements: Sequence[c_ast.Node], scope: Scope) -> tuple[Counts, bool]:
+        """The worst path through statements, and whether it always ends in a return."""
+        total = _NOTHING
+        for k, statement in enumerate(statements):
+            if isinstance(statement, c_ast.If):
+                total += self._expression(statement.cond, scope)[0] + Counts(branch=1)
+                rest = self._block(statements[k + 1 :], scope)
+                paths = [self._statement(side, scope) for side in (statement.iftrue, statement.iffalse)]
+                whole = [cost if returns else cost + rest[0] for cost, returns in paths]
+                return total + worse(*whole), all(returns or rest[1] for _, returns in paths)
+            cost, returns = self._statement(statement, scope)
+            total += cost
+            if returns:
+                return total, True
+        return total, False
+
+    def _statement(self, node: c_ast.Node | None, scope: Scope) -> tuple[Counts, bool]:
+        match node:
+            case None | c_ast.EmptyStatement() | c_ast.Pragma() | c_ast.Break():
+                return _NOTHING, False
+            case c_ast.Compound():
+                return self._block(node.block_items or [], Scope(dict(scope.names)))
+            case c_ast.If():
+                return self._block([node], scope)
+            case c_ast.Return():
+                return (self._expression(node.expr, scope)[0] if node.expr else _NOTHING), True
+            case c_ast.Decl():
+                scope.names[node.name] = Value(self.types.of(node.type))
+                return self._initialised(node, scope), False
+            case c_ast.DeclList():
+                parts = [self._statement(decl, scope)[0] for decl in node.decls]
+                return sum(parts, _NOTHING), False
+            case c_ast.For():
+                return self._loop(node, scope), False
+            case c_ast.Switch():
+                return self._switch(node, scope), False
+            case c_ast.While() | c_ast.DoWhile() | c_ast.Goto() | c_ast.Label() | c_ast.Continue():
+                raise HysgenError(f"{node.coord}: {type(node).__name__} has no fixed cost; generated C does not use it")
+        return self._expression(node, scope)[0], False
+
+    def _initialised(self, node: c_ast.Decl, scope: Scope) -> Counts:
+        if node.init is None:
+            return _NOTHING
+        cost, value = self._expression(node.init, scope)
+        kind = scope.names[node.name].type
+        if isinstance(kind, Pointer):
+            scope.names[node.name] = Value(kind, value.in_memory)
+        return cost
+
+    def _loop(self, node: c_ast.For, scope: Scope) -> Counts:
+        inner = Scope(dict(scope.names))
+        start = self._statement(node.init, inner)[0]
+        passes = _passes(node)
+        condition, step = self._expression(node.cond, inner)[0], self._expression(node.next, inner)[0]
+        body = self._statement(node.stmt, inner)[0]
+        each = condition + Counts(branch=1)
+        return start + each + (each + body + step).times(passes)
+
+    def _switch(self, node: c_ast.Switch, scope: Scope) -> Counts:
+        """The dearest case; every case of generated C ends in a break or return."""
+        cases = [self._block(case.stmts or [], Scope(dict(scope.names)))[0] for case in node.stmt.block_items]
+        dearest = _NOTHING
+        for case in cases:
+            dearest = worse(dearest, case)
+        return self._expression(node.cond, scope)[0] + Counts(integer=len(cases), branch=1) + dearest
+
+    def _expression(self, node: c_ast.Node, scope: Scope) -> tuple[Counts, Value]:
+        """Operations of evaluating an expression, and its value in a register (or where a pointer points)."""
+        match node:
+            case c_ast.Constant():
+                return _NOTHING, Value(FLOAT if "float" in node.type or "double" in node.type else INTEGER)
+            case c_ast.ID() | c_ast.ArrayRef() | c_ast.StructRef():
+                cost, place = self._place(node, scope)
+                return cost + _moved(place, _LOAD), place
+            case c_ast.BinaryOp():
+                return self._binary(node, scope)
+            case c_ast.UnaryOp():
+                return self._unary(node, scope)
+            case c_ast.Assignment():
+                return self._assignment(node, scope)
+            case c_ast.FuncCall():
+                return self._call(node, scope)
+            case c_ast.Cast():
+                cost, value = self._expression(node.expr, scope)
+                kind = self.types.of(node.to_type)
+                changes = isinstance(kind, Scalar) and isinstance(value.type, Scalar) and kind != value.type
+                void = getattr(node.to_type.type.type, "names", None) == ["void"]
+                return cost + Counts(convert=int(changes and not void)), Value(kind, value.in_memory)
+            case c_ast.TernaryOp():
+                condition = self._expression(node.cond, scope)[0]
+                (one, value), (other, _) = (self._expression(side, scope) for side in (node.iftrue, node.iffalse))
+                # Between two values that are there already it is a selection, not a jump.
+                chosen = _INTEGER if one.total == other.total == 0 else Counts(branch=1)
+                return condition + chosen + worse(one, other), value
+            case c_ast.InitList():
+                parts = [self._expression(part, scope)[0] for part in node.exprs]
+                return sum(parts, _NOTHING), Value(INTEGER)
+            case c_ast.NamedInitializer():
+                return self._expression(node.expr, scope)
+            case c_ast.ExprList():
+                costs = [self._expression(part, scope) for part in node.exprs]
+                return sum((cost for cost, _ in costs), _NOTHING), costs[-1][1]
+        raise HysgenError(f"{node.coord}: {type(node).__name__} is not something that generated C uses")
+
+    def _place(self, node: c_ast.Node, scope: Scope) -> tuple[Counts, Value]:
+        """Operations of finding an lvalue, and what lies there; nothing is loaded yet."""
+        match node:
+            case c_ast.ID():
+                return _NOTHING, scope.names[node.name]
+            case c_ast.StructRef():
+                cost, base = self._place(node.name, scope)
+                kind = base.type
+                if node.type == "->":
+                    assert isinstance(kind, Pointer)
+                    kind = kind.to
+                assert isinstance(kind, Struct)
+                return cost, Value(kind.members[node.field.name], base.in_memory)
+            case c_ast.ArrayRef():
+                cost, base = self._place(node.name, scope)
+                index = self._expression(node.subscript, scope)[0]
+                assert isinstance(base.type, Array | Pointer)
+                element = base.type.of if isinstance(base.type, Array) else base.type.to
+                return cost + index, Value(element, base.in_memory)
+            case c_ast.UnaryOp(op="*"):
+                cost, base = self._expression(node.expr, scope)
+                assert isinstance(base.type, Pointer | Array)
+                element = base.type.of if isinstance(base.type, Array) else base.type.to
+                return cost, Value(element, base.in_memory)
+        raise HysgenError(f"{node.coord}: {type(node).__name__} is not a place that generated C writes to")
+
+    def _binary(self, node: c_ast.BinaryOp, scope: Scope) -> tuple[Counts, Value]:
+        (left, a), (right, b) = (self._expression(side, scope) for side in (node.left, node.right))
+        floating = FLOAT in (a.type, b.type)
+        if node.op in _COMPARISONS:
+            return left + right + (Counts(compare=1) if floating else _INTEGER), Value(INTEGER)
+        if isinstance(a.type, Pointer | Array):
+            return left + right, a
+        if not floating:
+            return left + right + _INTEGER, Value(INTEGER)
+        if node.op not in ("+", "-", "*"):
+            raise HysgenError(f"{node.coord}: float32 {node.op} is not part of the arithmetic of generated C")
+        return left + right + (Counts(multiply=1) if node.op == "*" else Counts(add=1)), Value(FLOAT)
+
+    def _unary(self, node: c_ast.UnaryOp, scope: Scope) -> tuple[Counts, Value]:
+        if node.op == "&":
+            cost, place = self._place(node.expr, scope)
+            return cost, Value(Pointer(place.type), place.in_memory)
+        if node.op == "*":
+            cost, place = self._place(node, scope)
+            return cost + _moved(place, _LOAD), place
+        if node.op in ("++", "--", "p++", "p--"):
+            cost, place = self._place(node.expr, scope)
+            return cost + _INTEGER + _moved(place, _LOAD) + _moved(place, _STORE), place
+        cost, value = self._expression(node.expr, scope)
+        if isinstance(node.expr, c_ast.Constant):
+            return cost, value
+        # Also -x of a float: it flips a bit.
+        return cost + _INTEGER, Value(value.type)
+
+    def _assignment(self, node: c_ast.Assignment, scope: Scope) -> tuple[Counts, Value]:
+        cost, value = self._expression(node.rvalue, scope)
+        found, place = self._place(node.lvalue, scope)
+        if isinstance(place.type, Pointer) and isinstance(node.lvalue, c_ast.ID):
+            scope.names[node.lvalue.name] = Value(place.type, value.in_memory)
+        cost += found + _moved(place, _STORE)
+        if node.op == "=":
+            return cost, place
+        operation = Counts(multiply=1) if node.op == "*=" else Counts(add=1)
+        return cost + _moved(place, _LOAD) + (operation if place.type == FLOAT else _INTEGER), place
+
+    def _call(self, node: c_ast.FuncCall, scope: Scope) -> tuple[Counts, Value]:
+        function = self._functions.get(node.name.name)
+        if function is None:
+            raise HysgenError(f"{node.coord}: {node.name.name} is not defined in the generated source")
+        evaluated = [self._expression(part, scope) for part in (node.args.exprs if node.args else [])]
+        cost = sum((part for part, _ in evaluated), _NOTHING)
+        result = Value(self.types.of(function.decl.type.type))
+        return cost + self._called(function, [value for _, value in evaluated]), result
+
+
+def _parameters(function: c_ast.FuncDef) -> list[c_ast.Decl]:
+    declared = function.decl.type.args
+    return [p for p in (declared.params if declared else []) if isinstance(p, c_ast.Decl)]
+
+
+def _moved(place: Value, one: Counts) -> Counts:
+    """Loading or storing what lies at `place`: nothing for registers, addresses and arrays, each word of a struct."""
+    if not place.in_memory or isinstance(place.type, Pointer | Array):
+        return _NOTHING
+    return one.times(words(place.type))
+
+
+def _passes(node: c_ast.For) -> int:
+    """How often a loop of the form `for (i = a; i < b; ++i)` or with `i += c` runs."""
+    first = constant(node.init.decls[0].init if isinstance(node.init, c_ast.DeclList) else node.init.rvalue)
+    if not isinstance(node.cond, c_ast.BinaryOp) or node.cond.op != "<":
+        raise HysgenError(f"{node.coord}: a generated loop runs while its index is below a constant")
+    step = constant(node.next.rvalue) if isinstance(node.next, c_ast.Assignment) else 1
+    return max(0, -(-(constant(node.cond.right) - first) // step))

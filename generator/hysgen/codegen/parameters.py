@@ -1,0 +1,145 @@
+"""What stands in `<name>_params.h`: constants and tables in sections, one section per concern."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.codegen.literals import bits, literal
+from hysgen.float32.coefficients import Coefficients
+from hysgen.float32.reference.accuracy import Accuracy
+from hysgen.model.model import Model
+
+
+@dataclass(frozen=True)
+class Constant:
+    """`#define <NAME>_<name> value`, a float32 or an unsigned word."""
+
+    name: str
+    value: np.float32 | np.uint32
+
+    @property
+    def text(self) -> str:
+        return _text(self.value)
+
+    @property
+    def comment(self) -> str:
+        return bits(self.value) if isinstance(self.value, np.float32) else ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """`static const <type> <name>_<table>[size]`, one row per number; `size` is C text, `type` float or uint32_t."""
+
+    name: str
+    size: str
+    values: NDArray[np.float32] | NDArray[np.uint32]
+
+    @property
+    def type(self) -> str:
+        return "float" if self.values.dtype == np.float32 else "uint32_t"
+
+    @property
+    def rows(self) -> list[tuple[str, str]]:
+        """Each number as text and the comment behind it."""
+        return [(_text(value), bits(value) if self.type == "float" else "") for value in self.values]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A titled group; `about` says in a few lines what the numbers are, with equation and units."""
+
+    about: str
+    constants: Sequence[Constant] = ()
+    tables: Sequence[Table] = ()
+
+
+def range_section(numbers: Coefficients) -> Section:
+    """Ranges of the inputs and what a non-finite start is replaced by."""
+    return Section(
+        "Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value.",
+        [
+            Constant("Y_MIN_UM", numbers.y_min_um),
+            Constant("Y_MAX_UM", numbers.y_max_um),
+            Constant("Y_REST_UM", numbers.rest_um),
+            Constant("U_MIN_V", numbers.u_min_V),
+            Constant("U_MAX_V", numbers.u_max_V),
+            Constant("U_REST_V", numbers.rest_V),
+            Constant("REFERENCE_MIN_UM", numbers.reference_min_um),
+            Constant("REFERENCE_MAX_UM", numbers.reference_max_um),
+        ],
+    )
+
+
+def error_section(errors: Accuracy, *, inverse: bool) -> Section:
+    """Measured distances of the float32 arithmetic from float64."""
+    constants = [Constant("PREDICT_ERROR_UM", _stated(errors.predict_um))]
+    if inverse:
+        constants.append(Constant("INVERSE_ERROR_V", _stated(errors.inverse_V)))
+    return Section(
+        "Worst error of one step against the float64 model, measured when this file was generated\n"
+        f"over {errors.samples} samples of the whole range, rounded up.",
+        constants,
+    )
+
+
+def rule_section(numbers: Coefficients, upper: str) -> Section:
+    """The partition and the folded consequents."""
+    rows = f"{upper}_BANK_RULES"
+    tables = [
+        Table("strength", f"{upper}_WINDOW" if numbers.windowed else f"{upper}_RULES", numbers.strength),
+        Table("slope", rows, numbers.bank.slope),
+        Table("offset", rows, numbers.bank.offset),
+        Table("gain", rows, numbers.bank.gain),
+    ]
+    if numbers.windowed:
+        tables.insert(1, Table("present", rows, numbers.present))
+    scale = "steps per um from the lowest centre" if numbers.windowed else "octaves per um from the middle"
+    return Section(
+        f"Rules, Eqs (1) to (7): {scale}; strengths w;\n"
+        "consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/V].",
+        [Constant("ORIGIN_UM", numbers.origin_um), Constant("PER_STEP", numbers.per_step)],
+        tables,
+    )
+
+
+def block_sections(model: Model) -> list[Section]:
+    """The numbers of each input block."""
+    return [
+        Section(
+            f"Input block `{block.kind}`: {block.describe()}.",
+            tables=[
+                Table(f"{block.kind}_{name}", f"{len(values)}", values)
+                for name, values in block.constants(model.Ts_s).items()
+            ],
+        )
+        for block in model.blocks
+    ]
+
+
+def term_sections(model: Model, numbers: Coefficients, upper: str) -> list[Section]:
+    """Shape constants of each term, then the weights of all."""
+    if not model.terms:
+        return []
+    sections = []
+    for term in model.terms:
+        tables = [
+            Table(f"{term.kind}_{name}", f"{len(values)}", values)
+            for name, values in term.constants(model.Ts_s).items()
+        ]
+        sections.append(Section(f"Term `{term.kind}`: {term.describe()}.", tables=tables))
+    weights = Table("weight", f"{upper}_WEIGHTS", numbers.bank.weight)
+    return [*sections, Section("Weights theta of the terms' regressors, in their order.", tables=[weights])]
+
+
+def _stated(error: float) -> np.float32:
+    """`error` rounded up to 2 significant digits."""
+    unit = 10.0 ** (np.floor(np.log10(error)) - 1.0) if error > 0.0 else 1.0
+    return np.float32(np.ceil(error / unit) * unit)
+
+
+def _text(value: np.float32 | np.uint32) -> str:
+    return literal(value) if isinstance(value, np.float32) else f"0x{int(value):08x}u"

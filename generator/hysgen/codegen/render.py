@@ -1,0 +1,242 @@
+"""From a model's numbers to C text: what the templates are told, and the environment they are rendered in."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from hysgen.codegen.literals import bits, literal
+from hysgen.codegen.parameters import Constant
+from hysgen.codegen.polynomials import Sum, pairs, polynomial, powers, squares
+from hysgen.codegen.structs import members
+from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
+from hysgen.machine.installed import data_folder, version
+from hysgen.model import float32_constants as arithmetic
+from hysgen.model.model import Model
+from hysgen.model.path import InputBlock, preview
+from hysgen.model.status import MEANINGS
+from hysgen.model.terms import Term, channels_of, part_facts
+from hysgen.model.terms.base import Mirror
+
+
+@dataclass(frozen=True)
+class TermText:
+    """A term as its template sees it.
+
+    type: name of its struct; prefix: of its functions and constants; first: index of its first regressor.
+    corrects: whether it follows the innovation; heard: indices of its channels in aux[].
+    """
+
+    term: Term
+    type: str
+    prefix: str
+    first: int
+    corrects: bool
+    heard: tuple[int, ...]
+
+    @property
+    def kind(self) -> str:
+        return self.term.kind
+
+    @property
+    def size(self) -> int:
+        return self.term.size
+
+    @property
+    def template(self) -> str:
+        return f"terms/{self.kind}.c.j2"
+
+
+@dataclass(frozen=True)
+class PartText:
+    """C that several kinds of term share, and the numbers in it."""
+
+    name: str
+    facts: Mapping[str, Any]
+
+    @property
+    def template(self) -> str:
+        return f"terms/{self.name}.c.j2"
+
+
+@dataclass(frozen=True)
+class BlockText:
+    """An input block as its template sees it; type and prefix as with terms."""
+
+    block: InputBlock
+    type: str
+    prefix: str
+    stateful: bool
+
+    @property
+    def kind(self) -> str:
+        return self.block.kind
+
+    @property
+    def state(self) -> str:
+        """First argument of its functions: its state in the struct of the inputs, if it has any."""
+        return f"&inputs->{self.kind}, " if self.stateful else ""
+
+    @property
+    def template(self) -> str:
+        return f"inputs/{self.kind}.c.j2"
+
+
+def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
+    """The model's terms in order, each with its place among the regressors."""
+    texts: list[TermText] = []
+    first = 0
+    for term in model.terms:
+        prefix = f"{model.name}_{term.kind}"
+        mirror = type(term.mirror(numbers.rest_V.reshape(1), model.Ts_s))
+        heard = tuple(channels_of(model.terms).index(name) for name in term.channels)
+        texts.append(TermText(term, f"{prefix}_t", prefix, first, mirror.correct is not Mirror.correct, heard))
+        first += term.size
+    return texts
+
+
+def block_texts(model: Model, numbers: Coefficients) -> list[BlockText]:
+    """The model's input blocks in order."""
+    texts = []
+    for block in model.blocks:
+        prefix = f"{model.name}_{block.kind}"
+        state = block.mirror(numbers.rest_V.reshape(1), model.Ts_s).state()
+        texts.append(BlockText(block, f"{prefix}_t", prefix, len(state) > 0))
+    return texts
+
+
+def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
+    """What every template is told; all computing is done here."""
+    terms = term_texts(model, numbers)
+    return {
+        "name": model.name,
+        "NAME": model.name.upper(),
+        "version": version(),
+        "Ts_us": f"{1e6 * model.Ts_s:.9g}",
+        "rules": numbers.rules,
+        "bank_rules": numbers.bank_rules,
+        "windowed": numbers.windowed,
+        "window": WINDOW,
+        "terms": terms,
+        "weights": sum(term.size for term in model.terms),
+        "corrected": any(term.corrects for term in terms),
+        "bounded": any("twofloat" in term.parts for term in model.terms),
+        "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
+        "channels": channels_of(model.terms),
+        "blocks": block_texts(model, numbers),
+        "preview": preview(model.blocks),
+        "status_rows": _status_rows(model.name.upper()),
+        "squares": squares(numbers.rules),
+        "powers": powers(WINDOW),
+        "sums": _window_sums() if numbers.windowed else _dense_sums(model.name, numbers.rules),
+        "octaves_per_step": np.float32(OCTAVES_PER_STEP),
+        **_arithmetic(),
+    }
+
+
+def render(template: str, facts: Mapping[str, Any]) -> str:
+    """The text of `template` under `facts`; a name that is not among them is an error."""
+    return _environment().get_template(template).render(facts)
+
+
+def aligned(constants: Sequence[Constant], upper: str) -> list[str]:
+    """`#define` lines with values and comments in columns."""
+    names = [f"{upper}_{constant.name}" for constant in constants]
+    wide = max((len(name) for name in names), default=0)
+    width = max((len(constant.text) for constant in constants), default=0)
+    rows = [
+        f"#define {name:<{wide}}  {constant.text:>{width}}  /* {constant.comment} */"
+        for name, constant in zip(names, constants, strict=True)
+    ]
+    return [row.removesuffix("  /*  */") for row in rows]
+
+
+def _dense_sums(name: str, rules: int) -> list[Sum]:
+    """Polynomials in r over all rules. The denominator first: its reciprocal is the longest chain."""
+    tables = {"weight": f"{name}_strength", "slope": "bank->slope", "offset": "bank->offset", "gain": "bank->gain"}
+    return [polynomial(sum_, [f"{table}[{k}]" for k in range(rules)]) for sum_, table in tables.items()]
+
+
+def _window_sums() -> list[Sum]:
+    """Sums of strength times consequent over the window, the denominator first."""
+    tables = {"weight": "present", "slope": "slope", "offset": "offset", "gain": "gain"}
+    return [pairs(sum_, [f"v{k} * {table}[{k}]" for k in range(WINDOW)]) for sum_, table in tables.items()]
+
+
+def each(elements: Sequence[Any], text: str, joint: str = " ") -> str:
+    """`text` once per element, its fields i, j and place filled in: C that stands side by side, in lines of 92.
+
+    >>> from types import SimpleNamespace
+    >>> each([SimpleNamespace(i=0, j=3, place=3), SimpleNamespace(i=1, j=3, place=4)], "x{i} = u[{place}]", ", ")
+    'x0 = u[3], x1 = u[4]'
+    """
+    lines = [""]
+    for item in (text.format(i=e.i, j=e.j, place=e.place) for e in elements):
+        if lines[-1] and len(lines[-1]) + len(joint) + len(item) > 92:
+            lines[-1] += joint.rstrip()
+            lines.append(item)
+        else:
+            lines[-1] += joint + item if lines[-1] else item
+    return "\n            ".join(lines)
+
+
+def hexes(row: tuple[Sequence[int], Sequence[int], int]) -> str:
+    """Words of a row of the self-test, as C."""
+    arguments, channels, result = row
+    return ", ".join(f"0x{word:08x}u" for word in (*arguments, *channels, result))
+
+
+def _status_rows(upper: str) -> list[str]:
+    names = [f"{upper}_STATUS_{flag.name}" for flag in MEANINGS]
+    wide = max(len(name) for name in names)
+    return [
+        f"#define {name:<{wide}}  0x{int(flag):02x}u  /**< {meaning} */"
+        for name, (flag, meaning) in zip(names, MEANINGS.items(), strict=True)
+    ]
+
+
+def _arithmetic() -> dict[str, Any]:
+    return {
+        "rounding": arithmetic.ROUNDING,
+        "rounding_bits": bits(arithmetic.ROUNDING),
+        "power": arithmetic.POWER_COEFFICIENTS,
+        "power_limit": f"{arithmetic.POWER_LIMIT:g}",
+        "power_error": f"{arithmetic.POWER_RELATIVE_ERROR:g}",
+        "mantissa_bits": arithmetic.MANTISSA_BITS,
+        "reciprocal_seed": f"0x{arithmetic.RECIPROCAL_SEED:08x}",
+        "reciprocal_error": f"{arithmetic.RECIPROCAL_RELATIVE_ERROR:g}",
+        "newton_steps": arithmetic.NEWTON_STEPS,
+        "magnitude_bits": f"0x{arithmetic.MAGNITUDE_BITS:08x}",
+        "infinity_bits": f"0x{arithmetic.INFINITY_BITS:08x}",
+        "least_bits": bits(arithmetic.LEAST),
+    }
+
+
+@functools.lru_cache(maxsize=1)
+def _environment() -> jinja2.Environment:
+    environment = template_environment(autoescape=False)
+    environment.filters |= {
+        "literal": literal,
+        "aligned": aligned,
+        "each": each,
+        "hexes": hexes,
+        "members": members,
+    }
+    return environment
+
+
+def template_environment(*, autoescape: bool) -> jinja2.Environment:
+    """Where templates are found and how their blocks and gaps are read; autoescape: for HTML."""
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(data_folder("templates", holds="source.c.j2")),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=autoescape,
+    )

@@ -1,0 +1,97 @@
+"""Inputs and expected bits of the self-test that runs on the target, from the float32 reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.float32.reference.instance import Instance
+from hysgen.model.model import Model
+from hysgen.model.status import COUNTERS
+
+Words = NDArray[np.uint32]
+
+ROWS: Final = 32
+SEED: Final = 20120321
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Samples of one function, in a row from `_init`: bits of arguments, channels and result, and what they are.
+
+    status, counters: the words that must stand in the struct at the end.
+    """
+
+    function: str
+    start: tuple[int, int]
+    rows: Sequence[tuple[Sequence[int], Sequence[int], int]]
+    comments: Sequence[str]
+    status: int
+    counters: Sequence[tuple[str, int]]
+
+    @property
+    def columns(self) -> int:
+        """Words of a row."""
+        return len(self.rows[0][0]) + len(self.rows[0][1]) + 1
+
+
+def chains(model: Model, *, inverse: bool) -> list[Chain]:
+    """One chain per function: ordinary samples, the ends of the ranges, beyond them, tiny, huge, not finite."""
+    functions = ["predict", "simulate", *(["inverse"] if inverse else [])]
+    return [_chain(model, function, seed) for seed, function in enumerate(functions, SEED)]
+
+
+def _chain(model: Model, function: str, seed: int) -> Chain:
+    rng = np.random.default_rng(seed)
+    y0, u0 = np.float32(0.5 * (model.grid.y_min_um + model.grid.y_max_um)), np.float32(0.0)
+    lane = Instance(model, np.full(1, y0), np.full(1, u0))
+    y, u, y_next = (_column(rng, *limits) for limits in _limits(model))
+    ordinary = np.arange(ROWS) % 3 != 2
+    y_next[ordinary] = _reachable(model, y, rng)[ordinary]
+    arguments = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
+    heard = [_column(rng, np.float32(-1.0), np.float32(40.0)) for _ in lane.channels]
+    rows, comments = [], []
+    with np.errstate(all="ignore"):
+        for k in range(ROWS):
+            if heard:
+                lane.aux([column[k : k + 1] for column in heard])
+            result = getattr(lane, function)(*(column[k : k + 1] for column in arguments))
+            rows.append((_bits(arguments, k), _bits(heard, k), int(result.view(np.uint32)[0])))
+            told = ", ".join(f"{column[k]:.6g}" for column in (*arguments, *heard))
+            comments.append(f"{told} -> {result[0]:.6g}")
+    return Chain(
+        function=function,
+        start=(int(y0.view(np.uint32)), int(u0.view(np.uint32))),
+        rows=rows,
+        comments=comments,
+        status=int(lane.status[0]),
+        counters=[(name, int(lane.counters[name][0])) for name in COUNTERS],
+    )
+
+
+def _reachable(model: Model, y: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
+    """Displacements that inputs inside the range reach from y in one step, terms at rest."""
+    u = rng.uniform(model.u_min_V, model.u_max_V, ROWS).astype(np.float32)
+    with np.errstate(all="ignore"):
+        return Instance(model, y, np.zeros(ROWS, dtype=np.float32)).predict(y, u)
+
+
+def _limits(model: Model) -> list[tuple[np.float32, np.float32]]:
+    range_um = (np.float32(model.grid.y_min_um), np.float32(model.grid.y_max_um))
+    return [range_um, (np.float32(model.u_min_V), np.float32(model.u_max_V)), range_um]
+
+
+def _column(rng: np.random.Generator, low: np.float32, high: np.float32) -> NDArray[np.float32]:
+    """ROWS values: two thirds ordinary, every third special."""
+    column = rng.uniform(low, high, ROWS).astype(np.float32)
+    special = [low, high, 2 * low - high, 2 * high - low, 0.0, -0.0, 1e-40, -1e30, np.inf, -np.inf, np.nan]
+    column[2::3] = rng.permutation(np.array(special, dtype=np.float32))[: column[2::3].size]
+    return column
+
+
+def _bits(columns: Sequence[NDArray[np.float32]], k: int) -> list[int]:
+    return [int(column[k : k + 1].view(np.uint32)[0]) for column in columns]

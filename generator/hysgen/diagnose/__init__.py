@@ -1,6 +1,0 @@
-"""Diagnosis: what a simulation gets wrong, which cause it has, what extending the model gains."""
-
-from hysgen.diagnose.diagnosis import Diagnosis, NamedCause, Price, Refused
-from hysgen.diagnose.procedure import DiagnoseSettings, diagnose
-
-__all__ = ["DiagnoseSettings", "Diagnosis", "NamedCause", "Price", "Refused", "diagnose"]

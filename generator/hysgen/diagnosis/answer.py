@@ -1,0 +1,177 @@
+"""What a diagnosis says: the causes named, what each gains and rests on, and what remains."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.bootstrap import Gain
+from hysgen.diagnosis.causes import Estimate, Signature
+from hysgen.diagnosis.noise import NoiseFloor
+from hysgen.model.model import Model
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Price:
+    """What an extension costs per sample on the DSP."""
+
+    cycles: int
+    bytes: int
+
+
+@dataclass(frozen=True)
+class NamedCause:
+    """A cause that evidence and gain agree on.
+
+    evidence: in words, with its statistic. confidence: 0 to 1, from the statistic and from how often blocks of the
+    identification part agree. step: rms on the ladder before and after its extension, held-out.
+    alone: what leaving it out of the complete model costs, on blocks of the identification part left out of the fit.
+    extended: whether its extension stands in the model: not if it does not pay there, with the certificates kept.
+    probe_gain: by how much the probe's error on unfitted blocks grows without it.
+    """
+
+    name: str
+    parameters: Mapping[str, Estimate]
+    evidence: str
+    confidence: float
+    step: Gain
+    alone: Gain
+    probe_gain: float
+    share: float
+    price: Price | None = None
+    extended: bool = True
+
+    def to_json(self) -> dict[str, Any]:
+        """As in DESIGN.md, section 8, and more."""
+        return {
+            "name": self.name,
+            "parameters": {key: estimate.value for key, estimate in self.parameters.items()},
+            "standard_errors": {key: _finite(estimate.standard_error) for key, estimate in self.parameters.items()},
+            "evidence": self.evidence,
+            "confidence": self.confidence,
+            "gain": {
+                "free_run_rms_before": self.step.before_um,
+                "free_run_rms_after": self.step.after_um,
+                "ci95": [self.step.low_um, self.step.high_um],
+                "alone": {"fall_um": self.alone.fall_um, "ci95": [self.alone.low_um, self.alone.high_um]},
+            },
+            "share": self.share,
+            "extended": self.extended,
+            "probe_gain": self.probe_gain,
+            "cost": None if self.price is None else {"cycles": self.price.cycles, "bytes": self.price.bytes},
+        }
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A cause that was looked at closely and not named, and why."""
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """The answer of `diagnose`.
+
+    causes: in the order found. unknown: what the structure that is left looks like, or None.
+    base, model: the paper's model and the extended one. errors_um: free-run error of each rung over the whole record.
+    base_rms_um, extended_rms_um: free run, held out. persistence_um: of y(k+1) = y(k), held out.
+    unexplained_fraction: part of the base error's power above the noise floor that is left.
+    next_experiment: how to drive the stage to learn what this record cannot tell.
+    """
+
+    causes: tuple[NamedCause, ...]
+    refused: tuple[Refused, ...]
+    unknown: str | None
+    base: Model
+    model: Model
+    base_rms_um: float
+    extended_rms_um: float
+    noise: NoiseFloor
+    persistence_um: float
+    unexplained_fraction: float
+    next_experiment: str
+    errors_um: tuple[tuple[str, Floats], ...] = field(repr=False)
+    held_rows: NDArray[np.intp] = field(repr=False)
+    probe_rms_um: float = math.nan
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the causes in the order found, `unknown` last if structure is left."""
+        return (*(cause.name for cause in self.causes), *(("unknown",) if self.unknown else ()))
+
+    @property
+    def missing_certificates(self) -> tuple[str, ...]:
+        """Those of gain, contraction and inverse that the extended model does not have.
+
+        Fits keep them. Only where no certified model lies near the record is one without them delivered.
+        """
+        told = self.model.certificates
+        return tuple(name for name in ("gain", "contraction", "inverse") if name in told and not told[name]["holds"])
+
+    def to_json(self) -> dict[str, Any]:
+        """As in DESIGN.md, section 8, and more."""
+        causes = [cause.to_json() for cause in self.causes]
+        if self.unknown:
+            causes.append({"name": "unknown", "parameters": {}, "evidence": self.unknown})
+        return {
+            "causes": causes,
+            "free_run_rms": {
+                "base": self.base_rms_um,
+                "extended": self.extended_rms_um,
+                "noise_floor": self.noise.rms_um,
+                "persistence_one_step": self.persistence_um,
+                "unit": "um",
+            },
+            "noise_floor_from": self.noise.source,
+            "unexplained_fraction": self.unexplained_fraction,
+            "next_experiment": self.next_experiment,
+            "not_named": [{"name": refused.name, "why": refused.why} for refused in self.refused],
+            "probe_rms_um": self.probe_rms_um,
+            "missing_certificates": list(self.missing_certificates),
+        }
+
+    def table(self) -> str:
+        """The path from the paper's model to the extended one, for people."""
+        lines = [f"{'':24}{'free run, held out':>20}{'95 % of the gain':>24}{'share':>8}"]
+        lines.append(f"{'paper model':24}{self.base_rms_um:17.4g} um")
+        for cause in self.causes:
+            if not cause.extended:
+                continue
+            interval = f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g} um"
+            lines.append(f"+ {cause.name:22}{cause.step.after_um:17.4g} um{interval:>24}{100 * cause.share:7.1f}%")
+        lines.append(f"{'noise floor':24}{self.noise.rms_um:17.4g} um  ({self.noise.source})")
+        lines.append("")
+        lines.extend(f"{cause.name}: {cause.evidence}" for cause in self.causes)
+        lines.extend(
+            f"{cause.name} is not extended: that does not pay with the certificates kept"
+            for cause in self.causes
+            if not cause.extended
+        )
+        if self.unknown:
+            lines.append(f"unknown: {self.unknown}")
+        if not self.causes and not self.unknown:
+            lines.append("nothing: what the paper's model leaves is not above what hysteresis and noise leave")
+        if self.missing_certificates:
+            lines.append(f"not certified in the extended model: {', '.join(self.missing_certificates)}")
+        lines.extend(f"not named: {refused.name}: {refused.why}" for refused in self.refused)
+        if self.next_experiment:
+            lines.append(f"next experiment: {self.next_experiment}")
+        return "\n".join(lines)
+
+
+def confidence(signature: Signature, alone: Gain) -> float:
+    """Between 0 and 1: how sure evidence (a Gaussian statistic) and gain (a share of draws) are together."""
+    return round(min(0.999, 0.5 * math.erfc(-signature.z / math.sqrt(2.0)) * alone.sure), 3)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,127 @@
+"""The contract of a cause: how it is proposed to the probe, how it is taken out again, and what it must show itself.
+
+A cause is named only if two things agree: the held-out gain that its part of the chain brings, which `search` measures
+for all causes alike, and a physical signature of its own, which only the cause's module knows.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.probe import Chain, Fit, Projector, Scene
+from hysgen.diagnosis.probe.dynamics import respond
+
+Floats = NDArray[np.float64]
+
+
+SLOW_Z = 4.0
+"""Standard errors by which creep, drift and aging must stand out: few blocks decide on them, and the errors know."""
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """The probe's present state: fitted chain, its error (n,) and the projector off all it explains on fitted rows."""
+
+    scene: Scene
+    fit: Fit
+    projector: Projector
+
+    @classmethod
+    def at(cls, scene: Scene, fit: Fit) -> Look:
+        return cls(scene, fit, Projector.of(scene.columns(fit.chain)[:, scene.rows]))
+
+    def amount(self, column: Floats) -> float:
+        """How much of `column`, (n,), explains the error best, all that is linear being free beside it."""
+        rows = self.scene.rows
+        alone = self.projector.rest(column[rows])
+        return float(alone @ self.fit.error[rows] / (alone @ alone + 1e-300))
+
+    def responses(self, chain: Chain) -> list[Floats]:
+        """What the linear part of `chain` makes of the hysteresis that the fit found, run by run, (n_i,) each."""
+        paths = self.scene.paths(self.fit.chain, self.fit.weights)
+        return [respond(path, chain, self.scene.Ts_s) for path in paths]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A physical parameter with its standard error, in the unit that its name ends with."""
+
+    value: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What a cause shows of itself: a statistic in standard errors or their equivalent, whether it holds, in words."""
+
+    holds: bool
+    z: float
+    text: str
+    parameters: Mapping[str, Estimate] = field(default_factory=dict)
+
+
+class Cause(abc.ABC):
+    """One cause of the vocabulary. Stateless: one instance per module, called CAUSE."""
+
+    name: ClassVar[str]
+
+    needed: ClassVar[float] = 1.2
+    """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
+
+    tried: ClassVar[int] = 1
+    """How many of its proposals are refined in a step, the best first; `promising` may choose otherwise."""
+
+    @abc.abstractmethod
+    def present(self, chain: Chain) -> bool:
+        """Whether the chain holds this cause's part."""
+
+    def needed_in(self, chain: Chain) -> float:
+        """`needed`, for the form that the cause has in this chain."""
+        return self.needed
+
+    @abc.abstractmethod
+    def without(self, chain: Chain) -> Chain:
+        """The chain with this cause's part taken out."""
+
+    def lessened(self, chain: Chain) -> list[Chain]:
+        """Chains with one part of this cause taken out: one mode, line or channel of several, or all there is."""
+        return [self.without(chain)]
+
+    def simpler(self, chain: Chain) -> list[Chain]:
+        """Chains in which this cause stands in a simpler form, which is preferred unless it explains less."""
+        return []
+
+    def possible(self, scene: Scene, chain: Chain) -> bool:
+        """Whether this cause's numbers in the chain let its signature hold; cheap, asked at every step."""
+        return True
+
+    def sound(self, look: Look) -> Chain:
+        """The chain without those parts of this cause, of several, that show no evidence of their own."""
+        return look.fit.chain
+
+    def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
+        """The same chain with this cause's numbers elsewhere, where the fit is known to have several minima."""
+        return []
+
+    @abc.abstractmethod
+    def proposals(self, look: Look) -> list[Chain]:
+        """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""
+
+    def promising(self, trials: list[Fit]) -> list[Fit]:
+        """Those of its proposals, as they stand and the best first, that are worth a refinement."""
+        return trials[: self.tried]
+
+    @abc.abstractmethod
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """The evidence in the record for this cause. look: at the final fit; rival: the best fit without the cause."""
+
+    @abc.abstractmethod
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        """What the model gets for it, with the shape parameters that the probe found."""

@@ -1,0 +1,95 @@
+"""Memory: the output depends on past extremes of the input, so the loop stays open however slowly it is run."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binom
+
+from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.probe import Chain, Fit, Scene
+from hysgen.machine.kernels import play_operators
+from hysgen.model.terms.memory import Memory as MemoryTerm
+
+Floats = NDArray[np.float64]
+
+PLAYS, DEGREE = 6, 3
+"""Plays while causes are weighed, each with its square and cube. Those fits are unrestricted, and the past input leads
+some of them astray; `memory_shape` chooses what the model gets."""
+
+FEWEST = 4
+"""Samples that a swing needs to be counted."""
+CHANCE = 1e-3
+WITNESS = 0.25
+"""Half-width, in half ranges of the input, of the play that measures the opening of the loop."""
+
+
+class Memory(Cause):
+    name = "memory"
+
+    def present(self, chain: Chain) -> bool:
+        return chain.memory
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, memory=False)
+
+    def proposals(self, look: Look) -> list[Chain]:
+        chain = look.fit.chain
+        return [] if chain.memory else [dataclasses.replace(chain, memory=True)]
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """On how many swings between turning points past extremes explain the output better than its dynamics do.
+
+        A sign test: without memory each swing would be a coin's toss.
+        """
+        scene = look.scene
+        swing = np.concatenate([swings(run.u_V) + 10**9 * i for i, run in enumerate(scene.runs)])[scene.rows]
+        with_um, without_um = look.fit.error[scene.rows], rival.error[scene.rows]
+        _, place = np.unique(swing, return_inverse=True)
+        size = np.bincount(place)
+        better = np.bincount(place, with_um**2) < np.bincount(place, without_um**2)
+        counted = size >= FEWEST
+        tosses, wins = int(counted.sum()), int(better[counted].sum())
+        z = (2.0 * wins - tosses) / np.sqrt(max(tosses, 1))
+        loop_um = _opening(look, rival)
+        return Signature(
+            holds=tosses > 0 and float(binom.sf(wins - 1, tosses, 0.5)) < CHANCE,
+            z=float(z),
+            text=f"past extremes explain {wins} of {tosses} swings better than dynamics do; "
+            f"at the same input the way up and the way down differ by {1e3 * loop_um:.3g} nm",
+            parameters={"loop_um": Estimate(loop_um, loop_um / max(float(z), 1.0))},
+        )
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        # What a clamp cuts off never reaches the plays.
+        low_V = scene.operator.low_V if fit.chain.low_V is None else fit.chain.low_V
+        high_V = scene.operator.high_V if fit.chain.high_V is None else fit.chain.high_V
+        return Extension(term=MemoryTerm.polynomial(PLAYS, DEGREE, low_V, high_V))
+
+
+def swings(u_V: Floats) -> NDArray[np.int64]:
+    """(n,) number of the swing that each sample belongs to: it grows where the input turns round."""
+    moves = np.sign(np.diff(u_V, prepend=u_V[0]))
+    standing = moves == 0
+    # Where the input stands still, it belongs to the swing before.
+    last = np.maximum.accumulate(np.where(standing, 0, np.arange(len(u_V))))
+    moves = moves[last]
+    return np.asarray(np.cumsum(np.diff(moves, prepend=moves[0]) != 0), dtype=np.int64)
+
+
+def _opening(look: Look, rival: Fit) -> float:
+    """Mean height in um of the loop that a model without memory leaves open, from the slack z(u) - u of a play."""
+    scene = look.scene
+    half = 0.5 * (scene.operator.high_V - scene.operator.low_V)
+    slack = np.concatenate(
+        [play_operators(run.u_V, np.array([WITNESS * half]), run.u_V[:1].copy())[:, 0] - run.u_V for run in scene.runs]
+    )[scene.rows]
+    error = rival.error[scene.rows]
+    slack = slack - slack.mean()
+    return 2.0 * WITNESS * half * abs(float(slack @ error)) / (float(slack @ slack) + 1e-300)
+
+
+CAUSE = Memory()

@@ -1,0 +1,162 @@
+"""Periodic: a line in the error's spectrum that keeps its phase and is no harmonic of what drives the stage."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
+from hysgen.model.terms.periodic import Periodic as PeriodicTerm
+
+Floats = NDArray[np.float64]
+
+MOST_LINES = 4
+FEWEST_PERIODS = 12.0
+"""Three in each quarter of the record, in which the phase is looked at: slower lines are what misfit looks like."""
+
+LEAST_PEAK = 10.0
+"""Power of a peak over its neighbourhood from which on a line is tried there."""
+
+LEAST_RATIO = 30.0
+"""Power of a line over its background, with the line taken out, from which on it is one."""
+
+
+class Periodic(Cause):
+    name = "periodic"
+
+    def present(self, chain: Chain) -> bool:
+        return bool(chain.lines_Hz)
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, lines_Hz=())
+
+    def lessened(self, chain: Chain) -> list[Chain]:
+        parts = chain.lines_Hz
+        return [dataclasses.replace(chain, lines_Hz=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+
+    def proposals(self, look: Look) -> list[Chain]:
+        chain = look.fit.chain
+        if len(chain.lines_Hz) >= MOST_LINES:
+            return []
+        return [dataclasses.replace(chain, lines_Hz=(*chain.lines_Hz, line_Hz)) for line_Hz in _peaks(look, 3)]
+
+    def sound(self, look: Look) -> Chain:
+        """The chain without those lines, of several, that hardly stand out or do not keep their phase."""
+        chain = look.fit.chain
+        told = zip(chain.lines_Hz, _stood(look), strict=True)
+        kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in told if steady and ratio > LEAST_RATIO)
+        return dataclasses.replace(chain, lines_Hz=kept or chain.lines_Hz)
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """Each line's power against the local background, and its phase in each quarter of the record."""
+        chain = look.fit.chain
+        errors = standard_errors(look.scene, look.fit).coordinates
+        parameters, texts = {}, []
+        told = _stood(look)
+        for i, (line_Hz, (amplitude_um, ratio, _)) in enumerate(zip(chain.lines_Hz, told, strict=True)):
+            suffix = "" if i == 0 else f"_{i + 1}"
+            parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"line{i}"])
+            parameters[f"amplitude{suffix}_um"] = Estimate(amplitude_um, amplitude_um / np.sqrt(max(ratio, 1e-9)))
+            texts.append(f"line at {line_Hz:.5g} Hz, {amplitude_um:.3g} um, {ratio:.2g} times its background")
+        least, steady = min(ratio for _, ratio, _ in told), all(keeps for _, _, keeps in told)
+        texts.append("phase kept throughout" if steady else "phase not kept")
+        return Signature(steady and least > LEAST_RATIO, float(np.sqrt(least)), "; ".join(texts), parameters)
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        return Extension(term=PeriodicTerm(tuple(sorted(fit.chain.lines_Hz))))
+
+
+def _stood(look: Look) -> list[tuple[float, float, bool]]:
+    """For each line its amplitude in um, its power over the local background, and whether it keeps its phase."""
+    chain, scene, weights = look.fit.chain, look.scene, look.fit.weights
+    first = scene.hysteresis_size(chain) + scene.line_column(chain)
+    found = []
+    for i, line_Hz in enumerate(chain.lines_Hz):
+        sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
+        ratio, steady = _standing(look, line_Hz, sine, cosine)
+        found.append((math.hypot(sine, cosine), ratio, bool(steady)))
+    return found
+
+
+def _peaks(look: Look, count: int) -> list[float]:
+    """Frequencies in Hz of the lines that explain most of the error and stand out of their neighbourhood."""
+    scene = look.scene
+    longest = max(len(run.u_V) for run in scene.runs)
+    power = _explained(look, 2 * longest)
+    ratio = power / (_local_median(power) + 1e-300)
+    power[: 2 * int(FEWEST_PERIODS)] = 0.0
+    inner = power[1:-1]
+    peaks = 1 + np.flatnonzero((inner >= power[:-2]) & (inner >= power[2:]) & (ratio[1:-1] > LEAST_PEAK))
+    best = peaks[np.argsort(power[peaks])[::-1][:count]]
+    lines = []
+    for at in best.tolist():
+        a, b, c = np.log(power[at - 1 : at + 2] + 1e-300)
+        shift = 0.5 * (a - c) / (a - 2 * b + c) if a - 2 * b + c < 0 else 0.0
+        lines.append((at + float(shift)) / (2 * longest * scene.Ts_s))
+    return lines
+
+
+def _explained(look: Look, length: int) -> Floats:
+    """(length/2 + 1,) how much of the error's power on the fitted rows a line at each j/(length Ts) would explain.
+
+        b' G^-1 b,    b = (e . c, e . s),   G = (c, s)' P (c, s),   P the projector off all that is linear
+
+    What the other columns have taken of a line, they would give back. All sums over rows are Fourier transforms:
+    with w = c - i s and q an orthonormal basis of the columns, q . w and e . w.
+    """
+    scene, rows = look.scene, look.scene.rows
+    edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+
+    def transformed(signal: Floats) -> NDArray[np.complex128]:
+        whole = np.zeros(edges[-1])
+        whole[rows] = signal
+        parts = [np.fft.rfft(whole[a:b], length) for a, b in itertools.pairwise(edges)]
+        return np.asarray(np.sum(parts, axis=0))
+
+    error = transformed(look.fit.error[rows])
+    cc = ss = np.full(error.size, 0.5 * len(rows))
+    cs = np.zeros(error.size)
+    for column in look.projector.basis():
+        seen = transformed(column)
+        cc, ss, cs = cc - seen.real**2, ss - seen.imag**2, cs - seen.real * seen.imag
+    determinant = cc * ss - cs * cs
+    known = (determinant > 1e-2 * len(rows) ** 2 / 4) & (cc > 0)
+    b, c = error.real, error.imag
+    power = (ss * b * b - 2.0 * cs * b * c + cc * c * c) / np.where(known, determinant, np.inf)
+    return np.asarray(power)
+
+
+def _local_median(power: Floats) -> Floats:
+    """Median power in the neighbourhood of each bin, narrower at low frequencies; found at some bins, then drawn on."""
+    at = np.unique(np.round(np.geomspace(1, len(power), 120)).astype(int)) - 1
+    halves = np.maximum(16, at // 8)
+    level = [np.median(power[max(0, i - half) : i + half + 1]) for i, half in zip(at, halves, strict=True)]
+    return np.asarray(np.exp(np.interp(np.arange(len(power)), at, np.log(np.array(level) + 1e-300))))
+
+
+def _standing(look: Look, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
+    """Power of the line over that of the error around it, and whether every quarter of the rows shows its phase."""
+    scene, rows = look.scene, look.scene.rows
+    time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])[rows]
+    wave = np.exp(-2j * np.pi * line_Hz * time_s)
+    line = sine * np.sin(2 * np.pi * line_Hz * time_s) + cosine * np.cos(2 * np.pi * line_Hz * time_s)
+    error = look.fit.error[rows]
+    around = []
+    width = 1.0 / (scene.Ts_s * len(rows))
+    for step in (3, 4, 5, 6, 7, 8):
+        for sign in (-1, 1):
+            near = np.exp(-2j * np.pi * (line_Hz + sign * step * width) * time_s)
+            around.append(abs(np.mean(error * near)) ** 2)
+    whole = np.mean(line * wave)
+    parts = [np.mean((line + error)[part] * wave[part]) for part in np.array_split(np.arange(len(rows)), 4)]
+    steady = all(np.real(part * np.conj(whole)) > 0.5 * abs(whole) ** 2 for part in parts)
+    return float(abs(whole) ** 2 / (np.mean(around) + 1e-300)), steady
+
+
+CAUSE = Periodic()

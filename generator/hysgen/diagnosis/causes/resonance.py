@@ -1,0 +1,115 @@
+"""Resonance: a lightly damped mode that rings at its own frequency whatever the input's."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.probe import Chain, Fit, Mode, Scene, standard_errors
+from hysgen.diagnosis.probe.solve import MOST_DAMPING
+from hysgen.model.terms.resonance import Resonance as ResonanceTerm
+
+PER_DECADE = 45
+"""Trial frequencies per decade: a mode half a step off still rings alike for as long as its damping lets it."""
+
+DAMPINGS = (0.03, 0.12)
+MOST_MODES = 3
+LEAST_DAMPING = 1e-3
+
+
+class Resonance(Cause):
+    name = "resonance"
+    tried = 3  # slow misfit can look like a mode before the mode does; a fit keeps to one side of the true damping
+
+    def present(self, chain: Chain) -> bool:
+        return bool(chain.modes)
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, modes=())
+
+    def lessened(self, chain: Chain) -> list[Chain]:
+        parts = chain.modes
+        return [dataclasses.replace(chain, modes=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+
+    def possible(self, scene: Scene, chain: Chain) -> bool:
+        """A mode that hardly decays at all is a line in disguise, one that the fit lets decay no faster a delay."""
+        return all(LEAST_DAMPING < mode.zeta < 0.99 * MOST_DAMPING for mode in chain.modes)
+
+    def sound(self, look: Look) -> Chain:
+        chain = look.fit.chain
+        kept = tuple(mode for mode, holds, _ in weighed(look) if holds)
+        return dataclasses.replace(chain, modes=kept or chain.modes)
+
+    def proposals(self, look: Look) -> list[Chain]:
+        """The best few of a grid of modes, judged by how much of the error their ringing alone would explain."""
+        chain, scene = look.fit.chain, look.scene
+        if len(chain.modes) >= MOST_MODES:
+            return []
+        low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
+        # A mode far above the lag's corner moves nothing, one below it rings freely.
+        low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
+        error = look.projector.rest(look.fit.error[scene.rows])
+        still = dataclasses.replace(chain, modes=())
+        bare = look.responses(still)
+        found = []
+        count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
+        for zeta in DAMPINGS:
+            grid_Hz = np.geomspace(low_Hz, high_Hz, count).tolist()
+            rings = np.empty((count, len(scene.rows)))
+            for i, f_Hz in enumerate(grid_Hz):
+                alone = dataclasses.replace(chain, modes=(Mode(f_Hz, zeta, 1.0),))
+                ring = [seen - stiff for seen, stiff in zip(look.responses(alone), bare, strict=True)]
+                rings[i] = np.concatenate(ring)[scene.rows]
+            rings = look.projector.rest(rings)
+            powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
+            shares = rings @ error / powers
+            found += list(zip((shares**2 * powers).tolist(), grid_Hz, [zeta] * count, shares.tolist(), strict=True))
+        found.sort(reverse=True)
+        chosen: list[Mode] = []
+        for _, f_Hz, zeta, share in found:
+            if all(zeta != mode.zeta or abs(math.log(f_Hz / mode.f_Hz)) > 0.25 for mode in chosen):
+                chosen.append(Mode(f_Hz, zeta, float(np.clip(share, -1.0, 1.0))))
+            if len(chosen) == 6:
+                break
+        return [dataclasses.replace(chain, modes=(*chain.modes, mode)) for mode in chosen]
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """Frequency, damping and share against their standard errors; it decays, inside the band."""
+        chain = look.fit.chain
+        errors = standard_errors(look.scene, look.fit).coordinates
+        parameters, texts = {}, []
+        told = weighed(look, errors)
+        for i, mode in enumerate(chain.modes):
+            suffix = "" if i == 0 else f"_{i + 1}"
+            df, dz, ds = errors[f"f{i}"], errors[f"zeta{i}"], errors[f"share{i}"]
+            parameters[f"f{suffix}_Hz"] = Estimate(mode.f_Hz, mode.f_Hz * df)
+            parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
+            parameters[f"share{suffix}"] = Estimate(mode.share, ds)
+            texts.append(f"rings at {mode.f_Hz:.4g} Hz with damping ratio {mode.zeta:.3g}, share {mode.share:.2g}")
+        least = min(z for _, _, z in told)
+        return Signature(all(holds for _, holds, _ in told), least, "; ".join(texts), parameters)
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        modes = sorted(fit.chain.modes, key=lambda mode: mode.f_Hz)
+        return Extension(term=ResonanceTerm(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
+
+
+def weighed(look: Look, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
+    """Each mode, whether it shows evidence of its own, and its share in standard errors. errors: those of the fit."""
+    chain, Ts_s = look.fit.chain, look.scene.Ts_s
+    errors = errors or standard_errors(look.scene, look.fit).coordinates
+    found = []
+    for i, mode in enumerate(chain.modes):
+        z = abs(mode.share) / max(errors[f"share{i}"], 1e-15)
+        known = errors[f"f{i}"] < 0.05 and errors[f"zeta{i}"] < 0.5
+        inside = mode.zeta > LEAST_DAMPING and mode.f_Hz * Ts_s < 0.45
+        found.append((mode, bool(known and inside and z > 5.0), z))
+    return found
+
+
+CAUSE = Resonance()

@@ -1,0 +1,154 @@
+"""Saturation: beyond a level of the command the output stands still, however far the command goes."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+
+from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
+from hysgen.model.path.saturation import Saturation as SaturationBlock
+
+LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
+# Closer than LEVELS: with both ends open, a level too far out is a minimum of its own, the curve bent flat before it.
+PAIRED = (0.5, 0.57, 0.64, 0.71, 0.78, 0.85, 0.92)
+
+FURTHER_IN = 2
+
+LEAST_BEYOND = 0.01
+"""Share of the command's range that must lie beyond a level: at the very end of the range any curve looks flat."""
+
+RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
+
+
+class Saturation(Cause):
+    name = "saturation"
+    needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
+    tried = 3  # a fit seldom leaves the level of one stroke for that of another
+
+    def present(self, chain: Chain) -> bool:
+        return chain.low_V is not None or chain.high_V is not None
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, low_V=None, high_V=None)
+
+    def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
+        """Levels further in: a level too far out can hide where the curve has been bent flat instead."""
+        span_V = scene.operator.high_V - scene.operator.low_V
+        trials = []
+        for step in RESTARTS:
+            if chain.high_V is not None:
+                trials.append(dataclasses.replace(chain, high_V=chain.high_V - step * span_V))
+            if chain.low_V is not None:
+                trials.append(dataclasses.replace(chain, low_V=chain.low_V + step * span_V))
+        return trials
+
+    def proposals(self, look: Look) -> list[Chain]:
+        chain, operator = look.fit.chain, look.scene.operator
+        middle, half = 0.5 * (operator.low_V + operator.high_V), 0.5 * (operator.high_V - operator.low_V)
+        trials = []
+        if chain.high_V is None:
+            trials += [dataclasses.replace(chain, high_V=middle + level * half) for level in LEVELS]
+        if chain.low_V is None:
+            trials += [dataclasses.replace(chain, low_V=middle - level * half) for level in LEVELS]
+        if chain.low_V is None and chain.high_V is None:
+            # Where both ends clip, a limit at one of them alone may help too little to be a step towards the other.
+            for low, high in itertools.product(PAIRED, PAIRED):
+                trials.append(dataclasses.replace(chain, low_V=middle - low * half, high_V=middle + high * half))
+        return trials
+
+    def promising(self, trials: list[Fit]) -> list[Fit]:
+        """The best, and beside it the next levels further in: a fit finds outward more readily than inward."""
+        if not trials:
+            return []
+        best = trials[0].chain
+        inside = [trial for trial in trials if 0.0 < _further_in(trial.chain, best) < math.inf]
+        inside.sort(key=lambda trial: _further_in(trial.chain, best))
+        return trials[: self.tried] + [trial for trial in inside[:FURTHER_IN] if trial not in trials[: self.tried]]
+
+    def sound(self, look: Look) -> Chain:
+        """Without a level at the end of the range, of two."""
+        chain = look.fit.chain
+        low_V, high_V = (level if _inside(look.scene, level) else None for level in (chain.low_V, chain.high_V))
+        return chain if low_V is None and high_V is None else dataclasses.replace(chain, low_V=low_V, high_V=high_V)
+
+    def simpler(self, chain: Chain) -> list[Chain]:
+        """One end clips instead of both."""
+        if chain.low_V is None or chain.high_V is None:
+            return []
+        return [dataclasses.replace(chain, low_V=None), dataclasses.replace(chain, high_V=None)]
+
+    def signature(self, look: Look, rival: Fit) -> Signature:
+        """The slope of the output over the command beyond the level, as a share of the slope just inside it."""
+        chain = look.fit.chain
+        errors = standard_errors(look.scene, look.fit).coordinates
+        parameters, texts, shares = {}, [], []
+        for name, level_V, sign in (("low", chain.low_V, -1.0), ("high", chain.high_V, 1.0)):
+            if level_V is None:
+                continue
+            parameters[f"{name}_V"] = Estimate(level_V, errors[name])
+            shares.append(_slope_beyond(look, level_V, sign))
+            texts.append(f"beyond {level_V:.4g} V the slope is {shares[-1]:.2f} of that inside")
+        return Signature(
+            holds=all(abs(share) < 0.35 for share in shares)
+            and all(_inside(look.scene, level.value) for level in parameters.values()),
+            z=float(min((1.0 - abs(share)) / 0.1 for share in shares)),
+            text="; ".join(texts),
+            parameters=parameters,
+        )
+
+    def extension(self, scene: Scene, fit: Fit) -> Extension:
+        low_V, high_V = fit.chain.low_V, fit.chain.high_V
+        span_V = scene.operator.high_V - scene.operator.low_V
+        # A side that does not clip gets a level that the record never reaches.
+        return Extension(
+            block=SaturationBlock(
+                scene.operator.low_V - span_V if low_V is None else low_V,
+                scene.operator.high_V + span_V if high_V is None else high_V,
+            )
+        )
+
+
+def _inside(scene: Scene, level_V: float | None) -> bool:
+    """Whether the command goes beyond the level on either side by LEAST_BEYOND of its range."""
+    low_V, high_V = scene.operator.low_V, scene.operator.high_V
+    least_V = LEAST_BEYOND * (high_V - low_V)
+    return level_V is not None and low_V + least_V <= level_V <= high_V - least_V
+
+
+def _further_in(chain: Chain, other: Chain) -> float:
+    """By how many V, low and high together, the same ends clip further in than those of `other`; inf if they do not."""
+    total = 0.0
+    for level_V, other_V, sign in ((chain.low_V, other.low_V, 1.0), (chain.high_V, other.high_V, -1.0)):
+        if (level_V is None) != (other_V is None):
+            return math.inf
+        if level_V is not None and other_V is not None:
+            inward_V = sign * (level_V - other_V)
+            total += inward_V if inward_V >= 0.0 else math.inf
+    return total
+
+
+def _slope_beyond(look: Look, level_V: float, sign: float) -> float:
+    """Slope of the error left by the clamp over how far the command goes beyond it, over the gain of the stage.
+
+    0 if the output stands still beyond the level as the clamp says, 1 if it goes on as inside.
+    """
+    scene = look.scene
+    u_V = np.concatenate([run.u_V for run in scene.runs])
+    y_um = scene.y_um
+    beyond_V = np.clip(sign * (u_V - level_V), 0.0, None)
+    # The lag and the delay hold the output back: only what the command did long enough ago is seen.
+    late = max(1, round(look.fit.chain.delay + 1 + look.fit.chain.lag_s / scene.Ts_s))
+    rows = scene.rows[(scene.rows >= late) & (beyond_V[scene.rows - late] > 0)]
+    if len(rows) < 5:
+        return 1.0
+    x, e = beyond_V[rows - late], look.fit.error[rows]
+    gain = np.polyfit(u_V[scene.rows], y_um[scene.rows], 1)[0]
+    return float(x @ e / (x @ x) / (sign * gain))
+
+
+CAUSE = Saturation()

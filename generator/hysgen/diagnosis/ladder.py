@@ -1,0 +1,213 @@
+"""The ladder: the Takagi-Sugeno model, extended cause by cause, and what each step gains on held-out data.
+
+    rung 0   the paper's model
+    rung i   the same, with the extensions of the first i causes, fitted again to the identification part
+
+All rungs are scored in free run on the same rows. What a single cause is worth beside all others is measured by leaving
+it out of the last rung, on blocks of the identification part that are left out of the fit: each third of the blocks in
+turn.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.codegen.operations.cycles import budget
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.prepare import Prepared, reach_um
+from hysgen.errors import FitError
+from hysgen.fitting import FitSettings, fit
+from hysgen.float32.learner_numbers import MOST_PARAMETERS
+from hysgen.float32.update_schedule import spread
+from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
+from hysgen.model.model import Model
+from hysgen.model.simulate import free_run
+from hysgen.model.terms.drift import Drift
+from hysgen.record import Record
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+CHECK_BLOCKS = 12
+MOST_IN_TURN = 20_000
+"""Rows above which one third of the blocks says enough."""
+
+FOLLOWED = 0.02
+"""Time constant of the bias state, as a share of the record over which the drift was seen."""
+
+WIDEST_BIAS = 0.05
+"""Limit of the bias per sample, as a share of the range of y."""
+
+
+LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
+"""Largest loop gain and slope of a model that is to learn: `_commit` takes no parameters without room below 1."""
+
+SHARE_TO_LEARN = 0.4
+"""Share of a sample period that the dearest call of an update may take; the rest is for a step and a commit."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """A model of the ladder and its free-run error over all rows, (n,)."""
+
+    causes: tuple[str, ...]
+    model: Model
+    error_um: Floats
+
+
+ORDER = (
+    "outliers",
+    "saturation",
+    "slew",
+    "delay",
+    "memory",
+    "creep",
+    "resonance",
+    "coupling",
+    "periodic",
+    "drift",
+    "aging",
+)
+"""From the sensor's faults over what the command passes through to what disturbs: the order of the rungs."""
+
+
+def in_order(names: Sequence[str]) -> list[str]:
+    """The causes in the order of the ladder; those that it does not know last."""
+    return sorted(names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name))
+
+
+def climb(
+    prepared: Prepared,
+    extensions: dict[str, Extension],
+    names: Sequence[str],
+    settings: FitSettings,
+    skip: Rows | None = None,
+) -> Rung:
+    """The model with the extensions of `names`, fitted to the identification part less the rows `skip`."""
+    chosen = [extensions[name] for name in in_order(names)]
+    terms = tuple(e.term for e in chosen if e.term is not None)
+    blocks = tuple(sorted((e.block for e in chosen if e.block is not None), key=lambda block: block.place))
+    trust = prepared.trust.copy()
+    for extension in chosen:
+        if extension.trust is not None:
+            trust = trust * extension.trust
+    if skip is not None:
+        trust[skip] = 0.0
+    level = levelled(prepared, chosen)
+    part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
+    if any(extension.learns for extension in chosen) and math.isfinite(settings.loop_limit):
+        loop, slope = min(settings.loop_limit, LOOP_TO_LEARN), min(settings.slope_limit, SLOPE_TO_LEARN)
+        settings = dataclasses.replace(settings, loop_limit=loop, slope_limit=slope)
+    asked = dataclasses.replace(
+        settings,
+        terms=terms,
+        blocks=blocks,
+        settle=0,
+        input_range_V=prepared.record.u_range_V,
+        displacement_range_um=_reach_um(prepared, level),
+    )
+    weights = _by_segment(trust, [s.samples for s in part.segments])
+    try:
+        model = fit(part, asked, trust=weights)
+    except FitError:
+        # No certified model lies near: an uncertified one still measures what the extension is worth.
+        model = fit(part, dataclasses.replace(asked, certified=False), trust=weights)
+    runs = free_run(model, level)
+    error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
+    return Rung(tuple(in_order(names)), model, error)
+
+
+def equipped(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:
+    """The model with what follows a running stage: a bias state against drift, a learner against aging, its gate.
+
+    span_s: length of the record. The bias starts at 0 and holds in a free run, so every score stays what it was.
+    """
+    if any(extension.drift is not None for extension in extensions):
+        tau_s = max(span_s * FOLLOWED, 100.0 * model.Ts_s)
+        limit_um = WIDEST_BIAS * (model.grid.y_max_um - model.grid.y_min_um)
+        terms, weights = (*model.terms, Drift(tau_s, limit_um)), np.append(model.weights, 1.0)
+        model = dataclasses.replace(model, terms=terms, weights=weights)
+    if any(extension.learns for extension in extensions):
+        calls = calls_per_update(model.parameters.size, model.Ts_s)
+        settings = LearnerSettings(noise_um=max(noise_um, 1e-9), calls_per_update=calls)
+        forgetting_s = min((e.forgetting_s for e in extensions if e.forgetting_s is not None), default=None)
+        if forgetting_s is not None:
+            kept = min(max(1.0 - calls * model.Ts_s / forgetting_s, 0.9), 1.0 - 1e-7)
+            settings = dataclasses.replace(settings, forgetting=kept, sliding=kept)
+        model = dataclasses.replace(model, learner=settings)
+    return model
+
+
+def calls_per_update(parameters: int, Ts_s: float) -> int:
+    """Fewest samples over which an update of the learner can be spread so that it leaves the period to the rest.
+
+    If none are enough, those of which more would not make the dearest call cheaper.
+    """
+    ways = [spread(min(parameters, MOST_PARAMETERS), calls) for calls in range(1, MOST_CALLS + 1)]
+    room = SHARE_TO_LEARN * budget(Ts_s)
+    return next((way.calls for way in ways if way.busiest <= room), min(ways, key=lambda way: way.busiest).calls)
+
+
+def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
+    """The record with drift and aging taken out of the displacement, both counted from the start of each segment.
+
+    y_level = zero + (y - drift(t) - zero) / (1 + gain t)
+    """
+    record = prepared.record
+    drifts = [extension.drift for extension in extensions if extension.drift is not None]
+    aged = [extension for extension in extensions if extension.gain_per_s != 0.0]
+    if not drifts and not aged:
+        return record
+    level = []
+    for segment in record.segments:
+        time_s: Floats = record.Ts_s * np.arange(segment.samples, dtype=np.float64)
+        y_um = segment.y_um
+        for drift in drifts:
+            y_um = y_um - drift.at(time_s)
+        for extension in aged:
+            y_um = extension.zero_um + (y_um - extension.zero_um) / (1.0 + extension.gain_per_s * time_s)
+        level.append(dataclasses.replace(segment, y_um=y_um))
+    return Record.from_segments(level, record.Ts_s, record.source)
+
+
+def _reach_um(prepared: Prepared, level: Record) -> tuple[float, float]:
+    """The range that the model visits: fitted and scored on the levelled record, it runs on the stage as it is."""
+    ranges = [prepared.reach_um]
+    if level is not prepared.record:
+        ranges.append(reach_um(level, prepared.fit_rows))
+    return min(low for low, _ in ranges), max(high for _, high in ranges)
+
+
+def left_out(prepared: Prepared) -> list[Rows]:
+    """Thirds of 12 blocks of the identification part, to be left out of a fit in turn; of a long record one third."""
+    rows = prepared.fit_rows
+    block = np.arange(len(rows)) * CHECK_BLOCKS // len(rows)
+    thirds = [rows[block % 3 == third] for third in (1, 0, 2)]
+    return thirds if len(rows) <= MOST_IN_TURN else thirds[:1]
+
+
+def checked_error(
+    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
+) -> tuple[Rows, Floats]:
+    """Rows of the identification part in order, and the free-run error there of models that were not fitted to them."""
+    asked = tuple((name, extensions[name].content) for name in in_order(names))
+    return prepared.checked.of((asked, settings), lambda: _checked(prepared, extensions, names, settings))
+
+
+def _checked(
+    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
+) -> tuple[Rows, Floats]:
+    parts = [(rows, climb(prepared, extensions, names, settings, rows).error_um[rows]) for rows in left_out(prepared)]
+    rows, errors = np.concatenate([rows for rows, _ in parts]), np.concatenate([error for _, error in parts])
+    order = np.argsort(rows)
+    return rows[order], errors[order]
+
+
+def _by_segment(values: Floats, lengths: list[int]) -> list[Floats]:
+    return np.split(values[: sum(lengths)], np.cumsum(lengths)[:-1])

@@ -1,0 +1,86 @@
+"""The hysteresis of the probe: Preisach and Duhem operators side by side, linear in their coefficients.
+
+    h(u) = g(u) + integral over r of q(r, z_r(u)) dr + sum_j (b_j d_j + c_j d_j |d_j|)
+    z_r: play of half-width r;      d_j' = (sign(u') - d_j) |u'| / reach_j
+
+Every Preisach operator with a density is the first two terms (Brokate and Sprekels, 1996, chapter 2.4). g and q are
+expanded in Chebyshev polynomials of the normalised input and play, and in hat functions of r. The d_j forget along the
+path and not in time; they stand for Duhem operators such as Dahl's and Bouc-Wen's, which no Preisach operator equals.
+
+    h = sum_m a_m T_m(v) + sum_b sum_m c_bm * sum_i hat_b(r_i) T_m(z_i) + ...,     v, z_i in [-1, 1]
+
+Only the probe uses it, to look; the model that goes to the DSP has the cheaper terms of `hysgen.model.terms`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.machine.kernels.preisach import dahl_columns, preisach_columns
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Operator:
+    """Shape of the expansion over the input range [low_V, high_V].
+
+    plays: radii used for the integral; hats: functions of the radius, 0 for a single-valued curve without memory.
+    curve, degree: highest Chebyshev polynomial of the input and of the plays. reaches: of the Duhem states, in half
+    ranges of the input.
+    """
+
+    low_V: float
+    high_V: float
+    plays: int = 24
+    hats: int = 4
+    curve: int = 7
+    degree: int = 5
+    reaches: tuple[float, ...] = (0.06, 0.12, 0.25, 0.5, 1.0)
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients, the constant not counted."""
+        return self.curve + self.hats * self.degree + 2 * len(self.reaches)
+
+    def columns(self, u_V: Floats, start: float) -> Floats:
+        """(size, n) columns of h for the path u_V, (n,); one column per row, so that each lies in one piece.
+
+        start: where every play stands before the first sample, -1 to 1: at u(0) + start * r, inside the range. A stage
+        that came down from above has +1, one that came up from below -1.
+        """
+        half = 0.5 * (self.high_V - self.low_V)
+        v = (u_V - 0.5 * (self.low_V + self.high_V)) / half
+        # Radii lie closer together near 0, where the small loops are decided.
+        r = (np.arange(1, self.plays + 1) / (self.plays + 1)) ** 1.5
+        place = np.sqrt(r / r[-1]) * (self.hats - 1)
+        hats = np.clip(1.0 - np.abs(place[:, None] - np.arange(self.hats)), 0.0, None)
+        hats /= hats.sum(axis=0) if self.hats else 1.0
+        begin = np.clip(v[0] + start * r, -1.0 + r, 1.0 - r)
+        out = np.empty((self.size, len(v)))
+        duhem = self.size - 2 * len(self.reaches)
+        preisach_columns(out[:duhem], v, r, begin, hats, self.curve, self.degree if self.hats else 0)
+        dahl_columns(out[duhem:], v, np.array(self.reaches))
+        return out
+
+    def at(self, u_V: float) -> Floats:
+        """(size,) the columns in the middle of the widest loop at u_V; outside the range, on the line through its ends.
+
+        On that loop every play is where it has been: its polynomials say nothing of where it never was.
+        """
+        return _middle(self, u_V)
+
+
+@lru_cache(maxsize=16)
+def _middle(operator: Operator, u_V: float) -> Floats:
+    low_V, high_V = operator.low_V, operator.high_V
+    inside_V = min(max(u_V, low_V), high_V)
+    down, up = (operator.columns(np.array([*way, inside_V]), 0.0) for way in ((low_V, high_V), (high_V, low_V)))
+    middle = 0.5 * (down[:, -1] + up[:, -1]) + (u_V - inside_V) / (high_V - low_V) * (down[:, 1] - up[:, 1])
+    middle[operator.size - 2 * len(operator.reaches) :] = 0.0
+    middle.flags.writeable = False
+    return middle

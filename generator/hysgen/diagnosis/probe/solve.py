@@ -1,0 +1,170 @@
+"""Fitting a chain: linear least squares inside, Gauss-Newton over the shape parameters outside.
+
+    minimise over s and theta   sum over rows (y - Phi(s) theta)^2
+
+theta is eliminated (variable projection; Golub and Pereyra, 1973), in Kaufman's form: the derivative of the residual is
+-P d(Phi)/ds theta, with P the projector off the columns. Levenberg-Marquardt damping keeps each step an improvement.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+
+from hysgen.diagnosis.probe.chain import Chain
+from hysgen.diagnosis.probe.scene import Scene
+
+Floats = NDArray[np.float64]
+
+RIDGE = 1e-9
+SOONEST = 0.003
+"""Least time before the record, as a share of it, at which a drift that slows down may have begun."""
+STEP = 1e-5
+MOST_DAMPING = 0.4
+"""A mode damped more than this no longer rings: it would stand in for a delay."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A chain with its linear unknowns; `error` (n,) y - prediction on all rows, used for fitting or not."""
+
+    chain: Chain
+    weights: Floats
+    error: Floats
+    rms_um: float
+
+
+@dataclass(frozen=True, eq=False)
+class Projector:
+    """Least squares on fixed columns: solves for the weights and takes out of a signal what the columns explain."""
+
+    columns: Floats
+    scale: Floats
+    factor: tuple[NDArray[np.float64], bool]
+
+    @classmethod
+    def of(cls, columns: Floats) -> Projector:
+        scale = np.sqrt(np.einsum("ij,ij->i", columns, columns)) + 1e-300
+        scaled = columns / scale[:, None]
+        gram = scaled @ scaled.T
+        gram[np.diag_indices_from(gram)] += RIDGE
+        return cls(scaled, scale, cho_factor(gram))
+
+    def weights(self, signal: Floats) -> Floats:
+        """(p,) weights of the columns for `signal`, (n,)."""
+        return np.asarray(cho_solve(self.factor, self.columns @ signal) / self.scale)
+
+    def basis(self) -> Floats:
+        """(p, n) orthonormal combinations of the columns."""
+        factor, lower = self.factor
+        return np.asarray(solve_triangular(factor, self.columns, trans="N" if lower else "T", lower=lower))
+
+    def rest(self, signal: Floats) -> Floats:
+        """`signal`, (n,) or (c, n), less what the columns explain of it."""
+        return np.asarray(signal - cho_solve(self.factor, self.columns @ signal.T).T @ self.columns)
+
+
+def linear_fit(scene: Scene, chain: Chain) -> Fit:
+    """Least squares over the linear unknowns, shape parameters as given."""
+    return _solved(scene, chain)[0]
+
+
+def _solved(scene: Scene, chain: Chain) -> tuple[Fit, Projector]:
+    """`linear_fit`, and the projector off its columns."""
+    columns, y_um = scene.columns(chain), scene.y_um
+    projector = Projector.of(columns[:, scene.rows])
+    weights = projector.weights(y_um[scene.rows])
+    error = y_um - weights @ columns
+    return Fit(chain, weights, error, rms(error[scene.rows])), projector
+
+
+def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
+    """Least squares over everything, from `chain`. Stops when a round improves the rms by less than 1e-4 of it."""
+    best, projector = _solved(scene, chain)
+    y_um = scene.y_um[scene.rows]
+    damping = 1e-3
+    for _ in range(rounds):
+        jacobian = sensitivities(scene, best, projector)
+        error = projector.rest(y_um)
+        norm = np.sqrt((jacobian**2).sum(axis=1)) + 1e-300
+        scaled = jacobian / norm[:, None]
+        gram, slope = scaled @ scaled.T, scaled @ error
+        before = best.rms_um
+        for _ in range(5):
+            step = np.linalg.solve(gram + damping * np.eye(len(norm)), slope) / norm
+            trial, beside = _solved(scene, bounded(best.chain, best.chain.coordinates() + step, scene))
+            if trial.rms_um < best.rms_um:
+                best, projector, damping = trial, beside, damping * 0.2
+                break
+            damping *= 10.0
+        if best.rms_um > before * (1.0 - 1e-4):
+            break
+    return best
+
+
+def sensitivities(scene: Scene, fit: Fit, projector: Projector) -> Floats:
+    """(c, rows) d(prediction)/d(coordinates) on the fitted rows with what the linear part explains taken out.
+
+    projector: off the columns of the fit's chain. Forward differences: the chain is smooth except where a limit begins
+    to act.
+    """
+    paths = scene.paths(fit.chain, fit.weights)
+    base = scene.seen(paths, fit.chain, fit.weights)[scene.rows]
+    at = fit.chain.coordinates()
+    moved = np.empty((len(at), len(base)))
+    for i, size in enumerate(step_sizes(fit.chain, scene)):
+        shifted = at.copy()
+        shifted[i] += size
+        chain = fit.chain.at(shifted)
+        here = paths if chain.amplifier == fit.chain.amplifier else scene.paths(chain, fit.weights)
+        moved[i] = (scene.seen(here, chain, fit.weights)[scene.rows] - base) / size
+    return projector.rest(moved)
+
+
+def step_sizes(chain: Chain, scene: Scene) -> Floats:
+    """Step of the differences for each coordinate, in its own unit."""
+    span_V = scene.operator.high_V - scene.operator.low_V
+    sizes = {"delay": 1e-3, "low": 1e-3 * span_V, "high": 1e-3 * span_V, "aging": STEP / scene.span_s, "rate": 1e-3}
+    line = 1e-3 / scene.span_s
+    return np.array([line if name.startswith("line") else sizes.get(name, STEP) for name in chain.names()])
+
+
+def bounded(chain: Chain, coordinates: Floats, scene: Scene) -> Chain:
+    """The chain at `coordinates`, each first put back to where it still means something."""
+    Ts_s, span_s = scene.Ts_s, scene.span_s
+    low_V, high_V = scene.operator.low_V, scene.operator.high_V
+    middle, half = 0.5 * (low_V + high_V), 0.5 * (high_V - low_V)
+    limits = {
+        "lag": (math.log(0.02 * Ts_s), math.log(0.3 * span_s)),
+        "delay": (-3.0, 200.0),
+        "low": (low_V, middle),
+        "high": (middle, high_V),
+        "rate": (math.log(0.1 * half / span_s), math.log(4 * half / Ts_s)),
+        "creep": (-1.0, 1.0),
+        "creep_from": (math.log(2 * Ts_s), math.log(0.2 * span_s)),
+        "since": (math.log(SOONEST * span_s), math.log(span_s)),
+        "aging": (-0.9 / span_s, 9.0 / span_s),
+    }
+    values = coordinates.copy()
+    for i, name in enumerate(chain.names()):
+        if name.startswith("f"):
+            low, high = math.log(3.0 / span_s), math.log(0.48 / Ts_s)
+        elif name.startswith("zeta"):
+            low, high = math.log(5e-4), math.log(MOST_DAMPING)
+        elif name.startswith("share"):
+            low, high = -3.0, 3.0
+        elif name.startswith("line"):
+            low, high = 0.5 / span_s, 0.5 / Ts_s
+        else:
+            low, high = limits[name]
+        values[i] = min(max(values[i], low), high)
+    return chain.at(values)
+
+
+def rms(values: Floats) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values * values)))

@@ -1,0 +1,337 @@
+"""The diagnosis: cut, look with the probe, name what evidence and gain agree on, extend the model, measure the gain."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.advice import experiment_for, remainder
+from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused, confidence
+from hysgen.diagnosis.bootstrap import Gain, certainty, gain
+from hysgen.diagnosis.causes import Look, Signature, causes
+from hysgen.diagnosis.causes.outliers import outliers_signature
+from hysgen.diagnosis.exchange import SLOW
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.ladder import Rung, checked_error, climb, equipped, in_order
+from hysgen.diagnosis.memory_shape import with_best_memory, with_usual_memory
+from hysgen.diagnosis.noise import NoiseFloor, noise_floor
+from hysgen.diagnosis.prepare import Prepared, prepare
+from hysgen.diagnosis.probe import rms
+from hysgen.diagnosis.search import Found, present, search, without
+from hysgen.diagnosis.spikes import isolated
+from hysgen.fitting import FitSettings
+from hysgen.machine.threads import in_threads, one_blas_thread
+from hysgen.model.model import Model
+from hysgen.record import Record
+
+Floats = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+SURE = 0.7
+"""Share of bootstrap draws in which an extension must lower the error of blocks that were left out of the fit."""
+
+SURE_LATER = 0.95
+"""The same for a cause that gained nothing at first and is asked again: each further time is one more chance to err."""
+
+WORTH = 0.02
+"""Share of the error that it must take away there: what takes less is nobody's cause of it."""
+
+
+@dataclass(frozen=True)
+class DiagnoseSettings:
+    """How a record is diagnosed.
+
+    fit: settings of the Takagi-Sugeno fits; terms and blocks are the ladder's to choose.
+    identify: share of a single record that is used for identification.
+    price: cycles and bytes of a model, or None where they are not known (`hysgen.report.price`).
+    """
+
+    fit: FitSettings = field(default_factory=FitSettings)
+    identify: float = 0.65
+    price: Callable[[Model], Price | None] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Naming:
+    """The first half of a diagnosis: causes on which evidence and gain agree, before the ladder is climbed."""
+
+    prepared: Prepared
+    found: Found
+    signatures: dict[str, Signature]
+    extensions: dict[str, Extension]
+    agreed: list[str]
+    alone: dict[str, Gain]
+    refused: list[Refused]
+    noise: NoiseFloor
+    unknown: str | None
+    next_experiment: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the causes, `unknown` last if structure is left."""
+        return (*self.agreed, *(("unknown",) if self.unknown else ()))
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Every parameter of the named causes, by "cause.parameter"."""
+        return {
+            f"{name}.{key}": estimate.value
+            for name in self.agreed
+            for key, estimate in self.signatures[name].parameters.items()
+        }
+
+
+@one_blas_thread()
+def diagnose(
+    record: Record,
+    holdout: Record | None = None,
+    settings: DiagnoseSettings | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """What is wrong with the simulation of a stage, why, and what an extended model gains.
+
+    Structure and parameters come from the identification part alone; every score in the result is held out.
+    progress: told the fraction done and one line.
+    Raises RecordError or FitError with one line.
+    """
+    chosen = settings or DiagnoseSettings()
+    tell = progress or (lambda fraction, line: None)
+    naming = name_causes(record, holdout, chosen, lambda fraction, line: tell(0.7 * fraction, line))
+    tell(0.7, "choosing the plays")
+    best = with_best_memory(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
+    naming = dataclasses.replace(naming, extensions=best)
+    tell(0.75, "asking which extensions pay")
+    made = paying(naming, chosen)
+    tell(0.85, "fitting rules, " + ", ".join(made))
+    steps = [made[:count] for count in range(len(made) + 1)]
+    rungs = in_threads(lambda names: climb(naming.prepared, naming.extensions, names, chosen.fit), steps)
+    tell(1.0, "done")
+    return _written(naming, made, rungs, chosen)
+
+
+def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
+    """The named causes whose extensions pay in the models that are delivered, in the order of the ladder.
+
+    Causes are named with the fit unrestricted, for that is a question about the stage. Where certificates are kept, an
+    extension has to pay with them too, on blocks left out of the fit, or it is not made.
+    """
+    if not settings.fit.certified:
+        return list(naming.agreed)
+    made, _, _ = _gaining(naming.prepared, naming.found, naming.extensions, naming.agreed, settings.fit)
+    return made
+
+
+@one_blas_thread()
+def name_causes(
+    record: Record,
+    holdout: Record | None = None,
+    settings: DiagnoseSettings | None = None,
+    progress: Progress | None = None,
+) -> Naming:
+    """The causes that the identification part shows, without the ladder: names, parameters, evidence.
+
+    Raises RecordError or FitError with one line.
+    """
+    chosen = settings or DiagnoseSettings()
+    tell = progress or (lambda fraction, line: None)
+    prepared = prepare(record, holdout, chosen.identify)
+    tell(0.05, "looking")
+    found = search(prepared.scene(), lambda line: tell(0.3, line))
+    tell(0.7, "weighing the evidence")
+    signatures = _signatures(found)
+    weak = [name for name, signature in signatures.items() if not signature.holds]
+    extensions = _extensions(found, signatures, prepared, weak)
+    agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
+    extensions = _extensions(found, signatures, prepared, [name for name in signatures if name not in agreed])
+    noise = noise_floor(prepared.identification(), _settled_error(found), found.fit.chain.lag_s)
+    return Naming(
+        prepared,
+        found,
+        signatures,
+        extensions,
+        agreed,
+        alone,
+        refused,
+        noise,
+        remainder(prepared, found, noise),
+        experiment_for(prepared),
+    )
+
+
+def _settled_error(found: Found) -> Floats:
+    """(n,) what the probe leaves, NaN where its unknown past still counts or a sample is corrupted."""
+    left = np.full_like(found.fit.error, np.nan)
+    left[found.scene.rows] = found.fit.error[found.scene.rows]
+    return left
+
+
+def _signatures(found: Found) -> dict[str, Signature]:
+    """The evidence for every cause that the probe's chain holds, and for corrupted samples."""
+    look = Look.at(found.scene, found.fit)
+    signatures = {name: causes()[name].signature(look, found.rivals[name]) for name in present(found.fit.chain)}
+    spikes = outliers_signature(found.scene, found.fit, found.corrupted)
+    if spikes is not None:
+        signatures["outliers"] = spikes
+    return signatures
+
+
+def _extensions(
+    found: Found, signatures: dict[str, Signature], prepared: Prepared, left: Sequence[str]
+) -> dict[str, Extension]:
+    """What each cause adds to the model.
+
+    Slow causes share one course between them: what one has of it is asked again without those that are left out.
+    """
+    left = [name for name in SLOW if name in left]
+    alone = without(found, left)
+    fits = {name: found.fit if name in left else alone for name in signatures if name != "outliers"}
+    extensions = {name: causes()[name].extension(found.scene, fit) for name, fit in fits.items()}
+    if "outliers" in signatures:
+        trust = np.ones(prepared.record.samples)
+        trust[np.flatnonzero(found.corrupted)] = 0.0
+        extensions["outliers"] = Extension(trust=trust, gate=True)
+    return extensions
+
+
+def _agreement(
+    prepared: Prepared,
+    found: Found,
+    signatures: dict[str, Signature],
+    extensions: dict[str, Extension],
+    settings: DiagnoseSettings,
+) -> tuple[list[str], dict[str, Gain], list[Refused]]:
+    """The causes on which evidence, the probe's need and the model's gain agree; the others with the reason."""
+    refused, candidates = [], []
+    for name in in_order(list(signatures)):
+        if not signatures[name].holds:
+            refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
+        elif name in causes() and found.needs[name] < causes()[name].needed_in(found.fit.chain):
+            refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
+        else:
+            candidates.append(name)
+    # Causes are a question about the stage: the models have to simulate it, whether or not an inverse of them exists.
+    simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
+    agreed, alone, idle = _gaining(prepared, found, extensions, candidates, simulating)
+    usual = with_usual_memory(extensions)
+    for others in (simulating, settings.fit):
+        if not idle:
+            break
+        # A coarse memory leaves more than a small cause gains; what is delivered may need what a freer model does not.
+        again, beside, left = _gaining(prepared, found, usual, candidates, others, SURE_LATER)
+        agreed, alone = in_order(list({*agreed, *again})), {**beside, **alone}
+        idle = [name for name in idle if name in left]
+    refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
+    return agreed, alone, refused
+
+
+def _gaining(
+    prepared: Prepared,
+    found: Found,
+    extensions: dict[str, Extension],
+    names: Sequence[str],
+    settings: FitSettings,
+    sure: float = SURE,
+) -> tuple[list[str], dict[str, Gain], list[str]]:
+    """The causes whose extensions gain for certain beside each other, what each gains, and those that left, in turn.
+
+    The one that gains least goes first; where none gains, the one without which the error is smallest.
+    """
+    kept = list(names)
+    left: list[str] = []
+    while True:
+        alone = _alone(prepared, found, extensions, kept, settings)
+        worst = min(alone, key=lambda name: (alone[name].sure, alone[name].before_um), default=None)
+        if worst is None or alone[worst].sure >= sure:
+            return kept, alone, left
+        kept.remove(worst)
+        left.append(worst)
+
+
+def _alone(
+    prepared: Prepared,
+    found: Found,
+    extensions: dict[str, Extension],
+    names: list[str],
+    settings: FitSettings,
+) -> dict[str, Gain]:
+    """What the extension of each cause gains beside all others, on blocks left out of the fit.
+
+    The gate against corrupted samples is not judged by this: the error on corrupted samples means nothing.
+    """
+    judged = [name for name in names if name != "outliers"]
+    if not judged:
+        return {}
+    asked = [list(names), *([other for other in names if other != name] for name in judged)]
+    checked = in_threads(lambda those: checked_error(prepared, extensions, those, settings), asked)
+    rows, whole_um = checked[0]
+    clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
+    gains = {}
+    for name, (_, without_um) in zip(judged, checked[1:], strict=True):
+        sure = certainty(without_um[clean], whole_um[clean], WORTH)
+        gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), sure=sure)
+    return gains
+
+
+def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
+    """The diagnosis with its scores, all on held-out rows."""
+    prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
+    held = prepared.held_rows
+    clean = held[~isolated(rungs[-1].error_um)[held]] if "outliers" in made else held
+    levels = [rms(rung.error_um[clean if "outliers" in rung.causes else held]) for rung in rungs]
+    above = max(levels[0] ** 2 - noise.rms_um**2, 1e-300)
+    span_s = naming.found.scene.span_s
+    running = [
+        equipped(rung.model, [naming.extensions[name] for name in rung.causes], span_s, noise.rms_um) for rung in rungs
+    ]
+    prices = [settings.price(model) if settings.price is not None else None for model in running]
+    named = []
+    for name in agreed:
+        # A cause whose extension is not made leaves the ladder where it is.
+        i = sum(other in made for other in agreed[: agreed.index(name)])
+        j = i + (name in made)
+        step = gain(rungs[i].error_um[clean], rungs[j].error_um[clean])
+        step = dataclasses.replace(step, before_um=levels[i], after_um=levels[j])
+        worth = naming.alone.get(name, step)
+        named.append(
+            NamedCause(
+                name=name,
+                parameters=naming.signatures[name].parameters,
+                evidence=naming.signatures[name].text,
+                confidence=confidence(naming.signatures[name], worth),
+                step=step,
+                alone=worth,
+                probe_gain=float(naming.found.needs.get(name, np.inf)),
+                share=(levels[i] ** 2 - levels[j] ** 2) / above,
+                price=_difference(prices[i], prices[j]) if name in made else None,
+                extended=name in made,
+            )
+        )
+    steps = np.concatenate([np.diff(s.y_um, prepend=s.y_um[0]) for s in prepared.record.segments])
+    return Diagnosis(
+        causes=tuple(named),
+        refused=tuple(naming.refused),
+        unknown=naming.unknown,
+        base=rungs[0].model,
+        model=running[-1],
+        base_rms_um=levels[0],
+        extended_rms_um=levels[-1],
+        noise=noise,
+        persistence_um=rms(steps[held]),
+        unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above,
+        next_experiment=naming.next_experiment,
+        errors_um=tuple((" + ".join(rung.causes) or "paper model", rung.error_um) for rung in rungs),
+        held_rows=held,
+        probe_rms_um=naming.found.fit.rms_um,
+    )
+
+
+def _difference(before: Price | None, after: Price | None) -> Price | None:
+    """What a step of the ladder costs; None where either model has no C."""
+    if before is None or after is None:
+        return None
+    return Price(after.cycles - before.cycles, after.bytes - before.bytes)

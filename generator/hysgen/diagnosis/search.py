@@ -1,0 +1,223 @@
+"""Finding the chain: forward while something helps, backward until everything left is needed.
+
+Forward: every cause proposes rough chains, the best of each is refined, the one that helps most is kept. Everything is
+fitted jointly again at each step, so what a first cause soaked up is given back when the second one arrives.
+Backward: each cause is taken out, everything else refitted; what was not needed goes.
+In between, causes are exchanged for those that look like them (`exchange`). Helping and needing are measured on blocks
+of the identification part that were not fitted (`trials`).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.causes import Look, causes
+from hysgen.diagnosis.exchange import SLOW, exchanged, likelier, resigned, told_apart
+from hysgen.diagnosis.noise import innovation
+from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
+from hysgen.diagnosis.spikes import isolated
+from hysgen.diagnosis.trials import (
+    BLOCKS,
+    FINAL_ROUNDS,
+    HELPS_BELOW,
+    KEEP_ABOVE,
+    SHARP,
+    STEP_BELOW,
+    Rows,
+    fitted,
+    lacking,
+    possible,
+    ratio,
+    refined,
+    remaining,
+)
+
+Progress = Callable[[str], None]
+
+MOST_STEPS = 9
+
+MOST_ROWS = 8000
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The chain that the search ended with, its rivals without each cause, and which samples count as corrupted.
+
+    fit: on all usable rows of the identification part. needs: how many times the error on blocks left out of the fit
+    grows without a cause, or what it needs at least where slow causes are told apart by their likelihood.
+    """
+
+    scene: Scene
+    fit: Fit
+    rivals: dict[str, Fit]
+    needs: dict[str, float]
+    corrupted: NDArray[np.bool_]
+
+
+def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
+    """The chain that explains the scene with nothing that it does not need."""
+    scene, corrupted = _without_spikes(scene, _start(scene))
+    fitted_rows, checked = _halves(scene)
+    part = scene.using(fitted_rows)
+    fit = _start(part)
+    for _ in range(MOST_STEPS):
+        step = _best_step(part, fit, checked)
+        if step is None:
+            break
+        progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
+        fit = step
+        usable, corrupted = _without_spikes(scene, fit)
+        fitted_rows, checked = _halves(usable)
+        part = scene.using(fitted_rows)
+    fit = _pruned(part, exchanged(part, fit, checked), checked)
+    fit = _pruned(part, resigned(part, fit, checked), checked)
+    fit = _sounded(part, _restarted(part, fit, checked), checked)
+    usable, corrupted = _without_spikes(scene, fit)
+    fitted_rows, checked = _halves(usable)
+    part = scene.using(fitted_rows)
+    chain = likelier(usable, fit)
+    fit = fit if chain == fit.chain else refine(part, chain)
+    names = present(fit.chain)
+    rivals = dict(zip(names, refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
+    needs = {name: 1.0 / remaining(fit, rivals[name], checked) for name in names}
+    needs |= _slow_needs(part, fit, rivals, checked)
+    final = refine(usable.using(_thinned(usable.rows)), fit.chain)
+    for name in told_apart(usable, final, rivals):
+        needs[name] = max(needs[name], causes()[name].needed)
+    return Found(usable, final, rivals, needs, corrupted)
+
+
+def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:
+    """How much the slow causes that are sound are needed beside each other alone, if some are not sound.
+
+    An unsound one may be there only to take back what another one has too much of.
+    """
+    slow = [name for name in SLOW if name in rivals]
+    look = Look.at(part, fit)
+    sound = [name for name in slow if causes()[name].signature(look, rivals[name]).holds]
+    if sound == slow:
+        return {}
+    chain = lacking(fit.chain, [name for name in slow if name not in sound])
+    alone = refine(part, chain, rounds=8)
+    others = refined(part, [causes()[name].without(chain) for name in sound])
+    return {name: 1.0 / remaining(alone, other, checked) for name, other in zip(sound, others, strict=True)}
+
+
+def without(found: Found, names: Sequence[str]) -> Fit:
+    """The fit to all usable rows without some of its causes, the others refined again."""
+    if not names:
+        return found.fit
+    scene = found.scene
+    return refine(scene.using(_thinned(scene.rows)), lacking(found.fit.chain, names), rounds=8)
+
+
+def present(chain: Chain) -> list[str]:
+    """Names of the causes that the chain holds."""
+    return [name for name, cause in causes().items() if cause.present(chain)]
+
+
+def _start(scene: Scene) -> Fit:
+    """The bare stage: hysteresis and one lag, from the best of a few lags."""
+    lags = [scale * scene.Ts_s for scale in (0.3, 3.0, 30.0)]
+    return refine(scene, fitted(scene, [Chain(lag_s) for lag_s in lags])[0].chain)
+
+
+def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
+    """The most helpful single addition, refined; None if none helps enough."""
+    look = Look.at(part, fit)
+    # Each cause's best are refined, however rough they look: a mode bent around a delay has to straighten out first.
+    trials = [trial for cause in causes().values() for trial in cause.promising(fitted(part, cause.proposals(look)))]
+    steps = refined(part, [trial.chain for trial in trials])
+    steps = [step for step in steps if possible(part, step.chain) or not possible(part, fit.chain)]
+    if not steps:
+        return None
+    best = min(steps, key=lambda trial: ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
+    helped = ratio(best, fit, checked) < HELPS_BELOW and remaining(best, fit, checked) < STEP_BELOW
+    # Fitted rows that show nothing but noise have no say: there the fit has bent itself around what is missing.
+    silent = fit.rms_um < (1.0 + SHARP**2) * innovation(fit.error[part.rows])
+    return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None
+
+
+def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
+    """The fit from the best of other starts, where that explains more."""
+    for name in present(fit.chain):
+        trials = fitted(part, causes()[name].restarts(part, fit.chain))[:2]
+        for other in refined(part, [trial.chain for trial in trials], rounds=FINAL_ROUNDS):
+            if other.rms_um < fit.rms_um and rms(other.error[checked]) < rms(fit.error[checked]):
+                fit = other
+    return fit
+
+
+def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
+    """The fit without what it does not need, least needed first; each mode, line and channel for itself.
+
+    Before that, every cause takes its simpler form if that explains as much.
+    """
+    for name in present(fit.chain):
+        for chain in causes()[name].simpler(fit.chain):
+            plain = refine(part, chain, rounds=8)
+            if ratio(fit, plain, checked) >= HELPS_BELOW:
+                fit = plain
+    while True:
+        names = present(fit.chain)
+        trials = refined(part, [less for name in names for less in causes()[name].lessened(fit.chain)])
+        if not trials:
+            return fit
+        best = max(trials, key=lambda trial: ratio(fit, trial, checked))
+        if remaining(fit, best, checked) < KEEP_ABOVE:
+            return fit
+        fit = best
+
+
+def _sounded(part: Scene, fit: Fit, checked: Rows) -> Fit:
+    """The fit without the modes, lines and channels, of several, that show no evidence of their own.
+
+    One such part would deny the whole cause its signature, and may stand where another cause should.
+    """
+    look = Look.at(part, fit)
+    for name in present(fit.chain):
+        less = causes()[name].sound(look)
+        if less == fit.chain:
+            continue
+        fit = refine(part, less, rounds=8)
+        step = _best_step(part, fit, checked)
+        if step is not None and _all_sound(part, step, present(less)):
+            fit = step
+        look = Look.at(part, fit)
+    return fit
+
+
+def _all_sound(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
+    """Whether every part of each of these causes shows evidence of its own."""
+    look = Look.at(part, fit)
+    return all(causes()[name].sound(look) == fit.chain for name in names)
+
+
+def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
+    """The scene's rows less the corrupted samples that the fit's error shows, and those samples, (n,)."""
+    edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+    heard = np.delete(np.arange(scene.samples), scene.lost)
+    error = np.interp(np.arange(scene.samples), heard, fit.error[heard])
+    corrupted = np.concatenate([isolated(error[a:b]) for a, b in itertools.pairwise(edges)])
+    return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
+
+
+def _halves(scene: Scene) -> tuple[Rows, Rows]:
+    """Rows to fit and rows to check, in alternating blocks, two to one; thinned out if there are very many."""
+    rows = scene.rows
+    block = np.arange(len(rows)) * BLOCKS // len(rows)
+    return _thinned(rows[block % 3 != 1]), _thinned(rows[block % 3 == 1])
+
+
+def _thinned(rows: Rows) -> Rows:
+    if len(rows) <= MOST_ROWS:
+        return rows
+    # An even stride would alias with a periodic input; a jittered one does not.
+    rng = np.random.default_rng(0)
+    edges = np.linspace(0, len(rows), MOST_ROWS + 1).astype(int)
+    return np.asarray(rows[edges[:-1] + (rng.random(MOST_ROWS) * np.diff(edges)).astype(int)])

@@ -1,0 +1,151 @@
+"""A diagnosis beside the record it was made of: what people look at, as numbers and as pictures."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.answer import Diagnosis, NamedCause
+from hysgen.diagnosis.error_map import Misfit, misfit
+from hysgen.diagnosis.prepare import prepare
+from hysgen.diagnosis.procedure import DiagnoseSettings, Progress, diagnose
+from hysgen.display import Displayed, Summary
+from hysgen.model.model import Model
+from hysgen.record import Record
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """The longest stretch of held-out samples in one segment, (n,) each; simulated by the base and the extended model.
+
+    A ramp or a change of gain that the diagnosis named counts as followed in `extended_um`.
+    """
+
+    t_s: Floats
+    u_V: Floats
+    measured_um: Floats
+    base_um: Floats
+    extended_um: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Displayed):
+    """record: identification and held-out part joined; cut: first held-out row.
+
+    before, after: error of the held-out part, of the base and of the extended model.
+    span_um: range of the displacement over the whole record, what percentages refer to.
+    """
+
+    diagnosis: Diagnosis
+    record: Record
+    cut: int
+    before: Misfit
+    after: Misfit
+    span_um: float
+
+    @property
+    def model(self) -> Model:
+        """The extended model."""
+        return self.diagnosis.model
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The causes that were named."""
+        return self.diagnosis.names
+
+    def summary(self) -> Summary:
+        """The ladder, and the evidence of each cause."""
+        found = self.diagnosis
+        rows = [["paper's model", f"{found.base_rms_um:.4g}", f"{self.percent(found.base_rms_um):.2g} %", ""]]
+        rows += [
+            [
+                f"+ {c.name}",
+                f"{c.step.after_um:.4g}",
+                f"{self.percent(c.step.after_um):.2g} %",
+                f"{100 * c.share:.1f} %",
+            ]
+            for c in self.extended
+        ]
+        rows.append(["noise floor", f"{found.noise.rms_um:.4g}", f"{self.percent(found.noise.rms_um):.2g} %", ""])
+        named = ", ".join(self.names) or "no cause"
+        notes = [f"{cause.name}: {cause.evidence}" for cause in found.causes]
+        notes += [f"unknown: {found.unknown}"] if found.unknown else []
+        notes += [f"next experiment: {found.next_experiment}"] if found.next_experiment else []
+        header = ["free run, held out", "rms um", "of stroke", "of the error"]
+        return Summary(f"Diagnosis of {self.record.source}: {named}", header, rows, notes)
+
+    @property
+    def improved(self) -> bool:
+        """Whether there is an extended model to show beside the base."""
+        return bool(self.extended)
+
+    @property
+    def extended(self) -> tuple[NamedCause, ...]:
+        """The named causes whose extension pays and stands in the model, in the order of the ladder."""
+        return tuple(cause for cause in self.diagnosis.causes if cause.extended)
+
+    def percent(self, rms_um: float) -> float:
+        """An error as a percentage of the span."""
+        return 100.0 * rms_um / self.span_um
+
+    def held_out(self) -> Stretch:
+        """What was measured and simulated where nothing was fitted."""
+        edges = np.cumsum([0, *(segment.samples for segment in self.record.segments)])
+        rows = self.diagnosis.held_rows
+        parts = [rows[(rows >= low) & (rows < high)] for low, high in itertools.pairwise(edges)]
+        number = int(np.argmax([len(part) for part in parts]))
+        segment, offset = self.record.segments[number], int(edges[number])
+        chosen = slice(int(parts[number][0]), int(parts[number][-1]) + 1)
+        inside = slice(chosen.start - offset, chosen.stop - offset)
+        measured = segment.y_um[inside]
+        base, extended = (self.diagnosis.errors_um[i][1][chosen] for i in (0, -1))
+        time_s = segment.start_s + self.record.Ts_s * np.arange(inside.start, inside.stop, dtype=np.float64)
+        return Stretch(time_s, segment.u_V[inside], measured, measured + base, measured + extended)
+
+    def to_json(self) -> dict[str, Any]:
+        """The diagnosis, and the error of the held-out part sorted by everything, as plain JSON values."""
+        return self.diagnosis.to_json() | {
+            "record": {
+                "source": self.record.source,
+                "digest": self.record.digest,
+                "samples": self.record.samples,
+                "identified_rows": [0, self.cut],
+                "span_um": self.span_um,
+            },
+            "error_of_base": self.before.to_json(),
+            "error_of_extended": self.after.to_json(),
+        }
+
+
+def study(
+    record: Record,
+    holdout: Record | None = None,
+    settings: DiagnoseSettings | None = None,
+    progress: Progress | None = None,
+) -> Study:
+    """Diagnose a record and sort the error of its held-out part. Raises RecordError or FitError with one line."""
+    chosen = settings or DiagnoseSettings()
+    return studied(diagnose(record, holdout, chosen, progress), record, holdout, chosen.identify)
+
+
+def studied(diagnosis: Diagnosis, record: Record, holdout: Record | None, identify: float) -> Study:
+    """A diagnosis that was made of these records, with the error of its held-out part."""
+    prepared = prepare(record, holdout, identify)
+    first, noise_um = int(diagnosis.held_rows[0]), diagnosis.noise.rms_um
+    low_um, high_um = prepared.record.y_range_um
+    base, extended = diagnosis.errors_um[0][1], diagnosis.errors_um[-1][1]
+    return Study(
+        diagnosis,
+        prepared.record,
+        prepared.cut,
+        misfit(diagnosis.base, prepared.record, noise_um, base, first),
+        misfit(diagnosis.model, prepared.record, noise_um, extended, first),
+        max(high_um - low_um, math.ulp(1.0)),
+    )

@@ -1,0 +1,241 @@
+"""The set of parameters whose certificates hold, and least squares inside it.
+
+At a fixed displacement and input, gain and slope are linear in the parameters:
+
+    b(y) = sum_l p_l q_l2,     df/dy = sum_l (p_l + y p_l') q_l1 + u p_l' q_l2 + p_l' q_l3
+
+so {|df/dy| <= limit, low <= sign b(y) <= high for all y and u} is convex, and so are the small-gain condition of the
+inverse, N(theta) <= limit sign b(y) with the terms' bound N (`loop_row`), and the signs that terms ask of their slopes.
+Least squares over a convex set has one solution: the best certified model, rather than one that a ridge has pushed
+there. Half-spaces are imposed on a fine grid of displacements and only when violated.
+
+Source of the solver: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23 (LSI to LDP to NNLS).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.optimize import nnls
+
+from hysgen.certify.enclosure import slope_extremum
+from hysgen.errors import FitError
+from hysgen.model.membership import membership_slopes, memberships
+from hysgen.model.model import Model
+from hysgen.model.regression import Structure, rows_of_shaped
+from hysgen.model.terms import loop_row
+
+Floats = NDArray[np.float64]
+
+POINTS_PER_RULE = 16
+"""Displacements between neighbouring centres at which the half-spaces are imposed."""
+
+GAIN_FLOOR, GAIN_CEILING = 0.05, 4.0
+"""The gain may range between these multiples of the gain of a single linear rule."""
+
+ROUNDS = 400
+"""Rounds of adding half-spaces: 30 weights of nonlinear terms took up to 120, each sign of a weight being one."""
+
+PIVOTS = 30
+"""Steps of the solver per half-space; its own limit of 3 is too few for 30 weights."""
+
+VIOLATION = 1e-6
+"""By how much of a limit a half-space may be missed."""
+
+NARROW = 1e-4
+"""How closely the steepest place between the half-spaces is looked for."""
+
+
+@dataclass(frozen=True)
+class HalfSpaces:
+    """{q: rows q >= floor}; rows (m, p), floor (m,), in units of the limit that each stands for."""
+
+    rows: Floats
+    floor: Floats
+
+    def __add__(self, other: HalfSpaces) -> HalfSpaces:
+        return HalfSpaces(np.vstack([self.rows, other.rows]), np.concatenate([self.floor, other.floor]))
+
+    def violated(self, q: Floats, most: int = 24) -> HalfSpaces:
+        """The half-spaces that q lies outside of, the worst `most` of them."""
+        depth = self.floor - self.rows @ q
+        worst = np.argsort(-depth, kind="stable")[:most]
+        worst = worst[depth[worst] > VIOLATION]
+        return HalfSpaces(self.rows[worst], self.floor[worst])
+
+    def steps_from(self, q: Floats, size: int) -> HalfSpaces:
+        """The half-spaces of a step away from q, which may have further elements: (size,) in all."""
+        rows = np.zeros((self.floor.size, size))
+        rows[:, : q.size] = self.rows
+        return HalfSpaces(rows, self.floor - self.rows @ q)
+
+
+@dataclass(frozen=True)
+class CertifiedSet:
+    """All parameters (p,) of a structure whose gain, slope and small gain stay inside their limits.
+
+    gain_um_per_V: gain of a single linear rule, whose sign and size set the limits of b(y).
+    looped: the terms whose bounds count in the small gain.
+    """
+
+    structure: Structure
+    Ts_s: float
+    gain_um_per_V: float
+    slope_limit: float
+    loop_limit: float
+    looped: tuple[bool, ...]
+    grid: HalfSpaces
+
+    @property
+    def invertible(self) -> bool:
+        """Whether the models are to have an inverse too; else they only simulate."""
+        return self.loop_limit < np.inf
+
+    def violated(self, q: Floats) -> HalfSpaces:
+        """Half-spaces that contain the set but not q; none if q is inside.
+
+        Those on the grid first; if they all hold, the one at the steepest place of all, which may lie between them.
+        """
+        outside = self.grid.violated(q) + self._loop(q).violated(q)
+        return outside if outside.floor.size else self._steepest(q).violated(q)
+
+    def _steepest(self, q: Floats) -> HalfSpaces:
+        """|df/dy| <= limit at the place where it is largest."""
+        s, cut = self.structure, 3 * self.structure.grid.rules
+        rules = Model("candidate", 1.0, s.grid, q[:cut].reshape(-1, 3), s.u_min_V, s.u_max_V)
+        worst = slope_extremum(rules, narrow=NARROW)
+        assert worst.u_V is not None
+        return _slope_limits(s, np.array([worst.y_um]), worst.u_V, self.slope_limit)
+
+    def _loop(self, q: Floats) -> HalfSpaces:
+        """row theta <= limit sign b(y), the row that bounds the terms at this theta, at the y of the smallest gain."""
+        if not any(self.looped):
+            return HalfSpaces(np.zeros((0, q.size)), np.zeros(0))
+        cut = 3 * self.structure.grid.rules
+        p = memberships(_displacements(self.structure), self.structure.grid)
+        weakest = p[np.argmin(np.sign(self.gain_um_per_V) * (p @ q[1:cut:3]))]
+        row = np.zeros((1, q.size))
+        row[0, 1:cut:3] = self.loop_limit * np.sign(self.gain_um_per_V) * weakest
+        at = cut
+        for term, looped in zip(self.structure.terms, self.looped, strict=True):
+            if looped:
+                row[0, at : at + term.size] = -loop_row(term, q[at : at + term.size], self.Ts_s)
+            at += term.size
+        return HalfSpaces(row / abs(self.gain_um_per_V), np.zeros(1))
+
+
+def certified_set(
+    structure: Structure,
+    Ts_s: float,
+    gain_um_per_V: float,
+    slope_limit: float,
+    loop_limit: float = 0.95,
+    linear_looped: bool = False,
+) -> CertifiedSet:
+    """The convex set of certified parameters of a structure.
+
+    gain_um_per_V: gain of a single linear rule fitted to the same record. linear_looped: count modes and slow states in
+    the small gain too. Then their zeros are inside the unit circle; without, the set does not limit them.
+    loop_limit: inf for models that need have no inverse.
+    Raises FitError if the gain is zero.
+    """
+    if gain_um_per_V == 0.0:
+        raise FitError("the displacement does not answer to the voltage at all; record with more drive")
+    y = _displacements(structure)
+    cut = 3 * structure.grid.rules
+    gain = np.zeros((y.size, structure.size))
+    gain[:, 1:cut:3] = memberships(y, structure.grid) / gain_um_per_V
+    one = np.ones(y.size)
+    parts = [HalfSpaces(gain, GAIN_FLOOR * one), HalfSpaces(-gain, -GAIN_CEILING * one)]
+    for u_V in (structure.u_min_V, structure.u_max_V):
+        parts.append(_slope_limits(structure, y, u_V, slope_limit))
+    parts.append(_rising(structure, gain_um_per_V))
+    grid = parts[0]
+    for part in parts[1:]:
+        grid = grid + part
+    looped = tuple(loop_limit < np.inf and (linear_looped or term.linear(Ts_s) is None) for term in structure.terms)
+    return CertifiedSet(structure, Ts_s, gain_um_per_V, slope_limit, loop_limit, looped, grid)
+
+
+@dataclass(frozen=True, eq=False)
+class Inside:
+    """The best x inside a set, and the half-spaces that hold it back: those of a task nearby are much the same."""
+
+    x: Floats
+    edges: HalfSpaces
+
+
+def least_squares_inside(
+    R: Floats, d: Floats, allowed: CertifiedSet, origin: Floats | None = None, edges: HalfSpaces | None = None
+) -> Inside:
+    """The x that minimises ||R x - d|| with origin + x inside the set. R: (n, n) upper triangular, regular.
+
+    The set limits the first p elements of x; more may follow. Starts with the half-spaces `edges` (with none by
+    default) and adds those that the solution violates, until none is left; which it starts with changes how soon it
+    ends, not where. Raises FitError if no x does: then the limits contradict each other.
+    """
+    start = np.zeros(allowed.structure.size) if origin is None else origin
+    # With z = R x - d the task is min ||z||, G z >= h, G = rows R^-1, h = floor - G d.
+    inverse = np.asarray(solve_triangular(R, np.eye(d.size)))
+    told = HalfSpaces(np.zeros((0, start.size)), np.zeros(0)) if edges is None else edges
+    for _ in range(ROUNDS):
+        away = told.steps_from(start, d.size)
+        G = away.rows @ inverse
+        z, holds = _least_distance(G, away.floor - G @ d)
+        x = np.asarray(solve_triangular(R, z + d))
+        violated = allowed.violated(start + x[: start.size])
+        if violated.floor.size == 0:
+            return Inside(x, HalfSpaces(told.rows[holds], told.floor[holds]))
+        told = told + violated
+    raise FitError(
+        "no certified model lies near the least-squares fit; choose fewer rules, or allow uncertified models"
+    )
+
+
+def _least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """The shortest z with G z >= h, and which of these hold it back: (n,), (m,).
+
+    From u >= 0 that minimises ||[G'; h'] u - [0; 1]||, with residual r, follows z = -r_1..p / r_p+1; u > 0 where it is
+    held back.
+    """
+    if not (h > 0.0).any():
+        return np.zeros(G.shape[1]), np.zeros(h.size, dtype=bool)
+    length = np.linalg.norm(G, axis=1)
+    G, h = G / length[:, None], h / length
+    # The problem is solved in units of its own distance, or the last row would drown or rule the others.
+    unit = float(np.abs(h).max())
+    target = np.append(np.zeros(G.shape[1]), 1.0)
+    matrix = np.vstack([G.T, h / unit])
+    try:
+        u, _ = nnls(matrix, target, maxiter=PIVOTS * G.shape[0])
+    except RuntimeError:
+        raise FitError("the certified set has too many edges near the fit; choose fewer rules or plays") from None
+    residual = matrix @ u - target
+    if abs(residual[-1]) <= np.finfo(np.float64).eps:
+        raise FitError("the limits on slope and gain contradict each other; allow a larger slope")
+    return np.asarray(-unit * residual[:-1] / residual[-1]), u > 0.0
+
+
+def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:
+    """What terms say of the sign of their slopes, in units of the gain."""
+    rows = rows_of_shaped(structure, lambda term: term.rising()) / gain_um_per_V
+    return HalfSpaces(rows, np.zeros(len(rows)))
+
+
+def _slope_limits(structure: Structure, y_um: Floats, u_V: float, limit: float) -> HalfSpaces:
+    """|df/dy| <= limit at displacements (n,) and one input, in units of the limit."""
+    p, rise = memberships(y_um, structure.grid), membership_slopes(y_um, structure.grid)
+    cut = 3 * structure.grid.rules
+    slope = np.zeros((y_um.size, structure.size))
+    slope[:, 0:cut:3] = p + y_um[:, None] * rise
+    slope[:, 1:cut:3] = u_V * rise
+    slope[:, 2:cut:3] = rise
+    return HalfSpaces(np.vstack([slope, -slope]) / limit, np.full(2 * y_um.size, -1.0))
+
+
+def _displacements(structure: Structure) -> Floats:
+    grid = structure.grid
+    return np.linspace(grid.y_min_um, grid.y_max_um, POINTS_PER_RULE * (grid.rules - 1) + 1)

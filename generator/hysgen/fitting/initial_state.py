@@ -1,0 +1,65 @@
+"""Where the terms stood before a record: the one unknown past of each segment, from the free run.
+
+A term with a memory of the input's past (play operators) starts a simulation from a state that no column of the record
+holds. What remains of a past that ended its swings at a voltage c is one number, see `Memory.remembering`; here c is
+the one that makes the free run over a segment best. It is estimated from the measured displacement, so a score with it
+has looked at the segment once, for one number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from hysgen.machine import kernels
+from hysgen.machine.kernels import Rules
+from hysgen.model.model import Model
+from hysgen.model.regression import Starts, drive_of, structure_of, term_output
+from hysgen.model.terms import Term
+from hysgen.record import Record, Segment
+
+Floats = NDArray[np.float64]
+
+CANDIDATES = 41
+"""Voltages tried, over three times the record's range, before the best is refined: the error has several valleys."""
+
+
+@runtime_checkable
+class Remembering(Protocol):
+    """A term that can say how it stands after turns of the input."""
+
+    def remembering(self, past_V: Sequence[float], u_V: float) -> Floats:
+        """State after an input that turned at each of past_V and then went to u_V."""
+        ...
+
+
+def estimate_starts(model: Model, record: Record) -> Starts:
+    """For each segment the states of the remembering terms that make its free run best; empty if there are none."""
+    terms = [term for term in model.terms if isinstance(term, Remembering)]
+    return [_best(model, record, segment, terms) if terms else {} for segment in record.segments]
+
+
+def _best(model: Model, record: Record, segment: Segment, terms: Sequence[Term]) -> Mapping[str, Floats]:
+    first_V = float(drive_of(segment, record.Ts_s, structure_of(model)).u_V[0])
+    rules = Rules(structure_of(model).range_um, model.consequents)
+
+    def states(c_V: float) -> dict[str, Floats]:
+        return {term.kind: term.remembering([c_V], first_V) for term in terms if isinstance(term, Remembering)}
+
+    def error(c_V: float) -> float:
+        drive = drive_of(segment, record.Ts_s, structure_of(model), states(c_V))
+        y_um, _ = kernels.free_run(rules, drive.u_V, term_output(model, drive), float(segment.y_um[0]))
+        away = y_um - segment.y_um
+        return float(away @ away)
+
+    low, high = float(segment.u_V.min()), float(segment.u_V.max())
+    voltages = np.linspace(low - (high - low), high + (high - low), CANDIDATES)
+    errors = [error(float(c_V)) for c_V in voltages]
+    best = int(np.argmin(errors))
+    bracket = (voltages[max(best - 1, 0)], voltages[min(best + 1, CANDIDATES - 1)])
+    refined = minimize_scalar(error, bounds=bracket, method="bounded", options={"xatol": 1e-3 * (high - low)})
+    return states(float(refined.x) if refined.fun < errors[best] else float(voltages[best]))

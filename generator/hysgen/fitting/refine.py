@@ -1,0 +1,132 @@
+"""Refinement of the free-run error: Gauss-Newton steps through the simulation, inside the certified set.
+
+    min over x of  J(x) = sum_k t(k) (yhat(k; x) - y(k))^2,   yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),  yhat(0) = y(0)
+
+A step d minimises g'd + d'H d/2 + mu d'D d/2 with H = sum t S S', g = sum t S e from exact sensitivities S (Levenberg
+and Marquardt: D = diag H, mu grows until J falls), subject to the half-spaces of `certified`. Only steps that lower J
+and keep every certificate that held are taken. J holds more than the free run, which rises at times on the way to a
+lower one: by up to a tenth of what it was at the start. If it ends above the start, the way is gone again without such
+steps, so the result is never worse than the start.
+x holds the linear parameters; shape parameters of terms may follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+from hysgen.certify.certificates import certify
+from hysgen.fitting.certified import CertifiedSet, HalfSpaces, least_squares_inside
+from hysgen.fitting.free_run import Criterion, FreeRunError
+from hysgen.model.model import Model
+
+Floats = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e7
+MOST_WORSE = 1.1
+"""What the free-run error may grow to on the way, as a multiple of that at the start."""
+ENOUGH = 1e-6
+"""Relative fall of J below which the refinement ends."""
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The refined model, the criterion there, and how many steps were taken."""
+
+    model: Model
+    criterion: Criterion
+    steps: int
+
+
+def refine(
+    model: Model,
+    error: FreeRunError,
+    allowed: CertifiedSet | None,
+    iterations: int = 40,
+    progress: Progress | None = None,
+) -> Refined:
+    """Lower the free-run error of `model` until it stops falling.
+
+    error: the error to lower, over its record. allowed: the set to stay in, or None for no restriction at all.
+    progress: told the fraction done and one line, once per step.
+    """
+    start = error.criterion(model)
+    refined = _descended(model, start, MOST_WORSE, error, allowed, iterations, progress)
+    if refined.criterion.rms_um > start.rms_um:
+        refined = _descended(model, start, 1.0, error, allowed, iterations, progress)
+    return refined
+
+
+def _descended(
+    model: Model,
+    start: Criterion,
+    most_worse: float,
+    error: FreeRunError,
+    allowed: CertifiedSet | None,
+    iterations: int,
+    progress: Progress | None,
+) -> Refined:
+    """Steps from `model`, whose criterion is `start`; the free run stays below `most_worse` times what it is there."""
+    now = start
+    held = _holding(model, allowed)
+    damping = FIRST_DAMPING
+    edges: HalfSpaces | None = None
+    steps = 0
+    for iteration in range(iterations):
+        moved: tuple[Model, Criterion] | None = None
+        while moved is None and damping <= MOST_DAMPING:
+            step, edges = _step(now, damping, allowed, model.parameters, edges)
+            candidate = error.moved(model, step)
+            trial = error.criterion(candidate)
+            better = trial.value < now.value and trial.rms_um <= most_worse * start.rms_um
+            if better and _keeps(held, _holding(candidate, allowed)):
+                moved = candidate, trial
+            else:
+                damping *= 10.0
+        if moved is None:
+            break
+        fall = 1.0 - moved[1].value / now.value
+        model, now = moved
+        damping = max(damping / 10.0, LEAST_DAMPING)
+        steps += 1
+        if progress is not None:
+            progress((iteration + 1) / iterations, f"free run {now.rms_um:.4g} um rms after {steps} steps")
+        if fall < ENOUGH:
+            break
+    return Refined(model, now, steps)
+
+
+def _step(
+    now: Criterion, damping: float, allowed: CertifiedSet | None, parameters: Floats, edges: HalfSpaces | None
+) -> tuple[Floats, HalfSpaces | None]:
+    """d = -(H + mu D)^-1 g, inside the set; a parameter that the run does not depend on stays where it is.
+
+    edges: the half-spaces that held the last step back; those that hold this one are returned beside it.
+    """
+    scale = np.sqrt(np.diag(now.hessian))
+    scale[scale == 0.0] = 1.0
+    normal = now.hessian / np.outer(scale, scale) + damping * np.eye(scale.size)
+    R = cholesky(normal)
+    d = -solve_triangular(R, now.gradient / scale, trans="T")
+    if allowed is None:
+        return np.asarray(solve_triangular(R, d) / scale), None
+    inside = least_squares_inside(R * scale, d, allowed, parameters, edges)
+    return inside.x, inside.edges
+
+
+def _holding(model: Model, allowed: CertifiedSet | None) -> tuple[bool, ...]:
+    """Which of the certificates that the set is about hold for a model; without a set there are none."""
+    if allowed is None:
+        return ()
+    found = certify(model)
+    return found.gain_holds, found.contraction_holds, found.inverse_holds and allowed.invertible
+
+
+def _keeps(before: tuple[bool, ...], now: tuple[bool, ...]) -> bool:
+    """Whether everything that held before holds now."""
+    return all(new >= old for old, new in zip(before, now, strict=True))

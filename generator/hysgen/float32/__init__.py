@@ -1,0 +1,1 @@
+"""The float32 reference of the generated C, and every number that C and reference share."""

@@ -1,0 +1,190 @@
+"""What `_commit` checks on the DSP, as float32 numbers: tables of the memberships at check points, bounds and limits.
+
+With p_l' = dp_l/dy and so on, and v_l = q_l1 y + q_l2 u + q_l3, at a check point y_g
+
+    b = sum p_l q_l2,                 b' = sum p_l' q_l2
+    s = sum p_l q_l1 + sum p_l' v_l,  s' = 2 sum p_l' q_l1 + sum p_l'' v_l        s = df/dy, affine in u
+
+and by Taylor's theorem anywhere within half a cell, |y - y_g| <= h,
+
+    |b(y) - b| <= h |b'| + h^2/2 C2 R(q2),    |s(y)| <= |s| + h |s'| + h^2/2 (3 C2 R(q1) + C3 R(v)),
+
+C2 >= sum |p_l''| and C3 >= sum |p_l'''| everywhere, R(g) half the spread of g over the rules: the memberships sum to 1,
+so a number common to all rules changes no derivative. R(v) is convex in (y, u) and so largest at a corner of the range.
+The cells cover the range, hence what holds at the check points with these margins holds everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from hysgen.certify.certificates import Certificates, inverse_filter
+from hysgen.errors import CertificateError
+from hysgen.float32.coefficients import Coefficients, Floats, Floats32
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Grid, Model
+
+POINTS: Final = (32, 64, 128, 256, 512)
+"""Numbers of check points to choose from, the first that leaves most of the model's own margin."""
+
+SAFETY: Final = 1.01
+"""On C2 and C3, whose maxima are looked for on a fine grid; and on what rounding in float32 may add."""
+
+FLOORS: Final = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
+"""Least committed gain over the model's own, the first that leaves the inverse room."""
+
+GAIN_CEILING: Final = 4.0
+"""Largest committed gain over the model's own."""
+
+
+@dataclass(frozen=True)
+class CommitNumbers:
+    """The numbers of one model's `_commit`.
+
+    y_um: (G,) check points. table: (G, 3 L) p_l, p_l', p_l'' over the rule's strength, row by row.
+    unfold: (L,) 1/strength. half_um: h. gain_rest, slope_rest_1, slope_rest_3: h^2/2 times C2, 3 C2, C3.
+    sign: of the gain; gain_floor, gain_ceiling: of |b| in um/V; slope_limit: of |df/dy|.
+    gammas, weights: (T,) gains of the terms and their weights in the model; weight_budget: of sum gamma |change|.
+    """
+
+    settings: LearnerSettings
+    y_um: Floats32
+    table: Floats32
+    unfold: Floats32
+    half_um: np.float32
+    gain_rest: np.float32
+    slope_rest_1: np.float32
+    slope_rest_3: np.float32
+    sign: np.float32
+    gain_floor: np.float32
+    gain_ceiling: np.float32
+    slope_limit: np.float32
+    gammas: Floats32
+    weights: Floats32
+    weight_budget: np.float32
+
+    @property
+    def points(self) -> int:
+        """Number of check points G."""
+        return self.y_um.size
+
+
+def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificates) -> CommitNumbers:
+    """The numbers of `model`'s `_commit`.
+
+    Raises CertificateError, with place and value, if the model itself would not pass, so that nothing ever could.
+    """
+    settings = model.learner
+    assert settings is not None
+    steepest = certificates.slope.bound
+    limit = settings.slope_limit if settings.slope_limit is not None else 1.0 - (1.0 - steepest) / 8.0
+    if steepest >= min(limit, 1.0):
+        slope = certificates.slope
+        raise CertificateError(
+            f"{model.name}: learner: |df/dy| is {slope.value:.4g} at y = {slope.y_um:.4g} um, u = {slope.u_V:.4g} V, "
+            f"not below the limit {min(limit, 1.0):.4g} that commit keeps; restrict the range "
+            "(generate --input-range), or fit again"
+        )
+    floor, ceiling, budget = _inverse_limits(model, certificates, settings)
+    points, c2, c3 = _points(model, settings, limit - steepest)
+    half = 0.5 * (model.grid.y_max_um - model.grid.y_min_um) / points
+    y: Floats = model.grid.y_min_um + half * (2.0 * np.arange(points, dtype=np.float64) + 1.0)
+    table = np.concatenate(membership_derivatives(y, model.grid)[:3], axis=1)
+    gammas = [gain for term in model.terms for gain in term.gains(model.Ts_s)]
+    return CommitNumbers(
+        settings=settings,
+        y_um=y.astype(np.float32),
+        table=(table / np.tile(numbers.fold, 3)).astype(np.float32),
+        unfold=(1.0 / numbers.fold.astype(np.float64)).astype(np.float32),
+        half_um=np.float32(SAFETY * half),
+        gain_rest=np.float32(SAFETY * 0.5 * half**2 * c2),
+        slope_rest_1=np.float32(SAFETY * 1.5 * half**2 * c2),
+        slope_rest_3=np.float32(SAFETY * 0.5 * half**2 * c3),
+        sign=np.float32(math.copysign(1.0, certificates.gain_highest.value + certificates.gain_lowest.value)),
+        gain_floor=np.float32(floor),
+        gain_ceiling=np.float32(ceiling),
+        slope_limit=np.float32(1.0 - SAFETY * (1.0 - limit)),
+        gammas=np.array(gammas, dtype=np.float32),
+        weights=model.weights.astype(np.float32),
+        weight_budget=np.float32(budget),
+    )
+
+
+def membership_derivatives(y_um: Floats, grid: Grid) -> tuple[Floats, Floats, Floats, Floats]:
+    """p_l, p_l', p_l'', p_l''' at displacements (n,), (n, L) each, in powers of 1/um.
+
+    With o = l - m, m = sum l p_l, V = sum o^2 p_l and K = sum o^3 p_l:  h p' = p o,  h^2 p'' = p (o^2 - V),
+    h^3 p''' = p (o^3 - 3 V o - K).
+    """
+    s = (y_um[:, None] - grid.ends_um[0]) / grid.step_um
+    rule = np.arange(grid.rules, dtype=np.float64)
+    p = np.exp(-0.5 * (s - rule) ** 2)
+    p = p / p.sum(axis=1, keepdims=True)
+    o = rule - (p * rule).sum(axis=1, keepdims=True)
+    variance = (p * o**2).sum(axis=1, keepdims=True)
+    skew = (p * o**3).sum(axis=1, keepdims=True)
+    h = grid.step_um
+    return p, p * o / h, p * (o**2 - variance) / h**2, p * (o**3 - 3.0 * variance * o - skew) / h**3
+
+
+def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int, float, float]:
+    """How many check points, and the bounds C2, C3: the rest terms of the model take at most a quarter of `margin`.
+
+    Raises CertificateError if no number in POINTS does.
+    """
+    grid = model.grid
+    fine = np.linspace(grid.y_min_um, grid.y_max_um, 400 * grid.rules)
+    _, _, second, third = membership_derivatives(fine, grid)
+    c2, c3 = (SAFETY * float(np.abs(derivative).sum(axis=1).max()) for derivative in (second, third))
+    q1, q2, q3 = model.consequents.T
+    corners = [q1 * y + q2 * u + q3 for y in (grid.y_min_um, grid.y_max_um) for u in (model.u_min_V, model.u_max_V)]
+    rest = 3.0 * c2 * 0.5 * np.ptp(q1) + c3 * 0.5 * max(float(np.ptp(v)) for v in corners)
+    for points in POINTS if settings.points is None else (settings.points,):
+        half = 0.5 * (grid.y_max_um - grid.y_min_um) / points
+        if 0.5 * half**2 * rest <= 0.25 * margin:
+            return points, c2, c3
+    raise CertificateError(
+        f"{model.name}: learner: {points} check points are too far apart for a slope that comes within {margin:.2g} of "
+        "its limit; fit a smoother model, restrict the range (generate --input-range), or allow more points"
+    )
+
+
+def _inverse_limits(model: Model, certificates: Certificates, settings: LearnerSettings) -> tuple[float, float, float]:
+    """Least and largest |b|, and how far sum gamma |change of weight| may go, so that the inverse stays stable.
+
+    With T the linear terms as identified and N the others: changes of gamma-weighted size W keep the loop below 1 if
+    (gamma' |theta_N| + W) ||(b + T)^-1||_1 < 1 for every gain between the limits.
+    Raises CertificateError if the model leaves no room.
+    """
+    ends = [certificates.gain_lowest.bound, certificates.gain_highest.bound]
+    if not certificates.gain_holds:
+        low = certificates.gain_lowest
+        raise CertificateError(
+            f"{model.name}: learner: the gain df/du is {low.value:.4g} um/V at y = {low.y_um:.4g} um and does not stay "
+            "away from zero, so no shadow could be committed; restrict the range (generate --displacement-range), or "
+            "fit again"
+        )
+    sign = math.copysign(1.0, ends[0])
+    weakest, strongest = sorted(abs(end) for end in ends)
+    chosen = settings.gain_floor_um_per_V
+    if chosen is not None and chosen >= weakest:
+        raise CertificateError(
+            f"{model.name}: learner: gain_floor_um_per_V {chosen:.4g} is not below the model's own {weakest:.4g} um/V"
+        )
+    ceiling = GAIN_CEILING * strongest
+    floors = [share * weakest for share in FLOORS] if chosen is None else [chosen]
+    for floor in floors:
+        if not model.terms:
+            return floor, ceiling, 0.0
+        zero, size, nonlinear = inverse_filter(model, *sorted((sign * floor, sign * ceiling)))
+        budget = 0.95 / size - nonlinear
+        if zero < 1.0 and budget > 0.0:
+            return floor, ceiling, budget
+    raise CertificateError(
+        f"{model.name}: learner: the inverse is only just stable, the weights of the terms leave no room to learn; "
+        "learn slope, gain, offset of a model with smaller weights"
+    )

@@ -1,0 +1,213 @@
+"""The float32 numbers of a model's learner: what the generated C and its NumPy reference both take as data.
+
+A parameter is learned as theta = scale * (number in the bank), its regressor is x = (what the number multiplies)/scale.
+Scales are powers of two, so going to and fro changes no bit, and P(0) = alpha I becomes D(0) = alpha scale^2 exactly.
+Where a number in the bank carries a rule's strength w, its prior does too: D(0) = alpha (w scale)^2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from hysgen.errors import ModelError
+from hysgen.float32.coefficients import Coefficients, Floats, Floats32, single
+from hysgen.float32.update_schedule import Spread, spread
+from hysgen.model.learner_settings import BIAS, LearnerSettings
+from hysgen.model.model import Model
+
+MOST_PARAMETERS: Final = 64
+
+# Multiples of these are what regressors, U, gains and steps are rounded to by adding and taking off 1.5 * 2^23 of them.
+# A product of three of them is still a normal number: nothing that is kept can be denormal (docs/learning.md).
+REGRESSOR_GRID: Final = 2.0**-30
+FACTOR_GRID: Final = 2.0**-30
+GAIN_GRID: Final = 2.0**-60
+STEP_GRID: Final = 2.0**-45
+LEAST_VARIANCE: Final = 2.0**-40
+
+FAST: Final = 1.0 / 256.0
+"""Rate of the running levels that the outlier gate uses: 5 ms at 50 kHz."""
+
+SLOW: Final = 1.0 / 4096.0
+"""Rate of the running mean squares that decide about a restart: 80 ms at 50 kHz."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A learned number: `group` of the bank (or bias) and its index there; scale: theta per number, a power of two."""
+
+    group: str
+    index: int
+    scale: float
+
+
+@dataclass(frozen=True)
+class LearnerNumbers:
+    """Every float32 number of the learner, and the structure that the templates follow.
+
+    scale, per_scale: theta per number in the bank and back, (n,). prior, ceiling: D(0) and largest D, (n,).
+    refresh: regressor w_j of the pseudo-measurement that puts back the prior of parameter j, (n,).
+    firing: (L,) power of two next to each rule's strength; per_y, per_u, per_phi: 1/typical y, u, phi, powers of two.
+    inflate_first, inflate: 1/lambda inside the window and after it.
+    Errors in um: floor, gate_floor, dead_zone, level; the others are ratios or what their settings say.
+    """
+
+    settings: LearnerSettings
+    parameters: tuple[Parameter, ...]
+    scale: Floats32
+    per_scale: Floats32
+    prior: Floats32
+    ceiling: Floats32
+    refresh: Floats32
+    firing: Floats32
+    per_y: np.float32
+    per_u: np.float32
+    per_phi: Floats32
+    inflate_first: np.float32
+    inflate: np.float32
+    largest_denominator: np.float32
+    y_low_um: np.float32
+    y_high_um: np.float32
+    rest_V: np.float32
+    floor_um: np.float32
+    gate_floor_um: np.float32
+    gate_ratio: np.float32
+    dead_zone_um: np.float32
+    level_um: np.float32
+    step_um: np.float32
+    limit_um: np.float32
+    worse: np.float32
+    lost: np.float32
+
+    @property
+    def size(self) -> int:
+        """Number n of learned parameters."""
+        return len(self.parameters)
+
+    @property
+    def spread(self) -> Spread:
+        """What each call does of an update."""
+        return spread(self.size, self.settings.calls_per_update)
+
+    def learns(self, group: str) -> bool:
+        """Whether parameters of `group` are learned."""
+        return group in self.settings.learned
+
+
+def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
+    """The numbers of `model.learner`. Raises ModelError if it has none, or is not supported with it."""
+    settings = model.learner
+    if settings is None:
+        raise ModelError(f"{model.name}: has no learner settings; choose them when fitting or generating")
+    if numbers.windowed:
+        raise ModelError(f"learner: {numbers.rules} rules; it learns models of up to 12 rules, fit with fewer")
+    y_scale = _power_of_two(max(abs(model.grid.y_min_um), abs(model.grid.y_max_um)))
+    u_scale = _power_of_two(max(abs(model.u_min_V), abs(model.u_max_V)))
+    strengths = numbers.fold.astype(np.float64)
+    firing = np.array([_power_of_two(w) for w in strengths])
+    parameters, strength = _parameters(model, settings, y_scale, u_scale, strengths, firing)
+    if len(parameters) > MOST_PARAMETERS:
+        raise ModelError(f"learner: {len(parameters)} parameters, at most {MOST_PARAMETERS}; learn a part of them")
+    if not parameters:
+        raise ModelError("learner: terms: the model has none; learn slope, gain, offset or bias")
+    scale = np.array([parameter.scale for parameter in parameters])
+    prior = settings.alpha * (strength * scale) ** 2
+    forgetting = settings.forgetting if settings.forgetting < 1.0 else settings.sliding
+    kept = forgetting ** (len(parameters) * (settings.refresh - 1))
+    if kept < 1e-3:
+        raise ModelError(
+            f"learner: forgetting {forgetting} with {len(parameters)} parameters and refresh {settings.refresh}"
+            " loses the prior between two refreshes; forget more slowly or refresh more often"
+        )
+    ceiling = 2.0 * prior / kept
+    span = model.grid.y_max_um - model.grid.y_min_um
+    spread = math.sqrt(settings.alpha)
+    return LearnerNumbers(
+        settings=settings,
+        parameters=parameters,
+        scale=scale.astype(np.float32),
+        per_scale=(1.0 / scale).astype(np.float32),
+        prior=prior.astype(np.float32),
+        ceiling=ceiling.astype(np.float32),
+        refresh=_on_grid(np.sqrt((1.0 - kept) / prior)),
+        firing=firing.astype(np.float32),
+        per_y=np.float32(1.0 / y_scale),
+        per_u=np.float32(1.0 / u_scale),
+        per_phi=np.array([1.0 / p.scale for p in parameters if p.group == "terms"], dtype=np.float32),
+        inflate_first=np.float32(1.0 / settings.forgetting),
+        inflate=np.float32(1.0 / forgetting),
+        largest_denominator=np.float32(16.0 * (1.0 + float(ceiling.sum()) * (16.0 + 4.0 * len(parameters)))),
+        y_low_um=single(model.grid.y_min_um - span),
+        y_high_um=single(model.grid.y_max_um + span),
+        rest_V=single(_default(settings.rest_V, (model.u_max_V - model.u_min_V) / 16384.0)),
+        floor_um=np.float32(settings.noise_um / 8.0),
+        gate_floor_um=np.float32(6.0 * settings.noise_um),
+        gate_ratio=np.float32(settings.outlier_ratio),
+        dead_zone_um=single(_default(settings.dead_zone_um, settings.noise_um / 2.0)),
+        level_um=np.float32(span),
+        step_um=np.float32(_default(settings.step_um, 0.25 * span * max(spread, 1.0))),
+        limit_um=np.float32(_default(settings.limit_um, 256.0 * span * max(spread, 1.0))),
+        worse=np.float32((settings.worse + 0.5 * len(parameters) * (1.0 - forgetting)) ** 2),
+        lost=np.float32(settings.lost**2),
+    )
+
+
+def learned_model(model: Model, numbers: Coefficients, learner: LearnerNumbers, theta: Floats) -> Model:
+    """`model` with the learned parameters theta, (n,) float64, the others unchanged."""
+    consequents, weights = model.consequents.copy(), model.weights.copy()
+    column = {"slope": 0, "gain": 1, "offset": 2}
+    for parameter, number in zip(learner.parameters, theta / learner.scale.astype(np.float64), strict=True):
+        if parameter.group == "bias":
+            consequents[:, 2] += number
+        elif parameter.group == "terms":
+            weights[parameter.index] = number
+        else:
+            strength = float(numbers.fold[parameter.index])
+            consequents[parameter.index, column[parameter.group]] = number / strength
+    return model.with_parameters(np.concatenate([consequents.ravel(), weights]))
+
+
+def _parameters(
+    model: Model,
+    settings: LearnerSettings,
+    y_scale: float,
+    u_scale: float,
+    strengths: Floats,
+    firing: Floats,
+) -> tuple[tuple[Parameter, ...], Floats]:
+    """The learned parameters in the order of Eq. (9), and the strength that each one's number in the bank carries."""
+    if settings.learned == BIAS:
+        return (Parameter("bias", 0, 1.0),), np.ones(1)
+    typical = {"slope": y_scale, "gain": u_scale, "offset": 1.0}
+    found: list[Parameter] = []
+    carried: list[float] = []
+    for rule in range(model.grid.rules):
+        for group, magnitude in typical.items():
+            if group in settings.learned:
+                found.append(Parameter(group, rule, magnitude / firing[rule]))
+                carried.append(float(strengths[rule]))
+    if "terms" in settings.learned:
+        span_V = max(abs(model.u_min_V), abs(model.u_max_V))
+        scales = [scale for term in model.terms for scale in term.scales(span_V)]
+        found += [Parameter("terms", j, _power_of_two(scale)) for j, scale in enumerate(scales)]
+        carried += [1.0] * len(scales)
+    return tuple(found), np.array(carried)
+
+
+def _power_of_two(magnitude: float) -> float:
+    """The power of two next to `magnitude` on a logarithmic scale."""
+    return 2.0 ** round(math.log2(magnitude))
+
+
+def _on_grid(regressors: Floats) -> Floats32:
+    """Regressors as multiples of the grid, at least one of it."""
+    steps = np.maximum(np.rint(regressors / REGRESSOR_GRID), 1.0)
+    return (steps * REGRESSOR_GRID).astype(np.float32)
+
+
+def _default(chosen: float | None, derived: float) -> float:
+    return derived if chosen is None else chosen

@@ -1,0 +1,138 @@
+"""How far the float32 reference is from the float64 model, over the whole range: the worst case of one step.
+
+    predict    f32(y, u) against sum_l p_l(y) (q_l1 y + q_l2 u + q_l3) + sum_j theta_j phi_j in float64
+    inverse    u of Eq. (11) in float32 against float64, for displacements that inputs in range reach
+    round trip inverse(predict) - u and predict(inverse) - y(k+1), both in float32
+
+Inputs are the float32 numbers that both are given; term states are those of the float32 mirrors after a random run, so
+that what is compared is the arithmetic of one step. Input blocks are left out: both sides see what arrives behind them.
+`python -m hysgen.float32.reference.accuracy MODEL...` prints the figures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.float32.reference.arithmetic import Floats32
+from hysgen.float32.reference.instance import Instance
+from hysgen.model.file import load_model
+from hysgen.model.membership import memberships
+from hysgen.model.model import Model
+
+Floats = NDArray[np.float64]
+
+LANES: Final = 1 << 16
+WARM_UP: Final = 20
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Worst differences met, over `samples` pairs (y, u); inverse and round trips are 0 where they were left out."""
+
+    samples: int
+    predict_um: float
+    inverse_V: float
+    inverse_of_predict_V: float
+    predict_of_inverse_um: float
+
+
+def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1) -> Accuracy:
+    """Half of the samples on a grid over range and inputs, ends included, half at random between."""
+    bare = dataclasses.replace(model, blocks=())
+    worst = np.zeros(4)
+    for y, u in _pairs(bare, samples, seed):
+        instance = _warm(bare, y.size, seed)
+        worst = np.maximum(worst, _step_errors(bare, instance, y, u, inverse))
+    return Accuracy(samples, *(float(error) for error in worst))
+
+
+def _step_errors(model: Model, instance: Instance, y: Floats32, u: Floats32, inverse: bool) -> Floats:
+    """The four differences, worst lane each."""
+    exact_base, exact_gain = _affine(model, instance, y)
+    forward, backward, again = (copy.deepcopy(instance) for _ in range(3))
+    y_next = forward.predict(y, u)
+    predicted = np.abs(y_next - (exact_base + exact_gain * u)).max()
+    if not inverse:
+        return np.array([predicted, 0.0, 0.0, 0.0])
+    # In the inverse terms are not corrected, so that its y(k+1) is another one where a term follows the innovation.
+    base, gain = _affine(model, instance, y, corrected=False)
+    wanted = (base + gain * u).astype(np.float32)
+    u_back = backward.inverse(y, wanted)
+    exact_back = np.clip((wanted - base) / gain, float(instance.numbers.u_min_V), float(instance.numbers.u_max_V))
+    again.y_um = y
+    reached = again.simulate(u_back)
+    inside = (u_back > instance.numbers.u_min_V) & (u_back < instance.numbers.u_max_V)
+    return np.array(
+        [
+            predicted,
+            np.abs(u_back - exact_back).max(),
+            np.abs(u_back - u.astype(np.float64)).max(),
+            np.abs((reached - wanted.astype(np.float64))[inside]).max(initial=0.0),
+        ]
+    )
+
+
+def _affine(model: Model, instance: Instance, y: Floats32, *, corrected: bool = True) -> tuple[Floats, Floats]:
+    """f(y, 0) and b(y) in float64, the terms as the mirrors of `instance` have them."""
+    y64 = y.astype(np.float64)
+    p = memberships(y64, model.grid)
+    q1, q2, q3 = model.consequents.T
+    base = (p @ q1) * model.grid.clamp(y64) + p @ q3
+    terms = copy.deepcopy(instance.terms)
+    if corrected:
+        for term in terms:
+            term.correct(y - instance.y_um)
+    phi = [regressor for term in terms for regressor in term.regressors()]
+    for theta, regressor in zip(model.weights, phi, strict=True):
+        base = base + theta * regressor
+    return base, p @ q2
+
+
+def _pairs(model: Model, samples: int, seed: int) -> Iterator[tuple[Floats32, Floats32]]:
+    rng = np.random.default_rng(seed)
+    side = max(2, round((samples / 2) ** 0.5))
+    low, high = np.float32(model.grid.y_min_um), np.float32(model.grid.y_max_um)
+    first, last = np.float32(model.u_min_V), np.float32(model.u_max_V)
+    grid = np.meshgrid(np.linspace(low, high, side), np.linspace(first, last, side))
+    random = [rng.uniform(*ends, samples - side * side) for ends in ((low, high), (first, last))]
+    y, u = (np.concatenate([part.ravel(), drawn]).astype(np.float32) for part, drawn in zip(grid, random, strict=True))
+    for begin in range(0, y.size, LANES):
+        yield y[begin : begin + LANES], u[begin : begin + LANES]
+
+
+def _warm(model: Model, lanes: int, seed: int) -> Instance:
+    """Lanes whose term states are those of different random runs."""
+    rng = np.random.default_rng(seed + 1)
+    instance = Instance(model, np.full(lanes, np.float32(model.grid.y_min_um)), np.zeros(lanes, dtype=np.float32))
+    for _ in range(WARM_UP if model.terms else 0):
+        if instance.channels:
+            instance.aux([rng.uniform(0.0, 1.0, lanes).astype(np.float32) for _ in instance.channels])
+        instance.simulate(rng.uniform(model.u_min_V, model.u_max_V, lanes).astype(np.float32))
+    return instance
+
+
+def main() -> None:
+    """Print the figures of the named models."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("models", nargs="+", metavar="MODEL")
+    parser.add_argument("--samples", type=int, default=4_000_000)
+    arguments = parser.parse_args()
+    for name in arguments.models:
+        found = accuracy(load_model(name), arguments.samples)
+        print(
+            f"{name}: {found.samples} samples, float32 against float64: predict {found.predict_um:.3g} um, "
+            f"inverse {found.inverse_V:.3g} V; inverse(predict) {found.inverse_of_predict_V:.3g} V, "
+            f"predict(inverse) {found.predict_of_inverse_um:.3g} um"
+        )
+
+
+if __name__ == "__main__":
+    main()

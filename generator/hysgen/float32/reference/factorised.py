@@ -1,0 +1,87 @@
+"""The UD-factorised update over lanes: P = U D U', U unit upper triangular, D > 0. Bierman (1977), chapter V.
+
+    f = U' x,  g = D f,  alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on,  D_j <- D_j alpha_(j-1)/alpha_j
+    U_ij <- U_ij - k_i f_j/alpha_(j-1),   k_i <- k_i + U_ij g_j   over i < j with the old U_ij, k_j = g_j;   P x = k
+
+Matrices are (n, n, lanes), vectors (n, lanes). Sums run in rising order; nothing is written into an argument.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hysgen.float32.learner_numbers import FACTOR_GRID, GAIN_GRID, STEP_GRID
+from hysgen.float32.reference.arithmetic import Floats32, bits_of, float_of, reciprocal
+from hysgen.model.float32_constants import MAGNITUDE_BITS, ROUNDING
+
+
+def project(u: Floats32, x: Floats32, first: int, last: int) -> Floats32:
+    """f_j = sum_{i<j} U_ij x_i + x_j for first <= j < last."""
+    f = np.zeros((last - first, x.shape[1]), np.float32)
+    for i in range(last):
+        if i >= first:
+            f[i - first] = x[i] if i == 0 else f[i - first] + x[i]
+        begin = max(first, i + 1)
+        products = u[i, begin:last] * x[i]
+        f[begin - first :] = products if i == 0 else f[begin - first :] + products
+    return f
+
+
+def gains(d: Floats32, f: Floats32) -> Floats32:
+    """g = D f."""
+    return on_grid(d * f, GAIN_GRID)
+
+
+def denominators(f: Floats32, g: Floats32) -> Floats32:
+    """alpha_0 .. alpha_(n-1), the last one 1 + x' P x."""
+    alpha = np.empty_like(f)
+    before = np.ones(f.shape[1], np.float32)
+    for j in range(len(f)):
+        before = before + f[j] * g[j]
+        alpha[j] = before
+    return alpha
+
+
+def quotients(f: Floats32, alpha: Floats32) -> tuple[Floats32, Floats32, Floats32]:
+    """l_j = -f_j/alpha_(j-1), alpha_(j-1)/alpha_j, and 1/alpha_n."""
+    per_alpha = reciprocal(alpha)
+    slope, kept = f.copy(), per_alpha.copy()
+    slope[1:] = f[1:] * per_alpha[:-1]
+    kept[1:] = alpha[:-1] * per_alpha[1:]
+    return -slope, kept, per_alpha[-1]
+
+
+def factor(
+    u: Floats32,
+    k: Floats32,
+    slope: Floats32,
+    g: Floats32,
+    first: int,
+    last: int,
+) -> tuple[Floats32, Floats32]:
+    """U and k after columns first .. last - 1; slope: the l_j of `quotients`."""
+    u, k = u.copy(), k.copy()
+    for j in range(first, last):
+        column = u[:j, j].copy()
+        u[:j, j] = on_grid(column + k[:j] * slope[j], FACTOR_GRID)
+        k[:j] = k[:j] + column * g[j]
+        k[j] = g[j]
+    return u, k
+
+
+def moved(theta: Floats32, low: Floats32, k: Floats32, q: Floats32) -> tuple[Floats32, Floats32]:
+    """The sum (theta, low) of two words after theta <- theta + k q."""
+    carried: Floats32 = low + on_grid(k * q, STEP_GRID)
+    total: Floats32 = theta + carried
+    return total, carried - (total - theta)
+
+
+def magnitude(x: Floats32) -> Floats32:
+    """|x| by its bits."""
+    return float_of(bits_of(x) & np.uint32(MAGNITUDE_BITS))
+
+
+def on_grid(x: Floats32, grid: float) -> Floats32:
+    """`x` rounded to multiples of `grid`, where it is not larger than 2^22 of them; else to its own last bit."""
+    floor = ROUNDING * np.float32(grid)
+    return (x + floor) - floor

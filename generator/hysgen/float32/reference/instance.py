@@ -1,0 +1,162 @@
+"""The generated functions over lanes: each lane is one `<name>_t`, and a call steps all of them by one sample.
+
+y(k+1) = (y S + O + u G) / W + sum_j theta_j phi_j         predict (y measured), simulate (y the last output)
+u(k)   = ((y(k+1) - sum_j theta_j phi_j) W - (y S + O)) / G        inverse, Eq. (11)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hysgen.float32.coefficients import Bank, Coefficients, coefficients
+from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, reciprocal
+from hysgen.float32.reference.rules import RuleSums, rule_sums
+from hysgen.float32.reference.safety import finite, limited, settled
+from hysgen.model.model import Model
+from hysgen.model.path.chain import ChainMirror
+from hysgen.model.status import COUNTERS, Status
+from hysgen.model.terms import Mirror, channels_of
+
+_LAST = np.uint32(0xFFFFFFFF)
+
+
+class Instance:
+    """State of (lanes,) instances, initialised as `<name>_init(self, y_um, u_V)` does.
+
+    y_um, u_V: last model output in um and last accepted input in V; status, counters: as in the C struct; bank: the
+    active parameters, shared by all lanes; terms: the mirrors of the model's terms.
+    """
+
+    def __init__(self, model: Model, y_um: Floats32, u_V: Floats32) -> None:
+        self._model = model
+        self.numbers: Coefficients = coefficients(model)
+        self.bank: Bank = self.numbers.bank
+        self.channels = channels_of(model.terms)
+        self.init(y_um, u_V)
+
+    def init(self, y_um: Floats32, u_V: Floats32) -> None:
+        """Start at y_um under the input u_V, (lanes,) each; a start that is not finite is replaced by the rest."""
+        lanes = np.broadcast_shapes(np.shape(y_um), np.shape(u_V))
+        self.status: Words = np.zeros(lanes, dtype=np.uint32)
+        self.counters: dict[str, Words] = {name: np.zeros(lanes, dtype=np.uint32) for name in COUNTERS}
+        self.y_um: Floats32 = np.full(lanes, self.numbers.rest_um)
+        self.u_V: Floats32 = np.full(lanes, self.numbers.rest_V)
+        self.y_um, self.u_V = self._checked_y(y_um), self._checked_u(u_V)
+        self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s)
+        self.terms = [term.mirror(self.inputs.v_V, self._model.Ts_s) for term in self._model.terms]
+
+    def aux(self, values: Sequence[Floats32]) -> None:
+        """The auxiliary channels of the coming sample, (lanes,) each, in the order of `channels`."""
+        named = dict(zip(self.channels, values, strict=True))
+        for term in self.terms:
+            bits = term.listen(named)
+            if bits is not None:
+                self.status = self.status | bits
+
+    def predict(self, y_um: Floats32, u_V: Floats32) -> Floats32:
+        """One step from measured y(k) and u(k), (lanes,) each: y(k+1) in um, which is also kept."""
+        y, u = self._checked_y(y_um), self._checked_u(u_V)
+        for term in self.terms:
+            term.correct(y - self.y_um)
+        return self._forward(y, u)
+
+    def simulate(self, u_V: Floats32) -> Floats32:
+        """One step of the free run from the last output under u(k), (lanes,): y(k+1) in um."""
+        y, clamped = limited(self.y_um, self.numbers.y_min_um, self.numbers.y_max_um)
+        self._note(Status.Y_CLAMPED, clamped)
+        return self._forward(y, self._checked_u(u_V))
+
+    def inverse(self, y_um: Floats32, y_next_um: Floats32) -> Floats32:
+        """u(k) in V that takes y(k) to y(k+1), (lanes,) each, limited to what can be applied; that input acts.
+
+        Behind a delay the arguments belong to a sample `preview` later than the result.
+        """
+        numbers = self.numbers
+        held, rejected = finite(y_um, self.y_um)
+        y, clamped = limited(held, numbers.y_min_um, numbers.y_max_um)
+        reference, refused = finite(y_next_um, y)
+        reference, cut = limited(reference, numbers.reference_min_um, numbers.reference_max_um)
+        self._note(Status.Y_CLAMPED, clamped)
+        self._note(Status.Y_REJECTED, rejected | refused)
+        self._note(Status.REFERENCE_CLAMPED, cut)
+        sums, extra = rule_sums(numbers, self.bank, y), self._extra()
+        wanted = reference if extra is None else reference - extra
+        numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
+        u = settled(numerator * reciprocal(sums.gain))
+        u, clamped = limited(u, numbers.u_min_V, numbers.u_max_V)
+        v = self.inputs.reach(u)
+        held_back = (bits_of(v) != bits_of(u)).astype(np.uint32)
+        self.u_V = self.inputs.command(v)
+        self._note(Status.U_CLAMPED, clamped)
+        self._note(Status.UNREACHABLE, clamped | held_back)
+        self._apply(sums, extra, y, v)
+        return self.u_V
+
+    def words(self) -> Mapping[str, Words]:
+        """Every word of the C struct between `active` and `bank`, in its order.
+
+        Those of the input blocks are `inputs[i]`, those of a term `terms[<its place>][i]`.
+        """
+        named: dict[str, Words] = {"y_um": bits_of(self.y_um), "u_V": bits_of(self.u_V), "status": self.status}
+        named |= self.counters
+        named |= {f"inputs[{i}]": word.view(np.uint32) for i, word in enumerate(self.inputs.state())}
+        for place, term in enumerate(self.terms):
+            named |= {f"terms[{place}][{i}]": word.view(np.uint32) for i, word in enumerate(term.state())}
+        return named
+
+    def restore(self, words: Sequence[Words]) -> None:
+        """Take over the states whose `words` are given, in their order, (lanes,) each, any number of lanes."""
+        self.y_um, self.u_V = (word.view(np.float32) for word in words[:2])
+        self.status = words[2]
+        self.counters = dict(zip(COUNTERS, words[3:], strict=False))
+        first = 3 + len(COUNTERS)
+        mirrors: list[ChainMirror | Mirror] = [self.inputs, *self.terms]
+        for mirror in mirrors:
+            count = len(mirror.state())
+            mirror.restore(words[first : first + count])
+            first += count
+
+    def _forward(self, y: Floats32, u: Floats32) -> Floats32:
+        self.u_V = u
+        v = self.inputs.apply(u)
+        return self._apply(rule_sums(self.numbers, self.bank, y), self._extra(), y, v)
+
+    def _apply(self, sums: RuleSums, extra: Floats32 | None, y: Floats32, v: Floats32) -> Floats32:
+        rules = ((y * sums.slope + sums.offset) + v * sums.gain) * reciprocal(sums.weight)
+        self.y_um = settled(rules if extra is None else rules + extra)
+        for term in self.terms:
+            term.advance(v)
+        return self.y_um
+
+    def _extra(self) -> Floats32 | None:
+        """sum_j theta_j phi_j in the order of the weights; None without terms."""
+        phi = [regressor for term in self.terms for regressor in term.regressors()]
+        total: Floats32 | None = None
+        for theta, regressor in zip(self.bank.weight, phi, strict=True):
+            product = theta * regressor
+            total = product if total is None else total + product
+        return total
+
+    def _checked_y(self, y_um: Floats32) -> Floats32:
+        y, rejected = finite(y_um, self.y_um)
+        y, clamped = limited(y, self.numbers.y_min_um, self.numbers.y_max_um)
+        self._note(Status.Y_REJECTED, rejected)
+        self._note(Status.Y_CLAMPED, clamped)
+        return y
+
+    def _checked_u(self, u_V: Floats32) -> Floats32:
+        u, rejected = finite(u_V, self.u_V)
+        u, clamped = limited(u, self.numbers.u_min_V, self.numbers.u_max_V)
+        self._note(Status.U_REJECTED, rejected)
+        self._note(Status.U_CLAMPED, clamped)
+        return u
+
+    def _note(self, event: Status, happened: Words) -> None:
+        """Set the bit of `event`, and step its counter if it has one up to its largest value, where `happened` is 1."""
+        self.status = self.status | happened * np.uint32(event)
+        for name, owner in COUNTERS.items():
+            if owner is event:
+                count = self.counters[name]
+                self.counters[name] = count + (happened & (count < _LAST))

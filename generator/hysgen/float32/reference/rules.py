@@ -1,0 +1,94 @@
+"""The rules' sums over lanes: numerators and denominator of Eq. (4) from one exponential.
+
+S(y) = sum_l v_l q_l1,   O(y) = sum_l v_l q_l3,   G(y) = sum_l v_l q_l2,   W(y) = sum_l v_l,   p_l = v_l / W
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Bank, Coefficients
+from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, power_of_two
+from hysgen.model.float32_constants import ROUNDING
+
+_ONE = np.float32(1.0)
+_OCTAVES = np.float32(OCTAVES_PER_STEP)
+
+
+@dataclass(frozen=True)
+class RuleSums:
+    """S, O, G and W of the lanes."""
+
+    slope: Floats32
+    offset: Floats32
+    gain: Floats32
+    weight: Floats32
+
+
+def rule_sums(numbers: Coefficients, bank: Bank, y_um: Floats32) -> RuleSums:
+    """S, O, G, W at y_um, (lanes,) inside the range, with the rules of `bank`."""
+    if numbers.windowed:
+        first, strengths = window(numbers, y_um)
+        return RuleSums(
+            slope=pairwise([v * bank.slope[first + np.uint32(j)] for j, v in enumerate(strengths)]),
+            offset=pairwise([v * bank.offset[first + np.uint32(j)] for j, v in enumerate(strengths)]),
+            gain=pairwise([v * bank.gain[first + np.uint32(j)] for j, v in enumerate(strengths)]),
+            weight=pairwise([v * numbers.present[first + np.uint32(j)] for j, v in enumerate(strengths)]),
+        )
+    r = ratio(numbers, y_um)
+    return RuleSums(
+        slope=polynomial(bank.slope, r),
+        offset=polynomial(bank.offset, r),
+        gain=polynomial(bank.gain, r),
+        weight=polynomial(numbers.strength, r),
+    )
+
+
+def ratio(numbers: Coefficients, y_um: Floats32) -> Floats32:
+    """r = exp((y - middle)/h) of the dense layout: what neighbouring rules' strengths differ by, but for w_l."""
+    return power_of_two((y_um - numbers.origin_um) * numbers.per_step)
+
+
+def window(numbers: Coefficients, y_um: Floats32) -> tuple[Words, list[Floats32]]:
+    """Index n of the nearest rule, and v_j = w_j r^j of the 11 rows n .. n + 10 of the padded tables."""
+    steps = (y_um - numbers.origin_um) * numbers.per_step
+    shifted = steps + ROUNDING
+    t = steps - (shifted - ROUNDING)
+    nearest = bits_of(shifted) - bits_of(np.asarray(ROUNDING))
+    r = powers(power_of_two(t * _OCTAVES), WINDOW)
+    return nearest, [w * power for w, power in zip(numbers.strength, r, strict=True)]
+
+
+def strengths(numbers: Coefficients, y_um: Floats32) -> list[Floats32]:
+    """v_l of every rule of the dense layout: w_l r^l."""
+    r = powers(ratio(numbers, y_um), numbers.rules)
+    return [w * power for w, power in zip(numbers.strength, r, strict=True)]
+
+
+def powers(r: Floats32, count: int) -> list[Floats32]:
+    """r^0 .. r^(count-1): r^k = r^(k//2) r^(k - k//2), the shortest chains."""
+    found = [np.full_like(r, _ONE), r]
+    for k in range(2, count):
+        found.append(found[k // 2] * found[k - k // 2])
+    return found[:count]
+
+
+def polynomial(c: Floats32, r: Floats32) -> Floats32:
+    """sum_k c_k r^k by Estrin's scheme: neighbours join as a + b r, then with r^2, r^4, ... until one is left."""
+    parts: list[Floats32 | np.float32] = list(c)
+    power = r
+    while len(parts) > 1:
+        joined = [parts[k] + parts[k + 1] * power for k in range(0, len(parts) - 1, 2)]
+        parts = [*joined, *parts[2 * len(joined) :]]
+        power = power * power
+    return np.asarray(parts[0])
+
+
+def pairwise(parts: list[Floats32]) -> Floats32:
+    """The sum of `parts`, neighbours first, then neighbours of those: the order of the generated C."""
+    while len(parts) > 1:
+        joined = [parts[k] + parts[k + 1] for k in range(0, len(parts) - 1, 2)]
+        parts = [*joined, *parts[2 * len(joined) :]]
+    return parts[0]

@@ -1,0 +1,45 @@
+"""How many threads compute: one inside the BLAS, several for independent computations of a diagnosis.
+
+The matrices here are small. Threads of the BLAS cost up to ten times the work where other threads or processes want the
+same cores, and their number changes last bits of a result.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import TypeVar
+
+from threadpoolctl import ThreadpoolController
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+MOST_THREADS = 4
+"""Between two compiled kernels the threads wait for the one interpreter; more than this gain nothing."""
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Inside this context the BLAS uses one thread, in every thread of the process; afterwards as many as before.
+
+    Also a decorator: `@one_blas_thread()`.
+    """
+    with ThreadpoolController().limit(limits=1, user_api="blas"):
+        yield
+
+
+def in_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+    """[function(item) for item in items], computed by several threads; results stand in the order of the items.
+
+    Compiled kernels and the BLAS release the interpreter, so threads share the processor's cores. A worker process
+    computes one item at a time, because its sibling processes use the other cores.
+    """
+    threads = 1 if multiprocessing.parent_process() is not None else min(os.cpu_count() or 1, MOST_THREADS)
+    if threads == 1:
+        return [function(item) for item in items]
+    with ThreadPoolExecutor(threads) as pool:
+        return list(pool.map(function, items))

@@ -1,0 +1,267 @@
+"""The model file: JSON with a versioned schema, exact, in units, deterministic to the byte.
+
+Every number is written with the fewest digits that read back as the same float64. Nothing in the file depends on the
+machine or the clock. Reading never executes anything and refuses what it does not understand, naming file and field.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import ModelError
+from hysgen.machine.files import write_whole
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Grid, Model
+from hysgen.model.path import InputBlock, block_from_json
+from hysgen.model.terms import Term, term_from_json
+
+SCHEMA = "hysgen-model"
+VERSION = 1
+UNITS = {"time": "s", "voltage": "V", "displacement": "um"}
+SUFFIX = ".json"
+
+_FIELDS = (
+    "schema",
+    "version",
+    "name",
+    "units",
+    "Ts_s",
+    "grid",
+    "input_range_V",
+    "consequents",
+    "terms",
+    "weights",
+    "blocks",
+    "learner",
+    "history",
+    "scores",
+    "certificates",
+)
+
+
+def model_to_json(model: Model) -> dict[str, Any]:
+    """`model` as plain JSON values, in the order of the file."""
+    return {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "name": model.name,
+        "units": dict(UNITS),
+        "Ts_s": float(model.Ts_s),
+        "grid": {
+            "y_min_um": float(model.grid.y_min_um),
+            "y_max_um": float(model.grid.y_max_um),
+            "rules": int(model.grid.rules),
+            **({} if model.grid.spread_um is None else {"spread_um": [float(end) for end in model.grid.spread_um]}),
+        },
+        "input_range_V": [float(model.u_min_V), float(model.u_max_V)],
+        "consequents": model.consequents.tolist(),
+        "terms": [term.to_json() for term in model.terms],
+        "weights": model.weights.tolist(),
+        "blocks": [block.to_json() for block in model.blocks],
+        **({} if model.learner is None else {"learner": model.learner.to_json()}),
+        "history": dict(model.history),
+        "scores": dict(model.scores),
+        "certificates": dict(model.certificates),
+    }
+
+
+def dump_model(model: Model) -> str:
+    """The text of the model file. Raises ModelError if history, scores or certificates hold more than JSON values."""
+    try:
+        return _text(model_to_json(model)) + "\n"
+    except (TypeError, ValueError) as fault:
+        raise ModelError(
+            f"{model.name}: cannot be written as JSON ({fault}); keep plain finite values in it"
+        ) from fault
+
+
+def save_model(model: Model, path: Path) -> None:
+    """Write the model file, whole or not at all. Raises HysgenError if the folder cannot be written."""
+    write_whole(path, dump_model(model))
+
+
+def parse_model(text: str, source: str) -> Model:
+    """The model that `dump_model` wrote; `source` names the file in messages.
+
+    Raises ModelError with one line: file, field, what is wrong, what to do.
+    """
+    try:
+        data = json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_unique)
+    except (ValueError, RecursionError) as fault:
+        raise ModelError(f"{source}: is not a model file ({fault}); write it with hysgen fit") from fault
+    try:
+        return _model(_object(data, "file"))
+    except ModelError as fault:
+        raise ModelError(f"{source}: {fault}") from fault
+
+
+def load_model(path_or_name: Path | str) -> Model:
+    """A model from a file, or one that ships with hysgen by its name (`shipped_models`).
+
+    Raises ModelError if the file is missing, unreadable or malformed.
+    """
+    path = Path(path_or_name)
+    if str(path_or_name) in shipped_models() and not path.exists():
+        text = (_shipped() / f"{path_or_name}{SUFFIX}").read_text(encoding="utf-8")
+        return parse_model(text, f"{path_or_name}{SUFFIX}")
+    try:
+        return parse_model(path.read_text(encoding="utf-8"), str(path))
+    except OSError as fault:
+        raise ModelError(
+            f"{path}: cannot be read ({fault.strerror}); give a model file, or one of {', '.join(shipped_models())}"
+        ) from fault
+    except UnicodeDecodeError as fault:
+        raise ModelError(f"{path}: is not a text file (byte {fault.start}); give a model file") from fault
+
+
+def shipped_models() -> tuple[str, ...]:
+    """Names of the models that ship with hysgen."""
+    entries = (entry.name for entry in _shipped().iterdir())
+    return tuple(sorted(name.removesuffix(SUFFIX) for name in entries if name.endswith(SUFFIX)))
+
+
+def _model(data: Mapping[str, Any]) -> Model:
+    """The model of a parsed file. Raises ModelError naming the field."""
+    if data.get("schema") != SCHEMA:
+        raise ModelError(f"schema: {data.get('schema')!r} instead of {SCHEMA!r}; this is not a model file")
+    if data.get("version") != VERSION:
+        raise ModelError(f"version: {data.get('version')!r} is not {VERSION}; read it with the hysgen that wrote it")
+    for unknown in data.keys() - set(_FIELDS):
+        raise ModelError(f"{unknown}: no such field in version {VERSION}; remove it")
+    if _get(data, "units") != UNITS:
+        raise ModelError(f"units: {data['units']!r} instead of {UNITS!r}; convert the numbers and write these units")
+    grid = _object(_get(data, "grid"), "grid")
+    input_range = _numbers(_get(data, "input_range_V"), "input_range_V", 2)
+    rules = _integer(_get(grid, "rules", "grid."), "grid.rules")
+    return Model(
+        name=_string(_get(data, "name"), "name"),
+        Ts_s=_number(_get(data, "Ts_s"), "Ts_s"),
+        grid=Grid(
+            _number(_get(grid, "y_min_um", "grid."), "grid.y_min_um"),
+            _number(_get(grid, "y_max_um", "grid."), "grid.y_max_um"),
+            rules,
+            _spread(grid["spread_um"]) if "spread_um" in grid else None,
+        ),
+        consequents=np.array(
+            [
+                _numbers(row, f"consequents[{i}]", 3)
+                for i, row in enumerate(_list(_get(data, "consequents"), "consequents"))
+            ]
+        ).reshape(-1, 3),
+        u_min_V=float(input_range[0]),
+        u_max_V=float(input_range[1]),
+        terms=_terms(_list(_get(data, "terms"), "terms")),
+        weights=_numbers(_get(data, "weights"), "weights"),
+        blocks=_blocks(_list(_get(data, "blocks"), "blocks")),
+        learner=LearnerSettings.from_json(_object(data["learner"], "learner")) if "learner" in data else None,
+        history=_object(_get(data, "history"), "history"),
+        scores=_object(_get(data, "scores"), "scores"),
+        certificates=_object(_get(data, "certificates"), "certificates"),
+    )
+
+
+def _spread(value: Any) -> tuple[float, float]:
+    first, last = _numbers(value, "grid.spread_um", 2)
+    return float(first), float(last)
+
+
+def _terms(entries: Sequence[Any]) -> tuple[Term, ...]:
+    return tuple(term_from_json(_object(entry, f"terms[{i}]")) for i, entry in enumerate(entries))
+
+
+def _blocks(entries: Sequence[Any]) -> tuple[InputBlock, ...]:
+    return tuple(block_from_json(_object(entry, f"blocks[{i}]")) for i, entry in enumerate(entries))
+
+
+def _get(data: Mapping[str, Any], key: str, path: str = "") -> Any:
+    if key not in data:
+        raise ModelError(f"{path}{key}: is missing; write the file with hysgen, do not edit it")
+    return data[key]
+
+
+def _fault(field: str, value: Any, expected: str) -> ModelError:
+    shown = repr(value)
+    shown = shown if len(shown) <= 40 else shown[:37] + "..."
+    return ModelError(f"{field}: {shown} is not {expected}; write the file with hysgen, do not edit it")
+
+
+def _object(value: Any, field: str) -> Mapping[str, Any]:
+    if not isinstance(value, dict):
+        raise _fault(field, value, "an object")
+    return value
+
+
+def _list(value: Any, field: str) -> Sequence[Any]:
+    if not isinstance(value, list):
+        raise _fault(field, value, "a list")
+    return value
+
+
+def _string(value: Any, field: str) -> str:
+    if not isinstance(value, str):
+        raise _fault(field, value, "a string")
+    return value
+
+
+def _integer(value: Any, field: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise _fault(field, value, "a whole number")
+    return value
+
+
+def _number(value: Any, field: str) -> float:
+    # A whole number beyond float64, or a literal that overflows, is as little a number as a string is.
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(_as_float(value)):
+        raise _fault(field, value, "a finite number")
+    return float(value)
+
+
+def _as_float(value: int | float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _numbers(value: Any, field: str, size: int | None = None) -> NDArray[np.float64]:
+    entries = _list(value, field)
+    if size is not None and len(entries) != size:
+        raise ModelError(f"{field}: {len(entries)} numbers instead of {size}; write the file with hysgen")
+    return np.array([_number(entry, f"{field}[{i}]") for i, entry in enumerate(entries)], dtype=np.float64)
+
+
+def _refuse_constant(text: str) -> float:
+    raise ValueError(f"{text} is not a JSON number")
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    data = dict(pairs)
+    if len(data) != len(pairs):
+        keys = [key for key, _ in pairs]
+        raise ValueError(f"field {next(key for key in keys if keys.count(key) > 1)!r} stands twice")
+    return data
+
+
+def _text(value: Any, indent: int = 0) -> str:
+    """JSON with one field per line and lists of scalars on one line, so that a difference of two models is readable."""
+    inner, outer = " " * (indent + 2), " " * indent
+    if isinstance(value, dict) and value:
+        fields = (f"{inner}{json.dumps(key)}: {_text(entry, indent + 2)}" for key, entry in value.items())
+        return "{\n" + ",\n".join(fields) + f"\n{outer}}}"
+    if isinstance(value, list | tuple) and any(isinstance(entry, dict | list | tuple) for entry in value):
+        return "[\n" + ",\n".join(f"{inner}{_text(entry, indent + 2)}" for entry in value) + f"\n{outer}]"
+    return json.dumps(value, allow_nan=False)
+
+
+def _shipped() -> Traversable:
+    """The folder of the models that ship with hysgen."""
+    return resources.files("hysgen.model") / "shipped"

@@ -1,0 +1,193 @@
+"""What a model is: a uniform partition of the displacement, one linear consequent per rule, and extension terms.
+
+    y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 v(k) + q_l3) + sum_j theta_j phi_j(k)
+
+The first sum is Eq. (4) of the paper, complete. The regressors phi_j come from extension terms (package `terms`): they
+depend on past inputs, auxiliary channels and time, never on v(k) itself, so the model stays affine in v(k) and Eq. (11)
+inverts it. v is the input u behind the input blocks (package `inputs`: saturation, slew, delay); without them, v = u.
+Everything here is float64: this is the truth that the float32 layers are measured against.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.display import Displayed, Summary
+from hysgen.errors import ModelError
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.path import InputBlock, check_chain
+from hysgen.model.terms import Term
+
+Floats = NDArray[np.float64]
+
+MOST_RULES = 256
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Uniform partition of the antecedent, Eqs (6) and (7).
+
+    c_l = y_min + (y_max - y_min)(l - 1)/(L - 1),   sigma = (y_max - y_min)/(L - 1)
+
+    y_min_um, y_max_um: range of the displacement in um; rules: L >= 2.
+    spread_um: first and last centre where the range was restricted afterwards (`within`) and they lie outside it; None:
+    they are its ends, as in Eq. (6).
+    Raises ModelError if the range is empty or not between the centres, or the number of rules unsupported.
+    """
+
+    y_min_um: float
+    y_max_um: float
+    rules: int
+    spread_um: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.rules <= MOST_RULES:
+            raise ModelError(f"rules: {self.rules} is not supported; choose 2 to {MOST_RULES}")
+        if not (np.isfinite(self.y_min_um) and np.isfinite(self.y_max_um) and self.y_min_um < self.y_max_um):
+            raise ModelError(f"grid: the range {self.y_min_um} .. {self.y_max_um} um is empty; y_min must be below")
+        first, last = self.ends_um
+        if not first <= self.y_min_um < self.y_max_um <= last:
+            raise ModelError(
+                f"grid: the range {self.y_min_um:.6g} .. {self.y_max_um:.6g} um is not inside that of the rules, "
+                f"{first:.6g} .. {last:.6g} um; choose a part of it"
+            )
+
+    @property
+    def ends_um(self) -> tuple[float, float]:
+        """The first and the last centre."""
+        return (self.y_min_um, self.y_max_um) if self.spread_um is None else self.spread_um
+
+    @property
+    def step_um(self) -> float:
+        """Distance of neighbouring centres; on this partition sigma is the same number, Eq. (7)."""
+        first, last = self.ends_um
+        return (last - first) / (self.rules - 1)
+
+    @property
+    def centres_um(self) -> Floats:
+        """(L,) centres of the memberships, Eq. (6)."""
+        return self.ends_um[0] + self.step_um * np.arange(self.rules, dtype=np.float64)
+
+    @property
+    def places(self) -> tuple[float, float]:
+        """The ends of the range counted in steps from the first centre: 0 and L - 1 where it was not restricted."""
+        if self.spread_um is None:
+            return 0.0, self.rules - 1.0
+        first, step = self.spread_um[0], self.step_um
+        return (self.y_min_um - first) / step, (self.y_max_um - first) / step
+
+    def within(self, low_um: float, high_um: float) -> Grid:
+        """The same rules over a part of the range. Raises ModelError if it is none."""
+        if not self.y_min_um <= low_um < high_um <= self.y_max_um:
+            raise ModelError(
+                f"displacement range: {low_um:.6g} .. {high_um:.6g} um is no part of the model's "
+                f"{self.y_min_um:.6g} .. {self.y_max_um:.6g} um; choose a part of it"
+            )
+        return Grid(low_um, high_um, self.rules, self.ends_um)
+
+    def clamp(self, y_um: Floats) -> Floats:
+        """`y_um` limited to the range: outside it the model answers as at its edge."""
+        return np.clip(y_um, self.y_min_um, self.y_max_um)
+
+
+@dataclass(frozen=True, repr=False)
+class Model(Displayed):
+    """A Takagi-Sugeno hysteresis model with its extension terms.
+
+    consequents: (L, 3), columns q_l1 [um/um], q_l2 [um/V], q_l3 [um].
+    weights: (T,) theta_j of the terms' regressors, in the order of `terms`.
+    u_min_V, u_max_V: input range for which the model answers and its certificates hold; inputs outside are clamped.
+    blocks: what the input passes through before the stage, in that order.
+    learner: what the generated learner does; None generates none.
+    history: where it comes from (fit settings, record digest); scores: what was measured of it; certificates: what is
+    guaranteed of it. All plain JSON values.
+    Raises ModelError if sizes disagree or a number is not finite.
+    """
+
+    name: str
+    Ts_s: float
+    grid: Grid
+    consequents: Floats
+    u_min_V: float
+    u_max_V: float
+    terms: tuple[Term, ...] = ()
+    weights: Floats = field(default_factory=lambda: np.zeros(0))
+    blocks: tuple[InputBlock, ...] = ()
+    learner: LearnerSettings | None = None
+    history: Mapping[str, Any] = field(default_factory=dict)
+    scores: Mapping[str, Any] = field(default_factory=dict)
+    certificates: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.name.isidentifier() or not self.name.isascii() or self.name != self.name.lower():
+            raise ModelError(f"name: {self.name!r} cannot prefix C functions; use lower-case letters, digits and _")
+        if self.consequents.shape != (self.grid.rules, 3):
+            raise ModelError(
+                f"consequents: shape {self.consequents.shape} does not fit {self.grid.rules} rules; "
+                f"expected ({self.grid.rules}, 3)"
+            )
+        size = sum(term.size for term in self.terms)
+        if self.weights.shape != (size,):
+            raise ModelError(f"weights: {self.weights.size} given, but the terms have {size} regressors")
+        if not (np.isfinite(self.consequents).all() and np.isfinite(self.weights).all()):
+            raise ModelError("parameters: not all finite; fit the model again")
+        if not (np.isfinite(self.Ts_s) and self.Ts_s > 0):
+            raise ModelError(f"Ts_s: {self.Ts_s} is not a sampling period; it must be positive, in seconds")
+        if not self.u_min_V < self.u_max_V:
+            raise ModelError(f"input range: {self.u_min_V} .. {self.u_max_V} V is empty; u_min must lie below u_max")
+        check_chain(self.blocks)
+        kinds = [term.kind for term in self.terms]
+        if len(set(kinds)) != len(kinds):
+            raise ModelError(f"terms: {', '.join(kinds)}: a kind of term may stand once in a model")
+
+    def summary(self) -> Summary:
+        """Its structure, range and parts."""
+        grid = self.grid
+        rows = [
+            ["rules", f"{grid.rules} over {grid.y_min_um:.4g} .. {grid.y_max_um:.4g} um"],
+            ["input", f"{self.u_min_V:.4g} .. {self.u_max_V:.4g} V"],
+            ["sampling period", f"{1e6 * self.Ts_s:.6g} us"],
+            *([f"input {block.kind}", block.describe()] for block in self.blocks),
+            *([f"term {term.kind}", term.describe()] for term in self.terms),
+            ["learner", "none" if self.learner is None else f"forgetting {self.learner.forgetting:.9g}"],
+        ]
+        kinds = ", ".join(["rules", *(term.kind for term in self.terms), *(block.kind for block in self.blocks)])
+        return Summary(f"Model {self.name}: {kinds}, {self.parameters.size} parameters", ["part", "what"], rows, left=2)
+
+    def within(
+        self, displacement_um: tuple[float, float] | None = None, input_V: tuple[float, float] | None = None
+    ) -> Model:
+        """The same model over a part of its ranges; None: all of it. Scores and certificates go.
+
+        Raises ModelError if it is none.
+        """
+        low_V, high_V = (self.u_min_V, self.u_max_V) if input_V is None else input_V
+        if not self.u_min_V <= low_V < high_V <= self.u_max_V:
+            raise ModelError(
+                f"input range: {low_V:.6g} .. {high_V:.6g} V is no part of the model's "
+                f"{self.u_min_V:.6g} .. {self.u_max_V:.6g} V; choose a part of it"
+            )
+        grid = self.grid if displacement_um is None else self.grid.within(*displacement_um)
+        return dataclasses.replace(self, grid=grid, u_min_V=low_V, u_max_V=high_V, scores={}, certificates={})
+
+    @property
+    def parameters(self) -> Floats:
+        """(3 L + T,) all linear parameters in the order of Eq. (9): q_11, q_12, q_13, q_21, ..., then the weights."""
+        return np.concatenate([self.consequents.ravel(), self.weights])
+
+    def with_parameters(self, parameters: Floats) -> Model:
+        """The same structure with other numbers; scores and certificates go, for they no longer belong to it."""
+        cut = 3 * self.grid.rules
+        return dataclasses.replace(
+            self,
+            consequents=parameters[:cut].reshape(-1, 3).copy(),
+            weights=parameters[cut:].copy(),
+            scores={},
+            certificates={},
+        )

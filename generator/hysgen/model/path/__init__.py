@@ -1,0 +1,65 @@
+"""Input blocks: what the amplifier and the transport do to the input before the stage sees it.
+
+One file here and one template `inputs/<kind>.c.j2` per kind, found by looking into this package. Adding one is adding
+those two files: a module `<kind>.py` that defines `BLOCK`, a class that satisfies `InputBlock`.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import pkgutil
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from hysgen.errors import ModelError
+from hysgen.model.path.base import BlockMirror, Floats, InputBlock
+
+__all__ = ["BlockMirror", "InputBlock", "applied", "block_from_json", "check_chain", "kinds", "preview"]
+
+
+@functools.lru_cache(maxsize=1)
+def kinds() -> Mapping[str, type[InputBlock]]:
+    """Every kind of input block that is installed, by name."""
+    found: dict[str, type[InputBlock]] = {}
+    for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
+        block: type[InputBlock] | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "BLOCK", None)
+        if block is not None:
+            found[block.kind] = block
+    return found
+
+
+def block_from_json(data: Mapping[str, Any]) -> InputBlock:
+    """The block that `InputBlock.to_json` described. Raises ModelError if the kind is unknown or a field malformed."""
+    kind = str(data.get("kind"))
+    if kind not in kinds():
+        raise ModelError(f"blocks: kind {kind!r} is unknown; this hysgen knows {', '.join(kinds())}")
+    try:
+        return kinds()[kind].from_json(data)
+    except (KeyError, TypeError, ValueError) as fault:
+        raise ModelError(f"blocks: {kind}: {fault}; write the model file with hysgen, do not edit it") from fault
+
+
+def check_chain(blocks: Sequence[InputBlock]) -> None:
+    """Blocks stand in the order in which the input passes through them, each kind at most once.
+
+    Raises ModelError otherwise.
+    """
+    places = [block.place for block in blocks]
+    if sorted(set(places)) != places:
+        order = ", ".join(kind.kind for kind in sorted(kinds().values(), key=lambda kind: kind.place))
+        raise ModelError(
+            f"blocks: {', '.join(block.kind for block in blocks)}: each may stand once, in the order {order}"
+        )
+
+
+def applied(blocks: Sequence[InputBlock], u_V: Floats, Ts_s: float) -> Floats:
+    """What reaches the stage of the commanded u_V, (n,): all blocks in turn, from rest under u(0)."""
+    for block in blocks:
+        u_V = block.apply(u_V, Ts_s)
+    return u_V
+
+
+def preview(blocks: Sequence[InputBlock]) -> int:
+    """Samples by which the inverse has to know its reference ahead."""
+    return sum(block.preview for block in blocks)

@@ -1,0 +1,128 @@
+"""Delay: the input arrives late, by whole samples and a part of one.
+
+    v(k) = u(k-d) + mu (u(k-d-1) - u(k-d)),   d + mu = samples,  0 <= mu < 1
+
+Linear interpolation: v stays in the range of u, and a sine of frequency f loses at most (pi f Ts)^2 / 2 of its
+amplitude (at mu = 1/2), 2e-4 at f = fs/150. The inverse knows its reference n = ceil(samples) ahead and commands
+
+    u(k) = v(k+n-1) + mu (v(k+n) - v(k+n-1))          (v(k+n) if mu = 0)
+
+an interpolation again: stable for every mu, inside the range of v, and off by the same second-order loss. The exact
+inverse would be a recursion with a pole at -mu/(1-mu), unstable beyond half a sample.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, Words
+
+MOST_SAMPLES = 1000
+
+
+@dataclass(frozen=True)
+class Delay:
+    """Delay of the input by `samples` sampling periods, 0 to 1000, not necessarily whole.
+
+    Raises ValueError if it is outside that range.
+    """
+
+    kind: ClassVar[str] = "delay"
+    place: ClassVar[int] = 2
+    limits: ClassVar[bool] = False
+    samples: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.samples <= MOST_SAMPLES:
+            raise ValueError(f"samples must be 0 to {MOST_SAMPLES}")
+
+    @property
+    def whole(self) -> int:
+        """d: whole samples of the delay."""
+        return math.floor(self.samples)
+
+    @property
+    def part(self) -> float:
+        """mu: the rest, 0 <= mu < 1."""
+        return self.samples - self.whole
+
+    @property
+    def preview(self) -> int:
+        return math.ceil(self.samples)
+
+    @property
+    def ring(self) -> int:
+        """Length of the ring in C: a power of two that holds u(k) .. u(k-d-1)."""
+        return 1 << (self.whole + 1).bit_length()
+
+    def describe(self) -> str:
+        return f"input delayed by {self.samples:.4g} samples"
+
+    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
+        late = np.concatenate([np.full(self.whole + 1, u_V[0]), u_V])[: u_V.size + 1]
+        return np.asarray(late[1:] + self.part * (late[:-1] - late[1:]))
+
+    def shape(self) -> Floats:
+        """(1,) samples."""
+        return np.array([self.samples])
+
+    def with_shape(self, shape: Floats) -> Self:
+        return type(self)(float(shape[0]))
+
+    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
+        return np.zeros(1), np.array([float(min(MOST_SAMPLES, u_V.size // 4))])
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> DelayMirror:
+        return DelayMirror(self, self.constants(Ts_s)["part"][0], u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        return {"part": np.array([self.part], dtype=np.float32)}
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "samples": self.samples}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        return cls(float(data["samples"]))
+
+
+class DelayMirror(BlockMirror):
+    """The float32 delay over lanes; its state is a ring of past inputs and the place of the newest."""
+
+    def __init__(self, block: Delay, part: np.float32, u_V: Floats32) -> None:
+        self._whole, self._part = block.whole, part
+        self._ring = np.tile(u_V, (block.ring, 1))
+        self._newest = np.zeros(u_V.shape, dtype=np.uint32)
+
+    def apply(self, u_V: Floats32) -> Floats32:
+        self._push(u_V)
+        late, later = self._past(self._whole), self._past(self._whole + 1)
+        return late + self._part * (later - late)
+
+    def command(self, v_V: Floats32) -> Floats32:
+        self._push(v_V)
+        before = self._past(1)
+        return v_V if self._part == 0 else before + self._part * (v_V - before)
+
+    def state(self) -> list[Words]:
+        return [*self._ring, self._newest]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._ring = np.array(words[:-1]).view(np.float32)
+        self._newest = words[-1]
+
+    def _push(self, u_V: Floats32) -> None:
+        self._newest = (self._newest + np.uint32(1)) % np.uint32(len(self._ring))
+        self._ring[self._newest, np.arange(u_V.size)] = u_V
+
+    def _past(self, samples: int) -> Floats32:
+        place = (self._newest - np.uint32(samples)) % np.uint32(len(self._ring))
+        return np.asarray(self._ring[place, np.arange(place.size)])
+
+
+BLOCK = Delay

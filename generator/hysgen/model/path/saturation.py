@@ -1,0 +1,87 @@
+"""Saturation: the amplifier clips.
+
+    v(k) = min(max(u(k), low), high)
+
+The inverse never asks for more: what it commands lies between the levels already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, limited
+
+
+@dataclass(frozen=True)
+class Saturation:
+    """Levels between which the input passes unchanged.
+
+    Raises ValueError if they are not finite or low_V is not below high_V.
+    """
+
+    kind: ClassVar[str] = "saturation"
+    place: ClassVar[int] = 0
+    limits: ClassVar[bool] = True
+    preview: ClassVar[int] = 0
+    low_V: float
+    high_V: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.low_V) and np.isfinite(self.high_V) and self.low_V < self.high_V):
+            raise ValueError("low_V must lie below high_V")
+
+    def describe(self) -> str:
+        return f"input saturates at {self.low_V:.5g} and {self.high_V:.5g} V"
+
+    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
+        return np.clip(u_V, self.low_V, self.high_V)
+
+    def shape(self) -> Floats:
+        """(2,) the levels in V."""
+        return np.array([self.low_V, self.high_V])
+
+    def with_shape(self, shape: Floats) -> Self:
+        return type(self)(float(shape[0]), float(shape[1]))
+
+    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
+        """Each level on its own side of the middle of the commands, no further out than they went."""
+        low, high = float(np.min(u_V)), float(np.max(u_V))
+        middle, gap = 0.5 * (low + high), 1e-3 * (high - low)
+        return np.array([low, middle + gap]), np.array([middle - gap, high])
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> ClipMirror:
+        levels = self.constants(Ts_s)
+        return ClipMirror(levels["low"][0], levels["high"][0])
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        return {"low": np.array([self.low_V], dtype=np.float32), "high": np.array([self.high_V], dtype=np.float32)}
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "low_V": self.low_V, "high_V": self.high_V}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        return cls(float(data["low_V"]), float(data["high_V"]))
+
+
+class ClipMirror(BlockMirror):
+    """Float32 clipping over lanes; no state."""
+
+    def __init__(self, low: np.float32, high: np.float32) -> None:
+        self._low, self._high = low, high
+
+    def apply(self, u_V: Floats32) -> Floats32:
+        return limited(u_V, self._low, self._high)
+
+    def state(self) -> list[Floats32]:
+        return []
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        """There is nothing to take over."""
+
+
+BLOCK = Saturation

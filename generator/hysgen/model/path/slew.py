@@ -1,0 +1,93 @@
+"""Slew: the amplifier limits du/dt.
+
+    v(k) = min(max(u(k), v(k-1) - fall Ts), v(k-1) + rise Ts)
+
+Where the limit is not reached v is u, bit for bit. The inverse walks within the limit already: what it commands passes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hysgen.machine.kernels.slew import slew_limited
+from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, limited
+
+
+@dataclass(frozen=True)
+class Slew:
+    """Largest rates of the input in V/s, upwards and downwards, both positive.
+
+    Raises ValueError if one of them is not positive and finite.
+    """
+
+    kind: ClassVar[str] = "slew"
+    place: ClassVar[int] = 1
+    limits: ClassVar[bool] = True
+    preview: ClassVar[int] = 0
+    rise_V_s: float
+    fall_V_s: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.rise_V_s) and np.isfinite(self.fall_V_s) and min(self.rise_V_s, self.fall_V_s) > 0):
+            raise ValueError("rise_V_s and fall_V_s must be positive")
+
+    def describe(self) -> str:
+        return f"input slews at most {self.rise_V_s:.5g} V/s up and {self.fall_V_s:.5g} V/s down"
+
+    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
+        return slew_limited(u_V, self.rise_V_s * Ts_s, self.fall_V_s * Ts_s, float(u_V[0]))
+
+    def shape(self) -> Floats:
+        """(2,) natural logarithms of the rates up and down in V/s."""
+        return np.array([np.log(self.rise_V_s), np.log(self.fall_V_s)])
+
+    def with_shape(self, shape: Floats) -> Self:
+        return type(self)(float(np.exp(shape[0])), float(np.exp(shape[1])))
+
+    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
+        """Between a thousandth of the steepest command and the steepest command, up and down."""
+        steps = np.diff(u_V) / Ts_s
+        steepest = np.maximum([np.max(steps), np.max(-steps)], np.finfo(np.float64).tiny)
+        return np.log(1e-3 * steepest), np.log(steepest)
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> SlewMirror:
+        steps = self.constants(Ts_s)
+        return SlewMirror(steps["rise"][0], steps["fall"][0], u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        return {
+            "rise": np.array([self.rise_V_s * Ts_s], dtype=np.float32),
+            "fall": np.array([self.fall_V_s * Ts_s], dtype=np.float32),
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "rise_V_s": self.rise_V_s, "fall_V_s": self.fall_V_s}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        return cls(float(data["rise_V_s"]), float(data["fall_V_s"]))
+
+
+class SlewMirror(BlockMirror):
+    """The float32 rate limiter over lanes; its state is what left it last."""
+
+    def __init__(self, rise: np.float32, fall: np.float32, u_V: Floats32) -> None:
+        self._rise, self._fall = rise, fall
+        self._last = u_V.copy()
+
+    def apply(self, u_V: Floats32) -> Floats32:
+        self._last = limited(u_V, self._last - self._fall, self._last + self._rise)
+        return self._last
+
+    def state(self) -> list[Floats32]:
+        return [self._last]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._last = words[0].view(np.float32)
+
+
+BLOCK = Slew

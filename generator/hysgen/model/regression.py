@@ -1,0 +1,151 @@
+"""The model as a linear regression: what drives it over a record, and its regressors row by row.
+
+    y(k+1) = x(k)' theta,   x(k) = [p_1 y, p_1 u, p_1, p_2 y, ..., phi_1(k), phi_2(k), ...]
+
+with p_l at the measured y(k), Eq. (9), and phi the regressors of the terms. A pair (k, k+1) never spans two segments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+from hysgen.machine.kernels import rule_rows
+from hysgen.model.model import Grid, Model
+from hysgen.model.path import InputBlock, applied
+from hysgen.model.terms import Drive, Shaped, Term
+from hysgen.record import Record, Segment
+
+Floats = NDArray[np.float64]
+Trust = Sequence[Floats]
+"""One array per segment: how much each sample counts, 0 for not at all."""
+
+Starts = Sequence[Mapping[str, Floats]]
+"""One mapping per segment: the state of a term before sample 0, by its kind; what is not named starts at rest."""
+
+ROWS_PER_CHUNK = 8192
+"""Rows handed out at once: some megabytes, however long the record is."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Consecutive rows of the regression: regressors (m, p), target y(k+1) (m,) in um, and weights (m,)."""
+
+    regressors: Floats
+    target_um: Floats
+    trust: Floats
+
+
+@dataclass(frozen=True)
+class Structure:
+    """All of a model but its linear parameters: partition, input range, terms and input blocks."""
+
+    grid: Grid
+    u_min_V: float
+    u_max_V: float
+    terms: tuple[Term, ...] = ()
+    blocks: tuple[InputBlock, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Number of linear parameters, 3 L + T."""
+        return 3 * self.grid.rules + sum(term.size for term in self.terms)
+
+    @property
+    def range_um(self) -> tuple[float, float, float, float]:
+        """The partition as the kernels take it: y_min, y_max, step and first centre."""
+        return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um, self.grid.ends_um[0])
+
+
+def rows_of_shaped(structure: Structure, rows_of: Callable[[Shaped], Floats]) -> Floats:
+    """(n, p) what `rows_of` says of the weights of each `Shaped` term, in their places among all parameters."""
+    rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
+    for term in structure.terms:
+        if isinstance(term, Shaped):
+            block = rows_of(term)
+            rows.append(np.zeros((len(block), structure.size)))
+            rows[-1][:, at : at + term.size] = block
+        at += term.size
+    return np.vstack(rows)
+
+
+def structure_of(model: Model) -> Structure:
+    """What remains of `model` without its linear parameters."""
+    return Structure(model.grid, model.u_min_V, model.u_max_V, model.terms, model.blocks)
+
+
+def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping[str, Floats] | None = None) -> Drive:
+    """What drives rules and terms over a segment: the input that reaches the stage, the channels, the clock.
+
+    The input is limited to the model's range and passed through its blocks, from rest under u(0).
+    start: states of terms before the first sample, where they are known.
+    Raises RecordError if a sample is not finite: the recurrences would carry it to the end.
+    """
+    if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
+        raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
+    u_V = np.clip(segment.u_V, structure.u_min_V, structure.u_max_V)
+    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s))
+    return Drive(v_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s), start=start or {})
+
+
+def drives_of(record: Record, structure: Structure, starts: Starts | None = None) -> list[Drive]:
+    """`drive_of` for every segment of a record."""
+    known = starts or [{}] * len(record.segments)
+    return [
+        drive_of(segment, record.Ts_s, structure, start) for segment, start in zip(record.segments, known, strict=True)
+    ]
+
+
+def term_regressors(terms: Sequence[Term], drive: Drive) -> Floats:
+    """(n, T) regressors phi_j(k) of all terms side by side, C-contiguous. They act on y(k+1)."""
+    out = np.empty((drive.u_V.size, sum(term.size for term in terms)))
+    start = 0
+    for term in terms:
+        out[:, start : start + term.size] = term.regressors(drive)
+        start += term.size
+    return out
+
+
+def term_output(model: Model, drive: Drive, kinds: Collection[str] | None = None) -> Floats:
+    """w(k) = sum_j theta_j phi_j(k) in um, (n,): what the terms, or those of the given kinds, add to y(k+1)."""
+    total = np.zeros(drive.u_V.size)
+    start = 0
+    for term in model.terms:
+        if kinds is None or term.kind in kinds:
+            total += term.regressors(drive) @ model.weights[start : start + term.size]
+        start += term.size
+    return total
+
+
+def full_trust(record: Record) -> list[Floats]:
+    """Every sample of the record counts once."""
+    return [np.ones(segment.samples) for segment in record.segments]
+
+
+def regression_rows(
+    record: Record,
+    structure: Structure,
+    trust: Trust | None = None,
+    starts: Starts | None = None,
+    chunk: int = ROWS_PER_CHUNK,
+) -> Iterator[Rows]:
+    """The regression of the whole model over a record, `chunk` rows at a time, segment after segment.
+
+    trust: a row counts as much as the product of its two samples, for both enter it.
+    Raises RecordError if a segment is not finite.
+    """
+    rules = structure.grid.rules
+    weights = trust or full_trust(record)
+    for segment, weight, drive in zip(record.segments, weights, drives_of(record, structure, starts), strict=True):
+        phi = term_regressors(structure.terms, drive)
+        for first in range(0, segment.samples - 1, chunk):
+            rows = slice(first, min(first + chunk, segment.samples - 1))
+            ahead = slice(rows.start + 1, rows.stop + 1)
+            regressors = np.empty((rows.stop - rows.start, structure.size))
+            rule_rows(structure.range_um, rules, segment.y_um[rows], drive.u_V[rows], regressors)
+            regressors[:, 3 * rules :] = phi[rows]
+            yield Rows(regressors, segment.y_um[ahead], weight[rows] * weight[ahead])

@@ -1,0 +1,185 @@
+"""Running a model over a record: one step ahead, error against the horizon, and free run.
+
+    one step    y^(k+1) = f(y(k), u(k)) + w(k)        from the measured y(k): flatters, for y(k+1) = y(k) is close
+    horizon h   y^(k+h) by h such steps from the measured y(k)
+    free run    y^(k+1) = f(y^(k), u(k)) + w(k)       from the measured y(0) alone: what a simulation is worth
+
+Inputs outside the model's range are clamped, displacements outside its grid act as at its edge; both are counted.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import RecordError
+from hysgen.machine import kernels
+from hysgen.machine.kernels import Rules
+from hysgen.model.model import Model
+from hysgen.model.path import applied
+from hysgen.model.regression import Starts, drives_of, structure_of, term_output
+from hysgen.model.terms import Drive
+from hysgen.record import Record, Segment
+
+Floats = NDArray[np.float64]
+
+DRIFT = "drift"
+"""The one kind of term that follows measured samples, and so predicts better than it simulates."""
+
+STEPS_PER_DECADE = 2_000_000
+"""Model steps that each decade of a horizon curve may take per segment: starts are spread out to keep to it."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A model's output over one segment: y_um (n,), and how many samples of y and of u had to be clamped."""
+
+    y_um: Floats
+    y_clamped: int
+    u_clamped: int
+
+
+@dataclass(frozen=True)
+class HorizonCurve:
+    """Error against the horizon: for each number of steps rms and largest error in um, and from how many starts."""
+
+    steps: tuple[int, ...]
+    rms_um: tuple[float, ...]
+    largest_um: tuple[float, ...]
+    starts: tuple[int, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "steps": list(self.steps),
+            "rms_um": list(self.rms_um),
+            "largest_um": list(self.largest_um),
+            "starts": list(self.starts),
+        }
+
+
+def rules_of(model: Model) -> Rules:
+    """The rules of `model` as the kernels take them."""
+    return Rules(structure_of(model).range_um, model.consequents)
+
+
+def simulate(model: Model, drive: Drive, y0_um: float) -> Run:
+    """Free run over any input, measured or not: y(0) = y0.
+
+    The drive's input is the command: it is clamped to the model's range and passed through its blocks.
+    """
+    u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
+    arriving = dataclasses.replace(drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s)))
+    y_um, y_clamped = kernels.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
+    return Run(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
+
+
+def free_run(model: Model, record: Record, starts: Starts | None = None, follow_drift: bool = False) -> tuple[Run, ...]:
+    """One run per segment, started at its first measured displacement and never corrected afterwards.
+
+    starts: states of the terms before each segment, where they are known.
+    follow_drift: let a drift term follow past measured samples; then say so beside the score.
+    Raises RecordError if the record's sampling period is not the model's.
+    """
+    runs = []
+    for part in _driven(model, record, starts):
+        w_um = part.w_um + (part.bias_um if follow_drift else part.bias_um[0])
+        y_um, y_clamped = kernels.free_run(rules_of(model), part.drive.u_V, w_um, float(part.segment.y_um[0]))
+        runs.append(Run(y_um, y_clamped, part.u_clamped))
+    return tuple(runs)
+
+
+def one_step(model: Model, record: Record, starts: Starts | None = None) -> tuple[Run, ...]:
+    """One run per segment: sample k+1 predicted from measured y(k) and u(k); sample 0 is the measured one.
+
+    Raises RecordError if the record's sampling period is not the model's.
+    """
+    runs = []
+    for part in _driven(model, record, starts):
+        w_um = part.w_um + part.bias_um
+        y_um, y_clamped = kernels.one_step(rules_of(model), part.drive.u_V, w_um, part.segment.y_um)
+        runs.append(Run(y_um, y_clamped, part.u_clamped))
+    return tuple(runs)
+
+
+def horizon_curve(
+    model: Model, record: Record, steps: Sequence[int] | None = None, starts: Starts | None = None, first: int = 0
+) -> HorizonCurve:
+    """Error against the horizon over all segments; a drift term holds what it knew at each start.
+
+    steps: rising numbers of samples; by default 1, 2, 5, 10, ... up to a quarter of the shortest segment.
+    first: rows of the record before it move the states of the terms, but are not scored.
+    Raises RecordError if a segment is shorter than the longest horizon or the sampling period is not the model's.
+    """
+    ends = np.cumsum([segment.samples for segment in record.segments])
+    scored = [min(max(int(end) - first, 0), s.samples) for end, s in zip(ends, record.segments, strict=True)]
+    shortest = min((count for count in scored if count), default=0)
+    horizons = np.array(sorted(set(steps)) if steps else default_horizons(shortest), dtype=np.int64)
+    if horizons[0] < 1 or horizons[-1] >= shortest:
+        raise RecordError(
+            f"{record.source}: a horizon of {horizons[-1]} samples needs longer segments than {shortest}; choose less"
+        )
+    square, largest = np.zeros(horizons.size), np.zeros(horizons.size)
+    count = np.zeros(horizons.size, dtype=np.int64)
+    decade = np.array([len(str(step)) for step in horizons])
+    for part, kept in zip(_driven(model, record, starts), scored, strict=True):
+        begin = part.segment.samples - kept
+        for group in (decade == value for value in np.unique(decade)):
+            stride = max(1, -(-kept * int(horizons[group][-1]) // STEPS_PER_DECADE))
+            sums = kernels.horizon_errors(
+                rules_of(model),
+                part.drive.u_V[begin:],
+                part.w_um[begin:],
+                part.bias_um[begin:],
+                part.segment.y_um[begin:],
+                stride,
+                horizons[group],
+            )
+            square[group] += sums[0]
+            largest[group] = np.maximum(largest[group], sums[1])
+            count[group] += sums[2]
+    rms = np.sqrt(square / count)
+    return HorizonCurve(*(tuple(column.tolist()) for column in (horizons, rms, largest, count)))
+
+
+def default_horizons(samples: int) -> list[int]:
+    """1, 2, 5, 10, 20, 50, ... as far as a quarter of `samples` reaches; at least 1."""
+    decades = [digit * 10**power for power in range(8) for digit in (1, 2, 5)]
+    return [step for step in decades if step == 1 or step <= samples // 4]
+
+
+@dataclass(frozen=True)
+class _Driven:
+    """A segment, what drives the model over it, w of its terms and the bias of its drift term, (n,) each.
+
+    u_clamped: samples of the command outside the model's range.
+    """
+
+    segment: Segment
+    drive: Drive
+    w_um: Floats
+    bias_um: Floats
+    u_clamped: int
+
+
+def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Driven]:
+    if abs(record.Ts_s - model.Ts_s) > 1e-4 * model.Ts_s:
+        raise RecordError(
+            f"{record.source}: sampled every {record.Ts_s:g} s, but model {model.name} steps every {model.Ts_s:g} s; "
+            "resample the record or fit a model at its rate"
+        )
+    steady = [term.kind for term in model.terms if term.kind != DRIFT]
+    for segment, drive in zip(record.segments, drives_of(record, structure_of(model), starts), strict=True):
+        w_um = term_output(model, drive, steady)
+        bias_um = np.zeros_like(w_um)
+        if len(steady) < len(model.terms):
+            predicted, _ = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
+            informed = dataclasses.replace(drive, innovation_um=segment.y_um - predicted)
+            bias_um = term_output(model, informed, [DRIFT])
+        outside = (segment.u_V < model.u_min_V) | (segment.u_V > model.u_max_V)
+        yield _Driven(segment, drive, w_um, bias_um, int(np.count_nonzero(outside)))

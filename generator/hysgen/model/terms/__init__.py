@@ -1,0 +1,62 @@
+"""Extension terms: one file here and one template `terms/<kind>.c.j2` per kind, found by looking into this package.
+
+Adding a cause is adding those two files: a module `<kind>.py` that defines `TERM`, a class that satisfies `Term`.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import pkgutil
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from hysgen.errors import ModelError
+from hysgen.model.terms.base import Drive, Mirror, Shaped, StateSpace, Term, loop_row, past_input
+
+__all__ = [
+    "Drive",
+    "Mirror",
+    "Shaped",
+    "StateSpace",
+    "Term",
+    "channels_of",
+    "kinds",
+    "loop_row",
+    "part_facts",
+    "past_input",
+    "term_from_json",
+]
+
+
+@functools.lru_cache(maxsize=1)
+def kinds() -> Mapping[str, type[Term]]:
+    """Every kind of term that is installed, by name."""
+    found: dict[str, type[Term]] = {}
+    for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
+        term: type[Term] | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "TERM", None)
+        if term is not None:
+            found[term.kind] = term
+    return found
+
+
+def part_facts(part: str) -> Mapping[str, Any]:
+    """What the template `terms/<part>.c.j2` prints: FACTS of the module of that name, which also holds the mirror."""
+    facts: Mapping[str, Any] = importlib.import_module(f"{__name__}.{part}").FACTS
+    return facts
+
+
+def channels_of(terms: Sequence[Term]) -> tuple[str, ...]:
+    """The auxiliary channels that the terms listen to, each once, in the order in which the C takes them."""
+    return tuple(dict.fromkeys(name for term in terms for name in term.channels))
+
+
+def term_from_json(data: Mapping[str, Any]) -> Term:
+    """The term that `Term.to_json` described. Raises ModelError if the kind is unknown or a field malformed."""
+    kind = str(data.get("kind"))
+    if kind not in kinds():
+        raise ModelError(f"terms: kind {kind!r} is unknown; this hysgen knows {', '.join(kinds()) or 'none'}")
+    try:
+        return kinds()[kind].from_json(data)
+    except (KeyError, TypeError, ValueError) as fault:
+        raise ModelError(f"terms: {kind}: {fault}; write the model file with hysgen, do not edit it") from fault

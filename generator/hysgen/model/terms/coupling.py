@@ -1,0 +1,172 @@
+"""Coupling: another measured channel (a neighbouring drive, a temperature) moves the output.
+
+    phi_ci(k) = clamp(a_c(k - i), low_c, high_c) - m_c,   i = 0 .. taps - 1,   m_c the middle of low_c .. high_c
+
+a_c(k) is known when y(k+1) is predicted and does not depend on u(k). Several taps stand for a short path with dynamics.
+A channel that leaves its range counts as at its edge; a sample that is not finite counts as the one before. Before the
+first sample every channel stands in the middle of its range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hysgen.errors import ModelError
+from hysgen.model.float32_constants import LEAST
+from hysgen.model.status import Status
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+
+MOST_TAPS = 64
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Auxiliary `channels`, each with its range `low` .. `high` in its own unit and `taps` samples.
+
+    Raises ValueError if a range is empty, a channel stands twice, or taps is not 1 to 64.
+    """
+
+    kind: ClassVar[str] = "coupling"
+    parts: ClassVar[tuple[str, ...]] = ()
+    channels: tuple[str, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    taps: int = 1
+
+    def __post_init__(self) -> None:
+        low, high = np.asarray(self.low, dtype=np.float64), np.asarray(self.high, dtype=np.float64)
+        if not self.channels or len(set(self.channels)) != len(self.channels):
+            raise ValueError("channels must name each auxiliary channel once")
+        if not all(name.isprintable() and "/*" not in name and "*/" not in name for name in self.channels):
+            raise ValueError("channels must have names that may stand in a C comment; rename the column")
+        if not (low.shape == high.shape == (len(self.channels),)):
+            raise ValueError("low and high must give one number for each channel")
+        if not (np.isfinite(low).all() and np.isfinite(high).all() and (low < high).all()):
+            raise ValueError("low must lie below high in each channel")
+        if not 1 <= self.taps <= MOST_TAPS:
+            raise ValueError(f"taps must be 1 to {MOST_TAPS}")
+
+    @property
+    def size(self) -> int:
+        return len(self.channels) * self.taps
+
+    @property
+    def middle(self) -> Floats:
+        """(channels,) what is subtracted from each channel: a float32, so that model and C subtract the same."""
+        middle = 0.5 * (np.asarray(self.low) + np.asarray(self.high))
+        return np.asarray(middle.astype(np.float32), dtype=np.float64)
+
+    def scales(self, span_V: float) -> tuple[float, ...]:
+        half = 0.5 * (np.asarray(self.high) - np.asarray(self.low))
+        return tuple(float(h) for h in np.repeat(half, self.taps))
+
+    def describe(self) -> str:
+        taps = f", {self.taps} samples of each" if self.taps > 1 else ""
+        return "coupling to " + ", ".join(self.channels) + taps
+
+    def regressors(self, drive: Drive) -> Floats:
+        """(n, channels * taps), channel by channel, the newest sample first.
+
+        Raises ModelError if the drive lacks a channel.
+        """
+        missing = [name for name in self.channels if name not in drive.aux]
+        if missing:
+            raise ModelError(
+                f"coupling: channel {missing[0]!r} is not in the record; it has {', '.join(drive.aux) or 'none'}"
+            )
+        start = drive.start.get(self.kind, self.start(0.0)).reshape(len(self.channels), self.taps - 1)
+        columns = []
+        for c, name in enumerate(self.channels):
+            value = np.clip(drive.aux[name], self.low[c], self.high[c]) - self.middle[c]
+            past = np.concatenate([start[c], value])
+            columns += [past[self.taps - 1 - i : past.size - i] for i in range(self.taps)]
+        return np.stack(columns, axis=1)
+
+    def start(self, u_V: float) -> Floats:
+        """((taps - 1) * channels,) samples before the first, as regressors, oldest first, channel by channel."""
+        return np.zeros(len(self.channels) * (self.taps - 1))
+
+    def settled(self, drive: Drive) -> int:
+        return min(self.taps - 1, drive.u_V.size)
+
+    def linear(self, Ts_s: float) -> StateSpace:
+        return StateSpace.undriven(self.size)
+
+    def gains(self, Ts_s: float) -> tuple[float, ...]:
+        return (0.0,) * self.size
+
+    def shape(self) -> Floats:
+        return np.zeros(0)
+
+    def with_shape(self, shape: Floats) -> Self:
+        return self
+
+    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
+        return np.zeros(0), np.zeros(0)
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> ChannelMirror:
+        return ChannelMirror(self, u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        return {
+            "low": np.asarray(self.low, dtype=np.float32),
+            "high": np.asarray(self.high, dtype=np.float32),
+            "middle": self.middle.astype(np.float32),
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "kind": self.kind,
+            "channels": list(self.channels),
+            "low": list(self.low),
+            "high": list(self.high),
+            "taps": self.taps,
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        names = tuple(str(name) for name in data["channels"])
+        low, high = (tuple(float(x) for x in data[key]) for key in ("low", "high"))
+        return cls(names, low, high, int(data["taps"]))
+
+
+class ChannelMirror(Mirror):
+    """Float32 channels over lanes; the state is the newest sample of each channel, then the older ones."""
+
+    def __init__(self, term: Coupling, u_V: Floats32) -> None:
+        self._channels = term.channels
+        self._limits = [np.asarray(numbers) for numbers in term.constants(1.0).values()]
+        self._past = [[np.zeros_like(u_V)] * term.taps for _ in term.channels]
+
+    def listen(self, aux: Mapping[str, Floats32]) -> Bits:
+        status = np.zeros(self._past[0][0].shape, dtype=np.uint32)
+        for past, name, low, high, middle in zip(self._past, self._channels, *self._limits, strict=True):
+            finite = np.isfinite(aux[name])
+            value = np.where(finite, np.where(np.abs(aux[name]) < LEAST, np.float32(0.0), aux[name]), middle)
+            limited = np.where(value < low, low, np.where(value > high, high, value))
+            past[0] = np.where(finite, limited - middle, past[0])
+            status |= np.where(finite, np.uint32(0), np.uint32(Status.AUX_REJECTED))
+            status |= np.where(limited != value, np.uint32(Status.AUX_CLAMPED), np.uint32(0))
+        return status
+
+    def regressors(self) -> list[Floats32]:
+        return [value for past in self._past for value in past]
+
+    def advance(self, u_V: Floats32) -> None:
+        for past in self._past:
+            past[1:] = past[:-1]
+
+    def state(self) -> list[Floats32]:
+        return [value for past in self._past for value in past]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        floats = [word.view(np.float32) for word in words]
+        taps = len(self._past[0])
+        self._past = [floats[first : first + taps] for first in range(0, len(floats), taps)]
+
+
+TERM = Coupling

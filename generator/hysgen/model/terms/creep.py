@@ -1,0 +1,159 @@
+"""Creep: the output keeps moving for seconds after the input has stopped.
+
+    ds_j/dt = (u - s_j) / tau_j                                   slow first-order states, tau_j spread over decades
+    s_j(k+1) = s_j(k) + a_j (u(k) - s_j(k)),   a_j = 1 - exp(-Ts / tau_j)     exact for an input held over a sample
+    phi_j(k) = s_j(k)                                             [V], each lag with a weight of its own
+    phi(k)   = sum_j s_j(k) / m                                   [V], one weight for all: alike in every decade
+
+Piezo ceramics creep by the logarithm of time: lags evenly spaced over the decades, one weight for all. That is one
+parameter for the fit and the learner, and m lags that are nearly alike cannot lean on one another. Lags with weights of
+their own fit any other creep. A record starts at rest under u(0).
+In float32 a state is a sum of two words (module `twofloat`), because a_j may be smaller than the last bit of s_j.
+Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43 (creep as a chain of lags).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hysgen.machine.kernels.poles import lag_states
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.terms.twofloat import accumulate
+
+
+@dataclass(frozen=True)
+class Creep:
+    """Lags with time constants `tau_s`, (m,) positive and rising; `shared`: one weight for all of them.
+
+    Raises ValueError if they are not.
+    """
+
+    kind: ClassVar[str] = "creep"
+    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
+    channels: ClassVar[tuple[str, ...]] = ()
+    tau_s: tuple[float, ...]
+    shared: bool = False
+
+    def __post_init__(self) -> None:
+        tau = np.asarray(self.tau_s, dtype=np.float64)
+        if tau.size == 0 or not np.isfinite(tau).all() or tau[0] <= 0 or (np.diff(tau) <= 0).any():
+            raise ValueError("tau_s must be positive and rising")
+
+    @classmethod
+    def spread(cls, count: int, shortest_s: float, longest_s: float, shared: bool = False) -> Self:
+        """`count` time constants, evenly spaced on a logarithmic axis, both ends included."""
+        return cls(tuple(float(tau) for tau in np.geomspace(shortest_s, longest_s, count)), shared)
+
+    @property
+    def size(self) -> int:
+        return 1 if self.shared else self.lags
+
+    @property
+    def lags(self) -> int:
+        """m: number of slow states."""
+        return len(self.tau_s)
+
+    def rates(self, Ts_s: float) -> Floats:
+        """(m,) a_j: the part of the way to u that a state goes in one sample."""
+        return np.asarray(-np.expm1(-Ts_s / np.asarray(self.tau_s)))
+
+    def scales(self, span_V: float) -> tuple[float, ...]:
+        return (span_V,) * self.size
+
+    def describe(self) -> str:
+        weights = "one weight for" if self.shared else "a weight for each of"
+        return f"creep, {weights} the time constants " + ", ".join(f"{tau:.3g}" for tau in self.tau_s) + " s"
+
+    def regressors(self, drive: Drive) -> Floats:
+        """(n, m) creep states in V, or (n, 1) their mean."""
+        start = drive.start.get(self.kind, self.start(float(drive.u_V[0])))
+        states = lag_states(drive.u_V, self.rates(drive.Ts_s), start)
+        return states @ self._mix.T if self.shared else states
+
+    def start(self, u_V: float) -> Floats:
+        """(m,) every lag at u_V."""
+        return np.full(self.lags, u_V)
+
+    def settled(self, drive: Drive) -> int:
+        samples = np.log(100.0) * self.tau_s[-1] / drive.Ts_s
+        return int(min(drive.u_V.size, np.ceil(samples)))
+
+    def linear(self, Ts_s: float) -> StateSpace:
+        rates = self.rates(Ts_s)
+        return StateSpace(np.diag(1.0 - rates), rates, self._mix)
+
+    def gains(self, Ts_s: float) -> tuple[float, ...]:
+        """The impulse response of a lag is positive and adds up to 1."""
+        return (1.0,) * self.size
+
+    def shape(self) -> Floats:
+        """(m,) natural logarithms of tau_j in s."""
+        return np.asarray(np.log(self.tau_s))
+
+    def with_shape(self, shape: Floats) -> Self:
+        return type(self)(tuple(float(tau) for tau in np.exp(np.sort(shape))), self.shared)
+
+    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
+        """From 2 samples to 3 records: a slower state is a ramp that no record of this length tells from another."""
+        low, high = np.log(2.0 * drive.Ts_s), np.log(3.0 * drive.Ts_s * drive.u_V.size)
+        return np.full(self.lags, low), np.full(self.lags, high)
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> CreepMirror:
+        constants = self.constants(Ts_s)
+        return CreepMirror(constants["rate"], constants["mean"][0] if self.shared else None, u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        rate = self.rates(Ts_s).astype(np.float32)
+        return {"rate": rate, "mean": np.array([1 / self.lags], np.float32)} if self.shared else {"rate": rate}
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "tau_s": list(self.tau_s), "shared": self.shared}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        shared = data.get("shared", False)
+        if not isinstance(shared, bool):
+            raise TypeError("shared must be true or false")
+        return cls(tuple(float(tau) for tau in data["tau_s"]), shared)
+
+    @property
+    def _mix(self) -> Floats:
+        """(size, m) from lags to regressors."""
+        return np.full((1, self.lags), 1 / self.lags) if self.shared else np.eye(self.lags)
+
+
+class CreepMirror(Mirror):
+    """Float32 lags over lanes, each a sum of two words; the state is every high word, then every low one."""
+
+    def __init__(self, rate: Floats32, mean: np.float32 | None, u_V: Floats32) -> None:
+        self._rate, self._mean = rate, mean
+        self._words = [(u_V.copy(), np.zeros_like(u_V)) for _ in rate]
+
+    def regressors(self) -> list[Floats32]:
+        states = [high for high, _ in self._words]
+        if self._mean is None:
+            return states
+        total = states[0]
+        for state in states[1:]:
+            total = total + state
+        return [self._mean * total]
+
+    def advance(self, u_V: Floats32) -> None:
+        # The low word is left out of the difference: it is below the last bit of the high one.
+        self._words = [
+            accumulate(high, low, a * (u_V - high)) for (high, low), a in zip(self._words, self._rate, strict=True)
+        ]
+
+    def state(self) -> list[Floats32]:
+        return [*(high for high, _ in self._words), *(low for _, low in self._words)]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        floats = [word.view(np.float32) for word in words]
+        self._words = list(zip(floats[: len(self._rate)], floats[len(self._rate) :], strict=True))
+
+
+TERM = Creep

@@ -1,0 +1,132 @@
+"""Drift: the output wanders slowly and the input is not to blame (temperature, the sensor's zero).
+
+    b(k) = b(k-1) + g (y(k) - yhat(k)),   g = 1 - exp(-Ts / tau)          where y(k) is measured; else b(k) = b(k-1)
+    phi(k) = b(k) [um], its weight is 1                                    |b| <= limit
+
+yhat(k) is the prediction of y(k) made one sample before, b(k-1) included. So b is the model's one-step error, averaged
+over the past tau seconds. `predict` and `learn` move b; `simulate` and `inverse` hold it. It enters y(k+1): at rest the
+displacement moves by b / (1 - a), a being the slope df/dy of the rules there.
+
+On the host `regressors` takes the one-step errors of the model without its drift from `Drive.innovation_um` (a model
+with weight 1 and b makes exactly the b above out of them); without them it holds b. A free run scored with them uses
+measured samples of the past, averaged over tau: say so, with tau, beside the score. It is a free run for everything
+faster than tau and a predictor for what is slower. It cannot be fitted like other terms: fit the rest, then add it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hysgen.machine.kernels.poles import lag_states
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.terms.twofloat import accumulate
+
+
+@dataclass(frozen=True)
+class Drift:
+    """A bias that follows the one-step error with time constant `tau_s`, never beyond `limit_um`.
+
+    Raises ValueError if one of them is not positive and finite.
+    """
+
+    kind: ClassVar[str] = "drift"
+    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
+    channels: ClassVar[tuple[str, ...]] = ()
+    size: ClassVar[int] = 1
+    tau_s: float
+    limit_um: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.tau_s) and self.tau_s > 0 and np.isfinite(self.limit_um) and self.limit_um > 0):
+            raise ValueError("tau_s and limit_um must be positive")
+
+    def rate(self, Ts_s: float) -> float:
+        """g: the part of a one-step error that the bias takes over in one sample."""
+        return float(-np.expm1(-Ts_s / self.tau_s))
+
+    def scales(self, span_V: float) -> tuple[float, ...]:
+        return (self.limit_um,)
+
+    def describe(self) -> str:
+        return f"drift followed over {self.tau_s:.3g} s, bias within {self.limit_um:.3g} um per sample"
+
+    def regressors(self, drive: Drive) -> Floats:
+        """(n, 1) the bias in um: from past one-step errors if the drive has them, else held."""
+        start = drive.start.get(self.kind, self.start(0.0))
+        if drive.innovation_um is None:
+            return np.full((drive.u_V.size, 1), start[0])
+        # b(k) holds the errors of samples 1 .. k; nothing was predicted for sample 0.
+        errors = np.append(drive.innovation_um[1:], 0.0)
+        bias = lag_states(errors, np.array([self.rate(drive.Ts_s)]), start)
+        return np.clip(bias, -self.limit_um, self.limit_um)
+
+    def start(self, u_V: float) -> Floats:
+        return np.zeros(1)
+
+    def settled(self, drive: Drive) -> int:
+        return int(min(drive.u_V.size, np.ceil(np.log(100.0) * self.tau_s / drive.Ts_s)))
+
+    def linear(self, Ts_s: float) -> StateSpace:
+        return StateSpace.undriven(self.size)
+
+    def gains(self, Ts_s: float) -> tuple[float, ...]:
+        return (0.0,)
+
+    def shape(self) -> Floats:
+        """(1,) natural logarithm of tau in s."""
+        return np.array([np.log(self.tau_s)])
+
+    def with_shape(self, shape: Floats) -> Self:
+        return type(self)(float(np.exp(shape[0])), self.limit_um)
+
+    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
+        return np.log([20.0 * drive.Ts_s]), np.log([drive.Ts_s * drive.u_V.size])
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> BiasMirror:
+        constants = self.constants(Ts_s)
+        return BiasMirror(constants["rate"][0], constants["limit"][0], u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        return {
+            "rate": np.array([self.rate(Ts_s)], dtype=np.float32),
+            "limit": np.array([self.limit_um], dtype=np.float32),
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "tau_s": self.tau_s, "limit_um": self.limit_um}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        return cls(float(data["tau_s"]), float(data["limit_um"]))
+
+
+class BiasMirror(Mirror):
+    """The float32 bias over lanes, a sum of two words; the state is the high word, then the low one."""
+
+    def __init__(self, rate: np.float32, limit: np.float32, u_V: Floats32) -> None:
+        self._rate, self._limit = rate, limit
+        self._high = self._low = np.zeros_like(u_V)
+
+    def correct(self, innovation_um: Floats32) -> None:
+        high, self._low = accumulate(self._high, self._low, self._rate * innovation_um)
+        high = np.where(high > self._limit, self._limit, high)
+        self._high = np.where(high < -self._limit, -self._limit, high)
+
+    def regressors(self) -> list[Floats32]:
+        return [self._high]
+
+    def advance(self, u_V: Floats32) -> None:
+        """The input does not move the bias."""
+
+    def state(self) -> list[Floats32]:
+        return [self._high, self._low]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._high, self._low = (word.view(np.float32) for word in words)
+
+
+TERM = Drift

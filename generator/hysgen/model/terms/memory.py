@@ -1,0 +1,258 @@
+"""Memory: play operators, which remember past extremes of the input and keep the loop open as the frequency falls.
+
+    z_j(k) = max(u(k) - r_j, min(u(k) + r_j, z_j(k-1)))        play (backlash) of half-width r_j [V]
+    phi_j(k) = z_j(k-1)                                        taken before u(k) acts
+    phi(k)   = T_2(x_j), T_3(x_j)                              beside it up to `degree`, T_m Chebyshev's polynomials
+    x_j      = clamp((z_j(k-1) - middle) / half, -a_j, a_j)    of where the play stands in range_V; a_j = 1 - r_j/half,
+                                                               for no play that was moved once stands further out
+
+A play of half-width 0 is the input one sample ago, and its polynomials are a curve without memory. Plays answer one
+sample late: an inverse has to make up for that with u(k), and overshoots where they weigh more than u(k) does. With
+b + s for u(k) and -s for u(k-1) it does not, for then half of what the plays are about to do is there already.
+
+Plays alone weigh every level of the input alike. A Preisach operator with a density weighs by the level too: it is the
+sum over r of a function of z_r (Brokate and Sprekels, 1996, chapter 2.4), which T_2 and T_3 follow.
+The state one sample old costs nothing in accuracy and keeps the model affine in u(k). Thresholds beyond the largest
+half-amplitude in the record never move and cannot be identified, so they are placed inside it.
+Where the plays stand before a record is unknown: centred on u(0) by default, or as a past that `remembering` describes
+left them; `settled` tells from where on it no longer matters.
+Source: Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989); Brokate and Sprekels (1996), chapter 2.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hysgen.machine.kernels import play_operators
+from hysgen.model.float32_constants import LEAST
+from hysgen.model.terms.base import Bits, Drive, Flags, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.terms.play_density import rising_rows, roughness_rows
+from hysgen.model.terms.play_slopes import steepest_move
+
+ONE = np.float32(1.0)
+ROOT_2 = np.float32(np.sqrt(2.0))
+"""T_2 as (sqrt(2) x - 1)(sqrt(2) x + 1): no product of two tiny numbers, so nothing becomes denormal."""
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Play operators with half-widths `thresholds_V`, (m,) rising; the first may be 0.
+
+    degree: 1, 2 or 3, of the polynomials; above 1 range_V must hold the lowest and the highest input.
+    Raises ValueError if they do not.
+    """
+
+    kind: ClassVar[str] = "memory"
+    parts: ClassVar[tuple[str, ...]] = ()
+    channels: ClassVar[tuple[str, ...]] = ()
+    thresholds_V: tuple[float, ...]
+    degree: int = 1
+    range_V: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        r = np.asarray(self.thresholds_V, dtype=np.float64)
+        if r.size == 0 or not np.isfinite(r).all() or r[0] < 0 or (np.diff(r) <= 0).any():
+            raise ValueError("thresholds_V must be rising, from 0 or above")
+        if self.degree not in (1, 2, 3):
+            raise ValueError("degree must be 1, 2 or 3")
+        if (self.range_V is None) != (self.degree == 1):
+            raise ValueError("range_V belongs to a degree above 1, and to no other")
+        if self.range_V is not None and not (np.isfinite(self.range_V).all() and self.range_V[0] < self.range_V[1]):
+            raise ValueError("range_V must hold the lowest input, then the highest")
+        if self.range_V is not None and r[-1] >= 0.5 * (self.range_V[1] - self.range_V[0]):
+            raise ValueError("thresholds_V must lie below half the width of range_V")
+
+    @classmethod
+    def uniform(cls, count: int, largest_half_amplitude_V: float) -> Self:
+        """`count` thresholds spread evenly inside (0, largest_half_amplitude_V)."""
+        return cls(tuple(float(r) for r in largest_half_amplitude_V * np.arange(1, count + 1) / (count + 1)))
+
+    @classmethod
+    def polynomial(cls, count: int, degree: int, low_V: float, high_V: float, past_input: bool = False) -> Self:
+        """`count` plays up to the half range, closer together near 0, where the small loops are decided.
+
+        past_input: one more before them, of half-width 0.
+        """
+        r = 0.5 * (high_V - low_V) * (np.arange(0 if past_input else 1, count + 1) / (count + 1)) ** 1.5
+        return cls(tuple(float(x) for x in r), degree, (low_V, high_V) if degree > 1 else None)
+
+    @property
+    def plays(self) -> int:
+        """m: number of play operators."""
+        return len(self.thresholds_V)
+
+    @property
+    def size(self) -> int:
+        return self.plays * self.degree
+
+    @property
+    def middle_and_half_V(self) -> tuple[float, float]:
+        """The middle and half the width of range_V, as float32 has them, so that model and C scale by the same."""
+        low, high = self.range_V or (-1.0, 1.0)
+        middle = np.float32(0.5 * (low + high))
+        return (float(middle) if abs(middle) >= LEAST else 0.0), 0.5 * (high - low)
+
+    @property
+    def reach(self) -> Floats:
+        """(m,) a_j: largest |x_j|."""
+        return np.asarray(1.0 - np.asarray(self.thresholds_V) / self.middle_and_half_V[1])
+
+    def scales(self, span_V: float) -> tuple[float, ...]:
+        return (span_V,) * self.plays + (1.0,) * (self.size - self.plays)
+
+    def describe(self) -> str:
+        bent = "" if self.degree == 1 else f", polynomials up to degree {self.degree}"
+        widths = f"half-widths {self.thresholds_V[0]:.3g} .. {self.thresholds_V[-1]:.3g} V"
+        return f"{self.plays} play operators, {widths}{bent}"
+
+    def regressors(self, drive: Drive) -> Floats:
+        """(n, size) play outputs in V, one sample old; then T_2 of every play, then T_3."""
+        start = drive.start.get(self.kind, self.start(float(drive.u_V[0])))
+        plays = play_operators(drive.u_V, np.asarray(self.thresholds_V), start)
+        z = np.vstack([start[None, :], plays[:-1]])
+        if self.degree == 1:
+            return z
+        middle, half = self.middle_and_half_V
+        x = np.clip((z - middle) / half, -self.reach, self.reach)
+        return np.hstack([z, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x][: self.degree])
+
+    def start(self, u_V: float) -> Floats:
+        return np.full(self.plays, u_V)
+
+    def remembering(self, past_V: Sequence[float], u_V: float) -> Floats:
+        """(m,) state after an input that turned at each of past_V and then went to u_V.
+
+        The plays start centred on the first turn. One turn c gives the states clip(c, u - r_j, u + r_j): what is left
+        of oscillations that died out around c, so that c is the one unknown of a stage that was switched on at rest.
+        """
+        turns = np.asarray([*past_V, u_V], dtype=np.float64)
+        track = play_operators(turns, np.asarray(self.thresholds_V), np.full(self.plays, turns[0]))
+        return np.array(track[-1])
+
+    def settled(self, drive: Drive) -> int:
+        """First sample at which plays started at either end of their slack have met: from there on it is exact."""
+        r = np.asarray(self.thresholds_V)
+        low = play_operators(drive.u_V, r, drive.u_V[0] - r)[:, -1]
+        high = play_operators(drive.u_V, r, drive.u_V[0] + r)[:, -1]
+        met = np.flatnonzero(low == high)
+        return int(met[0]) + 1 if met.size else drive.u_V.size
+
+    def linear(self, Ts_s: float) -> StateSpace | None:
+        return None
+
+    def gains(self, Ts_s: float) -> tuple[float, ...]:
+        """A play never leaves the range of its input, and two runs of it are never further apart than their inputs.
+
+        |T_2'| <= 4 a and |T_3'| <= max(3, 12 a^2 - 3) on [-a, a].
+        """
+        half, a = self.middle_and_half_V[1], self.reach
+        steepest = np.concatenate([4.0 * a, np.maximum(3.0, 12.0 * a * a - 3.0)]) / half
+        return (1.0,) * self.plays + tuple(float(x) for x in steepest[: self.size - self.plays])
+
+    def steepest(self, weights: Floats) -> Floats:
+        """Sharper than `gains`, for plays move together, up or down: see `play_slopes`."""
+        return steepest_move(weights, self._r_over_half, self.middle_and_half_V[1])
+
+    def rising(self) -> Floats:
+        """(n, size) slopes g_j'(z) of every play: a Preisach operator's density is nowhere negative.
+
+        Without this squares and cubes turn back where the record was hardly ever; plays alone are left free.
+        """
+        if self.degree == 1:
+            return np.zeros((0, self.size))
+        return rising_rows(self._r_over_half, self.middle_and_half_V[1], self.degree)
+
+    def roughness(self) -> Floats:
+        """(n, size) curvature of the density over the half-widths: see `play_density`; plays alone are left free."""
+        if self.degree == 1:
+            return np.zeros((0, self.size))
+        return roughness_rows(self._r_over_half, self.middle_and_half_V[1], self.degree)
+
+    def past_input(self) -> Flags:
+        """(size,) the play of half-width 0 and its polynomials."""
+        return np.tile(np.asarray(self.thresholds_V) == 0.0, self.degree)
+
+    @property
+    def _r_over_half(self) -> Floats:
+        return np.asarray(self.thresholds_V) / self.middle_and_half_V[1]
+
+    def shape(self) -> Floats:
+        """(1,) logarithm of the widest threshold; the others keep their ratio to it."""
+        return np.array([np.log(self.thresholds_V[-1])])
+
+    def with_shape(self, shape: Floats) -> Self:
+        widen = float(np.exp(shape[0])) / self.thresholds_V[-1]
+        return dataclasses.replace(self, thresholds_V=tuple(widen * r for r in self.thresholds_V))
+
+    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
+        half = max(0.5 * float(np.ptp(drive.u_V)), np.finfo(np.float64).tiny)
+        return np.log([0.05 * half]), np.log([half])
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> PlayMirror:
+        return PlayMirror(self.constants(Ts_s), self.degree, u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        constants = {"half_width": np.asarray(self.thresholds_V, dtype=np.float32)}
+        if self.degree > 1:
+            middle, half = self.middle_and_half_V
+            constants["middle"] = np.array([middle], dtype=np.float32)
+            constants["per_half"] = np.array([1.0 / half], dtype=np.float32)
+            constants["reach"] = self.reach.astype(np.float32)
+        return constants
+
+    def to_json(self) -> dict[str, Any]:
+        told: dict[str, Any] = {"kind": self.kind, "thresholds_V": list(self.thresholds_V)}
+        return told if self.range_V is None else {**told, "degree": self.degree, "range_V": list(self.range_V)}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        thresholds = tuple(float(r) for r in data["thresholds_V"])
+        if "range_V" not in data:
+            return cls(thresholds, int(data.get("degree", 1)))
+        low, high = (float(end) for end in data["range_V"])
+        return cls(thresholds, int(data["degree"]), (low, high))
+
+
+class PlayMirror(Mirror):
+    """Float32 play operators over lanes; `low = u - r`, `high = u + r`, then the two comparisons of the C."""
+
+    def __init__(self, constants: Mapping[str, Floats32], degree: int, u_V: Floats32) -> None:
+        self._half_width = constants["half_width"]
+        self._degree = degree
+        self._bend = [constants[name] for name in ("middle", "per_half", "reach")] if degree > 1 else []
+        self._play = [u_V.copy() for _ in self._half_width]
+
+    def regressors(self) -> list[Floats32]:
+        plays = [play.copy() for play in self._play]
+        if self._degree == 1:
+            return plays
+        places = [self._place(j, play) for j, play in enumerate(plays)]
+        even = [(ROOT_2 * x - ONE) * (ROOT_2 * x + ONE) for x in places]
+        odd = [x * ((t + t) - ONE) for x, t in zip(places, even, strict=True)]
+        return [*plays, *even, *odd][: len(plays) * self._degree]
+
+    def _place(self, j: int, play: Floats32) -> Floats32:
+        middle, per_half, reach = self._bend
+        x = (play - middle[0]) * per_half[0]
+        x = np.where(x < -reach[j], -reach[j], x)
+        return np.asarray(np.where(x > reach[j], reach[j], x))
+
+    def advance(self, u_V: Floats32) -> None:
+        for j, r in enumerate(self._half_width):
+            low, high, play = u_V - r, u_V + r, self._play[j]
+            play = np.where(play > high, high, play)
+            self._play[j] = np.where(play < low, low, play)
+
+    def state(self) -> list[Floats32]:
+        return self._play
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._play = [word.view(np.float32) for word in words]
+
+
+TERM = Memory

@@ -1,0 +1,149 @@
+"""Periodic: a disturbance at fixed frequencies (mains, the floor, a fan), whatever the input does.
+
+    phi = cos(2 pi f_j Ts n),  sin(2 pi f_j Ts n)                 n: sample since time 0 (model), since _init (C)
+
+The two weights of a frequency hold its amplitude and phase. The C counts the phase in 64 bits of a turn: the frequency
+is off by less than 2^-65 of the sampling frequency, amplitude and phase do not drift however long it runs, and the
+sine is a polynomial of the upper 32 bits (module `sine`). A phasor turned by float32 factors would lose 0.01 rad in
+1e8 samples and would have to be renormalised.
+The disturbance does not know when the DSP was switched on: its phase there is for the learner to find, or for the
+caller, who may write the phase words of the struct.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import ModelError
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.terms.sine import cosine_sine
+
+BLOCK = 512
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """Frequencies `f_Hz`, (m,) positive and rising.
+
+    Raises ValueError if they are not.
+    """
+
+    kind: ClassVar[str] = "periodic"
+    parts: ClassVar[tuple[str, ...]] = ("sine",)
+    channels: ClassVar[tuple[str, ...]] = ()
+    f_Hz: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        f = np.asarray(self.f_Hz, dtype=np.float64)
+        if f.size == 0 or not np.isfinite(f).all() or f[0] <= 0 or (np.diff(f) <= 0).any():
+            raise ValueError("f_Hz must be positive and rising")
+
+    @property
+    def size(self) -> int:
+        return 2 * len(self.f_Hz)
+
+    def scales(self, span_V: float) -> tuple[float, ...]:
+        return (1.0,) * self.size
+
+    def describe(self) -> str:
+        return "periodic disturbance at " + ", ".join(f"{f:.6g}" for f in self.f_Hz) + " Hz"
+
+    def regressors(self, drive: Drive) -> Floats:
+        """(n, 2 m) cosine and sine of each frequency, phase 0 at absolute time 0."""
+        samples = drive.u_V.size
+        # exp(i w (n + r)) = exp(i w n) exp(i w r): one complex product per sample instead of a cosine and a sine.
+        block = _phasors(self.f_Hz, drive.Ts_s, np.arange(BLOCK))
+        starts = _phasors(self.f_Hz, drive.Ts_s, drive.first + np.arange(0, samples, BLOCK))
+        phasors = (starts[:, None, :] * block[None, :, :]).reshape(-1, len(self.f_Hz))[:samples]
+        return np.ascontiguousarray(phasors).view(np.float64)
+
+    def start(self, u_V: float) -> Floats:
+        return np.zeros(0)
+
+    def settled(self, drive: Drive) -> int:
+        return 0
+
+    def linear(self, Ts_s: float) -> StateSpace:
+        return StateSpace.undriven(self.size)
+
+    def gains(self, Ts_s: float) -> tuple[float, ...]:
+        return (0.0,) * self.size
+
+    def shape(self) -> Floats:
+        """(m,) natural logarithms of f_j in Hz."""
+        return np.asarray(np.log(self.f_Hz))
+
+    def with_shape(self, shape: Floats) -> Self:
+        return type(self)(tuple(float(f) for f in np.exp(np.sort(shape))))
+
+    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
+        """From two periods in the record to 0.45 of the sampling frequency."""
+        low, high = np.log(2.0 / (drive.Ts_s * drive.u_V.size)), np.log(0.45 / drive.Ts_s)
+        return np.full(len(self.f_Hz), low), np.full(len(self.f_Hz), high)
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> PhaseMirror:
+        constants = self.constants(Ts_s)
+        return PhaseMirror(constants["turn_high"], constants["turn_low"], u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Bits]:
+        """Turns per sample in units of 2^-32 and 2^-64.
+
+        Raises ModelError if a frequency lies beyond half the sampling frequency.
+        """
+        turns = [round(Fraction(f) * Fraction(Ts_s) * 2**64) for f in self.f_Hz]
+        if max(turns) >= 2**63:
+            raise ModelError(
+                f"periodic: {self.f_Hz[-1]:.6g} Hz lies beyond half the sampling frequency, {0.5 / Ts_s:.6g} Hz; "
+                "sample faster or take it out"
+            )
+        return {
+            "turn_high": np.array([turn >> 32 for turn in turns], dtype=np.uint32),
+            "turn_low": np.array([turn & 0xFFFFFFFF for turn in turns], dtype=np.uint32),
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "f_Hz": list(self.f_Hz)}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        return cls(tuple(float(f) for f in data["f_Hz"]))
+
+
+def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDArray[np.complex128]:
+    """exp(2 pi i f_j Ts n), (n, m); whole turns are taken off before the angle is rounded."""
+    turns = np.asarray(f_Hz) * Ts_s * n[:, None]
+    return np.asarray(np.exp(2j * np.pi * (turns - np.floor(turns))))
+
+
+class PhaseMirror(Mirror):
+    """64-bit phases over lanes, in two words; the state is every high word, then every low one."""
+
+    def __init__(self, turn_high: Bits, turn_low: Bits, u_V: Floats32) -> None:
+        self._turns = list(zip(turn_high, turn_low, strict=True))
+        zero = np.zeros(u_V.shape, dtype=np.uint32)
+        self._phases = [(zero, zero) for _ in self._turns]
+
+    def regressors(self) -> list[Floats32]:
+        return [part for high, _ in self._phases for part in cosine_sine(high)]
+
+    def advance(self, u_V: Floats32) -> None:
+        for j, (turn_high, turn_low) in enumerate(self._turns):
+            high, low = self._phases[j]
+            low = low + turn_low
+            carry = (low < turn_low).astype(np.uint32)
+            self._phases[j] = ((high + turn_high) + carry, low)
+
+    def state(self) -> list[Bits]:
+        return [phase[half] for half in (0, 1) for phase in self._phases]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        self._phases = list(zip(words[: len(self._turns)], words[len(self._turns) :], strict=True))
+
+
+TERM = Periodic

@@ -1,0 +1,167 @@
+"""Resonance: lightly damped structural modes, driven by the input.
+
+    x'' + 2 zeta w x' + w^2 x = w^2 u,   w = 2 pi f               each mode; static gain 1
+    c(k+1) = c(k) + q (u(k) - c(k)),     q = 1 - exp((-zeta - i sqrt(1 - zeta^2)) w Ts)   exact for a held input
+    phi = Re c,  Im c                                             [V]
+
+Re c = x + (zeta/w) x' is like the position, Im c = sqrt(1 - zeta^2) x'/w like the velocity; their span holds every
+answer that has these two poles. The state is a rotation: its words are of the size of the motion, and a rounding of q
+moves the pole by 6e-8 of its distance from 1, where the coefficients of a difference equation in x would lose f and
+zeta altogether at f = fs/1000. Each word is a sum of two (module `twofloat`), so that slow or light modes do not stall.
+Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digital Control (1998), section 4.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import ModelError
+from hysgen.machine.kernels.poles import mode_states
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.terms.twofloat import accumulate
+
+LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """Modes of undamped frequency `f_Hz` and damping ratio `zeta`, (m,) each, frequencies rising.
+
+    Raises ValueError if a frequency is not positive or a damping ratio outside 1e-4 .. 0.95.
+    """
+
+    kind: ClassVar[str] = "resonance"
+    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
+    channels: ClassVar[tuple[str, ...]] = ()
+    f_Hz: tuple[float, ...]
+    zeta: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        f, zeta = np.asarray(self.f_Hz, dtype=np.float64), np.asarray(self.zeta, dtype=np.float64)
+        if f.size == 0 or not np.isfinite(f).all() or f[0] <= 0 or (np.diff(f) <= 0).any():
+            raise ValueError("f_Hz must be positive and rising")
+        if zeta.shape != f.shape or not ((zeta >= LEAST_DAMPING) & (zeta <= MOST_DAMPING)).all():
+            raise ValueError(f"zeta must give each mode a damping ratio of {LEAST_DAMPING} to {MOST_DAMPING}")
+
+    @property
+    def size(self) -> int:
+        return 2 * len(self.f_Hz)
+
+    def steps(self, Ts_s: float) -> NDArray[np.complex128]:
+        """(m,) q = 1 - p, free of cancellation for slow modes.
+
+        Raises ModelError if a mode lies beyond half the sampling frequency.
+        """
+        w, zeta = 2 * np.pi * np.asarray(self.f_Hz) * Ts_s, np.asarray(self.zeta)
+        if (w >= np.pi).any():
+            raise ModelError(
+                f"resonance: {max(self.f_Hz):.6g} Hz lies beyond half the sampling frequency, {0.5 / Ts_s:.6g} Hz; "
+                "sample faster or take the mode out"
+            )
+        decay, angle = zeta * w, np.sqrt(1.0 - zeta**2) * w
+        real = -np.expm1(-decay) + np.exp(-decay) * 2.0 * np.sin(0.5 * angle) ** 2
+        return np.asarray(real + 1j * np.exp(-decay) * np.sin(angle))
+
+    def scales(self, span_V: float) -> tuple[float, ...]:
+        """The motion builds up by at most 1/(2 zeta) at the resonance; half of it in decades is typical."""
+        return tuple(float(span_V / np.sqrt(2 * zeta)) for zeta in self.zeta for _ in range(2))
+
+    def describe(self) -> str:
+        modes = (f"{f:.5g} Hz (damping {zeta:.3g})" for f, zeta in zip(self.f_Hz, self.zeta, strict=True))
+        return "resonance at " + ", ".join(modes)
+
+    def regressors(self, drive: Drive) -> Floats:
+        """(n, 2 m) position and velocity of each mode in V."""
+        start = drive.start.get(self.kind, self.start(float(drive.u_V[0])))
+        return mode_states(drive.u_V, self.steps(drive.Ts_s), start)
+
+    def start(self, u_V: float) -> Floats:
+        return np.tile([u_V, 0.0], len(self.f_Hz))
+
+    def settled(self, drive: Drive) -> int:
+        rate = min(2 * np.pi * f * zeta * drive.Ts_s for f, zeta in zip(self.f_Hz, self.zeta, strict=True))
+        return int(min(drive.u_V.size, np.ceil(np.log(100.0) / rate)))
+
+    def linear(self, Ts_s: float) -> StateSpace:
+        q = self.steps(Ts_s)
+        A, B = np.eye(self.size), np.zeros(self.size)
+        for j, step in enumerate(q):
+            at = 2 * j
+            A[at : at + 2, at : at + 2] += [[-step.real, step.imag], [-step.imag, -step.real]]
+            B[at : at + 2] = step.real, step.imag
+        return StateSpace(A, B, np.eye(self.size))
+
+    def gains(self, Ts_s: float) -> tuple[float, ...]:
+        """|q| / (1 - |p|): the sum of the moduli of the impulse response."""
+        q = self.steps(Ts_s)
+        return tuple(float(g) for g in np.repeat(np.abs(q) / (1.0 - np.abs(1.0 - q)), 2))
+
+    def shape(self) -> Floats:
+        """(2 m,) ln f_1, ln zeta_1, ln f_2, ..., f in Hz."""
+        return np.asarray(np.log(np.stack([self.f_Hz, self.zeta], axis=1).ravel()))
+
+    def with_shape(self, shape: Floats) -> Self:
+        modes = sorted(tuple(float(x) for x in pair) for pair in np.exp(shape).reshape(-1, 2))
+        return type(self)(tuple(mode[0] for mode in modes), tuple(mode[1] for mode in modes))
+
+    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
+        """From one oscillation in the record to 0.45 of the sampling frequency."""
+        low = np.log([1.0 / (drive.Ts_s * drive.u_V.size), 1e-3])
+        high = np.log([0.45 / drive.Ts_s, 0.9])
+        return np.tile(low, len(self.f_Hz)), np.tile(high, len(self.f_Hz))
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> ModeMirror:
+        constants = self.constants(Ts_s)
+        return ModeMirror(constants["real"], constants["imag"], u_V)
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        """Raises ModelError if the pole, rounded to float32, would not decay."""
+        q = self.steps(Ts_s)
+        real, imag = q.real.astype(np.float32), q.imag.astype(np.float32)
+        radius = np.abs(1.0 - (real.astype(np.float64) + 1j * imag.astype(np.float64)))
+        if not (radius < 1.0).all():
+            raise ModelError("resonance: a mode this slow and light does not decay in float32; raise its damping")
+        return {"real": real, "imag": imag}
+
+    def to_json(self) -> dict[str, Any]:
+        return {"kind": self.kind, "f_Hz": list(self.f_Hz), "zeta": list(self.zeta)}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        return cls(tuple(float(f) for f in data["f_Hz"]), tuple(float(zeta) for zeta in data["zeta"]))
+
+
+class ModeMirror(Mirror):
+    """Float32 modes over lanes; the state is all positions, their low words, all velocities, their low words."""
+
+    def __init__(self, real: Floats32, imag: Floats32, u_V: Floats32) -> None:
+        self._steps = list(zip(real, imag, strict=True))
+        self._position = [(u_V.copy(), np.zeros_like(u_V)) for _ in self._steps]
+        self._velocity = [(np.zeros_like(u_V), np.zeros_like(u_V)) for _ in self._steps]
+
+    def regressors(self) -> list[Floats32]:
+        return [high for mode in zip(self._position, self._velocity, strict=True) for high, _ in mode]
+
+    def advance(self, u_V: Floats32) -> None:
+        for j, (real, imag) in enumerate(self._steps):
+            position, velocity = self._position[j], self._velocity[j]
+            away = u_V - position[0]
+            self._position[j] = accumulate(*position, real * away + imag * velocity[0])
+            self._velocity[j] = accumulate(*velocity, imag * away - real * velocity[0])
+
+    def state(self) -> list[Floats32]:
+        return [words[half] for sums in (self._position, self._velocity) for half in (0, 1) for words in sums]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        floats, modes = [word.view(np.float32) for word in words], len(self._steps)
+        high, low, turning, turning_low = (floats[first : first + modes] for first in range(0, 4 * modes, modes))
+        self._position = list(zip(high, low, strict=True))
+        self._velocity = list(zip(turning, turning_low, strict=True))
+
+
+TERM = Resonance

@@ -1,0 +1,187 @@
+"""Pictures of a diagnosis: what is wrong with the free run, where, and what each extension gains.
+
+Everywhere the base is dashed and vermilion, the extended model solid and blue; errors are simulated - measured.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.error_map import Misfit, spread
+from hysgen.diagnosis.study import Study
+from hysgen.report.plots import style
+from hysgen.report.plots.picture import Picture
+from hysgen.report.plots.traces import envelope
+
+Floats = NDArray[np.float64]
+
+BASE, EXTENDED = "paper's model", "extended model"
+LOOK: dict[str, dict[str, Any]] = {
+    BASE: {"color": style.SIMULATED, "linestyle": (0, (4, 1.5))},
+    EXTENDED: {"color": style.EXTENDED, "linestyle": "solid"},
+}
+SIZE_IN = (4.7, 3.1)
+LOOP_POINTS = 4000
+
+
+def pictures(study: Study) -> list[Picture]:
+    """Every picture of a diagnosis, in the order in which a person wants to see them."""
+    shown = [(BASE, study.before), *([(EXTENDED, study.after)] if study.improved else [])]
+    return [
+        *loop_pictures(study),
+        horizon_picture(shown, study),
+        time_picture(study),
+        spectrum_picture(shown),
+        *(profile_picture(shown, number) for number in range(len(study.before.profiles))),
+        ladder_picture(study),
+    ]
+
+
+def loop_pictures(study: Study) -> list[Picture]:
+    """Measured loops with those of the base, and with those of the extended model."""
+    held = study.held_out()
+    runs = [("loops-before", BASE, held.base_um, study.before)]
+    if study.improved:
+        runs.append(("loops-after", EXTENDED, held.extended_um, study.after))
+    stride = max(1, -(-held.u_V.size // LOOP_POINTS))
+    found = []
+    for name, label, simulated_um, wrong in runs:
+        fig, axis = _figure("voltage [V]", "displacement [µm]")
+        axis.plot(held.u_V[::stride], held.measured_um[::stride], color="#777777", linewidth=2.2, label="measured")
+        axis.plot(held.u_V[::stride], simulated_um[::stride], linewidth=1.0, label=label, **LOOK[label])
+        axis.legend(loc="upper left")
+        alt = f"Displacement over voltage, held out: the {label} misses the loops by {wrong.rms_um:.3g} µm rms."
+        found.append(Picture(name, f"Measured loops and the {label}", alt, fig))
+    return found
+
+
+def horizon_picture(shown: list[tuple[str, Misfit]], study: Study) -> Picture:
+    """Error against the horizon, with noise floor and persistence."""
+    fig, axis = _figure("horizon [samples]", "error rms [µm]")
+    for label, wrong in shown:
+        axis.loglog(wrong.horizon.steps, wrong.horizon.rms_um, marker=".", label=label, **LOOK[label])
+    _level(axis, study.diagnosis.noise.rms_um, "noise floor")
+    _level(axis, study.diagnosis.persistence_um, "persistence, 1 step")
+    _plain(axis, x=False)
+    axis.legend(loc="best")
+    ends = "; ".join(f"{label} {w.horizon.rms_um[0]:.2g} to {w.horizon.rms_um[-1]:.2g} µm" for label, w in shown)
+    last = study.before.horizon.steps[-1]
+    return Picture("horizon", "Error against the horizon", f"Error rms from 1 to {last} samples ahead: {ends}.", fig)
+
+
+def time_picture(study: Study) -> Picture:
+    """The error over the held-out part."""
+    held = study.held_out()
+    fig, axis = _figure("time [s]", "simulated - measured [µm]")
+    runs = [(BASE, held.base_um), *([(EXTENDED, held.extended_um)] if study.improved else [])]
+    for label, simulated_um in runs:
+        axis.plot(
+            *envelope(held.t_s, simulated_um - held.measured_um), linewidth=0.8, label=label, color=LOOK[label]["color"]
+        )
+    axis.legend(loc="best")
+    worst = "; ".join(f"{label} at most {float(np.abs(y - held.measured_um).max()):.3g} µm" for label, y in runs)
+    return Picture("time", "Error in time", f"Error of the free run over the held-out part: {worst}.", fig)
+
+
+def spectrum_picture(shown: list[tuple[str, Misfit]]) -> Picture:
+    """The error over frequency."""
+    fig, axis = _figure("frequency [Hz]", "error, rms per band [µm]")
+    for label, wrong in shown:
+        axis.loglog(wrong.spectrum.f_Hz, wrong.spectrum.rms_um, label=label, **LOOK[label])
+    _plain(axis)
+    axis.legend(loc="best")
+    peaks = []
+    for label, wrong in shown:
+        top = int(np.argmax(wrong.spectrum.rms_um))
+        peaks.append(f"{label} {wrong.spectrum.rms_um[top]:.2g} µm at {wrong.spectrum.f_Hz[top]:.3g} Hz")
+    return Picture("spectrum", "Error over frequency", f"Largest bands: {'; '.join(peaks)}.", fig)
+
+
+def profile_picture(shown: list[tuple[str, Misfit]], number: int) -> Picture:
+    """The error by one quantity: rms as steps, its mean as thin dots."""
+    first = shown[0][1].profiles[number]
+    fig, axis = _figure(f"{first.quantity} [{first.unit}]", "error [µm]: rms, mean")
+    for label, wrong in shown:
+        profile = wrong.profiles[number]
+        axis.stairs(np.array(profile.rms_um), profile.edges, label=label, linewidth=1.4, **LOOK[label])
+        axis.stairs(np.array(profile.mean_um), profile.edges, color=LOOK[label]["color"], linestyle=":", linewidth=0.9)
+    axis.axhline(0.0, color=style.NOTE, linewidth=0.6)
+    axis.set_ylim(top=1.3 * max(float(np.nanmax(wrong.profiles[number].rms_um)) for _, wrong in shown))
+    if first.edges == (-1.5, -0.5, 0.5, 1.5):
+        axis.set_xticks([-1, 0, 1], first.unit.split(", "))
+        axis.set_xlabel(f"{first.quantity} of the input")
+    elif first.edges[0] > 0 and first.edges[-1] / first.edges[0] > 50:
+        axis.set_xscale("log")
+        axis.xaxis.set_major_formatter(_PLAIN)
+    axis.legend(loc="upper left", ncols=2)
+    ends = "; ".join(f"{label} {spread(wrong.profiles[number])}" for label, wrong in shown)
+    alt = f"Error rms by {first.quantity}: {ends}."
+    return Picture(f"error-by-{first.quantity.split(' of ')[0].replace(' ', '-')}", f"By {first.quantity}", alt, fig)
+
+
+def ladder_picture(study: Study) -> Picture:
+    """Free-run error on held-out data after each extension with the 95 % interval of its gain, and its price."""
+    diagnosis, causes = study.diagnosis, study.extended
+    levels = [diagnosis.base_rms_um, *(cause.step.after_um for cause in causes)]
+    labels = [BASE, *(f"+ {cause.name}" for cause in causes)]
+    fig, axis = _figure("", "free run, held out, rms [µm]")
+    place = np.arange(len(levels))
+    lowest = 0.6 * min(*levels, diagnosis.noise.rms_um)
+    axis.plot(place, levels, color=style.NOTE, linewidth=0.8, zorder=1)
+    axis.scatter(place, levels, color=[style.SIMULATED] + [style.EXTENDED] * (len(levels) - 1), s=45, zorder=3)
+    for i, cause in enumerate(causes, start=1):
+        ends = [max(cause.step.before_um - fall, lowest) for fall in (cause.step.high_um, cause.step.low_um)]
+        axis.plot([i, i], ends, color=style.EXTENDED, linewidth=1.5, zorder=2)
+    for i, level in enumerate(levels):
+        price = causes[i - 1].price if i else None
+        text = f"{level:.3g}" + (f"\n{price.cycles:+d} cycles" if price else "")
+        axis.annotate(text, (i, level), xytext=(7, 5), textcoords="offset points", fontsize=8)
+    axis.set_yscale("log")
+    axis.set_ylim(lowest, 2.0 * max(levels))
+    _plain(axis, x=False)
+    axis.set_xlim(-0.4, len(levels) - 0.2)
+    _level(axis, diagnosis.noise.rms_um, "noise floor")
+    axis.set_xticks(place, [label.replace("'s ", "'s\n") for label in labels], fontsize=8 if len(labels) < 6 else 7)
+    steps = ", ".join(f"{label} {level:.3g} µm" for label, level in zip(labels, levels, strict=True))
+    alt = f"Free-run error on held-out data: {steps}; noise floor {diagnosis.noise.rms_um:.2g} µm."
+    return Picture("ladder", "What each extension gains", alt, fig)
+
+
+def _figure(xlabel: str, ylabel: str) -> tuple[Figure, Axes]:
+    fig = style.figure(*SIZE_IN)
+    axis = fig.subplots()
+    axis.set(xlabel=xlabel, ylabel=ylabel)
+    return fig, axis
+
+
+_PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+
+
+def _plain(axis: Axes, x: bool = True) -> None:
+    """Numbers as people write them on logarithmic axes, at 1, 2 and 5 of each decade."""
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=20))
+    axis.yaxis.set_minor_formatter(NullFormatter())
+    axis.yaxis.set_major_formatter(_PLAIN)
+    if x:
+        axis.xaxis.set_major_formatter(_PLAIN)
+
+
+def _level(axis: Axes, level_um: float, name: str) -> None:
+    axis.axhline(level_um, color="#666666", linestyle=":", linewidth=1.0)
+    axis.annotate(
+        name,
+        (1.0, level_um),
+        xycoords=("axes fraction", "data"),
+        xytext=(0, 2),
+        textcoords="offset points",
+        ha="right",
+        va="bottom",
+        fontsize=8,
+        color="#555555",
+    )

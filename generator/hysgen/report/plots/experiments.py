@@ -1,0 +1,44 @@
+"""The paper's figures, drawn from our repetition of its experiments."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from hysgen.model.simulate import free_run, one_step
+from hysgen.report.plots import style
+from hysgen.report.plots.traces import loops, tracking, validation
+from hysgen.studies.paper.modelling import Outcome
+from hysgen.studies.paper.tracking import Tracking
+
+COLOURS = {
+    "one step": style.BASELINE,
+    "free run": style.SIMULATED,
+    "free run, with memory": style.EXTENDED,
+    "proportional": style.NOTE,
+    "paper's inverse": style.SIMULATED,
+    "refined inverse": style.BASELINE,
+    "with memory": style.EXTENDED,
+}
+
+
+def modelling_figures(outcome: Outcome) -> dict[str, Figure]:
+    """File name -> figure: displacement and error in time (Figs 6, 7, 9, 10, 11), and the loops."""
+    record, experiment = outcome.validation, outcome.experiment
+    segment = record.segments[0]
+    runs = {
+        "one step": one_step(outcome.models["paper"], record)[0].y_um,
+        "free run": free_run(outcome.models["paper"], record)[0].y_um,
+        "free run, with memory": free_run(outcome.models["memory"], record)[0].y_um,
+    }
+    t_s = record.Ts_s * np.arange(segment.samples, dtype=np.float64)
+    stem = experiment.name if experiment.name.startswith("fig") else f"section-{experiment.name}"
+    return {
+        f"{stem}-validation.png": validation(t_s, segment.y_um, runs, experiment.title, COLOURS),
+        f"{stem}-loops.png": loops(segment.u_V, segment.y_um, runs, experiment.title, COLOURS),
+    }
+
+
+def tracking_figure(case: Tracking) -> Figure:
+    """Fig. 13: reference and reached displacement, tracking error, and the compensated loop."""
+    return tracking(case.t_s, case.reference_um, case.reached_um, f"Section 4.3: {case.f_Hz:g} Hz", COLOURS)

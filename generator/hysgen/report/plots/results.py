@@ -1,0 +1,114 @@
+"""Pictures of results for notebooks: `record.plot()`, `model.plot(record)`, `study.plot("time")`."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from hysgen.c674x.cost import Cost
+from hysgen.certify.dynamics import dynamics
+from hysgen.diagnosis.study import Study
+from hysgen.errors import HysgenError
+from hysgen.model.model import Model
+from hysgen.model.scores import Scores
+from hysgen.model.simulate import free_run
+from hysgen.record import Record
+from hysgen.report.plots import style
+from hysgen.report.plots.diagnosis import LOOP_POINTS, pictures
+from hysgen.report.plots.traces import envelope, horizon, validation
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A picture that shows itself in a notebook."""
+
+    figure: Figure
+
+    def save(self, path: str | Path) -> Path:
+        """Write it as PNG, or as SVG if the name ends so."""
+        chosen = Path(path)
+        if chosen.suffix == ".svg":
+            return style.save_svg(self.figure, chosen)
+        return style.save(self.figure, chosen)
+
+    def _repr_png_(self) -> bytes:
+        return style.png_bytes(self.figure)
+
+
+@functools.singledispatch
+def draw(result: Any, *what: Any) -> Drawing:
+    """The picture of a result. Raises HysgenError if there is none of its kind."""
+    raise HysgenError(f"{type(result).__name__}: there is nothing to plot; print it instead")
+
+
+@draw.register
+def _(result: Record) -> Drawing:
+    """Input and displacement in time, and the loops."""
+    fig = style.figure(8.4, 3.6)
+    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
+    above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
+    side = fig.add_subplot(grid[:, 1])
+    for segment in result.segments:
+        t_s = segment.start_s + result.Ts_s * np.arange(segment.samples, dtype=np.float64)
+        above.plot(*envelope(t_s, segment.u_V), color=style.EXTENDED, linewidth=0.8)
+        below.plot(*envelope(t_s, segment.y_um), color=style.MEASURED, linewidth=0.8)
+        stride = max(1, -(-segment.samples // LOOP_POINTS))
+        side.plot(segment.u_V[::stride], segment.y_um[::stride], color=style.MEASURED, linewidth=0.8)
+    above.set(ylabel="voltage [V]", title=result.source)
+    below.set(xlabel="time [s]", ylabel="displacement [µm]")
+    side.set(xlabel="voltage [V]", ylabel="displacement [µm]")
+    return Drawing(fig)
+
+
+@draw.register
+def _(result: Model, record: Record | None = None) -> Drawing:
+    """With a record: measured and simulated, and the error. Without: how far the loop opens at each frequency."""
+    if record is not None:
+        segment = record.segments[0]
+        t_s = segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
+        runs = {"free run": free_run(result, record)[0].y_um}
+        title = f"{result.name} on {record.source}"
+        return Drawing(validation(t_s, segment.y_um, runs, title, {"free run": style.SIMULATED}))
+    system = dynamics(result)
+    fig = style.figure(4.7, 3.1)
+    axis = fig.subplots()
+    axis.semilogx([loop.f_Hz for loop in system.loops], [100.0 * loop.filling for loop in system.loops], marker=".")
+    axis.set(xlabel="frequency [Hz]", ylabel="loop fills its box [%]", title=result.name, ylim=(0.0, None))
+    return Drawing(fig)
+
+
+@draw.register
+def _(result: Scores) -> Drawing:
+    """Error against the horizon, with the noise floor."""
+    curve = (np.array(result.horizon.steps, dtype=np.float64), np.array(result.horizon.rms_um))
+    levels = {"noise floor": result.noise.rms_um, "free run": result.free_run.e_rms_um}
+    title = f"{result.model} on {result.source}"
+    return Drawing(horizon({result.model: curve}, levels, result.Ts_s, title, {result.model: style.EXTENDED}))
+
+
+@draw.register
+def _(result: Study, name: str = "ladder") -> Drawing:
+    """One of the pictures of the report, by name."""
+    drawn = {picture.name: picture for picture in pictures(result)}
+    if name not in drawn:
+        raise HysgenError(f"{name}: there is no such picture; choose one of {', '.join(drawn)}")
+    return Drawing(drawn[name].figure)
+
+
+@draw.register
+def _(result: Cost) -> Drawing:
+    """Cycles of every function against the sample period."""
+    fig = style.figure(5.6, 0.5 + 0.35 * (len(result.functions) + 1))
+    axis = fig.subplots()
+    shown = [f for f in result.functions if f.name != "init"]
+    axis.barh([f.name for f in shown], [f.cycles.value for f in shown], color=style.EXTENDED, height=0.6)
+    axis.axvline(result.budget, color=style.SIMULATED, linestyle="--", label=f"sample period, {result.budget}")
+    axis.invert_yaxis()
+    axis.set(xlabel="C674x cycles, stall-free", title=result.model)
+    axis.legend(loc="lower right")
+    return Drawing(fig)

@@ -1,0 +1,128 @@
+"""Measured against simulated: in time, as an error, and as hysteresis loops (the paper's Figs 6, 7, 9 to 11, 13)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from hysgen.report.plots import style
+
+Floats = NDArray[np.float64]
+MOST_POINTS = 20_000
+"""Points drawn of one curve: more would not be seen, and would make the file slow to open."""
+
+
+def validation(
+    t_s: Floats, measured_um: Floats, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
+) -> Figure:
+    """Above: displacement against time, measured and simulated. Below: the errors, measured - simulated.
+
+    t_s, measured_um: (n,); simulated_um: (n,) by the name that the legend shows; colours by the same names.
+    """
+    fig = style.figure(7.2, 5.0)
+    above, below = fig.subplots(2, 1, sharex=True)
+    keep = thinned(t_s.size)
+    above.plot(t_s[keep], measured_um[keep], color=style.MEASURED, label="measured")
+    for name, y_um in simulated_um.items():
+        above.plot(t_s[keep], y_um[keep], color=colours[name], linestyle="--")
+        error_um = measured_um - y_um
+        rms_um = float(np.sqrt(np.mean(error_um**2)))
+        below.plot(t_s[keep], error_um[keep], color=colours[name], label=f"{name}: {rms_um:.2g} µm rms")
+    above.set(ylabel="displacement [µm]", title=title)
+    below.set(xlabel="time [s]", ylabel="error [µm]")
+    fig.legend(loc="outside lower center", ncols=2)
+    return fig
+
+
+def loops(
+    u_V: Floats, measured_um: Floats, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
+) -> Figure:
+    """Hysteresis loops, displacement against voltage: a panel for each simulation, the measured one behind it."""
+    fig = style.figure(3.4 * len(simulated_um) + 0.6, 3.4)
+    panels = np.atleast_1d(fig.subplots(1, len(simulated_um), sharex=True, sharey=True))
+    keep = thinned(u_V.size)
+    for panel, (name, y_um) in zip(panels, simulated_um.items(), strict=True):
+        panel.plot(u_V[keep], measured_um[keep], color=style.MEASURED, label="measured", linewidth=1.6)
+        panel.plot(u_V[keep], y_um[keep], color=colours[name], label=name)
+        panel.set(xlabel="voltage [V]", title=name if len(simulated_um) > 1 else "")
+        panel.legend(loc="upper left")
+    panels[0].set_ylabel("displacement [µm]")
+    fig.suptitle(title)
+    return fig
+
+
+def tracking(
+    t_s: Floats, reference_um: Floats, reached_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
+) -> Figure:
+    """Tracking: reference and what was reached, the error in nm, and reached against reference (a line if perfect)."""
+    fig = style.figure(8.4, 4.2)
+    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
+    above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
+    side = fig.add_subplot(grid[:, 1])
+    keep = thinned(t_s.size)
+    above.plot(t_s[keep], reference_um[keep], color=style.MEASURED, label="reference")
+    for name, y_um in reached_um.items():
+        above.plot(t_s[keep], y_um[keep], color=colours[name], label=name, linestyle="--")
+        below.plot(t_s[keep], 1e3 * (reference_um - y_um)[keep], color=colours[name])
+        side.plot(reference_um[keep], y_um[keep], color=colours[name], label=name)
+    above.set(ylabel="displacement [µm]", title=title)
+    below.set(xlabel="time [s]", ylabel="error [nm]")
+    side.set(xlabel="reference [µm]", ylabel="reached [µm]", title="compensated loop")
+    side.legend(loc="upper left")
+    return fig
+
+
+def horizon(
+    curves: Mapping[str, tuple[Floats, Floats]],
+    levels_um: Mapping[str, float],
+    Ts_s: float,
+    title: str,
+    colours: Mapping[str, str],
+) -> Figure:
+    """Error against the horizon, both axes logarithmic; horizontal lines for what to compare with.
+
+    curves: (steps, rms_um) by name; levels_um: noise floor, free run and the like.
+    """
+    fig = style.figure(6.4, 3.8)
+    axes: Axes = fig.subplots()
+    for name, (steps, rms_um) in curves.items():
+        axes.loglog(steps * Ts_s * 1e3, rms_um, color=colours[name], marker="o", markersize=3, label=name)
+    for name, level_um in levels_um.items():
+        axes.axhline(level_um, color=style.NOTE, linestyle=":")
+        axes.annotate(
+            name,
+            (1.0, level_um),
+            xycoords=("axes fraction", "data"),
+            ha="right",
+            va="bottom",
+            fontsize=8,
+            color="#555555",
+        )
+    axes.set(xlabel="horizon [ms]", ylabel="error rms [µm]", title=title)
+    axes.legend(loc="upper left")
+    return fig
+
+
+def envelope(t_s: Floats, values: Floats, pieces: int = 1000) -> tuple[Floats, Floats]:
+    """Lowest and highest value of each of `pieces` stretches, in the order of time: no peak is lost in thinning.
+
+    t_s, values: (n,). Returns the samples as they are if there are few.
+    """
+    if values.size <= 2 * pieces:
+        return t_s, values
+    bounds = np.linspace(0, values.size, pieces + 1).astype(np.intp)
+    kept = []
+    for low, high in itertools.pairwise(bounds):
+        part = values[low:high]
+        kept += sorted({low + int(part.argmin()), low + int(part.argmax())})
+    return t_s[kept], values[kept]
+
+
+def thinned(samples: int) -> slice:
+    """Every so many samples, so that a curve has at most MOST_POINTS."""
+    return slice(None, None, max(1, -(-samples // MOST_POINTS)))

@@ -1,0 +1,1 @@
+"""Studies over many records: the bank of hidden effects and the experiments of the paper."""

@@ -1,0 +1,202 @@
+"""What a run of the bank says: who was found, who was accused, how small an effect may be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hysgen.diagnosis.causes.vocabulary import VOCABULARY
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One record: what was planted, required (its share exceeds what memory alone leaves), and named.
+
+    relative: share of each planted effect over what memory alone leaves. errors: relative error of each parameter.
+    fall: free-run error of the paper's model over that of the extended one, where only Preisach memory is hidden.
+    over_truth: error of the extended model over that of the same family fitted with the truth known, where every
+    planted cause is extended. Either is nan elsewhere.
+    """
+
+    category: str
+    seed: int
+    rate_Hz: float
+    excitation: str
+    planted: tuple[str, ...]
+    required: tuple[str, ...]
+    named: tuple[str, ...]
+    relative: dict[str, float]
+    errors: dict[str, float]
+    seconds: float
+    experiment: str
+    fall: float = math.nan
+    over_truth: float = math.nan
+
+    @property
+    def exact(self) -> bool:
+        """Everything required is named, and nothing that was not planted."""
+        return set(self.required) <= set(self.named) <= set(self.planted)
+
+    def difference(self) -> str:
+        """What is named wrongly, in words; how large what is lacking was, as a multiple of what memory alone leaves."""
+        lacks = [f"{name} ({self.relative[name]:.3g})" for name in self.required if name not in self.named]
+        adds = [name for name in self.named if name not in self.planted]
+        parts = [f"{word} {', '.join(names)}" for word, names in (("lacks", lacks), ("adds", adds)) if names]
+        return "; ".join(parts) or "exact"
+
+
+@dataclass(frozen=True)
+class BankResult:
+    """All verdicts of a run in the order of the seeds, and those seeds; asked: records that the run was to judge."""
+
+    verdicts: tuple[Verdict, ...]
+    seeds: tuple[int, ...]
+    asked: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether every record that was asked for is judged."""
+        return len(self.verdicts) == self.asked
+
+    def judged(self) -> list[Verdict]:
+        """Records with a good excitation: those that must be right."""
+        return [verdict for verdict in self.verdicts if verdict.category != "poor"]
+
+    def quiet(self) -> list[Verdict]:
+        """Judged records with nothing hidden: memory only, or no effect at all."""
+        return [verdict for verdict in self.judged() if verdict.category in ("memory", "none")]
+
+    @property
+    def exact_rate(self) -> float:
+        """Share of judged records with the exact set of causes."""
+        return _share([verdict.exact for verdict in self.judged()])
+
+    @property
+    def found_rate(self) -> float:
+        """Share of required causes that were named, over the judged records."""
+        return _share([name in verdict.named for verdict in self.judged() for name in verdict.required])
+
+    @property
+    def false_alarm_rate(self) -> float:
+        """Share of records with nothing hidden (memory only, or no effect) that name something not planted."""
+        return _share([not set(verdict.named) <= set(verdict.planted) for verdict in self.quiet()])
+
+    def confusion(self) -> dict[str, dict[str, int]]:
+        """How often each cause was named where each was required; "nothing": no cause but memory was planted."""
+        table: dict[str, dict[str, int]] = {}
+        for verdict in self.judged():
+            hidden = [name for name in verdict.required if name != "memory"]
+            planted = [name for name in verdict.planted if name != "memory"]
+            for row in hidden or ([] if planted else ["nothing"]):
+                counts = table.setdefault(row, {})
+                others = [name for name in verdict.named if name != "memory" and (name == row or name not in planted)]
+                for column in others or ["nothing"]:
+                    counts[column] = counts.get(column, 0) + 1
+        return table
+
+    def smallest(self, share: float) -> dict[str, float]:
+        """Per cause: the strength, over what memory alone leaves, from which on at least `share` of them are found."""
+        levels = {}
+        for name in VOCABULARY:
+            seen = sorted(
+                (verdict.relative[name], name in verdict.named) for verdict in self.judged() if name in verdict.relative
+            )
+            for i, (strength, _) in enumerate(seen):
+                if _share([found for _, found in seen[i:]]) >= share:
+                    levels[name] = strength
+                    break
+        return levels
+
+    def parameter_errors(self) -> dict[str, tuple[float, float, int]]:
+        """Per parameter: median and largest error over the records where its cause was required and named."""
+        gathered: dict[str, list[float]] = {}
+        for verdict in self.judged():
+            for key, error in verdict.errors.items():
+                if key.split(".")[0] in verdict.required:
+                    gathered.setdefault(key, []).append(abs(error))
+        return {key: (float(np.median(v)), float(max(v)), len(v)) for key, v in sorted(gathered.items())}
+
+    def falls(self) -> list[float]:
+        """How often the error falls by the memory extension, rising, where only Preisach memory is hidden."""
+        return sorted(verdict.fall for verdict in self.judged() if math.isfinite(verdict.fall))
+
+    def over_truth(self) -> list[float]:
+        """Errors over those with the truth known, rising."""
+        return sorted(verdict.over_truth for verdict in self.judged() if math.isfinite(verdict.over_truth))
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "records": len(self.verdicts),
+            "complete": self.complete,
+            "seeds": [min(self.seeds), max(self.seeds)],
+            "exact_rate": _finite(self.exact_rate),
+            "found_rate": _finite(self.found_rate),
+            "false_alarm_rate": _finite(self.false_alarm_rate),
+            "confusion": self.confusion(),
+            "smallest_found": {"50%": self.smallest(0.5), "95%": self.smallest(0.95)},
+            "parameter_errors": {
+                key: {"median": m, "largest": w, "records": c} for key, (m, w, c) in self.parameter_errors().items()
+            },
+            "falls_by_memory": self.falls(),
+            "over_truth": self.over_truth(),
+            "wrong": [
+                {"category": v.category, "seed": v.seed, "required": v.required, "named": v.named}
+                for v in self.judged()
+                if not v.exact
+            ],
+            "median_seconds": _median([verdict.seconds for verdict in self.verdicts]),
+        }
+
+    def table(self) -> str:
+        """The confusion matrix and the rates, for people."""
+        columns = [*(name for name in VOCABULARY if name != "memory"), "nothing"]
+        matrix = self.confusion()
+        lines = ["hidden (rows) named as (columns)", f"{'':12}" + "".join(f"{name[:7]:>8}" for name in columns)]
+        for row in columns:
+            if row in matrix:
+                cells = "".join(f"{matrix[row].get(column, 0) or '.':>8}" for column in columns)
+                lines.append(f"{row:12}{cells}")
+        judged = self.judged()
+        lines.append("")
+        lines.append(f"exact set of causes  {100 * self.exact_rate:6.1f} %  of {len(judged)} records")
+        required = sum(len(verdict.required) for verdict in judged)
+        lines.append(f"required and found   {100 * self.found_rate:6.1f} %  of {required} causes")
+        alarms = f"{100 * self.false_alarm_rate:6.1f} %  of {len(self.quiet())} records, nothing hidden"
+        lines.append(f"false alarms         {alarms}")
+        half, most = self.smallest(0.5), self.smallest(0.95)
+        lines.append("smallest effect found, as a multiple of what memory alone leaves (50 % / 95 % of the time):")
+        lines.extend(
+            f"  {name:12}{half.get(name, float('nan')):8.2f} /{most.get(name, float('nan')):8.2f}" for name in half
+        )
+        lines.append("parameters, median and largest error:")
+        lines.extend(f"  {key:32}{m:10.3g}{w:10.3g}  of {c}" for key, (m, w, c) in self.parameter_errors().items())
+        if falls := self.falls():
+            at = np.quantile(falls, [0.0, 0.1, 0.5, 1.0])
+            lines.append(
+                f"memory of the Preisach kind alone: error falls {at[2]:.1f} times (median of {len(falls)} records; "
+                f"worst {at[0]:.1f}, a tenth below {at[1]:.1f}, best {at[3]:.1f})"
+            )
+        if over := self.over_truth():
+            at = np.quantile(over, [0.5, 0.95, 1.0])
+            lines.append(
+                f"error over that with the truth known: median {at[0]:.2f}, 95 % below {at[1]:.2f}, "
+                f"largest {at[2]:.2f} ({len(over)} records with every planted cause extended)"
+            )
+        return "\n".join(lines)
+
+
+def _share(hits: Sequence[bool]) -> float:
+    return float(np.mean(hits)) if hits else float("nan")
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(np.median(values)) if values else None
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,165 @@
+"""Running the bank: make a record, diagnose it, compare with what was hidden."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import signal
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.ladder import climb
+from hysgen.diagnosis.memory_shape import usual_memory, with_best_memory
+from hysgen.diagnosis.prepare import prepare
+from hysgen.diagnosis.probe import rms
+from hysgen.diagnosis.procedure import Naming, name_causes
+from hysgen.fitting import FitSettings
+from hysgen.record import Record
+from hysgen.stage import Preisach, Relays
+from hysgen.stage import run as measure
+from hysgen.studies.bank.log import Log, read_log
+from hysgen.studies.bank.result import BankResult, Verdict
+from hysgen.studies.bank.scenario import CATEGORIES, JUDGED_TOO, Scenario, memory_only, scenario
+from hysgen.studies.bank.truth import error_with_truth_known
+
+Floats = NDArray[np.float64]
+Progress = Callable[[float, Verdict], None]
+
+
+def run(
+    seeds: Sequence[int],
+    categories: Sequence[str] = CATEGORIES,
+    jobs: int = 1,
+    progress: Progress | None = None,
+    log: Path | None = None,
+) -> BankResult:
+    """Every category with every seed. jobs: processes to use.
+
+    progress: told the fraction done and each verdict. log: where verdicts are kept as they come; those that it already
+    holds are not judged again. Interrupted, the result has what was judged until then (`complete` is false).
+    Raises HysgenError if the log belongs to another state of the package, or cannot be written.
+    """
+    work = [(category, seed) for seed in seeds for category in categories]
+    known = {} if log is None else {(v.category, v.seed): v for v in read_log(log)}
+    done = {key: known[key] for key in work if key in known}
+    kept = Log(log)
+    with contextlib.suppress(KeyboardInterrupt):
+        for verdict in _judged([key for key in work if key not in done], jobs):
+            kept.add(verdict)
+            done[verdict.category, verdict.seed] = verdict
+            if progress is not None:
+                progress(len(done) / len(work), verdict)
+    return BankResult(tuple(done[key] for key in work if key in done), tuple(seeds), len(work))
+
+
+def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Verdict]:
+    """The verdicts as they come; whatever ends the loop, records that were not begun are not begun any more."""
+    if jobs <= 1 or len(work) <= 1:
+        yield from map(_one, work)
+        return
+    # An interrupt from the keyboard reaches every process of the terminal; the workers leave it to this one.
+    pool = ProcessPoolExecutor(jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
+    try:
+        for future in as_completed([pool.submit(_one, key) for key in work]):
+            yield future.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def judge(hidden: Scenario) -> Verdict:
+    """Measure a scenario, diagnose the record alone, and compare."""
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux, shares=True)
+    record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, accept=JUDGED_TOO)
+    left_um = left_by_memory(hidden)
+    begun = time.perf_counter()
+    naming = name_causes(record)
+    seconds = time.perf_counter() - begun
+    fall, over_truth = _climbed(hidden, naming, measured.truth.outlier)
+    names = {"stick_slip": "unknown"}
+    shares = {names.get(name, name): share for name, share in measured.truth.shares_um.items()}
+    return Verdict(
+        category=hidden.category,
+        seed=hidden.seed,
+        rate_Hz=1.0 / hidden.Ts_s,
+        excitation=hidden.excitation,
+        planted=hidden.planted,
+        required=tuple(name for name in hidden.planted if shares[name] > left_um),
+        named=naming.names,
+        relative={name: shares[name] / left_um for name in hidden.planted},
+        errors=parameter_errors(hidden, naming.parameters),
+        seconds=seconds,
+        experiment=naming.next_experiment,
+        fall=fall,
+        over_truth=over_truth,
+    )
+
+
+def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> tuple[float, float]:
+    """How often the free-run error falls where only memory of the Preisach kind is hidden, and the error of the
+    extended model over that with the truth known, where every planted cause is extended; else nan.
+    """
+    prepared, agreed = naming.prepared, naming.agreed
+    held = prepared.held_rows[~corrupted[prepared.held_rows]]
+    if hidden.excitation != "good" or not hidden.planted or set(naming.names) != set(hidden.planted):
+        return math.nan, math.nan
+    extensions = with_best_memory(prepared, naming.extensions, agreed, FitSettings())
+    extended = rms(climb(prepared, extensions, agreed, FitSettings()).error_um[held])
+    fall = math.nan
+    if hidden.planted == ("memory",) and isinstance(hidden.stage.memory, Preisach | Relays):
+        fall = rms(climb(prepared, {}, [], FitSettings()).error_um[held]) / extended
+    return fall, math.nan if "unknown" in hidden.planted else extended / error_with_truth_known(hidden)
+
+
+def left_by_memory(hidden: Scenario) -> float:
+    """Free-run rms in um that the delivered memory leaves on the stage with nothing but its hysteresis."""
+    bare = memory_only(hidden)
+    measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
+    prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=JUDGED_TOO))
+    extension = Extension(term=usual_memory(*prepared.record.u_range_V))
+    rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings())
+    return rms(rung.error_um[prepared.held_rows])
+
+
+def parameter_errors(hidden: Scenario, found: dict[str, float]) -> dict[str, float]:
+    """Errors of the parameters found, by "cause.parameter": relative to the truth; delays in samples, lines in Hz, and
+    levels relative to the range of the input."""
+    stage, errors = hidden.stage, {}
+    span_V = float(np.ptp(hidden.u_V))
+
+    def compare(key: str, truth: float, unit: float | None = None) -> None:
+        if key in found and math.isfinite(truth):
+            errors[key] = (found[key] - truth) / (truth if unit is None else unit)
+
+    if stage.resonance:
+        compare("resonance.f_Hz", stage.resonance[0].f_Hz)
+        compare("resonance.zeta", stage.resonance[0].zeta)
+    if stage.periodic:
+        compare("periodic.f_Hz", stage.periodic[0].f_Hz, 1.0)
+        compare("periodic.amplitude_um", stage.periodic[0].amplitude_um)
+    if stage.delay:
+        compare("delay.delay_samples", stage.delay.samples, 1.0)
+    if stage.saturation:
+        compare("saturation.low_V", stage.saturation.low_V, span_V)
+        compare("saturation.high_V", stage.saturation.high_V, span_V)
+    if stage.slew:
+        compare("slew.rate_V_per_s", stage.slew.V_per_s)
+    if stage.creep:
+        compare("creep.per_decade", stage.creep.per_decade)
+    if stage.drift:
+        compare("drift.ramp_um_per_s", stage.drift.ramp_um_per_s)
+    if stage.aging:
+        compare("aging.per_s", stage.aging.fraction / stage.aging.over_s)
+    if stage.coupling:
+        compare("coupling.axis2_V_um_per_unit", stage.coupling.um_per_unit["axis2_V"])
+    return errors
+
+
+def _one(work: tuple[str, int]) -> Verdict:
+    category, seed = work
+    return judge(scenario(category, seed))

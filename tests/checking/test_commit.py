@@ -1,0 +1,266 @@
+"""Commit makes no shadow active whose certificates do not hold, in the bits of its reference, and whoever reads the
+parameters meanwhile sees the old ones or the new ones."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import re
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fixtures.generated_models import everything, smooth
+from fixtures.learner_bench import START_UM, START_V, sized, texts_of
+from fixtures.tools import need
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits.builds import compiled
+from hysgen.checking.bits.committing import answers, border, committer_of, compare_commit, directions
+from hysgen.checking.host import Host
+from hysgen.float32.learner_numbers import learned_model
+from hysgen.float32.learner_status import Commit
+from hysgen.float32.reference.commit import Committer
+from hysgen.machine.native import Toolchain
+from hysgen.model.file import load_model
+from hysgen.model.learner_settings import LEARNED, LearnerSettings
+from hysgen.model.model import Model
+from hysgen.model.terms.creep import Creep
+from hysgen.model.terms.memory import Memory
+
+Floats = NDArray[np.float64]
+Floats32 = NDArray[np.float32]
+
+GCC, CLANG = Toolchain("gcc", ("-O2",)), Toolchain("clang", ("-O3",))
+
+
+def paper(learned: str = "all") -> Model:
+    """Appendix A with a learner."""
+    settings = LearnerSettings(learned=LEARNED[learned])
+    return dataclasses.replace(load_model("appendix_a"), name=f"paper_{learned}", learner=settings)
+
+
+def remembering() -> Model:
+    """Four rules, six plays and a creep state: its inverse feeds past inputs back."""
+    base = smooth(4, (Memory.uniform(6, 60.0),))
+    weights = np.array([1e-5] * 6 + [2e-5])
+    terms = (*base.terms, Creep((0.01,)))
+    return dataclasses.replace(base, name="remembering", terms=terms, weights=weights, learner=LearnerSettings())
+
+
+def everything_learned() -> Model:
+    return dataclasses.replace(everything(), learner=LearnerSettings(points_per_call=4))
+
+
+BUILDS = [
+    (sized(6, points_per_call=7), GCC),
+    (sized(18), CLANG),
+    (sized(24), GCC),
+    (sized(40), GCC),
+    (paper("bias"), GCC),
+    (paper("rules"), GCC),
+    (remembering(), CLANG),
+    (everything_learned(), GCC),
+]
+
+
+@pytest.mark.parametrize(("model", "toolchain"), BUILDS, ids=lambda given: getattr(given, "name", str(given)))
+def test_commit_equals_its_reference_in_every_word_after_every_call(model: Model, toolchain: Toolchain) -> None:
+    """Candidate, banks, which is active, reference parameters, answer; shadows change while they are checked."""
+    need(toolchain.command)
+    builds, _ = compiled(model.name, texts_of(model), [toolchain])
+    run, wrong = compare_commit(model, builds, seed=1)
+    assert not wrong, wrong[0]
+    assert run.samples > 800
+
+
+@pytest.mark.parametrize(
+    ("intact", "planted"),
+    [
+        ("+ candidate->gain_rest_um_per_V;", ";"),
+        ("near + rest)", "near)"),
+        ("gain - away <=", "gain - 0.99f * away <="),
+        ("= 1u - self->active;", "= 1u;"),
+        ("learner->reference[3] = candidate->theta[3];", ""),
+        ("(candidate->point >= SMOOTH_2", "(candidate->point + 1u >= SMOOTH_2"),
+        ("beyond |= smooth_2_beyond(candidate->theta[5]);", ""),
+        ("candidate->bank.gain[1] = candidate->theta[4]", "candidate->bank.gain[1] = learner->base.gain[1]"),
+    ],
+)
+def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
+    model = sized(6)
+    texts = texts_of(model)
+    assert intact in texts["smooth_2.c"], f"the fault has nothing to bite on: {intact}"
+    texts["smooth_2.c"] = texts["smooth_2.c"].replace(intact, planted)
+    builds, _ = compiled(model.name, texts, [GCC])
+    assert compare_commit(model, builds, seed=1)[1]
+
+
+def certified(committer: Committer, model: Model, theta: Floats32) -> bool:
+    """Whether gain, contraction and inverse of a shadow (n,) are certified in float64, by enclosure over the range."""
+    learner = committer.learner
+    found = certify(learned_model(model, learner.model_numbers, learner.numbers, theta.astype(np.float64)))
+    return found.gain_holds and found.contraction_holds and found.inverse_holds
+
+
+def farthest_are_certified(model: Model, spoil: Callable[[Committer], None] = lambda committer: None) -> bool:
+    """Whether the last shadow that commit lets pass in each of many directions is certified in float64.
+
+    spoil: takes a protection out of the committer.
+    """
+    committer = committer_of(model)
+    spoil(committer)
+    last, first = border(committer, directions(committer, np.random.default_rng(11)))
+    accepted = answers(committer, last)
+    assert (accepted == Commit.COMMITTED).all()
+    assert (answers(committer, first) != Commit.COMMITTED).all()
+    return all(certified(committer, model, last[:, lane]) for lane in range(last.shape[1]))
+
+
+@pytest.mark.parametrize("model", [paper(), sized(24), sized(40), remembering()], ids=lambda model: model.name)
+def test_the_farthest_shadow_that_is_accepted_in_any_direction_is_certified(model: Model) -> None:
+    """Bisection to where commit begins to refuse; float64 enclosures judge what it let pass just before."""
+    assert farthest_are_certified(model)
+
+
+@pytest.mark.parametrize(
+    ("model", "protection"),
+    [(paper(), {"gain_floor": -np.inf}), (paper(), {"slope_limit": 2.0}), (remembering(), {"weight_budget": 1.0})],
+    ids=["gain", "slope", "weights"],
+)
+def test_without_a_protection_an_uncertified_shadow_would_pass(model: Model, protection: dict[str, float]) -> None:
+    """What the test above rests on: it can tell."""
+
+    def spoil(committer: Committer) -> None:
+        numbers = {name: np.float32(value) for name, value in protection.items()}
+        committer.numbers = dataclasses.replace(committer.numbers, **numbers)
+
+    assert not farthest_are_certified(model, spoil)
+
+
+@pytest.mark.parametrize("points_per_call", [1, 7, 64])
+def test_the_answer_does_not_depend_on_how_the_check_is_spread_over_calls(points_per_call: int) -> None:
+    committer = committer_of(sized(18, points_per_call=points_per_call))
+    shadows = np.concatenate(border(committer, directions(committer, np.random.default_rng(5)))[:2], axis=1)
+    shadows = shadows[:, :: shadows.shape[1] // committer.learner.theta.shape[1]]
+    expected = answers(committer_of(sized(18)), shadows)
+    assert len(set(expected.tolist())) >= 3
+    committer.learner.theta = shadows
+    told, calls = np.zeros_like(expected), 0
+    while (told == Commit.BUSY).any():
+        told, calls = np.where(told == Commit.BUSY, committer.commit(), told), calls + 1
+    np.testing.assert_array_equal(told, expected)
+    assert calls == -(-committer.numbers.points // points_per_call) + 3
+
+
+@functools.cache
+def compiled_once() -> Host:
+    return Host("remembering", texts_of(remembering()), GCC)
+
+
+class Planted:
+    """A compiled learner into which shadows are planted."""
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
+        self.instance = self.host.instance(float(START_UM), float(START_V))
+        self.learner = self.host.struct(f"{host.name}_learner_t")
+        self.host.call("learn_init", self.learner, self.instance)
+        self.learner.age = LearnerSettings().mature
+        self.own = np.array(list(self.learner.theta))
+
+    def answer(self, theta: Floats) -> Commit:
+        """What commit says to theta (n,) in the end."""
+        self.learner.theta[0 : theta.size] = theta.tolist()
+        return next(Commit(a) for a in iter(lambda: self.host.commit(self.instance, self.learner), -1) if a)
+
+    @property
+    def active(self) -> tuple[int, bytes]:
+        """Which bank is in use, and what is in it."""
+        words, layout = self.host.words_of(self.instance), self.host.layout(f"{self.host.name}_t")
+        number = int(self.instance.active)
+        return number, words[[at for path, at in layout.items() if path.startswith(f"bank[{number}]")]].tobytes()
+
+
+REFUSALS: dict[str, tuple[int, float, Commit]] = {
+    "gain of a rule turned round": (1, -1.0, Commit.REFUSED_GAIN),
+    "slope above one": (6, 1.5, Commit.REFUSED_SLOPE),
+    "offset that tilts the rules": (8, -30.0, Commit.REFUSED_SLOPE),
+    "not a number": (5, np.nan, Commit.REFUSED_LIMIT),
+    "infinite": (5, -np.inf, Commit.REFUSED_LIMIT),
+    "huge": (5, 1e30, Commit.REFUSED_LIMIT),
+    "weight of a play far off": (13, 1e3, Commit.REFUSED_WEIGHTS),
+}
+
+
+@pytest.mark.parametrize("reason", REFUSALS)
+def test_a_planted_shadow_is_refused_with_the_reason_and_what_is_active_stays(reason: str) -> None:
+    place, factor, expected = REFUSALS[reason]
+    planted = Planted(compiled_once())
+    theta = planted.own.copy()
+    theta[place] *= factor
+    before = planted.active
+    assert planted.answer(theta) == expected
+    assert planted.active == before
+    np.testing.assert_array_equal(np.float32(theta), np.float32(list(planted.learner.theta)))
+    assert planted.answer(planted.own) == Commit.COMMITTED
+    assert planted.active[0] != before[0]
+
+
+def test_a_shadow_that_has_just_restarted_is_too_young() -> None:
+    planted = Planted(compiled_once())
+    planted.learner.age = LearnerSettings().mature - 1
+    assert planted.answer(planted.own) == Commit.REFUSED_YOUNG
+
+
+INTERRUPT = """
+static uint32_t smooth_2_seen_bits[4096];
+static uint32_t smooth_2_seen_count;
+
+uint32_t smooth_2_seen(uint32_t i)
+{
+    return (i < smooth_2_seen_count) ? smooth_2_seen_bits[i] : 0u;
+}
+
+static void smooth_2_interrupt(const smooth_2_t *self)
+{
+    smooth_2_t copy = *self;
+    union { float value; uint32_t bits; } y;
+
+    y.value = smooth_2_predict(&copy, 3.0f, 40.0f);
+    smooth_2_seen_bits[smooth_2_seen_count++ % 4096u] = y.bits;
+}
+"""
+
+
+def interrupted(texts: dict[str, str]) -> dict[str, str]:
+    """The texts with a prediction after every statement of what writes the parameters and makes them active."""
+    start = texts["smooth_2.c"].index("static void smooth_2_write(")
+    body = re.sub(r";\n", "; smooth_2_interrupt(self);\n", texts["smooth_2.c"][start:])
+    head = texts["smooth_2.h"].replace(
+        "void smooth_2_init(", "uint32_t smooth_2_seen(uint32_t i);\nvoid smooth_2_init(", 1
+    )
+    return texts | {"smooth_2.c": texts["smooth_2.c"][:start] + INTERRUPT + body, "smooth_2.h": head}
+
+
+def predictions_seen(texts: dict[str, str]) -> list[int]:
+    """Bits of the predictions of an interrupt that comes between any two statements while a shadow is committed."""
+    planted = Planted(Host("smooth_2", interrupted(texts), GCC))
+    assert planted.answer(planted.own * np.where(np.arange(6) % 3 == 1, 1.2, 1.0)) == Commit.COMMITTED
+    seen = [int(planted.host.call("seen", i)) for i in range(4096)]
+    return [bits for bits in seen if bits]
+
+
+def test_an_interrupt_between_any_two_statements_sees_the_old_parameters_or_the_new_ones() -> None:
+    seen = predictions_seen(texts_of(sized(6)))
+    assert len(seen) > 100
+    assert len(set(seen)) == 2
+    assert seen == sorted(seen, key=lambda bits: bits != seen[0]), "and never the old ones again"
+
+
+def test_writing_to_the_bank_in_use_would_be_seen() -> None:
+    texts = texts_of(sized(6))
+    planted = texts["smooth_2.c"].replace("bank[1u - self->active]", "bank[self->active]")
+    assert planted != texts["smooth_2.c"]
+    assert len(set(predictions_seen(texts | {"smooth_2.c": planted}))) > 2

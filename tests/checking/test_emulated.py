@@ -1,0 +1,163 @@
+"""Other instruction sets under qemu: the same bits, and what happens to them when multiply and add are fused."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import cast
+
+import pytest
+
+from fixtures.proof_models import model, texts
+from fixtures.tools import need
+from hysgen.checking.bits.builds import Build
+from hysgen.checking.bits.closed_loop import LEAST_UPDATES, HostSide, follow
+from hysgen.checking.bits.committing import compare_commit
+from hysgen.checking.host import Host
+from hysgen.checking.proof.emulated.contraction import contraction, unguarded
+from hysgen.checking.proof.emulated.equality import equality
+from hysgen.checking.proof.emulated.machines import MACHINES, Machine
+from hysgen.checking.proof.emulated.program import Emulated
+from hysgen.cli import main
+from hysgen.codegen import write
+from hysgen.errors import BuildError
+from hysgen.machine.native import Toolchain
+
+# `hysgen verify DIR --target emulated --samples 1000000` makes the long run; its table is in docs/target.md.
+SAMPLES = 4000
+
+
+def need_machines() -> None:
+    for machine in MACHINES:
+        need(machine.compiler)
+        need(machine.emulator)
+
+
+def machine(name: str) -> Machine:
+    (found,) = [machine for machine in MACHINES if machine.name == name]
+    return found
+
+
+@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "everything"])
+def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None:
+    need_machines()
+    report = equality(model(name), texts(name), samples=SAMPLES)
+    assert report.equal, "\n".join(report.lines())
+    assert len(report.comparison.builds) == 5
+    assert not report.comparison.skipped
+    compared = {run.function for run in report.comparison.runs}
+    assert compared >= {"init", "predict", "simulate", "inverse", "selftest"}
+    assert ("learn" in compared) == (model(name).learner is not None)
+    if model(name).learner is not None:
+        # Behind a stage the bank in use changes in each machine's own memory, in this machine's bits.
+        here, *there = report.followed
+        assert len(there) == 5
+        assert here.switches == here.committed >= 1
+        assert all(row.equal and row.switches == row.committed == here.committed for row in there)
+    assert all(run.builds == 6 for run in report.comparison.runs)
+
+
+class Stuck(HostSide):
+    """A machine on which the bank in use never changes."""
+
+    def commit(self) -> int:
+        words, active = self.host.words_of(self._instance), self.host.layout(f"{self.host.name}_t")["active"]
+        before = int(words[active])
+        answer = super().commit()
+        words[active] = before
+        return answer
+
+
+def test_a_machine_on_which_no_bank_changes_is_seen() -> None:
+    host = Host("learning", texts("learning"))
+    sides = [HostSide("here", host), HostSide("there", host), Stuck("stuck", host)]
+    here, there, stuck = follow(model("learning"), sides, host, LEAST_UPDATES)
+    assert here.switches == here.committed >= 1
+    assert there.equal
+    assert (stuck.equal, stuck.switches, stuck.committed) == (False, 0, here.committed)
+    assert "DIFFERENT, first: call" in str(stuck)
+
+
+def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
+    need("s390x-linux-gnu-gcc")
+    need("qemu-s390x-static")
+    wrong = {file: text.replace("self->active = 1u - self->active;", "") for file, text in texts("learning").items()}
+    assert wrong != texts("learning")
+    builds = [
+        Build(Toolchain(label, ()), False, cast(Host, Emulated("learning", sources, machine("s390x"))))
+        for label, sources in {"honest": texts("learning"), "stuck": wrong}.items()
+    ]
+    run, found = compare_commit(model("learning"), builds, seed=1)
+    assert run.samples > 40_000
+    assert [mismatch.build.split()[0] for mismatch in found] == ["stuck"]
+
+
+def test_one_bit_of_one_constant_is_seen_on_the_machine_that_has_it() -> None:
+    need("s390x-linux-gnu-gcc")
+    need("qemu-s390x-static")
+    # A big-endian machine whose C has another last bit in one coefficient of the exponential.
+    wrong = {file: text.replace("0.240226477f", "0.240226492f") for file, text in texts("appendix_a").items()}
+    assert wrong != texts("appendix_a")
+    program = Emulated("appendix_a", wrong, machine("s390x"))
+    assert program.call("selftest") > 0
+    report = equality(model("appendix_a"), wrong, samples=2000, machines=[machine("s390x")])
+    assert not report.equal
+    assert any("s390x" in mismatch.build for mismatch in report.comparison.mismatches)
+
+
+def test_words_in_the_other_order_of_bytes_would_be_seen() -> None:
+    need("powerpc-linux-gnu-gcc")
+    need("qemu-ppc-static")
+    mistaken = dataclasses.replace(machine("powerpc"), order="<")
+    with pytest.raises(BuildError, match="the program ended"):
+        equality(model("appendix_a"), texts("appendix_a"), samples=100, machines=[mistaken])
+
+
+def test_the_guard_forbids_fusing_and_without_it_the_self_test_tells() -> None:
+    need_machines()
+    found = contraction(model("appendix_a"), texts("appendix_a"), samples=20_000)
+    assert len(found) == 2 * len(MACHINES)
+    for row in found:
+        if row.guarded:
+            assert (row.differing, row.selftest) == (0, 0), row
+        else:
+            assert row.differing > 0, row
+            assert row.selftest > 0, row
+
+
+def test_a_guard_that_has_gone_is_told() -> None:
+    with pytest.raises(BuildError, match="guard against fused multiply-adds was not found"):
+        unguarded("appendix_a", unguarded("appendix_a", texts("appendix_a")))
+
+
+def test_a_missing_compiler_is_told_with_its_packages() -> None:
+    absent = dataclasses.replace(machine("armhf"), compiler="arm-nowhere-gcc")
+    with pytest.raises(BuildError, match=r"arm-nowhere-gcc not installed; apt-get install gcc-arm-linux-gnueabihf"):
+        Emulated("appendix_a", texts("appendix_a"), absent)
+    report = equality(model("appendix_a"), texts("appendix_a"), samples=100, machines=[absent, *_installed()[:1]])
+    assert report.comparison.skipped == (
+        "armhf: arm-nowhere-gcc not installed; "
+        "apt-get install gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-user-static",
+    )
+
+
+def _installed() -> list[Machine]:
+    found = [machine for machine in MACHINES if not machine.missing]
+    if not found:
+        need(MACHINES[0].compiler)
+    return found
+
+
+def test_the_verb_runs_one_machine_and_refuses_one_without_its_target(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    need("s390x-linux-gnu-gcc")
+    need("qemu-s390x-static")
+    write(texts("appendix_b"), tmp_path)
+    call = ["verify", str(tmp_path), "--machine", "s390x", "--samples", "500"]
+    assert main([*call, "--target", "emulated"]) == 0
+    said = capsys.readouterr().out
+    assert "s390x: s390x-linux-gnu-gcc" in said
+    assert "appendix_b: equal in every bit" in said
+    assert main(call) == 2
+    assert "add it" in capsys.readouterr().err

@@ -1,0 +1,189 @@
+"""Frama-C Eva: the generated C never fails and never leaves its box, and without any of its guards that is not proved.
+
+Here for Appendix A and for what the model with every term adds; `hysgen prove DIR --take-out` does all of any model.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import re
+from collections.abc import Mapping
+
+import pytest
+
+from fixtures.proof_models import model, texts
+from fixtures.tools import need
+from hysgen.checking.proof.eva.calls import prove_call, step
+from hysgen.checking.proof.eva.commit import prove_commit
+from hysgen.checking.proof.eva.contract import check_contract
+from hysgen.checking.proof.eva.frama import Floats, analyse
+from hysgen.checking.proof.eva.guards import GUARDS, Guard, guards, without
+from hysgen.checking.proof.eva.learn import learn_step, prove_update, update_step
+from hysgen.checking.proof.eva.report import prove, proved
+from hysgen.checking.proof.eva.splits import annotated, splits
+from hysgen.codegen import Options, generate
+from hysgen.errors import BuildError, ModelError
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Model
+
+
+@functools.cache
+def gains() -> tuple[Model, Mapping[str, str]]:
+    """Appendix A with a learner of its six gains only, whose faults are quick to find."""
+    learner = dataclasses.replace(model("appendix_a"), learner=LearnerSettings(learned=("gain",)))
+    return learner, generate(learner, Options(clock_Hz=2e9))
+
+
+def test_every_call_of_appendix_a_is_proved_for_every_input() -> None:
+    need("frama-c")
+    found = prove(model("appendix_a"), texts("appendix_a"))
+    assert found.holds, "\n".join(found.lines())
+    assert {(p.function, p.inputs) for p in found.proofs} == {
+        (function, inputs) for function in ("init", "predict", "simulate", "inverse") for inputs in ("finite", "any")
+    }
+
+
+@pytest.mark.parametrize(("function", "inputs"), [("predict", "finite"), ("inverse", "any"), ("aux", "any")])
+def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Floats) -> None:
+    need("frama-c")
+    verdict, expected = prove_call(model("everything"), texts("everything"), function, inputs)
+    assert not verdict.alarms
+    assert verdict.held == verdict.checks >= expected > 20
+
+
+@pytest.mark.parametrize("guard", guards("appendix_a", texts("appendix_a")), ids=lambda guard: guard.about)
+def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
+    need("frama-c")
+    opened = without(guard, "appendix_a", texts("appendix_a"))
+    verdict, _ = prove_call(model("appendix_a"), opened, guard.function, guard.inputs)
+    assert verdict.alarms
+
+
+def test_learn_is_proved_for_every_input_and_any_covariance() -> None:
+    need("frama-c")
+    found = prove(model("learning"), texts("learning"), calls=["update", "learn_init", "learn"])
+    assert found.holds, "\n".join(found.lines())
+    assert [proof.expected for proof in found.proofs] == [20, 70, 70]
+
+
+@pytest.mark.parametrize("about", ["a shadow beyond its limits has to start again", "a displacement far outside"])
+def test_learn_without_a_guard_is_not_proved(about: str) -> None:
+    need("frama-c")
+    guard = next(guard for guard in GUARDS if guard.about.startswith(about))
+    learner, generated = gains()
+    opened = without(guard, learner.name, generated)
+    assert proved(learner, opened, guard.function, guard.inputs)[0].alarms
+
+
+def test_a_part_of_an_update_that_writes_more_than_its_contract_says_is_told() -> None:
+    need("frama-c")
+    learner, generated = gains()
+    source = generated["appendix_a.c"]
+    altered = source.replace("    self->k[0] = ", "    self->theta[3] = 0.0f;\n    self->k[0] = ", 1)
+    assert altered != source
+    verdict, _ = prove_update(learner, {**generated, "appendix_a.c": altered})
+    assert any("factor_0: writes theta" in alarm for alarm in verdict.alarms), verdict.alarms
+
+
+def test_the_inverse_of_a_committed_bank_needs_what_commit_checks() -> None:
+    need("frama-c")
+    learner, generated = gains()
+    sources, _ = step(learner, generated, "inverse", "finite")
+    # At one displacement: without the lower border of the gain there are too many cases to wait for.
+    sources["step.c"] = re.sub(r"(const float input0 =) .*;", r"\1 2.0f;", sources["step.c"])
+    assert not analyse(sources, "step.c", "finite").alarms
+    untold = re.sub(r" *//@ admit committed: .*\n", "", sources["appendix_a.c"])
+    assert untold != sources["appendix_a.c"]
+    assert analyse({**sources, "appendix_a.c": untold}, "step.c", "finite").alarms
+
+
+def test_the_contract_of_beyond_holds_for_every_float_and_another_does_not() -> None:
+    need("gcc")
+    assert not check_contract("everything", texts("everything")).alarms
+    open_limit = next(guard for guard in GUARDS if guard.function == "beyond")
+    assert check_contract("everything", without(open_limit, "everything", texts("everything"))).alarms
+
+
+def test_commit_is_proved_and_a_check_point_too_many_is_missed() -> None:
+    need("frama-c")
+    learner = dataclasses.replace(model("appendix_a"), learner=LearnerSettings())
+    generated = generate(learner, Options(clock_Hz=2e9))
+    verdict, expected = prove_commit(learner, generated)
+    assert not verdict.alarms
+    assert verdict.held == verdict.checks >= expected
+    endless = next(guard for guard in GUARDS if guard.function == "commit")
+    assert prove_commit(learner, without(endless, "appendix_a", generated))[0].alarms
+
+
+def test_a_ring_that_is_left_open_is_missed() -> None:
+    need("frama-c")
+    guard = next(guard for guard in GUARDS if guard.about == "the delay's ring is closed where it is read")
+    opened = without(guard, "everything", texts("everything"))
+    verdict, _ = prove_call(model("everything"), opened, guard.function, guard.inputs)
+    assert any("index" in alarm or "< 4" in alarm for alarm in verdict.alarms), verdict.alarms
+
+
+def test_every_guard_stands_in_one_of_two_models() -> None:
+    found = {guard for name in ("appendix_a", "everything") for guard in guards(name, texts(name))}
+    assert found == set(GUARDS)
+
+
+def test_cases_leave_the_generated_text_as_it_is() -> None:
+    generated = texts("everything")["everything.c"]
+    looked_at = annotated("everything", generated, splits(model("everything"), 1048576.0))
+    assert looked_at != generated
+    assert re.sub(r"    /\*@ ghost .* \*/\n", "", looked_at) == generated
+
+
+def test_a_case_whose_place_is_gone_is_an_error() -> None:
+    altered = texts("appendix_a")["appendix_a.c"].replace("const uint32_t below = ", "const uint32_t under = ")
+    with pytest.raises(ModelError, match="limited: no line"):
+        annotated("appendix_a", altered, splits(model("appendix_a"), 1048576.0))
+
+
+def test_a_learner_whose_lines_are_gone_is_an_error() -> None:
+    generated = texts("learning")
+
+    def altered(line: str, other: str) -> Mapping[str, str]:
+        assert line in generated["learning.c"]
+        return {**generated, "learning.c": generated["learning.c"].replace(line, other)}
+
+    with pytest.raises(ModelError, match="learn: no line"):
+        learn_step(model("learning"), altered("    self->fresh = 0u;", "    self->fresh &= 0u;"), "learn")
+    with pytest.raises(ModelError, match="step: its parameters"):
+        update_step(model("learning"), altered("self->theta[17] = sum17;", "self->theta[17] = (sum17);"))
+
+
+def test_what_is_not_c_and_what_never_ends_is_refused() -> None:
+    need("frama-c")
+    for text in ("int main(void) { return }", "int main(void) { for (;;) { } return 0; }"):
+        with pytest.raises(BuildError, match="frama-c"):
+            analyse({"step.c": text}, "step.c", "finite")
+
+
+def test_a_narrower_box_is_not_proved() -> None:
+    need("frama-c")
+    sources, _ = step(model("appendix_a"), texts("appendix_a"), "predict", "finite")
+    demand = re.search(r"check y_um: .*;", sources["step.c"])
+    assert demand is not None
+    narrow = sources["step.c"].replace(demand[0], r"check y_um: \is_finite(self.y_um) && 0.0 <= self.y_um <= 4.0;")
+    verdict = analyse({**sources, "step.c": narrow}, "step.c", "finite")
+    assert [alarm for alarm in verdict.alarms if "y_um" in alarm]
+
+
+def test_a_call_that_is_not_there_is_refused() -> None:
+    need("frama-c")
+    with pytest.raises(ModelError, match="no call learn to prove"):
+        prove(model("appendix_a"), texts("appendix_a"), calls=["learn"])
+
+
+def test_models_of_another_kind_are_refused() -> None:
+    class Unknown:
+        kind = "unknown"
+        size = 1
+
+    altered = dataclasses.replace(model("appendix_a"))
+    object.__setattr__(altered, "terms", (Unknown(),))
+    with pytest.raises(ModelError, match="box is not known"):
+        step(altered, texts("appendix_a"), "predict", "finite")

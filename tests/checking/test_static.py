@@ -1,0 +1,132 @@
+"""Warnings, MISRA rules, sanitizers: the generated C is clean, and each tool sees the faults that are put into it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections import Counter
+from collections.abc import Mapping
+
+import pytest
+
+from fixtures.generated_models import learning, smooth
+from fixtures.proof_models import model, texts
+from fixtures.tools import need
+from hysgen.checking.bits.closed_loop import Followed
+from hysgen.checking.bits.report import Report
+from hysgen.checking.proof.emulated.equality import EmulatedReport
+from hysgen.checking.proof.misra import ADVISORY, DEVIATIONS, misra
+from hysgen.checking.proof.sanitize import sanitize
+from hysgen.checking.proof.warnings import COMPILERS, wall
+from hysgen.codegen import Options, generate
+from hysgen.errors import BuildError
+from hysgen.model.learner_settings import LearnerSettings
+
+
+def planted(anchor: str, replacement: str) -> Mapping[str, str]:
+    """The C of Appendix A with one place of its algorithm replaced."""
+    source = texts("appendix_a")["appendix_a.c"]
+    assert anchor in source
+    return {**texts("appendix_a"), "appendix_a.c": source.replace(anchor, replacement, 1)}
+
+
+def learners() -> Mapping[str, LearnerSettings]:
+    """Kinds of learner whose C has another shape than the one in `everything`."""
+    return {
+        "written_out": LearnerSettings(),
+        "bias": LearnerSettings(learned=("bias",)),
+        "slices": LearnerSettings(calls_per_update=6, points_per_call=4, forgetting=1.0),
+    }
+
+
+@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "everything"])
+def test_no_compiler_warns_of_generated_c(name: str) -> None:
+    for compiler in COMPILERS:
+        need(compiler)
+    found = wall(name, texts(name))
+    assert found.clean, "\n".join(found.lines())
+    assert len(found.files) == 4  # two compilers, algorithm and self-test
+
+
+@pytest.mark.parametrize("kind", learners())
+def test_no_compiler_warns_of_any_learner(kind: str) -> None:
+    learner = dataclasses.replace(learning(), name=kind, learner=learners()[kind])
+    found = wall(kind, generate(learner, Options(clock_Hz=2e9)))
+    assert found.clean, "\n".join(found.lines())
+
+
+@pytest.mark.parametrize(
+    ("fault", "anchor", "replacement"),
+    [
+        ("unused", "const float r2 = r * r;", "const float r2 = r * r;\n    const float spare = r2;"),
+        ("conversion", "const float r2 = r * r;", "const float r2 = r * (r + 1e-9);"),
+        ("sign", "const uint32_t infinite =", "const int32_t infinite ="),
+        (
+            "shadow",
+            "const float r2 = r * r;",
+            "const float r2 = r * r;\n    {\n        const float r = r2;\n        (void)r;\n    }",
+        ),
+    ],
+)
+def test_every_compiler_sees_a_planted_fault(fault: str, anchor: str, replacement: str) -> None:
+    found = wall("appendix_a", planted(anchor, replacement))
+    complaining = {walled.compiler for walled in found.files if any(fault in line for line in walled.complaints)}
+    assert complaining == set(COMPILERS), "\n".join(found.lines())
+
+
+def test_required_misra_rules_are_followed_and_every_deviation_is_advisory_and_met() -> None:
+    need("cppcheck")
+    found = [misra(name, texts(name)) for name in ("appendix_a", "appendix_b", "learning", "everything_spread")]
+    found.append(misra("smooth_50", generate(smooth(50), Options(clock_Hz=2e9))))
+    for report in found:
+        assert report.clean, "\n".join(report.lines())
+        assert report.required == 0
+    assert {deviation.rule for deviation in DEVIATIONS} == set().union(*(report.deviating for report in found))
+    assert {deviation.rule for deviation in DEVIATIONS} <= ADVISORY
+
+
+@pytest.mark.parametrize(
+    ("rule", "anchor", "replacement"),
+    [
+        ("10.4", "APPENDIX_A_BANK_RULES; ++l", "6; ++l"),
+        ("14.4", "    self->active = 0u;", "    if (self->status) {\n        self->active = 0u;\n    }"),
+        ("15.6", "    self->active = 0u;", "    if (y_um < 0.0f)\n        self->active = 0u;"),
+        ("17.7", "    (void)appendix_a_apply(", "    appendix_a_apply("),
+        ("21.6", '#include "appendix_a.h"', '#include "appendix_a.h"\n#include <stdio.h>'),
+    ],
+)
+def test_misra_sees_a_planted_fault(rule: str, anchor: str, replacement: str) -> None:
+    need("cppcheck")
+    found = misra("appendix_a", planted(anchor, replacement))
+    assert rule in {finding.rule for finding in found.findings}, "\n".join(found.lines())
+    assert found.required > 0
+
+
+def test_sanitizers_find_nothing_in_what_runs() -> None:
+    """Every term, block and the learner; few samples, for `hysgen prove DIR --only sanitize` runs 1e5 of each call."""
+    need("gcc")
+    assert sanitize(model("everything"), texts("everything"), samples=200).equal
+
+
+@pytest.mark.parametrize(
+    ("anchor", "replacement"),
+    [
+        (
+            "    return appendix_a_float(appendix_a_bits(mantissa)",
+            "    const int32_t far = (int32_t)appendix_a_bits(shifted) + 2000000000;\n    if (far == 7) { return x; }\n"
+            "    return appendix_a_float(appendix_a_bits(mantissa)",
+        ),
+        ("&self->bank[self->active];", "&self->bank[self->active + 2u];"),
+    ],
+    ids=["signed overflow", "index out of bounds"],
+)
+def test_sanitizers_stop_at_a_planted_fault(anchor: str, replacement: str) -> None:
+    need("gcc")
+    with pytest.raises(BuildError, match="sanitizers: the program ended"):
+        sanitize(model("appendix_a"), planted(anchor, replacement), samples=100)
+
+
+def test_answers_of_commit_are_told_by_name() -> None:
+    comparison = Report("m", builds=(), skipped=(), altered=(), runs=(), mismatches=(), seconds=0.0)
+    report = EmulatedReport(comparison, (Followed("sanitizers", answers=Counter(COMMITTED=2)),))
+    assert json.loads(json.dumps(report.to_json()))["followed"][0]["answers"] == {"COMMITTED": 2}

@@ -1,0 +1,191 @@
+"""Verify says equal when C and reference are, and names the place, in every way that they can part."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fixtures.tools import need
+from hysgen.checking.bits import Report, verify, verify_texts
+from hysgen.checking.bits.random_models import RULES, faint_model, random_model
+from hysgen.codegen import generate, write
+from hysgen.errors import HysgenError
+from hysgen.model.file import load_model
+from hysgen.model.model import Model
+from hysgen.model.path.slew import Slew
+from hysgen.model.terms.creep import Creep
+from hysgen.model.terms.memory import Memory
+
+SAMPLES = 30_000
+
+
+@functools.lru_cache(maxsize=1)
+def extended() -> Model:
+    """Appendix A with plays, creep and a slew limit, called `stage`."""
+    return dataclasses.replace(
+        load_model("appendix_a"),
+        name="stage",
+        terms=(Memory.uniform(3, 50.0), Creep.spread(2, 0.001, 1.0)),
+        weights=np.array([1e-4, 2e-4, 3e-4, -2e-4, 1e-4]),
+        blocks=(Slew(4e5, 3e5),),
+    )
+
+
+def compared(model: Model, texts: Mapping[str, str], level: str = "-O2") -> Report:
+    return verify_texts(model, texts, samples=SAMPLES, structures=0, compilers=["cc"], levels=[level])
+
+
+def altered(file: str, old: str, new: str) -> dict[str, str]:
+    """The extended model's texts with one fault planted."""
+    texts = generate(extended())
+    assert old in texts[file], f"the fault has nothing to bite on: {old}"
+    return texts | {file: texts[file].replace(old, new)}
+
+
+def test_generated_c_equals_reference_in_every_installed_build() -> None:
+    report = verify_texts(extended(), generate(extended()), samples=SAMPLES, structures=3)
+    assert report.equal, "\n".join(report.lines())
+    assert report.samples >= SAMPLES
+    assert {run.function for run in report.runs} == {"selftest", "init", "predict", "simulate", "inverse"}
+
+
+# What a wrong generator, a wrong template or a wrong compiler could do, where it must show first.
+FAULTS = {
+    "last bit of a constant": ("stage_params.h", "0.911089778f", "0.911089838f", "predict", "result"),
+    "order of operations": (
+        "stage.c",
+        "(base + u * gain) * per_weight",
+        "base * per_weight + u * gain * per_weight",
+        "predict",
+        "result",
+    ),
+    "a Newton step less": ("stage.c", "r = r * (2.0f - x * r);\n\n    return", "return", "predict", "result"),
+    "upper clamp missing": ("stage.c", "(stage_bits(high) & lower)", "(stage_bits(x) & lower)", "init", "u_V"),
+    "NaN passes": ("stage.c", "(uint32_t)(magnitude >= 0x7f800000u)", "0u", "init", ""),
+    "tiny numbers pass": ("stage.c", "bits & keep & ~hold", "bits & ~hold", "init", "u_V"),
+    "wrong flag": (
+        "stage.c",
+        "u_clamped * STAGE_STATUS_U_CLAMPED",
+        "u_clamped * STAGE_STATUS_Y_CLAMPED",
+        "init",
+        "status",
+    ),
+    "flag forgotten": ("stage.c", "| (unreachable * STAGE_STATUS_UNREACHABLE)", "", "inverse", "status"),
+    "counter wraps": (
+        "stage.c",
+        "counter + (happened & (uint32_t)(counter < UINT32_MAX))",
+        "counter + happened",
+        "predict",
+        "y_clamped",
+    ),
+    "wrong bank": ("stage.c", "&self->bank[self->active]", "&self->bank[0]", "predict", "result"),
+    "last good input not kept": ("stage.c", "    self->u_V = u;\n", "", "predict", "u_V"),
+    "state of a term": (
+        "stage.c",
+        "stage_memory_play(self->play[1], u,",
+        "stage_memory_play(self->play[1], self->play[1],",
+        "predict",
+        "terms.memory.play[1]",
+    ),
+    "low word of a slow state": (
+        "stage.c",
+        "*low = t - (sum - *high);",
+        "*low = 0.0f;",
+        "predict",
+        "terms.creep.low[0]",
+    ),
+    "what the input blocks hold back arrives": (
+        "stage.c",
+        "stage_apply(self, base, sums.gain, per_weight, extra, v)",
+        "stage_apply(self, base, sums.gain, per_weight, extra, u)",
+        "predict",
+        "result",
+    ),
+    "self-test": ("stage_selftest.c", "self.y_clamped != ", "self.y_clamped == ", "selftest", "result"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_planted_fault_is_found_and_named(fault: str) -> None:
+    file, old, new, function, word = FAULTS[fault]
+    report = compared(extended(), altered(file, old, new))
+    assert not report.equal
+    named = [m for m in report.mismatches if m.function == function]
+    assert named, f"found, but not in {function}: {report.mismatches[0]}"
+    assert not word or word in {m.word for m in named}, f"{word} is not named: {named[0]}"
+    assert all(m.got != m.expected for m in report.mismatches)
+
+
+def test_mismatch_names_function_arguments_and_both_bit_patterns() -> None:
+    report = compared(extended(), altered("stage_params.h", "0.911089778f", "0.911089838f"))
+    line = str(next(m for m in report.mismatches if m.function == "predict"))
+    assert line.startswith("stage_predict(0x")
+    assert "result is 0x" in line
+    assert "expected 0x" in line
+    assert "inputs, sample" in line
+    assert "cc -O2" in line
+
+
+def test_results_that_are_not_settled_are_found_by_the_faint_model() -> None:
+    model = faint_model()
+    texts = generate(model)
+    settle = "faint_float(bits & faint_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)))"
+    assert settle in texts["faint.c"]
+    assert compared(model, texts).equal
+    assert not compared(model, texts | {"faint.c": texts["faint.c"].replace(settle, "x")}).equal
+
+
+# clang obeys the pragma unless -ffp-contract=fast overrides it; then only the self-test can tell.
+@pytest.mark.parametrize(("compiler", "contract"), [("gcc", "fast"), ("clang", "on")])
+def test_guard_keeps_the_compiler_from_fusing_multiplication_and_addition(compiler: str, contract: str) -> None:
+    need(compiler)
+    if " fma " not in Path("/proc/cpuinfo").read_text():
+        pytest.skip("this processor has no fused operations: nothing to guard against")
+    texts = generate(extended())
+    guard = re.search(r"#if defined\(__clang__\)\n#pragma STDC.*?#endif\n", texts["stage.c"], re.DOTALL)
+    assert guard
+    build = {"compilers": [compiler], "levels": [f"-O3 -march=native -ffp-contract={contract}"]}
+    bare = texts | {"stage.c": texts["stage.c"].replace(guard[0], "")}
+    assert verify_texts(extended(), texts, samples=SAMPLES, structures=0, **build).equal
+    assert not verify_texts(extended(), bare, samples=SAMPLES, structures=0, **build).equal
+
+
+def test_drawn_models_cover_every_number_of_rules_and_repeat() -> None:
+    drawn = [random_model(seed) for seed in range(len(RULES))]
+    assert sorted(model.grid.rules for model in drawn) == sorted(RULES)
+    assert np.array_equal(random_model(3).consequents, random_model(3).consequents)
+
+
+def test_folder_is_verified_as_it_was_written_and_altered_files_are_named(tmp_path: Path) -> None:
+    write(generate(extended()), tmp_path)
+    seen: list[float] = []
+    quick = {"samples": 3000, "structures": 0, "levels": ["-O0"]}
+    report = verify(tmp_path, **quick, progress=lambda fraction, _: seen.append(fraction))
+    assert report.equal
+    assert json.loads(json.dumps(report.to_json()))["equal"] is True
+    assert seen == sorted(seen)
+    assert seen[-1] > 0.5
+
+    header = tmp_path / "stage.h"
+    header.write_text(header.read_text() + "/* edited */\n")
+    report = verify(tmp_path, **quick)
+    assert not report.equal
+    assert any(str(header) in line for line in report.altered)
+
+
+def test_folder_without_manifest_is_refused_in_one_line(tmp_path: Path) -> None:
+    with pytest.raises(HysgenError, match=r"MANIFEST\.json: is missing; this is not a folder"):
+        verify(tmp_path)
+
+
+def test_missing_compiler_is_told_loudly() -> None:
+    texts = generate(extended())
+    report = verify_texts(extended(), texts, samples=3000, structures=0, compilers=["cc", "no-such-compiler"])
+    assert any("NOT COMPARED: no-such-compiler" in line for line in report.lines())

@@ -1,0 +1,132 @@
+"""The command line as a person meets it: the way through, the JSON, the exit codes, and one line a fault."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hysgen.cli import main
+from hysgen.stage import Stage, run
+from hysgen.stage.signals import nested_amplitudes
+
+TS_S = 1e-4
+
+
+@pytest.fixture(scope="session")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A record of the virtual stage at 10 kHz: nested loops at two frequencies, twice."""
+    u_V = nested_amplitudes(TS_S, (50.0, 20.0), 40.0, 25.0, 4)
+    measured = run(Stage.nominal(), np.concatenate([u_V, u_V]), TS_S, seed=7)
+    lines = [
+        f"{t:.4f},{u:.6f},{y:.5f}"
+        for t, u, y in zip(measured.time_s, measured.voltage_V, measured.displacement_um, strict=True)
+    ]
+    path = tmp_path_factory.mktemp("record") / "stage.csv"
+    path.write_text("\n".join(["time_s,voltage_V,displacement_um", *lines]) + "\n")
+    return path
+
+
+@pytest.fixture(scope="session")
+def model(record: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "axis one.json"
+    assert main(["fit", str(record), "--rows", "0:6000", "--plays", "6", "-o", str(path)]) == 0
+    return path
+
+
+def test_a_record_becomes_a_scored_model_and_its_c(
+    record: Path, model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scores = tmp_path / "scores.json"
+    call = ["score", str(model), str(record), "--rows", "6000:", "--rivals", "0:6000", "--json", str(scores)]
+    assert main(call) == 0
+    shown = capsys.readouterr().out
+    for line in ("free run", "one step", "persistence", "noise floor", "Prandtl-Ishlinskii"):
+        assert line in shown
+    told = json.loads(scores.read_text())
+    rivals = told["rivals_free_run"]
+    assert told["free_run"]["e_rms_um"] < rivals["Prandtl-Ishlinskii, 20 plays"]["e_rms_um"]
+    assert main(["generate", str(model), "-o", str(tmp_path / "c")]) == 0
+    # The model is called after its file, in letters that C allows.
+    assert {"axis_one.h", "axis_one.c", "axis_one_params.h"} <= {path.name for path in (tmp_path / "c").iterdir()}
+
+
+def test_a_learner_is_asked_for_when_fitting_or_when_generating(record: Path, model: Path, tmp_path: Path) -> None:
+    """--learn makes `_learn` and `_commit`, of the parameters that it names; --learn none takes them out again."""
+    learning = tmp_path / "learning.json"
+    fit = ["fit", str(record), "--method", "batch", "--learn", "bias", "--learn-noise", "0.001", "-o", str(learning)]
+    assert main(fit) == 0
+    settings = json.loads(learning.read_text())["learner"]
+    assert (settings["learned"], settings["noise_um"]) == (["bias"], 0.001)
+    calls = {
+        "kept": (learning, []),
+        "none": (learning, ["--learn", "none"]),
+        "terms": (model, ["--learn", "terms", "--calls-per-update", "2"]),
+    }
+    for name, (path, options) in calls.items():
+        assert main(["generate", str(path), *options, "-o", str(tmp_path / name)]) == 0
+    assert "#define LEARNING_LEARNED 1u " in (tmp_path / "kept" / "learning.h").read_text()
+    assert "_learn(" not in (tmp_path / "none" / "learning.h").read_text()
+    assert "#define AXIS_ONE_LEARNED 6u " in (tmp_path / "terms" / "axis_one.h").read_text()
+
+
+def test_the_same_call_writes_the_same_bytes(record: Path, tmp_path: Path) -> None:
+    for name in ("first", "second"):
+        assert main(["fit", str(record), "--method", "batch", "--name", "m", "-o", str(tmp_path / f"{name}.json")]) == 0
+    assert (tmp_path / "first.json").read_bytes() == (tmp_path / "second.json").read_bytes()
+
+
+def test_json_on_stdout_is_alone_there(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["describe", str(model), "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["certificates"]
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (["fit", "no-such-file.csv", "-o", "x.json"], "no-such-file.csv"),
+        (["fit", "{record}", "--rows", "9000:10", "-o", "x.json"], "rows: '9000:10'"),
+        (["fit", "{record}", "--rules", "1", "-o", "x.json"], "rules: 1"),
+        (["fit", "{record}", "--forgetting", "1.5", "-o", "x.json"], "forgetting: 1.5"),
+        (["fit", "{record}", "--columns", "speed=u_V", "-o", "x.json"], "speed"),
+        (["score", "{record}", "{record}"], "stage.csv"),
+        (["score", "no_such_model", "{record}"], "no_such_model"),
+        (["describe", "appendix_z"], "appendix_z"),
+        (["generate", "appendix_a"], "-o"),
+        (["generate", "appendix_a", "--learn", "terms", "-o", "x"], "the model has none"),
+        (["generate", "appendix_a", "--learn", "all", "--learn-forgetting", "1.5", "-o", "x"], "forgetting 1.5"),
+        (["polish"], "polish"),
+    ],
+)
+def test_every_fault_of_the_user_is_one_line_and_exit_code_2(
+    call: list[str],
+    told: str,
+    record: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    try:
+        code = main([word.format(record=record) for word in call])
+    except SystemExit as exit_:  # argparse leaves by itself
+        code = exit_.code
+    captured = capsys.readouterr()
+    assert code == 2
+    assert captured.err.count("\n") == 1, captured.err
+    assert told in captured.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_interrupt_is_told_and_leaves_no_half_file(
+    record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("hysgen.cli.verbs.fit.fit", interrupted)
+    assert main(["fit", str(record), "-o", str(tmp_path / "m.json")]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,124 @@
+"""Re-identification from the command line: what is up to date, what moved, what no longer fits, and the exit codes."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hysgen.cli import main
+from hysgen.stage import Stage, run
+from hysgen.stage.signals import nested_amplitudes
+
+TS_S = 1e-4
+STROKE = 1.08
+
+
+def write_record(path: Path, stage: Stage, seed: int, hum_um: float = 0.0) -> Path:
+    """Nested loops at two frequencies, twice; `hum_um` of 73 Hz on the displacement, from a floor, say."""
+    u_V = nested_amplitudes(TS_S, (50.0, 20.0), 40.0, 25.0, 4)
+    u_V = np.concatenate([u_V, u_V])
+    y_um = run(stage, u_V, TS_S, seed=seed).displacement_um
+    y_um = y_um + hum_um * np.sin(2.0 * np.pi * 73.0 * TS_S * np.arange(y_um.size))
+    rows = [f"{k * TS_S:.4f},{u:.6f},{y:.5f}" for k, (u, y) in enumerate(zip(u_V, y_um, strict=True))]
+    path.write_text("\n".join(["time_s,voltage_V,displacement_um", *rows]) + "\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two records, the second with 8 % more stroke; a model of the first, and its C."""
+    folder = tmp_path_factory.mktemp("axis")
+    stage = Stage.nominal()
+    write_record(folder / "first.csv", stage, 1)
+    write_record(folder / "second.csv", dataclasses.replace(stage, stroke_um=STROKE * stage.stroke_um), 2)
+    write_record(folder / "hum.csv", stage, 3, hum_um=0.3)
+    assert main(["fit", f"{folder}/first.csv", "--plays", "6", "-o", f"{folder}/axis.json"]) == 0
+    assert main(["generate", f"{folder}/axis.json", "-o", f"{folder}/c"]) == 0
+    return folder
+
+
+def test_check_says_which_generated_files_are_stale(folder: Path, tmp_path: Path) -> None:
+    assert main(["generate", f"{folder}/axis.json", "-o", f"{folder}/c", "--check"]) == 0
+    assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}"]) == 0
+    (tmp_path / "axis.h").unlink()
+    source = tmp_path / "axis.c"
+    lines = source.read_text().splitlines(keepends=True)
+    source.write_text("".join([*lines[:4], "/* by hand */\n", *lines[4:]]))
+    told = f"{tmp_path}.json"
+    assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}", "--check", "--json", told]) == 1
+    assert json.loads(Path(told).read_text())["stale"] == [
+        {"name": "axis.c", "fault": "differs", "line": 5},
+        {"name": "axis.h", "fault": "missing", "line": None},
+    ]
+    # Checking wrote nothing.
+    assert not (tmp_path / "axis.h").exists()
+
+
+def test_refit_changes_the_numbers_and_verifies_the_c(folder: Path, tmp_path: Path) -> None:
+    assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c"]) == 0
+    call = ["refit", f"{folder}/axis.json", f"{folder}/second.csv", "-o", f"{tmp_path}/axis.json"]
+    assert main([*call, "--c", f"{tmp_path}/c", "--json", f"{tmp_path}/told.json"]) == 0
+    told = json.loads((tmp_path / "told.json").read_text())
+    assert told["structure_fits"]
+    assert told["c"]["equal"]
+    assert told["c"]["changed"] == ["MANIFEST.json", "axis.json", "axis_params.h"]
+    assert main(["generate", f"{tmp_path}/axis.json", "-o", f"{tmp_path}/c", "--check"]) == 0
+    assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c", "--check"]) == 1
+
+
+def test_diff_tells_what_moved_and_scores_both_models_on_both_records(folder: Path, tmp_path: Path) -> None:
+    old, new = f"{folder}/axis.json", f"{tmp_path}/axis.json"
+    assert main(["refit", old, f"{folder}/second.csv", "-o", new]) == 0
+    records = [f"{folder}/first.csv", f"{folder}/second.csv"]
+    assert main(["diff", old, new, "--records", *records, "--json", f"{tmp_path}/told.json"]) == 0
+    told = json.loads((tmp_path / "told.json").read_text())
+    moved = {change["what"]: change["percent"] for change in told["changes"]}
+    # 8 % more stroke was planted: gain and loop follow, the lag does not. Noise and the fit are worth a percent or so.
+    assert moved["DC gain, mid-range"] == pytest.approx(8.0, abs=1.5)
+    widths = [percent for what, percent in moved.items() if what.startswith("loop width")]
+    assert widths == pytest.approx([8.0, 8.0], abs=2.5)
+    assert moved["time constant, mid-range"] == pytest.approx(0.0, abs=3.0)
+    first, second = told["free_run_rms_um"]
+    assert first["old"] < 0.2 * first["new"]
+    assert second["new"] < 0.2 * second["old"]
+    assert len(told["rules_change"]) == len(told["centres_um"]) == 6
+
+
+def test_refit_says_that_the_structure_no_longer_fits_and_what_it_lacks(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call = ["refit", f"{folder}/axis.json", f"{folder}/hum.csv", "-o", f"{tmp_path}/new.json"]
+    assert main([*call, "--json", f"{tmp_path}/told.json"]) == 1
+    told = json.loads((tmp_path / "told.json").read_text())
+    assert not told["structure_fits"]
+    assert told["diagnosis"]["lacking"] == ["periodic"]
+    assert "the model does not have: periodic" in capsys.readouterr().out
+    assert not (tmp_path / "new.json").exists()
+    assert main([*call, "--no-diagnosis", "--anyway"]) == 1
+    assert (tmp_path / "new.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (["generate", "{axis}", "-o", "nowhere", "--check"], None),
+        (["refit", "appendix_a", "{first}", "-o", "x.json"], "appendix_a"),
+        (["diff", "{axis}", "appendix_a"], "structures differ"),
+        (["refit", "{axis}", "no.csv", "-o", "x.json"], "no.csv"),
+    ],
+)
+def test_answer_no_is_code_1_and_a_fault_is_code_2(
+    call: list[str], told: str | None, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [word.format(axis=folder / "axis.json", first=folder / "first.csv") for word in call]
+    code, shown = main(words), capsys.readouterr()
+    if told is None:
+        assert (code, shown.err) == (1, "")
+    else:
+        assert code == 2
+        assert shown.err.count("\n") == 1
+        assert told in shown.err

@@ -1,0 +1,181 @@
+"""Generating: the same bytes always, numbers that read back, refusals with place and value, golden files."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import getpass
+import json
+import platform
+import re
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fixtures.generated_models import everything, learning, smooth
+from hysgen.codegen import Options, generate, write
+from hysgen.codegen.literals import literal
+from hysgen.codegen.manifest import read_folder
+from hysgen.errors import BudgetError, CertificateError, HysgenError
+from hysgen.machine.files import digest
+from hysgen.model.file import dump_model, load_model
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Model
+from hysgen.model.terms.memory import Memory
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+
+
+@pytest.mark.parametrize("model", [load_model("appendix_a"), everything(), smooth(50)], ids=lambda model: model.name)
+def test_generated_files_are_the_golden_ones(model: Model, request: pytest.FixtureRequest) -> None:
+    """Update with `pytest tests/codegen/test_generate.py --update-golden` and look at the diff."""
+    folder = GOLDEN / model.name
+    texts = {name: text for name, text in generate(model).items() if name.endswith((".c", ".h"))}
+    if request.config.getoption("--update-golden"):
+        write(texts, folder)
+    kept = {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+    assert sorted(kept) == sorted(texts)
+    for name, text in texts.items():
+        change = difflib.unified_diff(kept[name].splitlines(), text.splitlines(), "golden", "generated", lineterm="")
+        assert kept[name] == text, f"{name}:\n" + "\n".join(list(change)[:60])
+
+
+def test_same_model_gives_the_same_bytes_in_another_process_and_folder(tmp_path: Path) -> None:
+    code = (
+        "from hysgen.codegen import generate; from hysgen.machine.files import digest;"
+        "from hysgen.model.file import load_model;"
+        "print(digest(repr(generate(load_model('appendix_b'))).encode()))"
+    )
+    found = {digest(repr(generate(load_model("appendix_b"))).encode())}
+    for seed in ("1", "2"):
+        run = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=tmp_path,
+            env={"PYTHONHASHSEED": seed, "PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "TZ": "Asia/Tokyo"},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        found.add(run.stdout.strip())
+    assert len(found) == 1
+
+
+def test_nothing_of_machine_or_clock_stands_in_the_files() -> None:
+    told = "".join(generate(everything()).values())
+    folders = (str(Path.cwd()), str(Path.home()), "/tmp", f"{getpass.getuser()}/")
+    for word in (*folders, platform.node(), time.strftime("%Y-")):
+        assert word not in told
+
+
+def test_new_numbers_change_parameters_and_nothing_of_the_algorithm() -> None:
+    """After re-identification only <name>_params.h goes to the firmware, beside the model itself and the manifest."""
+    for model in (load_model("appendix_a"), everything(), learning()):
+        moved = dataclasses.replace(
+            model,
+            grid=dataclasses.replace(model.grid, y_min_um=model.grid.y_min_um - 0.1, y_max_um=4.0),
+            consequents=model.consequents * 0.97,
+            weights=model.weights * 1.03,
+            u_max_V=110.0,
+        )
+        before, after = generate(model), generate(moved)
+        changed = {name.removeprefix(model.name) for name in before if before[name] != after[name]}
+        assert changed == {"_params.h", ".json", "MANIFEST.json"}
+
+
+@given(st.floats(width=32, allow_nan=False, allow_infinity=False))
+def test_literal_reads_back_to_the_same_bits(value: float) -> None:
+    text = literal(np.float32(value))
+    assert text.endswith("f")
+    assert struct.pack("<f", float(np.float32(text[:-1]))) == struct.pack("<f", value)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_literal_refuses_what_is_no_number(value: float) -> None:
+    with pytest.raises(ValueError, match="no float32 literal"):
+        literal(np.float32(value))
+
+
+@pytest.mark.parametrize("model", [load_model("appendix_b"), everything(), learning()], ids=lambda model: model.name)
+def test_every_number_reads_back_to_the_bits_beside_it(model: Model) -> None:
+    text = generate(model)[f"{model.name}_params.h"]
+    pairs = re.findall(r"(-?[\d.]+(?:e[-+]\d+)?)f,?\s+/\* 0x([0-9a-f]{8}) \*/", text)
+    assert len(pairs) > 30
+    assert len(pairs) == len(re.findall(r"/\* 0x[0-9a-f]{8} \*/", text)), "bits without a number, or one without bits"
+    for number, bits in pairs:
+        assert int(np.float32(number).view(np.uint32)) == int(bits, 16)
+
+
+def test_singular_inverse_is_refused_with_place_and_value() -> None:
+    """Gain through zero in the middle of the range; the model itself still generates."""
+    model = smooth(6)
+    consequents = model.consequents.copy()
+    consequents[:, 1] = np.linspace(1e-3, -1e-3, 6)
+    singular = dataclasses.replace(model, consequents=consequents)
+    with pytest.raises(CertificateError, match=r"smooth_6: the gain df/du is -0\.00\d+ um/V at y = \d") as refused:
+        generate(singular)
+    assert "\n" not in str(refused.value)
+    assert "generate without the inverse" in str(refused.value)
+    assert "smooth_6_inverse" not in generate(singular, Options(inverse=False))["smooth_6.h"]
+
+
+def test_unstable_inverse_is_refused() -> None:
+    plays = smooth(6, (Memory.uniform(3, 50.0),))
+    heavy = dataclasses.replace(plays, weights=np.full(3, 1e-3))
+    with pytest.raises(
+        CertificateError, match=r"nonlinear terms \d.*least so at y = 0\.5 um, where the gain is 0\.0015\d* um/V"
+    ):
+        generate(heavy)
+
+
+def test_code_over_budget_is_refused_with_the_numbers() -> None:
+    fast = dataclasses.replace(load_model("appendix_a"), Ts_s=4e-7)
+    with pytest.raises(BudgetError, match=r"about \d+ cycles \(estimate\) \(predict \d+, .*has 150 at 375 MHz"):
+        generate(fast)
+    measured = Options(cycles={"predict": 100, "simulate": 100, "inverse": 140})
+    assert '"budget": 150' in generate(fast, measured)["MANIFEST.json"]
+    many = dataclasses.replace(smooth(50), learner=LearnerSettings())
+    with pytest.raises((BudgetError, HysgenError), match="learn"):
+        generate(many)
+
+
+def test_measured_cycles_take_the_place_of_estimates() -> None:
+    texts = generate(load_model("appendix_a"), Options(cycles={"predict": 160}))
+    assert "C674x: 160 cycles. */\nfloat appendix_a_predict" in texts["appendix_a.h"]
+    assert "(estimate). */\nfloat appendix_a_simulate" in texts["appendix_a.h"]
+    assert json.loads(texts["MANIFEST.json"])["cost"]["cycles"]["predict"] == {"value": 160, "measured": True}
+
+
+def test_folder_reads_back_as_it_was_written(tmp_path: Path) -> None:
+    model = everything()
+    texts = generate(model)
+    write(texts, tmp_path)
+    folder = read_folder(tmp_path)
+    assert folder.altered == ()
+    assert dump_model(folder.model) == dump_model(model)
+    assert dict(folder.texts) == {name: text for name, text in texts.items() if name != "MANIFEST.json"}
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(texts)
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        ("not json", "cannot be read"),
+        ("[]", "is not a manifest"),
+        ('{"schema": "hysgen-manifest", "version": 99}', "is not a manifest of version 1"),
+        ('{"schema": "hysgen-manifest", "version": 1, "files": {"../x": ""}, "model_file": "../x"}', "names no files"),
+        ('{"schema": "hysgen-manifest", "version": 1, "files": {"x": ""}, "model_file": "x"}', "cannot be read"),
+    ],
+)
+def test_broken_manifest_is_refused_in_one_line(content: str, complaint: str, tmp_path: Path) -> None:
+    (tmp_path / "MANIFEST.json").write_text(content)
+    with pytest.raises(HysgenError, match=complaint) as refused:
+        read_folder(tmp_path)
+    assert "\n" not in str(refused.value)
+    assert str(tmp_path) in str(refused.value)

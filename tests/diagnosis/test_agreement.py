@@ -1,0 +1,182 @@
+"""Steps of the search and the agreement of evidence, need and gain, each alone."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from diagnosis.test_signatures import COMMAND_V, CREEP, LAG, LATE, RINGING, SAMPLES, SPAN_S, T_S, TS_S, scene
+from hysgen.diagnosis import exchange, procedure, search
+from hysgen.diagnosis.advice import remainder
+from hysgen.diagnosis.bootstrap import Gain
+from hysgen.diagnosis.causes import Look, Signature, causes
+from hysgen.diagnosis.noise import NoiseFloor
+from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
+from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.search import Found
+
+CHECKED = np.arange(60, SAMPLES, 3)
+AGED_UM = 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)
+
+
+def found(chain: Any = LAG, **needs: float) -> Any:
+    return SimpleNamespace(needs=needs, fit=SimpleNamespace(chain=chain), corrupted=np.zeros(0, dtype=bool))
+
+
+def agreed(
+    monkeypatch: pytest.MonkeyPatch, creep: Signature, needs: float, sures: Iterator[float]
+) -> tuple[list[str], dict[str, str]]:
+    """What is named of memory, which is beyond doubt, and creep; and why the rest is not.
+
+    sures: how sure the gain of creep is each time that gains are asked for.
+    """
+
+    def alone(prepared: Any, seen: Any, extensions: Any, names: list[str], settings: Any) -> dict[str, Gain]:
+        sure = next(sures)
+        return {name: Gain(2.0, 1.0, 0.5, 1.5, 1.0 if name == "memory" else sure) for name in names}
+
+    monkeypatch.setattr(procedure, "_alone", alone)
+    signatures = {"memory": Signature(True, 9.0, "loops"), "creep": creep}
+    seen: Any = found(memory=20.0, creep=needs)
+    named, _, refused = procedure._agreement(None, seen, signatures, {}, procedure.DiagnoseSettings())  # type: ignore[arg-type]
+    return named, {one.name: one.why for one in refused}
+
+
+@pytest.mark.parametrize(
+    ("holds", "needs", "sure", "why"),
+    [
+        (True, 3.0, 0.9, None),
+        (False, 3.0, 0.9, "the evidence is too weak: goes on"),
+        (True, 1.1, 0.9, "the error grows only 1.10 times without it"),
+        (True, 3.0, 0.6, "its extension does not lower the model's free-run error for certain"),
+    ],
+)
+def test_a_cause_is_named_only_if_evidence_need_and_gain_agree(
+    monkeypatch: pytest.MonkeyPatch, holds: bool, needs: float, sure: float, why: str | None
+) -> None:
+    named, refused = agreed(monkeypatch, Signature(holds, 6.0, "goes on"), needs, itertools.repeat(sure))
+    assert named == (["memory"] if why else ["memory", "creep"])
+    assert refused.get("creep") == why
+
+
+@pytest.mark.parametrize(("later", "named"), [(0.8, ["memory"]), (0.96, ["memory", "creep"])])
+def test_a_cause_that_is_asked_again_has_to_be_surer(
+    monkeypatch: pytest.MonkeyPatch, later: float, named: list[str]
+) -> None:
+    """Each further time is one more chance to err."""
+    sures = iter([0.6, 1.0, later, 1.0, later, 1.0])  # every second time memory is asked for alone
+    told, _ = agreed(monkeypatch, Signature(True, 6.0, "goes on"), 3.0, sures)
+    assert told == named
+
+
+@pytest.mark.parametrize(("share", "pays"), [(0.05, True), (0.01, False)])
+def test_an_extension_that_takes_one_per_cent_away_is_no_cause(
+    monkeypatch: pytest.MonkeyPatch, share: float, pays: bool
+) -> None:
+    error: NDArray[np.float64] = np.random.default_rng(1).normal(size=2400)
+
+    def checked_error(prepared: Any, extensions: Any, names: list[str], settings: Any) -> Any:
+        return np.arange(error.size), error * (1.0 - share if "creep" in names else 1.0)
+
+    monkeypatch.setattr(procedure, "checked_error", checked_error)
+    gains = procedure._alone(None, found(), {}, ["creep"], None)  # type: ignore[arg-type]
+    assert (gains["creep"].sure > procedure.SURE) == pays
+
+
+@pytest.mark.parametrize(
+    ("left_um", "noise_um", "said"), [(0.012, 0.001, True), (0.009, 0.001, False), (0.012, 0.006, False)]
+)
+def test_what_is_left_is_unknown_only_above_a_thousandth_of_the_span_and_above_the_noise(
+    left_um: float, noise_um: float, said: bool
+) -> None:
+    wave = np.sin(np.arange(SAMPLES) / 40.0)
+    prepared: Any = SimpleNamespace(y_um=5.0 * wave, u_V=50.0 * wave, cut=SAMPLES)  # 10 um of span
+    seen = SimpleNamespace(
+        scene=SimpleNamespace(rows=np.arange(SAMPLES)), fit=SimpleNamespace(error=math.sqrt(2.0) * left_um * wave)
+    )
+    told = remainder(prepared, cast(Found, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
+    assert (told is not None) == said
+
+
+@pytest.mark.parametrize(("ramp_um", "taken"), [(0.009, False), (0.025, True)])
+def test_a_step_that_takes_four_per_cent_away_is_not_taken(
+    monkeypatch: pytest.MonkeyPatch, ramp_um: float, taken: bool
+) -> None:
+    """A ramp of 3 or 7 nm rms over 10 nm that nothing explains takes 4 or 21 per cent of it away."""
+    ramp = causes()["drift"]
+    monkeypatch.setattr(search, "causes", lambda: {"drift": ramp})
+    seen = scene(LAG, 0.02 * np.sin(COMMAND_V / 5.0) + ramp_um * T_S / SPAN_S)
+    fit = refine(seen, LAG)
+    assert (search._best_step(seen, fit, CHECKED) is not None) == taken
+
+
+def test_search_stops_where_nothing_is_left() -> None:
+    seen = scene(LAG)
+    assert search._best_step(seen, refine(seen, LAG), CHECKED) is None
+
+
+def test_search_goes_on_to_an_effect_below_the_noise() -> None:
+    seen = scene(LAG, 2e-3 * T_S / SPAN_S)
+    step = search._best_step(seen, refine(seen, LAG), CHECKED)
+    assert step is not None
+    assert step.chain.drift
+
+
+LIMITED, CLIPPED = dataclasses.replace(LAG, rate_V_per_s=800.0), dataclasses.replace(LAG, high_V=60.0)
+
+
+@pytest.mark.parametrize(
+    ("stage", "more_um", "wrong", "right"),
+    [
+        (LATE, 0.0, dataclasses.replace(LAG, modes=(Mode(120.0, 0.3, 0.5),)), "delay"),
+        (LAG, AGED_UM, dataclasses.replace(LAG, drift=True), "aging"),
+        (CREEP, 0.0, dataclasses.replace(LAG, drift=True, since_s=1.0), "creep"),
+        (CLIPPED, 0.0, LIMITED, "saturation"),
+        (LIMITED, 0.0, CLIPPED, "slew"),
+    ],
+)
+def test_a_cause_that_came_first_is_exchanged_for_the_one_like_it_that_explains_more(
+    stage: Chain, more_um: float | NDArray[np.float64], wrong: Chain, right: str
+) -> None:
+    seen = scene(stage, more_um)
+    assert search.present(exchange.exchanged(seen, refine(seen, wrong), CHECKED).chain) == [right]
+
+
+def test_an_exchange_must_not_cost_more_on_the_fitted_rows_than_it_gains(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exchange, "ratio", lambda other, fit, checked: 0.9)
+    seen = scene(RINGING)
+    assert search.present(exchange.exchanged(seen, refine(seen, RINGING), CHECKED).chain) == ["resonance"]
+
+
+def test_a_mode_that_does_not_ring_takes_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exchange, "ratio", lambda other, fit, checked: 0.1 if other.chain.modes else 10.0)
+    seen = scene(LATE)
+    rough = linear_fit(seen, dataclasses.replace(LATE, delay=1.0))
+    mode = exchange._replacement(seen, linear_fit(seen, LAG), "resonance")
+    assert mode is not None
+    assert mode.rms_um < rough.rms_um
+    assert search.present(exchange.exchanged(seen, rough, CHECKED).chain) == ["delay"]
+
+
+def test_a_slow_cause_without_evidence_makes_room_for_another() -> None:
+    seen = scene(LAG, AGED_UM)
+    right = exchange.resigned(seen, refine(seen, CREEP), CHECKED).chain
+    assert right.names() == ("lag", "aging")
+
+
+def test_a_slow_cause_without_evidence_goes_where_it_hides_the_evidence_of_another() -> None:
+    seen = scene(LAG, 2e-3 * T_S / SPAN_S)
+    both = refine(seen, dataclasses.replace(CREEP, creep=1e-4, drift=True))
+    drift = causes()["drift"]
+    assert not drift.signature(Look.at(seen, both), both).holds
+    alone = exchange.resigned(seen, both, CHECKED)
+    assert search.present(alone.chain) == ["drift"]
+    assert drift.signature(Look.at(seen, alone), both).holds

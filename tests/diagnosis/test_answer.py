@@ -1,0 +1,141 @@
+"""The answer: its form, what it rests on, and the answers 'nothing', 'unknown' and 'this record cannot tell'."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose, ladder, procedure
+from hysgen.diagnosis.ladder import Rung, climb
+from hysgen.diagnosis.prepare import Prepared
+from hysgen.diagnosis.procedure import name_causes
+from hysgen.errors import RecordError
+from hysgen.fitting import FitSettings
+from hysgen.record import Record
+from hysgen.stage import run as measure
+from hysgen.studies.bank.scenario import Scenario, scenario
+
+QUICK = DiagnoseSettings(fit=FitSettings(certified=False))
+
+
+def record_of(hidden: Scenario) -> Record:
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
+    return Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)
+
+
+@pytest.fixture(scope="module")
+def hum() -> tuple[Record, Diagnosis]:
+    record = record_of(scenario("periodic", 5))
+    return record, diagnose(record, settings=QUICK)
+
+
+def test_json_holds_at_least_what_the_design_promises(hum: tuple[Record, Diagnosis]) -> None:
+    told = json.loads(json.dumps(hum[1].to_json(), allow_nan=False))
+    assert {"causes", "free_run_rms", "unexplained_fraction", "next_experiment"} <= set(told)
+    assert set(told["free_run_rms"]) == {"base", "extended", "noise_floor", "persistence_one_step", "unit"}
+    for cause in told["causes"]:
+        assert {"name", "parameters", "evidence", "confidence", "gain", "cost"} <= set(cause)
+        assert {"free_run_rms_before", "free_run_rms_after", "ci95"} <= set(cause["gain"])
+
+
+def test_ladder_begins_at_the_papers_model_and_ends_at_the_extended_one(hum: tuple[Record, Diagnosis]) -> None:
+    found = hum[1]
+    assert found.names == ("memory", "periodic")
+    assert found.causes[0].step.before_um == found.base_rms_um
+    assert found.causes[-1].step.after_um == found.extended_rms_um
+    assert [term.kind for term in found.model.terms] == ["memory", "periodic"]
+    # What is left of the power above the noise and the shares of the causes are one whole.
+    assert sum(cause.share for cause in found.causes) + found.unexplained_fraction == pytest.approx(1.0, abs=1e-9)
+
+
+def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
+    hum: tuple[Record, Diagnosis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def worse(prepared: Prepared, extensions: Any, names: Sequence[str], settings: FitSettings, *rest: Any) -> Rung:
+        rung = climb(prepared, extensions, names, dataclasses.replace(settings, certified=False), *rest)
+        spoilt = math.isfinite(settings.loop_limit) and "periodic" in names  # what is to have an inverse
+        return dataclasses.replace(rung, error_um=1e3 * rung.error_um) if spoilt else rung
+
+    monkeypatch.setattr(ladder, "climb", worse)
+    monkeypatch.setattr(procedure, "climb", worse)
+    found = diagnose(hum[0])
+    assert {cause.name: cause.extended for cause in found.causes} == {"memory": True, "periodic": False}
+    assert [term.kind for term in found.model.terms] == ["memory"]
+    assert found.causes[-1].share == 0.0
+    assert "periodic is not extended" in found.table()
+
+
+def test_a_certificate_that_the_extended_model_lacks_is_told(hum: tuple[Record, Diagnosis]) -> None:
+    found = hum[1]
+    told = {name: {"holds": name != "inverse"} for name in ("gain", "contraction", "inverse")}
+    lacking = dataclasses.replace(found, model=dataclasses.replace(found.model, certificates=told))
+    assert lacking.missing_certificates == ("inverse",)
+    assert lacking.to_json()["missing_certificates"] == ["inverse"]
+    assert "not certified in the extended model: inverse" in lacking.table()
+
+
+def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]) -> None:
+    record, found = hum
+    segment = record.segments[0]
+    y_um = segment.y_um.copy()
+    y_um[round(0.65 * record.samples) :] *= 0.5
+    other = diagnose(Record.from_arrays(segment.u_V, y_um, record.Ts_s), settings=QUICK)
+    assert other.names == found.names
+    np.testing.assert_array_equal(other.model.parameters, found.model.parameters)
+    assert other.extended_rms_um > 2 * found.extended_rms_um
+
+
+def test_same_record_gives_the_same_answer(hum: tuple[Record, Diagnosis]) -> None:
+    assert diagnose(hum[0], settings=QUICK).to_json() == hum[1].to_json()
+
+
+def test_separate_holdout_is_scored_and_not_fitted() -> None:
+    record = record_of(scenario("memory", 3))
+    whole, late = record.split(0.65)
+    found = diagnose(whole, late, QUICK)
+    assert found.names == ("memory",)
+    assert found.held_rows.min() >= whole.samples
+
+
+def test_nothing_hidden_is_answered_with_no_cause_at_all() -> None:
+    found = diagnose(record_of(scenario("none", 2)), settings=QUICK)
+    assert found.names == ()
+    assert "nothing" in found.table()
+
+
+def test_stick_slip_is_unknown_and_described() -> None:
+    naming = name_causes(record_of(scenario("unknown", 1)))
+    assert naming.names[-1] == "unknown"
+    assert naming.unknown is not None
+    assert "left" in naming.unknown
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_poor_excitation_names_the_experiment_that_could_tell(seed: int) -> None:
+    hidden = scenario("poor", seed)
+    naming = name_causes(record_of(hidden))
+    assert naming.next_experiment.startswith("drive with")
+
+
+def test_short_record_is_refused_in_one_line() -> None:
+    u_V = np.sin(np.linspace(0, 20, 300))
+    with pytest.raises(RecordError, match="a diagnosis needs 400; record longer"):
+        diagnose(Record.from_arrays(u_V, 0.1 * u_V, 1e-3))
+
+
+def test_analysis_imports_nothing_of_the_stage() -> None:
+    code = "import sys, hysgen.diagnosis; sys.exit(any(name.startswith('hysgen.stage') for name in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_settings_reach_the_models(hum: tuple[Record, Diagnosis]) -> None:
+    few = diagnose(hum[0], settings=dataclasses.replace(QUICK, fit=FitSettings(rules=3, certified=False)))
+    assert few.model.grid.rules == 3

@@ -1,0 +1,134 @@
+"""What is made of a named cause: certificates are kept, plays chosen by rows left out, and the price is told."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fixtures.generated_models import smooth
+from hysgen.certify.certificates import certify
+from hysgen.codegen import generate
+from hysgen.diagnosis.extension import Extension, Wander
+from hysgen.diagnosis.ladder import calls_per_update, climb, equipped
+from hysgen.diagnosis.memory_shape import usual_memory, with_best_memory
+from hysgen.diagnosis.prepare import Prepared, prepare
+from hysgen.diagnosis.probe import rms
+from hysgen.fitting import FitSettings
+from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
+from hysgen.model.model import Model
+from hysgen.model.terms.creep import Creep
+from hysgen.model.terms.memory import Memory
+from hysgen.model.terms.play_slopes import slopes
+from hysgen.record import Record
+from hysgen.report.price import price_of
+from hysgen.stage import run as measure
+from hysgen.studies.bank.scenario import scenario
+from hysgen.studies.bank.truth import true_extensions
+
+USUAL = FitSettings()
+
+
+def known(category: str, seed: int) -> tuple[Prepared, dict[str, Extension]]:
+    """A record of the bank, and the extensions of what was hidden in it."""
+    hidden = scenario(category, seed)
+    y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
+    return prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux)), true_extensions(hidden)
+
+
+def held_um(prepared: Prepared, extensions: dict[str, Extension], names: list[str]) -> float:
+    return rms(climb(prepared, extensions, names, USUAL).error_um[prepared.held_rows])
+
+
+def test_a_mode_that_would_cost_the_inverse_its_certificate_is_limited_in_the_fit() -> None:
+    prepared, extensions = known("resonance", 1)
+    free = climb(prepared, extensions, list(extensions), dataclasses.replace(USUAL, certified=False))
+    assert not certify(free.model).inverse_holds
+    kept = climb(prepared, extensions, list(extensions), USUAL)
+    assert certify(kept.model).inverse_holds
+    assert certify(kept.model).contraction_holds
+
+
+def test_creep_pays_on_rows_that_no_fit_has_seen_and_keeps_the_inverse() -> None:
+    prepared, extensions = known("creep", 1)
+    with_um, without_um = (held_um(prepared, extensions, names) for names in (["memory", "creep"], ["memory"]))
+    assert with_um < without_um
+    creep = climb(prepared, extensions, ["memory", "creep"], USUAL).model
+    assert certify(creep).inverse_holds
+    assert isinstance(creep.terms[1], Creep)
+    assert creep.weights[-1] * creep.consequents[:, 1].mean() > 0.0  # onward, in the direction of the gain
+
+
+def test_bent_plays_rise_wherever_they_can_stand_and_so_do_not_turn_back_beyond_what_was_fitted() -> None:
+    # The held-out part of this record leaves the range of the rest: free squares and cubes fall 3.5 times only there.
+    prepared, extensions = known("memory", 4)
+    rung = climb(prepared, extensions, ["memory"], USUAL)
+    term, gain = rung.model.terms[0], rung.model.consequents[:, 1].mean()
+    assert isinstance(term, Memory)
+    x = term.reach * np.linspace(-1.0, 1.0, 201)[:, None]
+    each = slopes(x, np.ones(x.shape, dtype=bool), term.middle_and_half_V[1]) * rung.model.weights.reshape(3, 1, -1)
+    rise = each.sum(axis=0)[:, 1:] / gain
+    assert rise.min() > -0.02 * rise.max()
+    assert held_um(prepared, {}, []) > 7.0 * rms(rung.error_um[prepared.held_rows])
+
+
+def test_plays_are_chosen_by_rows_left_out_and_stay_as_they_are_where_nothing_is_surely_better() -> None:
+    prepared, known_ones = known("memory", 5)
+    assert with_best_memory(prepared, known_ones, ["memory"], USUAL)["memory"].term == known_ones["memory"].term
+    u_V = scenario("memory", 5).u_V[:3500]
+    low_V, high_V = float(u_V.min()), float(u_V.max())
+    usual = {"memory": Extension(term=usual_memory(low_V, high_V))}
+    assert usual["memory"].term is not None
+
+    def chosen(weights: np.ndarray, noise_um: float) -> Memory:
+        plays = Memory.polynomial(weights.size, 1, low_V, high_V)
+        z = np.zeros(u_V.size)
+        y_um = np.zeros(u_V.size)
+        state = np.full(weights.size, u_V[0])
+        r = np.asarray(plays.thresholds_V)
+        for k in range(u_V.size - 1):
+            z[k] = weights @ state
+            y_um[k + 1] = y_um[k] + 0.2 * (0.05 * u_V[k] + z[k] - y_um[k])
+            state = np.clip(state, u_V[k] - r, u_V[k] + r)
+        y_um += noise_um * np.random.default_rng(2).normal(size=u_V.size)
+        term = with_best_memory(prepare(Record.from_arrays(u_V, y_um, 1e-3)), usual, ["memory"], USUAL)["memory"].term
+        assert isinstance(term, Memory)
+        return term
+
+    assert chosen(0.003 * np.ones(12), 1e-3).degree == 1
+    assert chosen(0.003 * np.ones(12), 0.2).size < usual["memory"].term.size  # noise that 33 weights would follow
+
+
+def runs(names: list[str]) -> Model:
+    """A model as a diagnosis delivers it, with memory of 2 plays: what is priced does not depend on their number."""
+    prepared, _ = known("memory", 8)
+    term = Memory.polynomial(2, 1, *prepared.record.u_range_V)
+    every = {"memory": Extension(term=term), "aging": Extension(forgetting_s=3.0), "outliers": Extension(gate=True)}
+    every["drift"] = Extension(drift=Wander(1e-9))
+    model = climb(prepared, every, names, USUAL).model
+    return equipped(model, [every[name] for name in names], 1.0, 1e-4)
+
+
+@pytest.mark.parametrize("cause", ["drift", "aging"])
+def test_what_follows_a_running_stage_has_its_price(cause: str) -> None:
+    before, after = price_of(runs(["memory"])), price_of(runs(["memory", cause]))
+    assert before is not None
+    assert after is not None
+    assert after.cycles > before.cycles
+    assert after.bytes > before.bytes
+
+
+def test_an_update_of_many_parameters_is_spread_over_samples() -> None:
+    assert calls_per_update(36, 1e-3) == 1
+    assert calls_per_update(18, 20e-6) == 1
+    assert calls_per_update(36, 20e-6) == 5
+    assert calls_per_update(64, 20e-6) == 10
+    assert calls_per_update(500, 2e-6) < MOST_CALLS, "more calls would not make the dearest one cheaper"
+
+
+def test_a_learner_of_54_parameters_fits_a_period_of_50_kHz() -> None:
+    """Six rules, and memory of ten plays whose slopes are cubics: generating raises nothing."""
+    model = smooth(6, (Memory.uniform(36, 60.0),))
+    calls = calls_per_update(model.parameters.size, model.Ts_s)
+    generate(dataclasses.replace(model, learner=LearnerSettings(calls_per_update=calls)))

@@ -1,0 +1,170 @@
+"""The probe: its linear part is exact, its estimates land on the truth, its standard errors mean what they say."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import StateSpace, lfilter, lsim
+
+from hysgen.diagnosis.probe import Chain, Mode, Operator, Run, Scene, refine, standard_errors
+from hysgen.diagnosis.probe.dynamics import crept_step, respond
+from hysgen.diagnosis.probe.uncertainty import BLOCKS, left_out
+from hysgen.diagnosis.spikes import isolated
+from hysgen.machine.kernels.preisach import rate_limited
+from hysgen.machine.kernels.response import Branch, responded
+
+Floats = NDArray[np.float64]
+TS_S = 1e-3
+
+
+def staircase(rng: np.random.Generator, samples: int) -> Floats:
+    """Levels held for 20 samples each."""
+    return np.repeat(rng.uniform(0.0, 10.0, samples // 20 + 1), 20)[:samples]
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.3, 2.6])
+def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: float) -> None:
+    h = staircase(np.random.default_rng(1), 400)
+    mode = Mode(40.0, 0.05, 0.4)
+    w = 2 * math.pi * mode.f_Hz
+    # States: lag, mode, its rate. The mode carries 0.4 of what drives the lag of 4 ms.
+    A = np.array([[-250.0, 250.0 * 0.4, 0.0], [0.0, 0.0, 1.0], [0.0, -w * w, -2 * 0.05 * w]])
+    B = np.array([[250.0 * 0.6], [0.0], [w * w]])
+    fine = 100  # divides every delay above into whole steps of 10 us
+    held = np.repeat(h - h[0], fine)
+    _, y, _ = lsim(
+        StateSpace(A, B, np.array([[1.0, 0.0, 0.0]]), np.zeros((1, 1))),
+        held,
+        np.arange(held.size) * TS_S / fine,
+        interp=False,
+    )
+    late = round(delay * fine)
+    expected = h[0] + np.concatenate([np.zeros(late), np.ravel(y)])[::fine][: h.size]
+    got = respond(h, Chain(4e-3, delay, modes=(mode,)), TS_S)
+    # Both are exact for held inputs; what remains is rounding over 400 steps.
+    np.testing.assert_allclose(got, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize(("columns", "late"), [(1, 0), (2, 3), (5, -4), (8, 1), (9, 250), (3, -250)])
+def test_all_columns_pass_through_creep_and_filters_like_one(columns: int, late: int) -> None:
+    """Whatever their number and the delay, every column is what SciPy's filters make of it, in its own place."""
+    rng = np.random.default_rng(columns)
+    h = np.cumsum(rng.normal(size=(columns, 200)), axis=1) + 5.0
+    keep = np.exp(-1.0 / np.array([2.0, 7.0, 50.0]))
+    lag = Branch(0.7, np.array([0.0, 0.2, 0.1]), np.array([1.0, -0.7, 0.0]))
+    mode = Branch(0.3, np.array([0.0, 0.1, 0.2, 0.1, 0.05]), np.array([1.0, -1.5, 1.0, -0.3, 0.0]))
+    moved = h - h[:, :1]
+    slow = sum(0.5 * lfilter([0.0, 1.0 - a], [1.0, -a], moved, axis=1) for a in keep)
+    total = sum(b.share * lfilter(b.numerator, b.denominator, moved + 0.1 * slow, axis=1) for b in (lag, mode))
+    shifted = np.concatenate([np.zeros((columns, max(late, 0))), total, np.repeat(total[:, -1:], 400, axis=1)], axis=1)
+    expected = h[:, :1] + shifted[:, max(-late, 0) :][:, :200]
+    out = np.full((columns, 210), np.nan)
+    responded(h, 0.1, keep, [lag, mode], late, out, first=6)
+    np.testing.assert_allclose(out[:, 6:206], expected, rtol=1e-12, atol=1e-12)
+    assert np.isnan(out[:, [*range(6), *range(206, 210)]]).all()
+
+
+def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
+    step = np.where(np.arange(600) > 0, 1.0, 0.0)
+    chain = Chain(1e-9, creep=0.1, creep_from_s=5 * TS_S)
+    bare = respond(step, Chain(1e-9), TS_S)
+    crept = respond(step, chain, TS_S) - bare
+    # The record's step comes at its second sample and answers one later: two samples behind one before the record.
+    np.testing.assert_allclose(crept[2:], 0.1 * crept_step(598, TS_S, chain.creep_from_s), atol=1e-4)
+    assert crept[-1] > 0.1
+
+
+def test_rate_limiter_reaches_every_level_it_can_and_never_faster() -> None:
+    u_V = np.array([0.0, 5.0, 5.0, 5.0, -1.0, 9.0])
+    np.testing.assert_array_equal(rate_limited(u_V, 2.0), [0.0, 2.0, 4.0, 5.0, 3.0, 5.0])
+
+
+def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
+    chain = Chain(
+        lag_s=2e-3,
+        delay=1.4,
+        delayed=True,
+        low_V=-3.0,
+        high_V=80.0,
+        rate_V_per_s=5e3,
+        creep=0.02,
+        creep_from_s=0.1,
+        modes=(Mode(100.0, 0.03, 0.5),),
+        aging_per_s=-0.01,
+        drift=True,
+        since_s=0.7,
+        lines_Hz=(50.0, 120.0),
+        coupled=("a",),
+    )
+    assert len(chain.names()) == len(chain.coordinates())
+    again = chain.at(chain.coordinates())
+    np.testing.assert_allclose(again.coordinates(), chain.coordinates(), rtol=1e-14)
+    for name in ("delayed", "drift", "coupled", "taps", "memory"):
+        assert getattr(again, name) == getattr(chain, name)
+    assert again.since_s == pytest.approx(chain.since_s)
+
+
+def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
+    rng = np.random.default_rng(2)
+    u_V = np.cumsum(rng.normal(size=3000)) * 0.3
+    clean = 0.1 * respond(u_V, Chain(6e-3, 1.7), TS_S)
+    found, errors = [], []
+    for _ in range(20):
+        y_um = clean + 0.05 * rng.normal(size=3000)
+        operator = Operator(float(u_V.min()), float(u_V.max()), hats=0, curve=1, reaches=())
+        scene = Scene((Run(u_V, y_um, {}),), TS_S, np.arange(50, 3000), operator)
+        fit = refine(scene, Chain(3e-3, 0.5, delayed=True))
+        found.append(fit.chain.delay)
+        errors.append(standard_errors(scene, fit).coordinates["delay"])
+    # The mean of 20 lies within 4 standard errors of the mean; the spread of 20 is known to 1/sqrt(38) = 16 %,
+    # and 3 of those either way is a factor of 2.
+    assert abs(np.mean(found) - 1.7) < 4 * np.std(found) / math.sqrt(20)
+    assert 0.5 < np.mean(errors) / np.std(found, ddof=1) < 2.0
+
+
+def test_error_behind_a_standard_error_is_that_of_a_fit_that_left_the_block_out() -> None:
+    rng = np.random.default_rng(4)
+    columns, y_um = rng.normal(size=(30, 800)), rng.normal(size=800)
+    fitted = y_um - np.linalg.lstsq(columns.T, y_um)[0] @ columns
+    expected = np.empty(800)
+    for block in np.split(np.arange(800), BLOCKS):
+        weights = np.linalg.lstsq(np.delete(columns, block, axis=1).T, np.delete(y_um, block))[0]
+        expected[block] = y_um[block] - weights @ columns[:, block]
+    # The projector's ridge moves its columns by 1e-9 of their size.
+    np.testing.assert_allclose(left_out(columns, fitted), expected, atol=1e-7)
+
+
+def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() -> None:
+    rng = np.random.default_rng(3)
+    error_um = 0.01 * rng.normal(size=2000)
+    error_um[1000:] += 1.0
+    error_um[1200:1204] += 0.5  # four samples are no reading gone wrong
+    wrong = [300, 302, 700, 1500, 1700, 1701, 1800, 1801]
+    error_um[wrong] += [0.5, 0.4, -0.4, 0.6, 0.5, 0.7, 0.4, -0.5]
+    # What fades in from an unknown past, or out, has neighbours on one side only.
+    fading_um = 2.0 * 0.9 ** np.arange(60)
+    error_um[:60] += fading_um
+    error_um[-60:] -= fading_um[::-1]
+    assert np.flatnonzero(isolated(error_um)).tolist() == wrong
+
+
+@pytest.mark.parametrize("u_V", [-10.0, 3.0, 40.0, 85.0])
+def test_middle_of_the_loops_is_that_of_the_widest_one(u_V: float) -> None:
+    operator = Operator(-10.0, 90.0)
+    weights = np.random.default_rng(3).normal(size=operator.size)
+    weights[-2 * len(operator.reaches) :] = 0.0
+    rise_V = np.linspace(-10.0, 90.0, 2001)
+    cycles = np.concatenate([rise_V, rise_V[::-1], rise_V])
+    h_um = weights @ operator.columns(cycles, 0.0)
+    down, up = h_um[2001:4002][::-1], h_um[4002:]
+    assert weights @ operator.at(u_V) == pytest.approx(0.5 * np.interp(u_V, rise_V, down + up), abs=1e-6)
+
+
+def test_outside_the_range_the_stage_goes_on_along_the_line_through_the_ends_of_the_widest_loop() -> None:
+    operator = Operator(20.0, 100.0)
+    weights = np.random.default_rng(4).normal(size=operator.size)
+    low, high, outside = (weights @ operator.at(u_V) for u_V in (20.0, 100.0, 0.0))
+    assert outside == pytest.approx(low - 0.25 * (high - low))

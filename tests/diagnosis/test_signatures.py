@@ -1,0 +1,270 @@
+"""Each cause's own evidence: it holds where the cause is, and not where something else only looks like it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.causes import Look, Signature, causes, slew
+from hysgen.diagnosis.causes.outliers import outliers_signature
+from hysgen.diagnosis.causes.resonance import weighed
+from hysgen.diagnosis.probe import Chain, Errors, Fit, Mode, Operator, Run, Scene, linear_fit, refine
+from hysgen.diagnosis.probe.amplifier import amplified
+from hysgen.diagnosis.probe.dynamics import crept_step, respond
+from hysgen.diagnosis.search import _pruned, _sounded, search
+from hysgen.diagnosis.trials import levels, remaining
+from hysgen.studies.bank.excitation import good
+
+Floats = NDArray[np.float64]
+TS_S, SAMPLES = 1e-3, 4000
+SPAN_S = TS_S * SAMPLES
+T_S = TS_S * np.arange(SAMPLES)
+LAG = Chain(4e-3, memory=False)
+NOISE_UM = 1e-3
+COMMAND_V = good(np.random.default_rng(5), SAMPLES, 0.0, 100.0)
+LINEAR = Operator(0.0, 100.0, hats=0, curve=1, reaches=())
+
+
+def scene(chain: Chain, more_um: Floats | float = 0.0, aux: Mapping[str, Floats] | None = None) -> Scene:
+    """A linear stage of 10 um behind `chain`, with 1 nm of noise, and more_um on top of it."""
+    y_um = 0.1 * respond(amplified(COMMAND_V, chain, TS_S), chain, TS_S) + more_um
+    y_um = y_um + NOISE_UM * np.random.default_rng(6).normal(size=SAMPLES)
+    return Scene((Run(COMMAND_V, y_um, aux or {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+
+
+def evidence(name: str, seen: Scene, chain: Chain) -> Signature:
+    """The signature of a cause at the best fit of a chain that holds it."""
+    fit = refine(seen, chain)
+    return causes()[name].signature(Look.at(seen, fit), refine(seen, causes()[name].without(chain)))
+
+
+CREEP = dataclasses.replace(LAG, creep=0.02, creep_from_s=0.05)
+RINGING = dataclasses.replace(LAG, modes=(Mode(60.0, 0.03, 0.4),))
+LATE = dataclasses.replace(LAG, delay=1.7, delayed=True)
+CLIPPED = dataclasses.replace(LAG, high_V=80.0)
+SLOW_AMPLIFIER = dataclasses.replace(LAG, rate_V_per_s=800.0)
+DRIFTING = dataclasses.replace(LAG, drift=True)
+AGING = dataclasses.replace(LAG, aging_per_s=0.003)
+HUMMING = dataclasses.replace(LAG, lines_Hz=(50.3,))
+COUPLED = dataclasses.replace(LAG, coupled=("axis2_V",))
+AXIS2_V = np.cumsum(np.random.default_rng(7).normal(size=SAMPLES))
+
+PRESENT: dict[str, tuple[Chain, Floats | float]] = {
+    "creep": (CREEP, 0.0),
+    "resonance": (RINGING, 0.0),
+    "delay": (LATE, 0.0),
+    "saturation": (CLIPPED, 0.0),
+    "slew": (SLOW_AMPLIFIER, 0.0),
+    "drift": (DRIFTING, 0.05 * T_S / SPAN_S),
+    "aging": (AGING, 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)),
+    "periodic": (HUMMING, 0.01 * np.sin(2 * math.pi * 50.3 * T_S)),
+    "coupling": (COUPLED, 0.001 * respond(AXIS2_V, LAG, TS_S)),
+}
+
+
+@pytest.mark.parametrize("name", PRESENT)
+def test_evidence_holds_where_the_cause_is(name: str) -> None:
+    chain, more_um = PRESENT[name]
+    assert evidence(name, scene(chain, more_um, {"axis2_V": AXIS2_V}), chain).holds
+
+
+@pytest.mark.parametrize("name", PRESENT)
+def test_evidence_does_not_hold_where_the_stage_has_nothing_but_a_lag(name: str) -> None:
+    chain, _ = PRESENT[name]
+    if name == "slew":
+        chain = dataclasses.replace(chain, rate_V_per_s=3e5)  # faster than the command, but for its few steps
+    told = evidence(name, scene(LAG, 0.0, {"axis2_V": AXIS2_V}), chain)
+    assert not told.holds, told.text
+
+
+def test_output_that_creeps_back_is_no_creep() -> None:
+    back = dataclasses.replace(CREEP, creep=-0.02)
+    assert evidence("creep", scene(back), back).z < -4.0
+    assert not evidence("creep", scene(back), back).holds
+
+
+@pytest.mark.parametrize(
+    ("rate_V_per_s", "error", "holds"), [(800.0, 0.05, True), (800.0, 0.2, False), (4.5e4, 0.01, False)]
+)
+def test_rate_that_is_not_known_or_holds_a_few_samples_back_is_no_slew(
+    monkeypatch: pytest.MonkeyPatch, rate_V_per_s: float, error: float, holds: bool
+) -> None:
+    limited = dataclasses.replace(LAG, rate_V_per_s=rate_V_per_s)
+    seen = scene(limited)
+    look = Look.at(seen, linear_fit(seen, limited))
+    errors = Errors({"rate": error}, np.zeros(1))  # of the logarithm
+    monkeypatch.setattr(slew, "standard_errors", lambda at, fit: errors)
+    assert causes()["slew"].signature(look, look.fit).holds == holds
+
+
+def test_creep_of_a_move_before_the_record_does_not_change_what_the_record_tells_of_creep() -> None:
+    """Half a range before the first sample, of which nothing is known, creeps on into the record."""
+    before_um = -0.02 * 5.0 * crept_step(SAMPLES, TS_S, 0.05)
+    told = evidence("creep", scene(CREEP, before_um), CREEP).parameters["per_decade"]
+    assert told.value == pytest.approx(0.02, rel=0.02)
+
+
+def test_creep_that_begins_when_the_record_ends_is_none() -> None:
+    late = dataclasses.replace(CREEP, creep=0.3, creep_from_s=0.15 * SPAN_S)
+    told = evidence("creep", scene(late), late)
+    assert told.z > 4.0
+    assert not told.holds
+
+
+def test_slope_beyond_a_level_that_only_falls_is_no_saturation() -> None:
+    bent_V = np.minimum(COMMAND_V, 80.0) + 0.6 * np.maximum(COMMAND_V - 80.0, 0.0)
+    bent = Scene((Run(COMMAND_V, 0.1 * respond(bent_V, LAG, TS_S), {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+    # Fitted where the command is below the level, so that the gain there is the stage's own.
+    found = linear_fit(bent.using(bent.rows[np.convolve(COMMAND_V > 80.0, np.ones(40))[bent.rows] == 0]), CLIPPED)
+    told = causes()["saturation"].signature(Look.at(bent, found), found)
+    assert not told.holds, told.text
+
+
+def test_drift_that_only_the_way_up_shows_is_none() -> None:
+    rising = np.gradient(COMMAND_V) > 0
+    told = evidence("drift", scene(LAG, np.where(rising, 0.004, 0.0012) * T_S / SPAN_S), DRIFTING)
+    assert told.z > 5.0
+    assert not told.holds
+
+
+def test_slow_wave_is_no_drift_though_both_ways_show_it() -> None:
+    told = evidence("drift", scene(LAG, 0.05 * np.sin(1.8 * math.pi * T_S / SPAN_S + 2.0)), DRIFTING)
+    assert not told.holds, told.text
+
+
+@pytest.mark.parametrize(("zero_um", "holds"), [(2.0, False), (4.0, True)])
+def test_ramp_that_an_uncertain_zero_of_an_aging_gain_explains_is_no_drift(zero_um: float, holds: bool) -> None:
+    """y (1 + a t) - zero a t: a gain that turns about `zero`, of a span of 10 um."""
+    aged_um = 0.02 * T_S * (0.1 * respond(COMMAND_V, LAG, TS_S) - zero_um)
+    told = evidence("drift", scene(LAG, aged_um), dataclasses.replace(AGING, drift=True))
+    assert told.holds == holds, told.text
+
+
+def test_more_is_asked_of_a_drift_that_slows_down() -> None:
+    drift = causes()["drift"]
+    assert drift.needed_in(dataclasses.replace(DRIFTING, since_s=0.1)) >= 3.0 > 1.5 > drift.needed_in(DRIFTING)
+
+
+def test_line_that_loses_its_phase_is_none() -> None:
+    turned = np.where(T_S < 0.2 * SPAN_S, -1.0, 1.0) * 0.01 * np.sin(2 * math.pi * 50.3 * T_S)
+    fit = linear_fit(scene(LAG, turned), HUMMING)
+    told = causes()["periodic"].signature(Look.at(scene(LAG, turned), fit), fit)
+    assert told.z**2 > 30.0
+    assert not told.holds
+
+
+def test_line_that_hardly_stands_out_of_its_background_is_none() -> None:
+    faint = scene(LAG, 0.95e-4 * np.sin(2 * math.pi * 50.3 * T_S))
+    told = evidence("periodic", faint, HUMMING)
+    assert "phase kept throughout" in told.text
+    assert not told.holds, told.text
+
+
+@pytest.mark.parametrize(("count", "size_um", "holds"), [(6, 0.5, True), (2, 0.5, False), (6, 0.011, False)])
+def test_outliers_are_several_and_carry_the_error(count: int, size_um: float, holds: bool) -> None:
+    spikes = np.zeros(SAMPLES)
+    spikes[np.linspace(300, 3700, count).astype(int)] = size_um
+    told = outliers_signature(search(scene(LAG, spikes)))
+    assert told is not None
+    assert told.holds == holds
+
+
+@pytest.mark.parametrize("play_V", [0.0, 10.0])
+def test_memory_is_what_past_extremes_explain(play_V: float) -> None:
+    path_V = COMMAND_V.copy()
+    for k in range(1, SAMPLES):
+        path_V[k] = min(max(path_V[k - 1], COMMAND_V[k] - play_V), COMMAND_V[k] + play_V)
+    y_um = 0.1 * respond(path_V, LAG, TS_S) + NOISE_UM * np.random.default_rng(8).normal(size=SAMPLES)
+    rows = np.arange(400, SAMPLES)
+    seen = Scene((Run(COMMAND_V, y_um, {}),), TS_S, rows[rows // 300 % 2 == 0], Operator(0.0, 100.0))
+    found, rival = linear_fit(seen, Chain(4e-3)), linear_fit(seen, LAG)
+    told = causes()["memory"].signature(Look.at(seen.using(rows[rows // 300 % 2 == 1]), found), rival)
+    assert told.holds == (play_V > 0.0), told.text
+
+
+def test_what_is_not_needed_goes_and_what_is_needed_stays() -> None:
+    """A delay and a ramp of 1 nm rms that are there, beside a mode and a change of gain that are not."""
+    seen = scene(LATE, 4e-3 * T_S / SPAN_S)
+    more = dataclasses.replace(LATE, drift=True, modes=(Mode(90.0, 0.1, 1e-4),), aging_per_s=1e-6)
+    pruned = _pruned(seen, refine(seen, more), np.arange(60, SAMPLES, 3)).chain
+    assert pruned.drift
+    assert pruned.names() == ("lag", "delay")
+
+
+@pytest.mark.parametrize(
+    ("mode", "worse", "holds"),
+    [
+        (Mode(60.0, 0.03, 0.4), {}, True),
+        (Mode(60.0, 0.03, 0.4), {"share0": 0.09}, False),
+        (Mode(60.0, 0.03, 0.4), {"f0": 0.06}, False),
+        (Mode(60.0, 0.03, 0.4), {"zeta0": 0.6}, False),
+        (Mode(60.0, 9e-4, 0.4), {}, False),
+        (Mode(460.0, 0.03, 0.4), {}, False),
+    ],
+)
+def test_mode_is_known_in_share_frequency_and_damping(mode: Mode, worse: dict[str, float], holds: bool) -> None:
+    chain = dataclasses.replace(LAG, modes=(mode,))
+    look = Look.at(scene(RINGING), linear_fit(scene(RINGING), chain))
+    told = weighed(look, {"share0": 0.07, "f0": 0.04, "zeta0": 0.4} | worse)
+    assert [sound for _, sound, _ in told] == [holds]
+    assert causes()["resonance"].possible(look.scene, chain) == (mode.zeta > 1e-3)
+
+
+def test_mode_without_evidence_of_its_own_does_not_deny_the_other() -> None:
+    seen = scene(RINGING)
+    both = linear_fit(seen, dataclasses.replace(RINGING, modes=(*RINGING.modes, Mode(3.0, 5e-4, 1e-4))))
+    sound = _sounded(seen, both, seen.rows).chain
+    assert [round(mode.f_Hz) for mode in sound.modes] == [60]
+
+
+def test_effect_below_the_noise_counts_by_what_it_leaves_beyond_it() -> None:
+    """0.5 nm rms under 1 nm of noise raises the rms by 12 % only."""
+    noise_um = NOISE_UM * np.random.default_rng(9).normal(size=SAMPLES)
+    effect_um = 0.5e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
+    with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
+    rows = np.arange(SAMPLES)
+    assert remaining(with_it, without, rows) < 0.6
+    assert remaining(without, with_it, rows) > 1.0
+    assert remaining(with_it, with_it, rows) == 1.0
+
+
+def test_effect_of_a_tenth_of_the_noise_is_neither_there_nor_not() -> None:
+    noise_um = NOISE_UM * np.random.default_rng(9).normal(size=SAMPLES)
+    effect_um = 0.1e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
+    with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
+    rows = np.arange(SAMPLES)
+    assert remaining(with_it, without, rows) == remaining(without, with_it, rows) == 1.0
+
+
+def test_one_block_in_which_the_richer_chain_is_wild_does_not_decide() -> None:
+    richer, poorer = np.ones(800), np.full(800, 2.0)
+    richer[300:400] = 50.0
+    assert levels(richer, poorer) == (1.0, 2.0)
+
+
+def test_the_one_block_that_excites_a_mode_decides_though_the_richer_chain_is_worst_there() -> None:
+    richer, poorer = np.ones(800), np.ones(800)
+    richer[300:400], poorer[300:400] = 10.0, 200.0
+    left, right = levels(richer, poorer)
+    assert left < 0.1 * right
+    assert levels(np.ones(800), np.full(800, 5.0)) == (1.0, 5.0)
+
+
+@pytest.mark.parametrize(("periods", "proposed"), [(8.3, False), (20.3, True)])
+def test_a_line_has_three_periods_in_each_quarter_at_least(periods: float, proposed: bool) -> None:
+    seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))
+    chains = causes()["periodic"].proposals(Look.at(seen, refine(seen, LAG)))
+    assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in chain.lines_Hz) == proposed
+
+
+def test_a_line_that_hardly_stands_out_goes_beside_one_that_does() -> None:
+    seen = scene(HUMMING, 0.01 * np.sin(2.0 * np.pi * 50.3 * T_S))
+    both = refine(seen, dataclasses.replace(LAG, lines_Hz=(50.3, 97.1)))
+    assert [round(line_Hz, 1) for line_Hz in causes()["periodic"].sound(Look.at(seen, both)).lines_Hz] == [50.3]
+    alone = refine(seen, dataclasses.replace(LAG, lines_Hz=(97.1,)))
+    assert causes()["periodic"].sound(Look.at(seen, alone)) == alone.chain

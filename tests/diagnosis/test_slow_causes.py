@@ -1,0 +1,166 @@
+"""Slow causes told apart, what pays, and how far a command leads: the decisions of the diagnosis, each seen alone."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from diagnosis.test_ladder_limits import measured
+from hysgen.diagnosis.bootstrap import certainty, gain, surely_lower
+from hysgen.diagnosis.causes import Look, causes
+from hysgen.diagnosis.prepare import prepare
+from hysgen.diagnosis.probe import Chain, Operator, Run, Scene, refine
+from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.procedure import name_causes
+from hysgen.diagnosis.search import _pruned, search
+from hysgen.diagnosis.trials import fitted
+from hysgen.errors import RecordError
+from hysgen.record import Record
+from hysgen.studies.bank.excitation import good
+from hysgen.studies.bank.scenario import scenario
+
+Floats = NDArray[np.float64]
+TS_S = 1e-3
+SAMPLES = 4000
+SPAN_S = TS_S * SAMPLES
+
+
+def drifting(course_um: Floats, seed: int = 5) -> Scene:
+    """A linear stage with a lag of 4 ms and 1 nm of noise that drifts along course_um, (SAMPLES,)."""
+    rng = np.random.default_rng(seed)
+    u_V = good(rng, SAMPLES, 0.0, 100.0)
+    y_um = 0.1 * respond(u_V, Chain(4e-3), TS_S) + course_um + 1e-3 * rng.normal(size=SAMPLES)
+    operator = Operator(0.0, 100.0, hats=0, curve=1, reaches=())
+    return Scene((Run(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), operator)
+
+
+def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
+    t_s = TS_S * np.arange(SAMPLES)
+    scene = drifting(0.1 * np.log10(1.0 + t_s / 0.2))
+    found = search(scene)
+    cause = causes()["drift"]
+    assert cause.present(found.fit.chain)
+    signature = cause.signature(Look.at(scene, found.fit), found.rivals["drift"])
+    assert signature.holds
+    # Size and beginning are correlated: over 1.3 decades 1 nm of noise leaves some per cent of either.
+    assert signature.parameters["um_per_decade"].value == pytest.approx(0.1, rel=0.1)
+    assert signature.parameters["since_s"].value == pytest.approx(0.2, rel=0.3)
+    drift = cause.extension(scene, found.fit).drift
+    assert drift is not None
+    course = drift.at(2.0 * t_s)  # twice as long as what was looked at
+    assert np.abs(course - 0.1 * np.log10(1.0 + 2.0 * t_s / 0.2)).max() < 0.01
+
+
+def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
+    """Each takes what the other leaves: the aging of one fit beside the ramp of another adds up to neither."""
+    hidden = scenario("pair", 1222)
+    aged, drifted = hidden.stage.aging, hidden.stage.drift
+    assert aged is not None
+    assert drifted is not None
+    prepared = measured(hidden)
+    scene = prepared.scene()
+    start = Chain(hidden.stage.lag_s, drift=True, aging_per_s=aged.fraction / aged.over_s)
+    fit = refine(scene, start)
+    drift = causes()["drift"].extension(scene, fit).drift
+    aging = causes()["aging"].extension(scene, fit)
+    assert drift is not None
+    end_s, middle_um = hidden.Ts_s * len(hidden.u_V), float(prepared.y_um.mean())
+    told_um = float(drift.at(end_s)) + aging.gain_per_s * end_s * (middle_um - aging.zero_um)
+    truth_um = drifted.ramp_um_per_s * end_s + aged.fraction / aged.over_s * end_s * middle_um
+    assert told_um == pytest.approx(truth_um, abs=0.002)
+
+
+def test_drift_at_one_rate_stays_a_ramp() -> None:
+    scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
+    slowing = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=2.0, memory=False))
+    pruned = _pruned(scene, slowing, scene.rows)
+    assert pruned.chain.drift
+    assert pruned.chain.since_s is None
+
+
+def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_it() -> None:
+    # The probe first explains this change of gain by creep whose sign or decades make no sense.
+    hidden = scenario("aging", 0)
+    naming = name_causes(measured(hidden).record)
+    assert naming.names == ("memory", "aging")
+
+
+def test_aging_is_looked_for_with_either_sign() -> None:
+    """Hysteresis that was fitted without aging has bent towards it: the wrong sign is a minimum too."""
+    hidden = scenario("aging", 5)
+    scene = measured(hidden).scene()
+    part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
+    aging = causes()["aging"]
+    proposals = aging.proposals(Look.at(part, refine(part, Chain(hidden.stage.lag_s))))
+    assert {np.sign(chain.aging_per_s or 0.0) for chain in proposals[1:]} == {-1.0, 1.0}
+    trials = fitted(part, proposals)
+    rates = [refine(part, trial.chain).chain.aging_per_s or 0.0 for trial in aging.promising(trials)]
+    assert sorted(np.sign(rates)) == [-1.0, 1.0]
+
+
+@pytest.mark.parametrize(("lag_s", "lag"), [(1e-5, 0.3), (0.012, 12.0), (0.05, 50.0)])
+def test_rows_that_count_begin_when_the_first_stroke_has_faded_and_end_before_the_last_readings(
+    lag_s: float, lag: float
+) -> None:
+    u_V = 50.0 - 50.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
+    prepared = prepare(Record.from_arrays(u_V, 0.1 * respond(u_V, Chain(lag_s), TS_S), TS_S), identify=0.5)
+    # A cosine has come through 0.98 of its range after 455 samples; what lags fades in at most 0.03 * 6000 more.
+    for rows, lags in ((prepared.fit_rows, 3.0), (prepared.scene().rows, 8.0)):
+        assert 0.8 * min(lags * lag, 180.0) <= rows[0] - 455 <= min(1.3 * lags * lag + 1.0, 180.0)
+        assert rows[-1] == 3000 - 3
+    assert prepared.held_rows[[0, -1]].tolist() == [3000, 5999]
+
+
+def test_a_cut_before_the_input_has_run_through_its_range_is_refused() -> None:
+    u_V = np.linspace(0.0, 16.0, 6000) % 4.0
+    with pytest.raises(RecordError, match="of the 500 samples to identify from come after the input has run through"):
+        prepare(Record.from_arrays(u_V, 0.1 * u_V, TS_S), identify=500 / 6000)
+
+
+def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
+    rng = np.random.default_rng(1)
+    before, after = rng.normal(size=2400), 0.5 * rng.normal(size=2400)
+    after[600:700] *= 40.0  # a stroke that this fit never saw
+    assert gain(before, after).fall_um < 0.0
+    assert surely_lower(before, after) > 0.99
+    assert surely_lower(after, before) < 0.01
+    assert surely_lower(before, before) == 0.0
+    assert surely_lower(before, 0.99 * before) == 1.0
+    assert surely_lower(before, 0.99 * before, 0.02) == 0.0
+
+
+def test_a_quiet_block_that_gets_worse_does_not_decide_either() -> None:
+    rng = np.random.default_rng(2)
+    before = rng.normal(size=2400)
+    before[1200:1600] *= 0.01  # nothing moves here
+    after = 0.8 * before
+    after[1200:1600] *= 2.6
+    assert 0.7 < surely_lower(before, after, 0.02) < 0.95
+    assert certainty(before, after, 0.02) > 0.95
+    after[1200:1600] *= 8.0  # now the mean over blocks is sure of the opposite
+    assert certainty(before, after, 0.02) < 0.7
+    assert gain(before, after, 0.02).sure > 0.95
+    assert gain(before, after, 0.3).sure == 0.0
+
+
+def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> None:
+    u_V = np.concatenate([50.0 + 30.0 * np.sin(np.arange(4000) / 150.0), np.full(1500, 100.0), np.full(500, 0.0)])
+    u_V[700:706] = 100.0  # a pulse too short for the lag
+    u_V[900:906] = 0.0
+    y_um = 0.1 * respond(u_V, Chain(0.04), TS_S)
+    prepared = prepare(Record.from_arrays(u_V, y_um, TS_S), identify=4000 / 6000)
+    seen = prepared.identification().y_range_um
+    low_um, high_um = prepared.reach_um
+    assert seen[1] < 9.0 < high_um
+    assert high_um == pytest.approx(10.0, rel=0.03)
+    assert low_um < seen[0]
+
+
+def test_refining_a_slow_drift_keeps_its_beginning_inside_the_record() -> None:
+    scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
+    fit = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=0.1, memory=False))
+    assert fit.chain.since_s is not None
+    assert 0.0 < fit.chain.since_s <= SPAN_S

@@ -1,0 +1,113 @@
+"""Misfit that moves with the stage: its innovations, the creep they tell, and which slow cause they find likelier."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from diagnosis.test_agreement import AGED_UM
+from diagnosis.test_signatures import AGING, CREEP, DRIFTING, LAG, SPAN_S, T_S, scene
+from hysgen.diagnosis.causes import Look, causes
+from hysgen.diagnosis.exchange import likelier, told_apart
+from hysgen.diagnosis.prepare import prepare
+from hysgen.diagnosis.probe import Chain, refine, whitened_fit
+from hysgen.diagnosis.search import present
+from hysgen.machine.kernels.innovation import innovation_gains, innovations
+from hysgen.record import Record
+from hysgen.stage import Density, Noise, Relays, Stage
+from hysgen.stage import run as measure
+from hysgen.studies.bank.excitation import good
+
+Floats = NDArray[np.float64]
+
+
+@given(seed=st.integers(0, 2**32 - 1), misfit=st.floats(0.01, 10.0), noise=st.floats(0.01, 10.0))
+def test_innovations_have_the_likelihood_of_the_dense_covariance(seed: int, misfit: float, noise: float) -> None:
+    rng = np.random.default_rng(seed)
+    n = 30
+    keep, heard, z = rng.random(n) ** 0.3, (rng.random(n) < 0.8).astype(float), rng.normal(size=n)
+    heard[0] = 1.0
+    gain, variance = innovation_gains(keep, heard, misfit, noise)
+    rows = np.flatnonzero(heard)
+    news = innovations(z[None], keep, gain, variance)[0, rows]
+    # What two samples share of the misfit is what every step between them keeps of it.
+    kept = np.exp(np.add.outer(-np.cumsum(np.log(keep)), np.cumsum(np.log(keep))))
+    covariance = misfit * np.minimum(kept, kept.T)[np.ix_(rows, rows)] + noise * np.eye(len(rows))
+    assert news @ news == pytest.approx(z[rows] @ np.linalg.solve(covariance, z[rows]), rel=1e-9)
+    assert np.log(variance[rows]).sum() == pytest.approx(np.linalg.slogdet(covariance)[1], rel=1e-9, abs=1e-9)
+
+
+def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() -> None:
+    """150 relays jump where no smooth density does; what that leaves takes the place of creep, unless it rests too."""
+    plain, told = [], []
+    for seed in range(6):
+        hysteresis = Relays(Density(40.0, 55.0, 15.0, 65.0), 0.4, count=150)
+        stage = Stage(stroke_um=15.0, lag_s=8e-3, memory=hysteresis, noise=Noise(5e-4))
+        u_V = good(np.random.default_rng([seed, 77]), 7000, 0.0, 100.0)
+        y_um = measure(stage.with_effects(creep=(0.006, 0.015, 7000.0)), u_V, 1e-3, seed).displacement_um
+        seen = prepare(Record.from_arrays(u_V, y_um, 1e-3)).scene()
+        fit = refine(seen, Chain(8e-3, creep=0.003, creep_from_s=0.05), rounds=30)
+        signature = causes()["creep"].signature(Look.at(seen, fit), fit)
+        if signature.holds:
+            plain.append(abs((fit.chain.creep or 0.0) / 0.006 - 1.0))
+            told.append(abs(signature.parameters["per_decade"].value / 0.006 - 1.0))
+    assert len(told) >= 4
+    assert max(told) < 0.15
+    assert max(plain) > 0.5
+
+
+@pytest.mark.parametrize(
+    ("hidden", "more_um", "wrong", "right"),
+    [
+        (LAG, 0.01 * T_S / SPAN_S, AGING, "drift"),
+        (LAG, AGED_UM, DRIFTING, "aging"),
+        (CREEP, 0.0, DRIFTING, "creep"),
+        (LAG, 0.002 * T_S / SPAN_S, CREEP, "drift"),
+        (LAG, 0.01 * T_S / SPAN_S, DRIFTING, "drift"),
+        (LAG, AGED_UM, AGING, "aging"),
+    ],
+)
+def test_a_slow_cause_makes_room_for_one_that_is_far_likelier(
+    hidden: Chain, more_um: Floats | float, wrong: Chain, right: str
+) -> None:
+    seen = scene(hidden, more_um)
+    assert present(likelier(seen, refine(seen, wrong))) == [right]
+
+
+def test_slow_causes_that_are_all_sound_stay() -> None:
+    seen = scene(CREEP, 0.01 * T_S / SPAN_S)
+    both = refine(seen, dataclasses.replace(CREEP, drift=True))
+    assert likelier(seen, both) == both.chain
+
+
+@pytest.mark.parametrize("right", [["drift"], ["creep"], ["aging", "drift"]])
+def test_slow_causes_that_are_not_all_sound_go_for_those_that_are(right: list[str]) -> None:
+    more_um = (0.1 * T_S / SPAN_S if "drift" in right else 0.0) + (AGED_UM if "aging" in right else 0.0)
+    seen = scene(CREEP if "creep" in right else LAG, more_um)
+    wrong = dataclasses.replace(LAG, creep=0.001, creep_from_s=0.05, aging_per_s=1e-5)
+    chain = likelier(seen, refine(seen, wrong))
+    assert sorted(present(chain)) == right
+
+
+def test_a_drift_beside_creep_is_needed_though_creep_could_do_its_work() -> None:
+    for more_um, needed in ((0.004 * T_S / SPAN_S, ["creep", "drift"]), (0.0, ["creep"])):
+        seen = scene(CREEP, more_um)
+        both = refine(seen, dataclasses.replace(CREEP, drift=True))
+        rivals = {name: refine(seen, causes()[name].without(both.chain)) for name in ("creep", "drift")}
+        assert told_apart(seen, both, rivals) == needed
+        assert told_apart(seen, rivals["drift"], {}) == []
+
+
+def test_samples_that_do_not_count_tell_nothing() -> None:
+    seen = scene(CREEP)
+    rows = seen.rows[seen.rows % 100 != 0]
+    wild_um = seen.y_um.copy()
+    wild_um[::100] += 50.0
+    wild = dataclasses.replace(seen, runs=(dataclasses.replace(seen.runs[0], y_um=wild_um),))
+    chains = [whitened_fit(one.using(rows), refine(one.using(rows), CREEP))[1].chain for one in (seen, wild)]
+    assert chains[0] == chains[1]

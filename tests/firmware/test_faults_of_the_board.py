@@ -1,0 +1,214 @@
+"""What goes wrong outside: the voltage stays inside its limits, the status tells, and every way ends at rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fixtures.firmware_bench import REFERENCE_UM, booted, sine, tracking
+from hysgen.firmware.host import Fault, HostFirmware, Log, Request, Settings, State, Status
+
+SETTINGS = Settings(low_V=-5.0, high_V=60.0, step_V=1.0)
+
+
+def assert_limits(log: Log, before_V: float, settings: Settings = SETTINGS) -> None:
+    """The voltage is a number inside its range and below its rate at every sample."""
+    u_V = np.concatenate([[before_V], log.output_V]).astype(np.float64)
+    assert np.isfinite(u_V).all()
+    assert u_V.min() >= settings.low_V
+    assert u_V.max() <= settings.high_V
+    # A float32 sum below 64 V is rounded by at most 2^-19 V.
+    assert np.abs(np.diff(u_V)).max() <= settings.step_V + 2.0**-18
+
+
+def suffered(
+    fault: Fault,
+    value: float = 0.0,
+    after: int = 700,
+    samples: int = 0xFFFFFFFF,
+    reference_um: np.ndarray | None = None,
+) -> tuple[HostFirmware, Log]:
+    """Track the sine of section 4.3, suffer the fault, hold the limits all along."""
+    firmware = tracking(SETTINGS)
+    assert firmware.state is State.TRACK
+    before_V = firmware.board.output_V
+    firmware.request(Request.CLEAR)
+    firmware.run(np.full(1, REFERENCE_UM))
+    assert Status(firmware.status & ~Status.MODEL & ~Status.OUTPUT_SLEWED) == 0
+    firmware.fail(fault, value, after, samples)
+    log = firmware.run(sine(8000) if reference_um is None else reference_um)
+    assert_limits(log, before_V)
+    return firmware, log
+
+
+@pytest.mark.parametrize(
+    ("fault", "value", "told", "within"),
+    [
+        (Fault.STUCK, 0.0, Status.FAULT_STUCK, 400),
+        (Fault.READING, np.nan, Status.FAULT_SENSOR | Status.SENSOR_INVALID, 12),
+        (Fault.READING, np.inf, Status.FAULT_SENSOR | Status.SENSOR_INVALID, 12),
+        (Fault.READING, 14.0, Status.FAULT_SENSOR | Status.SENSOR_RANGE, 12),
+        (Fault.SATURATED, 33.0, Status.FAULT_FOLLOW, 800),
+        (Fault.LIMITS, 0.0, Status.FAULT_AMPLIFIER | Status.AMPLIFIER_LIMITS, 12),
+        (Fault.AMPLIFIER, 0.0, Status.FAULT_AMPLIFIER, 3),
+        (Fault.LATE, 7501.0, Status.FAULT_DEADLINE | Status.DEADLINE_MISSED, 12),
+        (Fault.OVERRUN, 0.0, Status.FAULT_DEADLINE | Status.DEADLINE_MISSED, 12),
+    ],
+    ids=lambda each: each.name if isinstance(each, Fault) else None,
+)
+def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
+    fault: Fault, value: float, told: Status, within: int
+) -> None:
+    firmware, log = suffered(fault, value)
+    assert firmware.state is State.TRIPPED
+    assert firmware.board.output_V == SETTINGS.off_V
+    faults = Status(firmware.status & 0x3F0000)
+    assert told in firmware.status
+    assert faults == Status(told & 0x3F0000), f"{faults!r}: one cause, one fault"
+    tripped = int(np.argmax(log.state == State.TRIP))
+    assert 700 <= tripped <= 700 + within
+    # It stays down until it is told otherwise, and goes on once the fault is gone.
+    firmware.request(Request.START)
+    firmware.fail(Fault.NONE)
+    assert set(firmware.run(sine(1000)).output_V.tolist()) == {SETTINGS.off_V}
+    firmware.request(Request.CLEAR)
+    firmware.run(sine(2))
+    assert firmware.state is State.OFF
+    firmware.start(REFERENCE_UM)
+    assert firmware.state is State.TRACK
+
+
+@pytest.mark.parametrize(
+    ("fault", "value", "told"),
+    [
+        (Fault.READING, np.nan, Status.SENSOR_INVALID),
+        (Fault.READING, -9.0, Status.SENSOR_RANGE),
+        (Fault.LIMITS, 0.0, Status.AMPLIFIER_LIMITS),
+        (Fault.LATE, 7501.0, Status.DEADLINE_MISSED),
+    ],
+    ids=lambda each: each.name if isinstance(each, Fault) else None,
+)
+def test_a_few_bad_samples_are_told_and_survived(fault: Fault, value: float, told: Status) -> None:
+    firmware, log = suffered(fault, value, samples=SETTINGS.bad_samples - 2)
+    assert told in firmware.status
+    assert not firmware.status & 0x3F0000
+    assert (log.state == State.TRACK).all()
+
+
+@pytest.mark.parametrize("level_um", [50.0, -50.0, 3e38, -3e38])
+def test_a_reference_step_beyond_the_range_is_followed_as_far_and_as_fast_as_allowed(level_um: float) -> None:
+    reference_um = np.concatenate([sine(1000), np.full(3000, level_um), np.full(3000, REFERENCE_UM)])
+    settings = replace(SETTINGS, follow_um=5.0)
+    firmware = tracking(settings)
+    before_V = firmware.board.output_V
+    log = firmware.run(reference_um)
+    assert_limits(log, before_V, settings)
+    assert Status.REFERENCE_LIMITED | Status.REFERENCE_SLEWED in firmware.status
+    assert firmware.state is State.TRACK
+    assert abs(float(log.reading_um[-200:].mean()) - REFERENCE_UM) < 0.3
+
+
+@pytest.mark.parametrize("level", [np.nan, np.inf, -np.inf])
+def test_a_reference_that_is_no_number_holds_the_last_one(level: float) -> None:
+    reference_um = np.concatenate([np.full(500, 2.1), np.full(2000, level)])
+    firmware, log = suffered(Fault.NONE, reference_um=reference_um)
+    assert Status.REFERENCE_INVALID in firmware.status
+    assert firmware.state is State.TRACK
+    assert float(np.ptp(log.output_V[1500:])) < 0.05
+
+
+def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(20):
+        firmware = tracking(replace(SETTINGS, trim=True, bad_samples=1 << 30, follow_um=1e30, stuck_V=1e30))
+        before_V = firmware.board.output_V
+        firmware.fail(Fault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), after=10)
+        log = firmware.run(rng.integers(0, 1 << 32, 300, dtype=np.uint32).view(np.float32))
+        assert_limits(log, before_V)
+        assert firmware.state is State.TRACK
+
+
+TRANSITIONS = {
+    (State.OFF, Request.START): State.RISE,
+    (State.OFF, Request.STOP): State.OFF,
+    (State.RISE, Request.STOP): State.FALL,
+    (State.LOOP, Request.STOP): State.FALL,
+    (State.HOLD, Request.STOP): State.FALL,
+    (State.APPROACH, Request.STOP): State.FALL,
+    (State.TRACK, Request.STOP): State.FALL,
+    (State.FALL, Request.STOP): State.FALL,
+    (State.TRIP, Request.STOP): State.TRIP,
+    (State.TRIPPED, Request.STOP): State.TRIPPED,
+    (State.TRIPPED, Request.START): State.TRIPPED,
+    (State.TRIPPED, Request.CLEAR): State.OFF,
+    **{(state, Request.START): state for state in State if state not in (State.OFF, State.TRIPPED)},
+    **{(state, Request.CLEAR): state for state in State if state is not State.TRIPPED},
+}
+
+
+def reached(state: State) -> HostFirmware:
+    """A firmware brought to `state` the way it comes there by itself."""
+    firmware = booted(SETTINGS)
+    if state is State.OFF:
+        return firmware
+    firmware.request(Request.START)
+    if state in (State.FALL, State.TRIP, State.TRIPPED):
+        firmware.run(np.full(900, REFERENCE_UM))
+        if state is State.FALL:
+            firmware.request(Request.STOP)
+        else:
+            firmware.fail(Fault.AMPLIFIER, samples=1)
+    for _ in range(10_000):
+        firmware.run(np.full(1, REFERENCE_UM))
+        if firmware.state is state:
+            firmware.run(np.full(2 if state is State.RISE else 0, REFERENCE_UM))
+            return firmware
+    raise AssertionError(f"{state!r} is never reached")
+
+
+@pytest.mark.parametrize(("before", "asked"), list(TRANSITIONS), ids=lambda each: each.name)
+def test_every_state_answers_every_request_as_the_table_says(before: State, asked: Request) -> None:
+    firmware = reached(before)
+    firmware.request(asked)
+    firmware.run(np.full(1, REFERENCE_UM))
+    assert firmware.state is TRANSITIONS[before, asked]
+
+
+@pytest.mark.parametrize("before", [state for state in State if state not in (State.TRIP, State.TRIPPED)])
+def test_a_fault_trips_every_state(before: State) -> None:
+    firmware = reached(before)
+    firmware.fail(Fault.AMPLIFIER, samples=1)
+    firmware.run(np.full(2, REFERENCE_UM))
+    assert firmware.state in (State.TRIP, State.TRIPPED)
+    assert Status.FAULT_AMPLIFIER in firmware.status
+
+
+def test_the_ways_up_and_down_are_ramps_through_the_loop() -> None:
+    firmware = booted(SETTINGS)
+    up = firmware.start(REFERENCE_UM)
+    visited = [State(int(up.state[0])), *(State(int(s)) for s in up.state[1:][np.diff(up.state) != 0])]
+    assert visited == [State.RISE, State.LOOP, State.HOLD, State.APPROACH, State.TRACK]
+    ramped = np.isin(up.state, (State.RISE, State.LOOP, State.HOLD))
+    steps = np.abs(np.diff(up.output_V.astype(np.float64)))[ramped[1:]]
+    assert steps.max() <= SETTINGS.ramp_V * (1 + 1e-3)
+    assert up.output_V[up.state == State.LOOP].max() == SETTINGS.loop_high_V
+    firmware.request(Request.STOP)
+    down = firmware.run(np.full(4000, REFERENCE_UM))
+    assert np.abs(np.diff(down.output_V)).max() <= SETTINGS.ramp_V * (1 + 1e-3)
+    assert down.output_V[-1] == SETTINGS.off_V
+
+
+def test_a_failed_selftest_keeps_the_stage_off_for_good() -> None:
+    firmware = booted(SETTINGS)
+    firmware.firmware.controller.status |= int(Status.FAULT_SELFTEST)
+    firmware.request(Request.START)
+    firmware.run(np.full(10, REFERENCE_UM))
+    firmware.request(Request.CLEAR)
+    firmware.run(np.full(10, REFERENCE_UM))
+    firmware.request(Request.START)
+    log = firmware.run(np.full(2000, REFERENCE_UM))
+    assert firmware.state is State.TRIPPED
+    assert Status.FAULT_SELFTEST in firmware.status
+    assert set(log.output_V.tolist()) == {SETTINGS.off_V}

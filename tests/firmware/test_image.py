@@ -1,0 +1,191 @@
+"""Parameter images: running firmware takes them whole, right and certified, or keeps what it has, whatever is cut."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fixtures.firmware_bench import booted, model, sine, tracking
+from hysgen.errors import ModelError
+from hysgen.firmware.binding import firmware_model, structure_digest
+from hysgen.firmware.host import SLOT_BYTES, HostFirmware, Image, Request, State, Status
+from hysgen.firmware.image import ANSWERS, decode, encode, pack
+from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
+from hysgen.fitting import FitSettings
+from hysgen.fitting.refit import refit
+from hysgen.model.model import Model
+from hysgen.record import Record
+from hysgen.stage import StageState
+from hysgen.stage.signals import nested_amplitudes
+
+STIFFER, SOFTER = np.array([1.0, 1.02, 1.0]), np.array([1.0, 0.98, 1.0])
+
+
+def changed(consequents: np.ndarray) -> Model:
+    """The model with its consequents q1, q2, q3 multiplied."""
+    return replace(model(), consequents=model().consequents * consequents)
+
+
+def test_an_image_reads_back_and_its_numbers_become_the_bank_bit_for_bit() -> None:
+    new = changed(STIFFER)
+    data = encode(new)
+    bank = decode(data).bank
+    firmware = booted()
+    before = firmware.bank()
+    assert firmware.send(data) == 0
+    values = np.concatenate([bank.slope, bank.offset, bank.gain])
+    assert firmware.bank() == values.tobytes() != before
+
+
+def test_an_image_cut_at_any_byte_or_with_any_bit_flipped_changes_nothing() -> None:
+    firmware, data = booted(), encode(changed(STIFFER))
+    good = firmware.bank()
+    for length in range(len(data)):
+        firmware.send(data[:length])
+        assert firmware.bank() == good
+    for bit in range(8 * len(data)):
+        flipped = bytearray(data)
+        flipped[bit // 8] ^= 1 << (bit % 8)
+        assert firmware.send(bytes(flipped)) in (2, 3)
+        assert firmware.bank() == good
+    assert Status.IMAGE_REFUSED in firmware.status
+    assert firmware.send(data) == 0
+    assert firmware.bank() != good
+
+
+def test_bytes_of_a_broken_transfer_do_not_leak_into_the_next_one() -> None:
+    firmware, data = booted(), encode(changed(STIFFER))
+    firmware.send(data[:90])
+    assert firmware.send(data) == 0
+    firmware.send(data[:90])
+    good = firmware.bank()
+    other = encode(changed(SOFTER))
+    assert firmware.send(other[90:], begins=False) == 3
+    assert firmware.bank() == good
+
+
+def test_power_cut_at_any_byte_of_the_store_leaves_the_old_or_the_new_parameters() -> None:
+    firmware = booted()
+    first, second = encode(changed(STIFFER)), encode(changed(SOFTER))
+    assert firmware.send(first) == 0
+    old = firmware.bank()
+    kept = [bytes(firmware.slot(slot)) for slot in (0, 1)]
+    whole = SLOT_BYTES + len(second) + 16
+    outcomes = []
+    for changes in range(whole + 1):
+        for slot in (0, 1):
+            firmware.slot(slot)[:] = kept[slot]
+        firmware.boot()
+        assert firmware.bank() == old
+        firmware.board.bytes_to_cut = changes
+        firmware.send(second)
+        firmware.board.bytes_to_cut = 0xFFFFFFFF
+        firmware.boot()
+        outcomes.append(firmware.bank() == old)
+    # Everything is old until the last byte of the seal is written.
+    assert outcomes == [True] * whole + [False]
+
+
+def test_any_flipped_bit_of_the_newest_stored_image_falls_back_to_the_one_before() -> None:
+    firmware = booted()
+    first, second = encode(changed(STIFFER)), encode(changed(SOFTER))
+    firmware.send(first)
+    old = firmware.bank()
+    firmware.send(second)
+    new = firmware.bank()
+    slot = firmware.slot(firmware.firmware.store.slot)
+    places = [*range(8 * len(second)), *range(8 * (SLOT_BYTES - 16), 8 * SLOT_BYTES)]
+    for bit in places:
+        was = slot[bit // 8]
+        slot[bit // 8] = bytes([was[0] ^ (1 << (bit % 8))])
+        firmware.boot()
+        assert firmware.bank() == old
+        slot[bit // 8] = was
+    firmware.boot()
+    assert firmware.bank() == new
+
+
+def test_without_any_good_image_the_built_in_parameters_drive() -> None:
+    firmware = booted()
+    built_in = firmware.bank()
+    firmware.send(encode(changed(STIFFER)))
+    rng = np.random.default_rng(6)
+    firmware.slot(0)[:] = rng.bytes(SLOT_BYTES)
+    firmware.slot(1)[:] = rng.bytes(SLOT_BYTES)
+    firmware.boot()
+    assert firmware.bank() == built_in
+
+
+@pytest.mark.parametrize(
+    ("consequents", "answer"),
+    [((1.0, 0.03, 1.0), 11), ((1.0, -1.0, 1.0), 11), ((1.1, 1.0, 1.0), 12), ((1.0, 1.0, 1e4), 9)],
+)
+def test_whole_and_right_but_not_certified_is_refused(consequents: tuple[float, ...], answer: int) -> None:
+    firmware = booted()
+    good = firmware.bank()
+    assert firmware.send(encode(changed(np.array(consequents)))) == answer, ANSWERS[answer]
+    assert firmware.bank() == good
+    assert Status.IMAGE_REFUSED in firmware.status
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf, 1e-40, 2e6])
+def test_what_is_no_number_of_a_model_is_refused_although_its_crc_is_right(number: float) -> None:
+    image = decode(encode(model()))
+    for table in (image.bank.slope, image.bank.gain, image.bank.offset):
+        kept = table[3]
+        table[3] = number
+        assert booted().send(pack(image)) == 5
+        table[3] = kept
+
+
+def test_numbers_of_another_partition_or_range_are_refused() -> None:
+    own = model()
+    wider = replace(own, grid=replace(own.grid, y_max_um=own.grid.y_max_um + 0.001))
+    higher = replace(own, u_max_V=own.u_max_V - 1.0)
+    for foreign in (wider, higher, replace(own, name="other")):
+        assert booted().send(encode(foreign)) == 4
+
+
+def test_an_image_that_arrives_while_the_stage_moves_waits_until_it_is_off() -> None:
+    firmware = tracking()
+    good, data = firmware.bank(), encode(changed(STIFFER))
+    firmware.send(data)
+    firmware.run(sine(2000))
+    assert firmware.state is State.TRACK
+    assert firmware.bank() == good
+    stop(firmware)
+    assert firmware.bank() != good
+    assert firmware.firmware.image_answer == 0
+
+
+def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -> None:
+    drive_V = nested_amplitudes(TS_S, (100.0, 50.0), 40.0, 15.0, 4)
+    old = with_learner(identified(drive_V, FitSettings(name="refitted", method="batch")))
+    # A second record inside the range of the first, of a stage that has lost 3 % of its gain.
+    again_V = nested_amplitudes(TS_S, (70.0,), 40.0, 12.0, 5)
+    record = measured(again_V)
+    weaker = Record.from_arrays(again_V, 0.97 * record.segments[0].y_um + 0.04, TS_S, source="weaker")
+    new, _ = refit(old, weaker, same_range=True)
+    assert structure_digest(new) == structure_digest(old)
+    assert structure_digest(refit(old, weaker)[0]) != structure_digest(old)
+    image = Image.compile(old.name, firmware_model(old))
+    firmware = HostFirmware(image, StageState(laboratory(), TS_S, 1))
+    before = firmware.bank()
+    assert firmware.send(encode(new)) == 0
+    assert firmware.bank() != before
+
+
+def stop(firmware: HostFirmware) -> None:
+    """Down to off."""
+    firmware.request(Request.STOP)
+    firmware.run(np.full(4000, 2.0))
+    assert firmware.state is State.OFF
+
+
+def test_python_reads_only_whole_images() -> None:
+    data = encode(model())
+    for broken in (data[:20], data[:-1], b"x" + data[1:], data[:-5] + b"\0" + data[-4:]):
+        with pytest.raises(ModelError, match=r"^file: "):
+            decode(broken, "file")

@@ -1,0 +1,94 @@
+"""The firmware's reference models, its build for the C6748, its run on the simulator, and how it tracks."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import re
+from pathlib import Path
+
+import pytest
+
+from fixtures.c674x_compiler import need_compiler
+from hysgen.codegen import write
+from hysgen.errors import ModelError
+from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.host import Settings
+from hysgen.firmware.reference_models import firmware_models, with_learner
+from hysgen.firmware.simulated import image, simulate, static_bounds
+from hysgen.firmware.target import MEMORIES, build
+from hysgen.firmware.tracking import contenders, follow
+from hysgen.model.file import load_model
+from hysgen.model.model import Model
+
+MODELS = Path(__file__).resolve().parents[2] / "firmware" / "models"
+
+
+@pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+def test_the_models_in_the_firmware_are_what_the_templates_make(model: Model, request: pytest.FixtureRequest) -> None:
+    """Update with `pytest tests/firmware/test_reference_models.py --update-golden` and look at the diff."""
+    folder, texts = MODELS / model.name, firmware_model(model)
+    if request.config.getoption("--update-golden"):
+        write(texts, folder)
+    kept = {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+    assert sorted(kept) == sorted(texts)
+    for name, text in texts.items():
+        change = difflib.unified_diff(kept[name].splitlines(), text.splitlines(), "kept", "generated", lineterm="")
+        assert kept[name] == text, f"{name}:\n" + "\n".join(list(change)[:60])
+
+
+@pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+def test_the_image_links_into_the_targets_memories(model: Model) -> None:
+    need_compiler()
+    built = build(model.name, firmware_model(model))
+    assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack"}
+    assert all(size <= MEMORIES[name][1] for name, size in built.used.items())
+    symbols = built.firmware.image.symbols
+    # Nothing of the compiler's library: its copy is a hardware loop, whose counter the interrupt does not save.
+    assert not [name for name in symbols if name.startswith("__c6xabi")]
+    assert "sploop" not in built.firmware.listing
+    # Reset at the start of the table, interrupt 4 four fetch packets further on.
+    assert symbols["vectors"].address == 0x11800000
+    assert {"main_tick", "tick", "firmware_interrupt", "controller_step"} <= symbols.keys()
+
+
+def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> None:
+    main = (MODELS.parent / "board" / "c6748" / "main.c").read_text(encoding="utf-8")
+    written = {name: float(value) for name, value in re.findall(r"^    \.(\w+) = ([-\d.]+)[fu],$", main, re.MULTILINE)}
+    tried = dataclasses.asdict(Settings())
+    assert not tried.pop("trim")
+    assert not tried.pop("learn")
+    assert written == pytest.approx({"options": 0} | tried, rel=1e-7)
+
+
+@pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Model) -> None:
+    need_compiler()
+    texts = firmware_model(model)
+    compiled = image(texts)
+    # Long enough for the extended image to learn what it then commits.
+    run = simulate(model, texts, compiled, 9500 if model.name == "extended" else 1500)
+    assert run.equal
+    assert (run.commits >= 1) == (model.name == "extended")
+    assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
+    # The longest way through the interrupt, learn_init at the take-over included, and one call of commit beside it.
+    longest = static_bounds(model.name, compiled)
+    interrupt, commit = longest["firmware_interrupt"], longest[f"{model.name}_commit"]
+    assert interrupt is not None
+    assert commit is not None
+    assert max(most for _, most in run.interrupt.values()) <= interrupt[1]
+    assert interrupt[1] + commit[1] < 7500
+
+
+def test_the_extended_inverse_tracks_three_times_better_than_the_papers() -> None:
+    paper, extended, trimmed, _ = (follow(contender, 50.0, 0.5) for contender in contenders(50.0))
+    assert extended.rms_nm < paper.rms_nm / 3
+    # 10 s of it, both frequencies, are printed by `hysgen track`.
+    assert extended.rms_nm < 10.0
+    assert trimmed.rms_nm < extended.rms_nm
+
+
+def test_what_the_firmware_cannot_drive_is_refused_with_the_reason() -> None:
+    with pytest.raises(ModelError, match="no learner settings"):
+        firmware_model(load_model("appendix_a"))
+    assert with_learner(load_model("appendix_a")).learner is not None

@@ -1,0 +1,179 @@
+"""Least squares inside the certified set: certified, optimal there, and untouched where nothing is violated."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fixtures.random_models import TS_S, lag_record, random_drive
+from hysgen.certify.certificates import certify
+from hysgen.errors import FitError
+from hysgen.fitting import FitSettings, Method, fit
+from hysgen.fitting import free_run as free_run_module
+from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
+from hysgen.fitting.identify import linear_gain
+from hysgen.fitting.least_squares import Information, information
+from hysgen.fitting.partition import structure_for
+from hysgen.fitting.preferences import spread
+from hysgen.model.membership import memberships
+from hysgen.model.model import Grid, Model
+from hysgen.model.simulate import simulate
+from hysgen.model.terms import Drive
+from hysgen.model.terms.memory import Memory
+from hysgen.record import Record, Segment
+
+
+def narrow_record(seed: int = 0, noise_um: float = 0.03, loops: float = 1.0) -> Record:
+    """One noisy loop at one amplitude: beside the loop all is open, and least squares puts slopes over 1 there."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(3000)
+    u = 50.0 + 40.0 * np.sin(2 * np.pi * 100 * TS_S * k)
+    y = np.empty(k.size)
+    y[0] = 4.0
+    for n in range(k.size - 1):
+        y[n + 1] = y[n] + 0.02 * (0.08 * u[n] + loops * 0.8 * np.sin(0.08 * u[n]) - y[n])
+    return Record.from_segments([Segment("0", u, y + noise_um * rng.normal(size=k.size))], TS_S, "loop")
+
+
+def problem(record: Record, settings_: FitSettings) -> tuple[Information, CertifiedSet]:
+    """What a fit solves."""
+    structure = structure_for(record, settings_)
+    learnt = information(record, structure)
+    return learnt, certified_set(structure, TS_S, linear_gain(structure, learnt, TS_S), settings_.slope_limit)
+
+
+@pytest.mark.parametrize("rules", [4, 9, 20])
+@pytest.mark.parametrize("seed", range(3))
+def test_batch_is_certified_where_plain_least_squares_is_not(seed: int, rules: int) -> None:
+    record = narrow_record(seed)
+    plain = fit(record, FitSettings(method="batch", rules=rules, certified=False))
+    inside = fit(record, FitSettings(method="batch", rules=rules))
+    assert not (certify(plain).contraction_holds and certify(plain).gain_holds)
+    assert certify(inside).contraction_holds
+    assert certify(inside).gain_holds
+    assert certify(inside).slope.value <= 0.999 + 1e-4
+    assert inside.history["outcome"]["least_squares_certified"] is False
+
+
+def test_batch_is_plain_least_squares_where_that_is_certified() -> None:
+    record = lag_record(samples=4000)
+    plain = fit(record, FitSettings(method="batch", certified=False))
+    inside = fit(record, FitSettings(method="batch"))
+    assert certify(plain).contraction_holds
+    assert certify(plain).gain_holds
+    np.testing.assert_array_equal(plain.parameters, inside.parameters)
+    assert inside.history["outcome"]["least_squares_certified"] is True
+
+
+@pytest.mark.parametrize("terms", [(), (Memory.uniform(4, 30.0),)])
+def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
+    learnt, allowed = problem(narrow_record(1), FitSettings(terms=terms))
+    found = least_squares_inside(learnt.R, learnt.d, allowed)
+    best = found.x
+    free = learnt.solve()
+    assert learnt.square(best) > learnt.square(free)
+    # Convex: moving from the solution towards any other certified point must not help.
+    rng = np.random.default_rng(0)
+    for _ in range(15):
+        target = free + rng.normal(size=best.size) * np.abs(free - best)
+        other = least_squares_inside(np.eye(best.size), target, allowed).x
+        assert allowed.violated(other).floor.size == 0
+        for part in (1e-3, 0.1, 1.0):
+            # 1e-6 of a limit may be violated, so a neighbour may be better by about as little.
+            assert learnt.square(best + part * (other - best)) >= learnt.square(best) * (1.0 - 1e-6)
+
+
+def test_what_held_one_solution_back_shortens_the_way_to_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    learnt, allowed = problem(narrow_record(1), FitSettings(terms=(Memory.polynomial(4, 3, 5.0, 95.0),)))
+    edges = least_squares_inside(learnt.R, learnt.d, allowed).edges
+    assert 0 < edges.floor.size <= learnt.d.size
+    nearby = learnt.d * (1.0 + 1e-3 * np.random.default_rng(0).normal(size=learnt.d.size))
+    rounds = []
+    violated = CertifiedSet.violated
+    monkeypatch.setattr(CertifiedSet, "violated", lambda this, q: rounds.append(q) or violated(this, q))
+    alone = least_squares_inside(learnt.R, nearby, allowed).x
+    cold = len(rounds)
+    told = least_squares_inside(learnt.R, nearby, allowed, edges=edges).x
+    assert len(rounds) - cold < 0.6 * cold
+    # And it leads to the same place; 1e-6 of a limit may be violated.
+    np.testing.assert_allclose(learnt.R @ told, learnt.R @ alone, atol=1e-5 * np.linalg.norm(learnt.d))
+
+
+def test_the_small_gain_of_the_terms_is_kept_below_its_limit() -> None:
+    # The truth feeds 1.5 times as much of the past input back as the present input moves: no inverse is stable.
+    terms = (Memory.uniform(3, 15.0),)
+    weights = 1.5 * 0.004 * np.array([0.5, 0.3, 0.2])
+    truth = Model("t", TS_S, Grid(-5, 25, 6), np.tile([0.9, 0.004, 0.0], (6, 1)), 0, 100, terms, weights)
+    u = random_drive(4000, 5)
+    y = simulate(truth, Drive(u, TS_S), 4.0).y_um
+    record = Record.from_segments([Segment("0", u, y + 1e-4 * np.random.default_rng(0).normal(size=u.size))], TS_S)
+    plain = fit(record, FitSettings(method="batch", terms=terms, certified=False))
+    assert certify(plain).loop > 1.0
+    for method in get_args(Method)[1:]:
+        inside = fit(record, FitSettings(method=method, terms=terms))
+        assert certify(inside).loop <= 0.95 * (1 + 1e-4)
+        assert certify(inside).inverse_holds
+
+
+def test_the_gain_is_kept_away_from_zero_where_the_record_says_it_vanishes() -> None:
+    # A stage at its stop, badly measured: at the upper end of y the input moves nothing.
+    u = random_drive(6000, 7)
+    y = np.empty(u.size)
+    y[0] = 1.0
+    for n in range(u.size - 1):
+        y[n + 1] = y[n] + 0.2 * (min(0.08 * u[n], 4.0) - y[n])
+    record = Record.from_segments([Segment("0", u, y + 0.1 * np.random.default_rng(0).normal(size=u.size))], TS_S)
+    assert not certify(fit(record, FitSettings(method="batch", certified=False))).gain_holds
+    for method in get_args(Method)[1:]:
+        certificate = certify(fit(record, FitSettings(method=method)))
+        assert certificate.gain_holds
+        assert certificate.contraction_holds
+
+
+@given(st.integers(0, 10_000), st.sampled_from([0.3, 0.9, 0.999]))
+@settings(max_examples=8, deadline=None, derandomize=True)
+def test_every_certified_fit_holds_its_certificates(seed: int, limit: float) -> None:
+    rng = np.random.default_rng(seed)
+    record = narrow_record(seed, noise_um=float(10.0 ** rng.uniform(-3, -0.5)), loops=float(rng.uniform(0, 2)))
+    model = fit(record, FitSettings(rules=int(rng.integers(2, 15)), slope_limit=limit, iterations=5))
+    certificate = certify(model)
+    # The half-spaces stand 16 to a rule and may be missed by 1e-6; between them the slope rises by what is left here.
+    assert certificate.slope.bound <= limit + 5e-4
+    assert certificate.gain_holds
+
+
+def test_a_displacement_that_does_not_answer_is_refused() -> None:
+    with pytest.raises(FitError, match="does not answer to the voltage"):
+        certified_set(structure_for(lag_record(samples=500), FitSettings()), TS_S, 0.0, 0.999)
+
+
+def test_spread_is_the_variance_of_the_rules_over_the_range() -> None:
+    record = lag_record(samples=500)
+    structure = structure_for(record, FitSettings(rules=5, terms=(Memory((3.0,)),)))
+    q = np.random.default_rng(0).normal(size=structure.size)
+    y = np.linspace(structure.grid.y_min_um, structure.grid.y_max_um, 8 * 4 + 1)
+    p = memberships(y, structure.grid)
+    expected = 0.0
+    for u in (structure.u_min_V, structure.u_max_V):
+        v = q[0:15:3] * y[:, None] + q[1:15:3] * u + q[2:15:3]
+        f = (p * v).sum(axis=1, keepdims=True)
+        expected += float((p * (v - f) ** 2).sum(axis=1).mean()) / 2.0
+    assert spread(structure).square(q) == pytest.approx(expected, rel=1e-10)
+
+
+def test_refinement_keeps_rules_from_disagreeing_where_the_record_does_not_mind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    record = narrow_record(2, noise_um=0.001)
+    held = fit(record)
+    monkeypatch.setattr(free_run_module, "SPREAD_SHARE", 0.0)
+    free = fit(record)
+    structure = structure_for(record, FitSettings())
+    disagreement = [np.sqrt(spread(structure).square(model.parameters)) for model in (held, free)]
+    errors = [model.history["outcome"]["free_run_rms_um"]["refined"] for model in (held, free)]
+    assert disagreement[0] < 0.5 * disagreement[1]
+    assert errors[0] < 1.05 * errors[1]

@@ -1,0 +1,118 @@
+"""Scores: the paper's definitions, persistence and the noise floor beside them, and what is scored."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from fixtures.random_models import TS_S, lag_record
+from hysgen.fitting import FitSettings, fit
+from hysgen.model.scores import persistence, score, score_lines, score_prediction
+from hysgen.model.simulate import free_run, one_step
+from hysgen.record import Record, Segment
+from hysgen.record.noise import noise_floor, period_of
+
+
+def record_of(*columns: tuple[list[float], list[float]]) -> Record:
+    """A record from (u, y) lists."""
+    return Record.from_segments(
+        [Segment(str(i), np.asarray(u), np.asarray(y)) for i, (u, y) in enumerate(columns)], TS_S
+    )
+
+
+def test_errors_are_the_papers_e_rms_and_maximum_e_r() -> None:
+    record = record_of(([0.0] * 5, [1.0, 2.0, 4.0, 3.0, 2.0]), ([0.0] * 3, [1.0, 1.0, 0.0]))
+    guess = [np.array([9.0, 2.5, 4.0, 2.0, 2.0]), np.array([9.0, 1.0, 0.5])]
+    found = score_prediction(record, guess)
+    # Sample 0 of each segment is given: errors 0.5, 0, -1, 0 and 0, 0.5; the largest displacement scored is 4.
+    assert found.samples == 6
+    assert found.e_rms_um == pytest.approx(np.sqrt((0.25 + 1.0 + 0.25) / 6), rel=1e-15)
+    assert found.largest_um == 1.0
+    assert found.e_r_percent == pytest.approx(25.0, rel=1e-15)
+    assert found.of_span_percent == pytest.approx(100 * found.e_rms_um / 4.0, rel=1e-15)
+
+
+def test_settling_samples_are_left_out_of_every_score() -> None:
+    record = record_of(([0.0] * 4, [5.0, 9.0, 1.0, 1.0]), ([0.0] * 2, [5.0, 9.0]))
+    found = score_prediction(record, [np.zeros(4), np.zeros(2)], settle=2)
+    assert (found.samples, found.e_rms_um, found.e_r_percent) == (2, 1.0, 100.0)
+    assert score_prediction(record, [np.zeros(4), np.zeros(2)], settle=4).samples == 0
+
+
+def test_e_r_has_no_value_where_the_displacement_is_not_positive() -> None:
+    record = record_of(([0.0] * 3, [-5.0, -4.0, -3.0]))
+    found = score_prediction(record, [np.full(3, -4.0)])
+    assert found.e_r_percent is None
+    assert "-" in score_lines([("x", found)])[2].split()
+    json.dumps(found.to_json(), allow_nan=False)
+
+
+def test_a_score_shows_one_step_horizon_and_free_run_beside_persistence() -> None:
+    record = lag_record(samples=3000, segments=2)
+    model = fit(record, FitSettings(method="batch"))
+    scores = score(model, record, settle=20)
+    assert scores.one_step == score_prediction(record, [run.y_um for run in one_step(model, record)], 20)
+    assert scores.free_run == score_prediction(record, [run.y_um for run in free_run(model, record)], 20)
+    assert scores.persistence == score_prediction(record, persistence(record), 20)
+    assert scores.persistence.samples == scores.one_step.samples == 2 * 2980
+    for segment, guess in zip(record.segments, persistence(record), strict=True):
+        np.testing.assert_array_equal(guess[1:], segment.y_um[:-1])
+    assert scores.horizon.steps[0] == 1
+    assert scores.horizon.rms_um[-1] == pytest.approx(scores.free_run.e_rms_um, rel=0.5)
+    data = json.loads(json.dumps(scores.to_json(), allow_nan=False))
+    assert data["free_run"]["e_rms_um"] == scores.free_run.e_rms_um
+    assert data["settle"] == 20
+    assert data["record"]["digest"] == record.digest
+    for phrase in ("free run", "one step", "persistence", "noise floor", "rms after steps", "5960 samples scored"):
+        assert phrase in scores.table()
+
+
+def noisy(y: np.ndarray, sigma: float, seed: int = 0, colour: float = 0.0) -> np.ndarray:
+    """y with noise of variance sigma^2, correlated from sample to sample by `colour`."""
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(size=y.size)
+    for k in range(1, y.size if colour else 0):
+        noise[k] = colour * noise[k - 1] + np.sqrt(1 - colour**2) * noise[k]
+    return y + sigma * noise
+
+
+def test_noise_is_found_from_repeated_periods_whatever_its_colour() -> None:
+    k = np.arange(6000)
+    u = 50 + 40 * np.sin(2 * np.pi * k / 500) + 5 * np.sin(2 * np.pi * 7 * k / 500)
+    y = 0.05 * u + 0.3 * np.sin(0.05 * u) + 1e-5 * k
+    record = record_of((u.tolist(), noisy(y, 0.02, colour=0.6).tolist()))
+    assert period_of(u) == 500
+    found = noise_floor(record)
+    assert found.method == "periods"
+    # 5000 differences of correlated noise: its rms is known to a few percent.
+    assert found.rms_um == pytest.approx(0.02, rel=0.08)
+
+
+def test_noise_is_found_from_rests_under_creep() -> None:
+    k = np.arange(8000)
+    u = np.interp(k, [0, 1000, 3500, 4500, 8000], [0.0, 60.0, 60.0, 20.0, 20.0]) + 5 * np.sin(0.05 * k) * (k < 1000)
+    y = 0.05 * u + 0.05 * np.log1p(k / 100)
+    record = record_of((u.tolist(), noisy(y, 0.01, colour=0.5).tolist()))
+    assert period_of(u) is None
+    found = noise_floor(record)
+    assert found.method == "plateaus"
+    # 4500 samples at rest: known to a few percent.
+    assert found.rms_um == pytest.approx(0.01, rel=0.08)
+
+
+def test_white_noise_is_found_from_differences_of_a_smooth_displacement() -> None:
+    k = np.arange(5000)
+    u = 50 + 40 * np.sin(0.01 * k) * np.sin(0.00037 * k)
+    record = record_of((u.tolist(), noisy(0.05 * u, 0.003).tolist()))
+    found = noise_floor(record)
+    assert found.method == "differences"
+    # 5000 differences of order 6, correlated over 7 samples.
+    assert found.rms_um == pytest.approx(0.003, rel=0.08)
+    assert "white" in found.describe()
+
+
+def test_a_record_too_short_for_any_estimate_has_no_noise_floor_to_show() -> None:
+    found = noise_floor(record_of(([0.0, 1.0, 2.0], [0.0, 1.0, 2.0])))
+    assert (found.rms_um, found.samples) == (0.0, 0)

@@ -1,0 +1,114 @@
+"""The bank: records that hide an effect, and what has to be found in them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hysgen.studies.bank import BankResult, run, scenario
+from hysgen.studies.bank.limits import PARAMETERS
+from hysgen.studies.bank.result import Verdict
+from hysgen.studies.bank.run import judge
+from hysgen.studies.bank.scenario import CATEGORIES, EFFECTS
+
+SMALL = (
+    "creep",
+    "resonance",
+    "delay",
+    "saturation",
+    "slew",
+    "periodic",
+    "coupling",
+    "pair",
+    "memory",
+    "none",
+    "unknown",
+)
+
+
+@pytest.fixture(scope="module")
+def small() -> BankResult:
+    return run([3], SMALL)
+
+
+def test_required_causes_are_named_and_nothing_else(small: BankResult) -> None:
+    wrong = {(verdict.category, verdict.seed): verdict.named for verdict in small.judged() if not verdict.exact}
+    assert wrong == {}
+
+
+def test_parameters_of_named_causes_lie_within_the_bounds_of_the_issue(small: BankResult) -> None:
+    seen = small.parameter_errors()
+    assert {key: error for key, (_, error, _) in seen.items() if error > PARAMETERS.get(key, np.inf)} == {}
+    assert len(seen) >= 5
+
+
+def test_limits_at_both_ends_are_found_though_neither_alone_helps() -> None:
+    verdict = judge(scenario("saturation", 507))
+    assert verdict.exact, verdict.named
+    assert abs(verdict.errors["saturation.low_V"]) < PARAMETERS["saturation.low_V"]
+    assert abs(verdict.errors["saturation.high_V"]) < PARAMETERS["saturation.high_V"]
+
+
+@pytest.mark.parametrize(("seed", "level"), [(800, "high"), (908, "low")])
+def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level(seed: int, level: str) -> None:
+    verdict = judge(scenario("saturation", seed))
+    assert verdict.exact, verdict.named
+    assert {key for key in verdict.errors if key.startswith("saturation")} == {f"saturation.{level}_V"}
+
+
+@pytest.mark.parametrize(
+    ("category", "seed"),
+    [
+        ("aging", 702),  # a drift that is none shares the zero with a change of gain
+        ("drift", 1236),  # a change of gain about a zero that plays in a place they never had would put anywhere
+        ("pair", 1251),  # the same, beside a change of gain that is one
+        ("pair", 700),  # a creep that is none was taken back by a drift
+        ("pair", 1182),  # a little of a drift that slows down is in what the fit leaves
+        ("resonance", 1015),  # it rings beyond the sensor, whose end is no outlier
+        ("saturation", 645),  # of all levels the best at first sight is one that the fit does not leave again
+    ],
+)
+def test_what_only_looks_like_a_cause_does_not_hide_the_cause(category: str, seed: int) -> None:
+    verdict = judge(scenario(category, seed))
+    assert verdict.exact, verdict.named
+
+
+def test_refinement_is_not_held_back_by_a_start_that_is_good_on_the_fitted_rows_alone() -> None:
+    """Where no step could first cost a little of the free run, this one was left with 2.8 times the error."""
+    assert judge(scenario("aging", 3005)).over_truth < 1.3
+
+
+def test_same_seed_makes_the_same_scenario() -> None:
+    for category in CATEGORIES:
+        first, second = scenario(category, 7), scenario(category, 7)
+        assert first.stage == second.stage
+        np.testing.assert_array_equal(first.u_V, second.u_V)
+
+
+def test_category_plants_the_effect_that_it_is_named_after() -> None:
+    for effect in EFFECTS:
+        assert effect in scenario(effect, 11).planted
+    assert scenario("none", 11).planted == ()
+    assert scenario("memory", 11).planted == ("memory",)
+    assert "unknown" in scenario("unknown", 11).planted
+
+
+def verdict(required: tuple[str, ...], named: tuple[str, ...], planted: tuple[str, ...], category: str) -> Verdict:
+    return Verdict(category, 0, 1e3, "good", planted, required, named, dict.fromkeys(planted, 2.0), {}, 0.1, "")
+
+
+def test_rates_count_misses_and_false_alarms() -> None:
+    result = BankResult(
+        (
+            verdict(("memory", "creep"), ("memory", "creep"), ("memory", "creep"), "creep"),
+            verdict(("memory", "creep"), ("memory", "drift"), ("memory", "creep"), "creep"),
+            verdict(("memory",), ("memory",), ("memory",), "memory"),
+            verdict((), ("delay",), (), "none"),
+        ),
+        (0,),
+        4,
+    )
+    assert result.exact_rate == 0.5
+    assert result.found_rate == 4 / 5
+    assert result.false_alarm_rate == 0.5
+    assert result.confusion() == {"creep": {"creep": 1, "drift": 1}, "nothing": {"nothing": 1, "delay": 1}}

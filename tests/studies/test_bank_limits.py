@@ -1,0 +1,147 @@
+"""What a run of the bank must reach, and that a run which is interrupted loses nothing."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import json
+import math
+import sys
+from pathlib import Path
+
+import pytest
+
+from hysgen.cli.console import Console
+from hysgen.cli.main import parser
+from hysgen.cli.verbs import bank as bank_verb
+from hysgen.errors import HysgenError
+from hysgen.studies.bank import BankResult, Verdict, limits, limits_table, run
+from hysgen.studies.bank.limits import PARAMETERS, QUIET, RECORDS
+from hysgen.studies.bank.log import Log, read_log
+
+BANK_RUN = sys.modules[run.__module__]
+"""`hysgen.studies.bank.run`, the module; the package has a function of that name."""
+
+
+def right(category: str, seed: int) -> Verdict:
+    """A verdict that is right in everything: memory and, but for quiet records, creep; every parameter close."""
+    planted = ("memory",) if category == "memory" else ("memory", category)
+    errors = {key: 0.5 * most for key, most in PARAMETERS.items() if key.startswith(category)}
+    relative = dict.fromkeys(planted, 2.0)
+    return Verdict(category, seed, 1e3, "good", planted, planted, planted, relative, errors, 0.1, "", 15.0, 1.0)
+
+
+def full() -> list[Verdict]:
+    """As many records as the limits speak of."""
+    hiding = sorted({key.split(".")[0] for key in PARAMETERS})
+    loud = [right(hiding[i % len(hiding)], i) for i in range(RECORDS - QUIET)]
+    return loud + [right("memory", i) for i in range(QUIET)]
+
+
+def judged(verdicts: list[Verdict]) -> dict[str, str]:
+    """Marks of all limits by name."""
+    return {limit.name: limit.mark for limit in limits(BankResult(tuple(verdicts), (0,), len(verdicts)))}
+
+
+def test_a_run_without_fault_meets_every_limit() -> None:
+    assert set(judged(full()).values()) == {"met"}
+
+
+@pytest.mark.parametrize(
+    ("fault", "times", "missed"),
+    [
+        ({"named": ("memory",)}, 7, "required causes found"),
+        ({"named": ("memory", "drift")}, 11, "exact set of causes"),
+        ({"fall": 6.9}, 1, "fall by the memory extension"),
+        ({"over_truth": 2.1}, 1, "error over that with the truth known"),
+        *(({"errors": {key: -1.1 * most}}, 1, f"error of {key}") for key, most in PARAMETERS.items()),
+    ],
+)
+def test_every_limit_is_missed_when_it_is_missed(fault: dict[str, object], times: int, missed: str) -> None:
+    verdicts = full()
+    cause = missed.removeprefix("error of ").split(".")[0] if "." in missed else "creep"
+    at = [i for i, verdict in enumerate(verdicts) if verdict.category == cause][:times]
+    for i in at:
+        verdicts[i] = dataclasses.replace(verdicts[i], **fault)  # type: ignore[arg-type]
+    assert judged(verdicts)[missed] == "MISSED"
+    assert f"{cause} {verdicts[at[0]].seed}: " in limits_table(limits(BankResult(tuple(verdicts), (0,), len(verdicts))))
+
+
+def test_one_false_alarm_in_a_hundred_quiet_records_passes_and_two_do_not() -> None:
+    verdicts = full()
+    verdicts[-1] = dataclasses.replace(verdicts[-1], named=("memory", "creep"))
+    assert judged(verdicts)["false alarms"] == "met"
+    verdicts[-2] = dataclasses.replace(verdicts[-2], named=("memory", "creep"))
+    assert judged(verdicts)["false alarms"] == "MISSED"
+
+
+def test_a_small_run_does_not_claim_what_only_a_large_one_can_show() -> None:
+    marks = judged(full()[-5:])
+    assert marks["exact set of causes"] == marks["false alarms"] == "met so far"
+    assert marks["error of creep.per_decade"] == "-"
+
+
+def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list[tuple[str, int]]:
+    """Puts made-up verdicts in place of the bank's records; returns the list of what was judged, growing."""
+    begun: list[tuple[str, int]] = []
+
+    def one(key: tuple[str, int]) -> Verdict:
+        if len(begun) == stop_at:
+            raise KeyboardInterrupt
+        begun.append(key)
+        return dataclasses.replace(right(*key), fall=math.nan)
+
+    monkeypatch.setattr(BANK_RUN, "_one", one)
+    return begun
+
+
+def test_an_interrupted_run_says_what_it_has_and_goes_on_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = tmp_path / "bank.jsonl"
+    counted(monkeypatch)
+    whole = run([1, 2, 3], ["memory", "creep"])
+    counted(monkeypatch, stop_at=4)
+    part = run([1, 2, 3], ["memory", "creep"], log=log)
+    assert not part.complete
+    assert [(v.category, v.seed) for v in part.verdicts] == [("memory", 1), ("creep", 1), ("memory", 2), ("creep", 2)]
+    log.write_bytes(log.read_bytes() + b'{"category": "me')  # the machine went down while it wrote
+    begun = counted(monkeypatch)
+    again = run([1, 2, 3], ["memory", "creep"], log=log)
+    assert begun == [("memory", 3), ("creep", 3)]
+    assert again.complete
+    assert again.to_json() == whole.to_json()
+    assert [(v.category, v.seed) for v in read_log(log)] == [(v.category, v.seed) for v in whole.verdicts]
+
+
+def test_verdicts_of_another_state_of_the_package_are_not_mixed_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = tmp_path / "bank.jsonl"
+    Log(log).add(right("creep", 1))
+    monkeypatch.setattr("hysgen.studies.bank.log.sources_digest", lambda: "0" * 64)
+    with pytest.raises(HysgenError, match="judged by another state of hysgen; remove it"):
+        read_log(log)
+
+
+@pytest.mark.parametrize("text", ["not JSON\n", "[1]\n", '{"category": "creep"}\n'])
+def test_a_file_that_is_no_log_is_refused_by_its_name(tmp_path: Path, text: str) -> None:
+    log = tmp_path / "other.txt"
+    log.write_text(text)
+    with pytest.raises(HysgenError, match=r"other\.txt: row 1: "):
+        read_log(log)
+    assert log.read_text() == text
+
+
+@pytest.mark.parametrize(("fall", "code"), [(15.0, 0), (3.0, 1)])
+def test_exit_code_says_whether_the_limits_are_met(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fall: float, code: int
+) -> None:
+    def one(key: tuple[str, int]) -> Verdict:
+        return dataclasses.replace(right(*key), fall=fall)
+
+    monkeypatch.setattr(BANK_RUN, "_one", one)
+    out, told = io.StringIO(), tmp_path / "bank.json"
+    words = ["bank", "--seeds", "1:3", "--categories", "memory", "creep", "--jobs", "1", "--json", str(told)]
+    assert bank_verb.run(parser().parse_args(words), Console(str(told), out, io.StringIO())) == code
+    assert ("MISSED" in out.getvalue()) == bool(code)
+    found = {limit["name"]: limit["holds"] for limit in json.loads(told.read_text())["limits"]}
+    assert found["fall by the memory extension"] is not bool(code)
