@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from hysgen import fitting as fit
 from hysgen.diagnosis import diagnose
 from hysgen.errors import HysgenError
+from hysgen.fitting import fit
 from hysgen.record import Record
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import ast
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import hysgen
 from hysgen.stage import Bandwidth, BoucWen, Preisach, Stage, StageError, StageState, run, static_loop, without
 
 Floats = NDArray[np.float64]
@@ -199,39 +196,3 @@ def test_input_that_drives_no_stage_is_refused_in_one_line(arguments: dict[str, 
     with pytest.raises(StageError, match=complaint) as refusal:
         run(Stage.nominal(), **{"Ts_s": TS_S, **arguments})  # type: ignore[arg-type]
     assert "\n" not in str(refusal.value)
-
-
-def imported_rooms(path: Path) -> set[str]:
-    """First parts of the hysgen modules that a source file imports."""
-    names: list[str] = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names += (
-                [f"{node.module}.{alias.name}" for alias in node.names] if node.module == "hysgen" else [node.module]
-            )
-    return {name.split(".")[1] for name in names if name.startswith("hysgen.")}
-
-
-def test_stage_and_analysis_do_not_know_each_other() -> None:
-    house = Path(hysgen.__file__).parent
-    for source in (house / "stage").glob("*.py"):
-        allowed = {"errors", "files", "native", "stage"} | ({"signals"} if source.stem == "demo_record" else set())
-        assert imported_rooms(source) <= allowed, source.name
-    rooms = (
-        "record",
-        "signals",
-        "model",
-        "membership",
-        "terms",
-        "kernels",
-        "fit",
-        "certificates",
-        "simulate",
-        "scores",
-    )
-    for room in (*rooms, "baselines", "dynamics", "diagnose", "coefficients", "reference", "emit", "verify"):
-        for source in [house / f"{room}.py", *(house / room).rglob("*.py")]:
-            if source.exists():
-                assert "stage" not in imported_rooms(source), source.name
