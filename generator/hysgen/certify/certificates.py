@@ -20,6 +20,7 @@ the hysteresis w, so b u + w(u), which differs from what is asked by N |d| at mo
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.enclosure import Extremum, gain, gain_extrema, slope, slope_extremum
+from hysgen.certify.zeros import Rational, rational, zeros
+from hysgen.machine.reproducible import geometric, product, rounded_down, rounded_up
 from hysgen.model.membership import memberships
 from hysgen.model.model import Model
 from hysgen.model.terms import loop_row
@@ -35,6 +38,11 @@ Floats = NDArray[np.float64]
 
 SMALLEST_GAIN_RATIO = 0.01
 """Least |b| over largest |b| for which the inverse is worth dividing by."""
+
+DIGITS = 12
+"""Significant digits of every bound, rounded outward, so that a bound stays one. A sum of some hundred float64 numbers
+errs by 1e-14 of the largest, which the gain and slope of rules that nearly cancel have a hundredth of: 12 digits hold,
+and the distance of a zero from 1, 1e-6 for lags of 30 s, keeps 6 of them."""
 
 FROZEN_GAINS = 33
 """Gains between the extrema of b(y) at which the zeros of the inverse are computed."""
@@ -126,7 +134,10 @@ class Certificates:
 def certify(model: Model) -> Certificates:
     """Compute every certificate of `model` over its own ranges."""
     lowest, highest = gain_extrema(model)
+    lowest = dataclasses.replace(lowest, bound=rounded_down(lowest.bound, DIGITS))
+    highest = dataclasses.replace(highest, bound=rounded_up(highest.bound, DIGITS))
     steepest = slope_extremum(model)
+    steepest = dataclasses.replace(steepest, bound=rounded_up(steepest.bound, DIGITS))
     ends = (model.u_min_V, model.u_max_V)
     zero, loop = inverse_stability(model, lowest.value, highest.value)
     return Certificates(
@@ -136,8 +147,8 @@ def certify(model: Model) -> Certificates:
         gain_highest=highest,
         slope=steepest,
         contracting_V=ends if steepest.bound < 1.0 else _contracting_inputs(model),
-        zero=zero,
-        loop=loop,
+        zero=rounded_up(zero, DIGITS),
+        loop=rounded_up(loop, DIGITS),
     )
 
 
@@ -149,7 +160,7 @@ def steady_input(model: Model, y_um: Floats) -> Floats:
     p = memberships(y_um, model.grid)
     q1, q2, q3 = model.consequents.T
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((y_um - (p @ q1) * y_um - p @ q3) / (p @ q2))
+        return np.asarray((y_um - product(p, q1) * y_um - product(p, q3)) / product(p, q2))
 
 
 def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float]:
@@ -168,8 +179,8 @@ def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> 
 def least_stable(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float]:
     """Displacement in um and gain in um/V at which the inverse is closest to building up past inputs."""
     terms = _feedback(model)
-    gains = np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS)
-    worst = max(gains, key=lambda b: _inverse_filter(terms, float(b))[::-1])
+    gains = geometric(gain_lowest, gain_highest, FROZEN_GAINS)
+    worst = max(gains, key=lambda b: _inverse_filter(terms, b)[::-1])
     y = np.linspace(model.grid.y_min_um, model.grid.y_max_um, 200 * model.grid.rules)
     nearest = int(np.argmin(np.abs(gain(model, y) - worst)))
     return float(y[nearest]), float(worst)
@@ -178,18 +189,16 @@ def least_stable(model: Model, gain_lowest: float, gain_highest: float) -> tuple
 def inverse_filter(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float, float]:
     """Largest modulus of the zeros, largest ||(b + T)^-1||_1 over frozen gains b in between, and N."""
     terms = _feedback(model)
-    filters = [_inverse_filter(terms, float(b)) for b in np.geomspace(gain_lowest, gain_highest, FROZEN_GAINS)]
+    filters = [_inverse_filter(terms, b) for b in geometric(gain_lowest, gain_highest, FROZEN_GAINS)]
     return max(zero for zero, _ in filters), max(size for _, size in filters), terms.nonlinear
 
 
 @dataclass(frozen=True)
 class _Feedback:
-    """What the terms feed back into the inverse: the linear ones as one system A, B, theta C, whose ||T||_1 is at most
+    """What the terms feed back into the inverse: the linear ones as one transfer function T, whose ||T||_1 is at most
     `linear`, and the bound N of the others, `nonlinear`."""
 
-    A: Floats
-    B: Floats
-    theta_C: Floats
+    T: Rational
     linear: float
     nonlinear: float
 
@@ -200,7 +209,7 @@ def _feedback(model: Model) -> _Feedback:
         theta = model.weights[start : start + term.size]
         start += term.size
         system = term.linear(model.Ts_s)
-        bound = float(loop_row(term, theta, model.Ts_s) @ theta)
+        bound = float(product(loop_row(term, theta, model.Ts_s), theta))
         if system is None:
             nonlinear += bound
         else:
@@ -212,8 +221,8 @@ def _feedback(model: Model) -> _Feedback:
         A[at : at + len(system.B), at : at + len(system.B)] = system.A
         at += len(system.B)
     B = np.concatenate([np.zeros(0), *(system.B for system, _ in systems)])
-    theta_C = np.concatenate([np.zeros(0), *(theta @ system.C for system, theta in systems)])
-    return _Feedback(A, B, theta_C, linear, nonlinear)
+    theta_C = np.concatenate([np.zeros(0), *(product(system.C.T, theta) for system, theta in systems)])
+    return _Feedback(rational(A, B, theta_C), linear, nonlinear)
 
 
 def _inverse_filter(terms: _Feedback, b: float) -> tuple[float, float]:
@@ -222,17 +231,12 @@ def _inverse_filter(terms: _Feedback, b: float) -> tuple[float, float]:
     The impulse response of (b + T)^-1 is 1/b, then -theta C (A - B theta C/b)^(k-1) B/b^2: a sum of modes r p^(k-1),
     each of which adds up to |r|/(1 - |p|). Where ||T||_1 < |b|, 1/(|b| - ||T||_1) is a bound too.
     """
-    if terms.A.size == 0:
+    if terms.T.B.size == 0:
         return 0.0, 1.0 / abs(b)
-    poles, modes = np.linalg.eig(terms.A - np.outer(terms.B, terms.theta_C) / b)
-    radius = float(np.abs(poles).max())
+    radius, size = zeros(terms.T, b)
     if radius >= 1.0:
         return radius, np.inf
-    bounded = 1.0 / (abs(b) - terms.linear) if terms.linear < abs(b) else np.inf
-    if np.linalg.cond(modes) > 1.0 / np.finfo(np.float64).eps:
-        return radius, bounded
-    residues = (terms.theta_C @ modes) * np.linalg.solve(modes, terms.B.astype(np.complex128)) / b**2
-    return radius, min(bounded, 1.0 / abs(b) + float((np.abs(residues) / (1.0 - np.abs(poles))).sum()))
+    return radius, min(size, 1.0 / (abs(b) - terms.linear)) if terms.linear < abs(b) else size
 
 
 def _contracting_inputs(model: Model) -> tuple[float, float] | None:
@@ -251,7 +255,8 @@ def _contracting_inputs(model: Model) -> tuple[float, float] | None:
     low = max(model.u_min_V, float(np.max(ends[0][~flat], initial=-np.inf)))
     high = min(model.u_max_V, float(np.min(ends[1][~flat], initial=np.inf)))
     # The grid may miss the worst displacement by a little: draw the ends in until the enclosure agrees.
-    for margin in np.geomspace(1e-6, 0.5, 40) * (model.u_max_V - model.u_min_V):
+    for share in geometric(1e-6, 0.5, 40):
+        margin = share * (model.u_max_V - model.u_min_V)
         inner = (low if low == model.u_min_V else low + margin, high if high == model.u_max_V else high - margin)
         if inner[0] >= inner[1]:
             return None

@@ -21,6 +21,7 @@ enclosure is as narrow as asked. df/dy is affine in u, so its extrema over u lie
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.machine.reproducible import exponential, product, total
 from hysgen.model.membership import memberships
 from hysgen.model.model import Model
 
@@ -88,7 +90,7 @@ Quantity = Callable[[Cells], Series]
 
 def gain(model: Model, y_um: Floats) -> Floats:
     """b(y) in um/V, (n,), at displacements (n,)."""
-    return np.asarray(memberships(y_um, model.grid) @ model.consequents[:, 1])
+    return np.asarray(product(memberships(y_um, model.grid), model.consequents[:, 1]))
 
 
 def slope(model: Model, y_um: Floats, u_V: Floats) -> Floats:
@@ -96,8 +98,9 @@ def slope(model: Model, y_um: Floats, u_V: Floats) -> Floats:
     p = memberships(y_um, model.grid)
     q1, q2, q3 = model.consequents.T
     v = q1 * y_um[:, None] + q2 * u_V[:, None] + q3
-    v = v - (p * v).sum(axis=1, keepdims=True)
-    return np.asarray(p @ q1 + (p * v) @ np.arange(model.grid.rules) / model.grid.step_um)
+    v = v - product(p, v)[:, None]
+    rule = np.arange(model.grid.rules, dtype=np.float64)
+    return np.asarray(product(p, q1) + product(p * v, rule) / model.grid.step_um)
 
 
 def gain_extrema(model: Model, narrow: float = NARROW) -> tuple[Extremum, Extremum]:
@@ -136,7 +139,7 @@ def slope_series(model: Model) -> Quantity:
         v = q1 * y[:, None] + q2 * cells.u_V[:, None] + q3
         _, quotient, size = firing.expectation(v, h * np.broadcast_to(q1, v.shape))
         slopes = quotient[:, 1:] * np.arange(1.0, ORDER + 1.0) / h
-        slopes[:, 0] += firing.p @ q1
+        slopes[:, 0] += product(firing.p, q1)
         return Series(slopes, size / (RHO * h) * _tail(cells.half / RHO, 1))
 
     return quantity
@@ -146,44 +149,45 @@ class _Firing:
     """Firing strengths in the middle of cells, (n, L), and what follows from them for expectations nearby."""
 
     def __init__(self, model: Model, middle: Floats) -> None:
-        index = np.arange(model.grid.rules)
+        index = np.arange(model.grid.rules, dtype=np.float64)
         self.p = memberships(model.grid.ends_um[0] + model.grid.step_um * middle, model.grid)
-        offset = index - (self.p @ index)[:, None]
+        offset = index - product(self.p, index)[:, None]
         powers = [self.p]
         for k in range(1, ORDER + 1):
             powers.append(powers[-1] * offset / k)
         # p_l o_l^k / k!, (ORDER + 1, n, L)
         self.moments = np.stack(powers)
         away = RHO * np.abs(offset)
-        grown = np.exp(away)
+        grown = exponential(away)
         self.most = self.p * grown
-        self.delta = 1.0 - (self.p * (grown - 1.0 - away)).sum(axis=1)
+        self.delta = 1.0 - product(self.p, grown - 1.0 - away)
 
     def expectation(self, g: Floats, rising: Floats | float) -> tuple[Floats, Floats, Floats]:
         """E of g_l + t rising_l, (n, L) each, as mean + t (mean of rising) + G/D.
 
         Returns the mean at t = 0, (n,); the series of G/D, (n, ORDER + 1); and gamma/delta, (n,).
         """
-        mean = (self.p * g).sum(axis=1)
+        mean = product(self.p, g)
         g = g - mean[:, None]
-        G = (self.moments * g).sum(axis=2)
+        G = product(self.moments, g)
         most = np.abs(g)
         if isinstance(rising, np.ndarray):
-            rising = rising - (self.p * rising).sum(axis=1, keepdims=True)
-            G[1:] += (self.moments[:-1] * rising).sum(axis=2)
+            rising = rising - product(self.p, rising)[:, None]
+            G[1:] += product(self.moments[:-1], rising)
             most = most + RHO * np.abs(rising)
-        D = self.moments.sum(axis=2)
+        D = total(self.moments)
         quotient = np.empty_like(G)
         for k in range(ORDER + 1):
-            quotient[k] = G[k] - (D[1 : k + 1] * quotient[:k][::-1]).sum(axis=0)
-        return mean, quotient.T.copy(), (self.most * most).sum(axis=1) / self.delta
+            quotient[k] = G[k] - total(D[1 : k + 1] * quotient[:k][::-1], axis=0)
+        return mean, quotient.T.copy(), product(self.most, most) / self.delta
 
 
 def _tail(x: Floats, derivative: int) -> Floats:
     """sum_{k >= ORDER} x^k, or sum_{k >= ORDER} (k + 1) x^k for the derivative, 0 <= x < 1."""
+    power = functools.reduce(np.multiply, [x] * ORDER)
     if derivative == 0:
-        return np.asarray(x**ORDER / (1.0 - x))
-    return np.asarray(x**ORDER * (ORDER + 1.0 - ORDER * x) / (1.0 - x) ** 2)
+        return np.asarray(power / (1.0 - x))
+    return np.asarray(power * (ORDER + 1.0 - ORDER * x) / ((1.0 - x) * (1.0 - x)))
 
 
 def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow: float, absolute: bool) -> Extremum:
@@ -222,10 +226,14 @@ def _peak(series: Series, half: Floats, absolute: bool) -> tuple[Floats, Floats,
     chosen = np.argmax(np.abs(quadratic) if absolute else quadratic, axis=0)
     lane = np.arange(half.size)
     at = t[chosen, lane]
-    powers = half[:, None] ** np.arange(3, ORDER)
-    beyond = (np.abs(c[:, 3:]) * powers).sum(axis=1) + series.remainder
-    value = (c * at[:, None] ** np.arange(ORDER)).sum(axis=1)
+    beyond = _polynomial(np.abs(c[:, 3:]), half) * (half * half * half) + series.remainder
+    value = _polynomial(c, at)
     top = quadratic[chosen, lane]
     if absolute:
         value, top = np.abs(value), np.abs(top)
     return value, top + beyond, at
+
+
+def _polynomial(coefficients: Floats, t: Floats) -> Floats:
+    """sum_k c_k t^k, (n,), of coefficients (n, K), rising powers."""
+    return functools.reduce(lambda found, c: found * t + c, coefficients.T[::-1], np.zeros_like(t))

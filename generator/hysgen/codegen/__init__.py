@@ -26,12 +26,15 @@ from hysgen.codegen.selftest import chains
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.accuracy import accuracy
 from hysgen.machine.files import write_whole
+from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 
 __all__ = ["Options", "generate", "write"]
 
 ERROR_SAMPLES: Final = 20_000
+ERROR_DIGITS: Final = 6
+"""Of the worst errors, rounded up: an error of 1e-6 is a difference of float64 numbers near 1 and has 9 good digits."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,11 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     summary = {
         "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz},
         "certificates": certificates.to_json(),
-        "worst_error": {"predict_um": errors.predict_um, "inverse_V": errors.inverse_V, "samples": errors.samples},
+        "worst_error": {
+            "predict_um": rounded_up(errors.predict_um, ERROR_DIGITS),
+            "inverse_V": rounded_up(errors.inverse_V, ERROR_DIGITS),
+            "samples": errors.samples,
+        },
         "cost": _cost(model, found, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hysgen.codegen.literals import bits, literal
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.reference.accuracy import Accuracy
+from hysgen.machine.reproducible import rounded_up
 from hysgen.model.model import Model
 
 
@@ -137,8 +138,7 @@ def term_sections(model: Model, numbers: Coefficients, upper: str) -> list[Secti
 
 def _stated(error: float) -> np.float32:
     """`error` rounded up to 2 significant digits."""
-    unit = 10.0 ** (np.floor(np.log10(error)) - 1.0) if error > 0.0 else 1.0
-    return np.float32(np.ceil(error / unit) * unit)
+    return np.float32(rounded_up(error, 2))
 
 
 def _text(value: np.float32 | np.uint32) -> str:

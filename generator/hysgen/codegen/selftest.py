@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.float32.reference.instance import Instance
+from hysgen.machine.reproducible import drawn
 from hysgen.model.model import Model
 from hysgen.model.status import COUNTERS
 
@@ -75,7 +76,7 @@ def _chain(model: Model, function: str, seed: int) -> Chain:
 
 def _reachable(model: Model, y: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
     """Displacements that inputs inside the range reach from y in one step, terms at rest."""
-    u = rng.uniform(model.u_min_V, model.u_max_V, ROWS).astype(np.float32)
+    u = drawn(rng, model.u_min_V, model.u_max_V, ROWS).astype(np.float32)
     with np.errstate(all="ignore"):
         return Instance(model, y, np.zeros(ROWS, dtype=np.float32)).predict(y, u)
 
@@ -87,7 +88,7 @@ def _limits(model: Model) -> list[tuple[np.float32, np.float32]]:
 
 def _column(rng: np.random.Generator, low: np.float32, high: np.float32) -> NDArray[np.float32]:
     """ROWS values: two thirds ordinary, every third special."""
-    column = rng.uniform(low, high, ROWS).astype(np.float32)
+    column = drawn(rng, float(low), float(high), ROWS).astype(np.float32)
     special = [low, high, 2 * low - high, 2 * high - low, 0.0, -0.0, 1e-40, -1e30, np.inf, -np.inf, np.nan]
     column[2::3] = rng.permutation(np.array(special, dtype=np.float32))[: column[2::3].size]
     return column

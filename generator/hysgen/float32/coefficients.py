@@ -18,6 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.machine.reproducible import exp
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.model import Model
 
@@ -83,7 +84,7 @@ def coefficients(model: Model) -> Coefficients:
     grid = model.grid
     windowed = grid.rules > MOST_DENSE_RULES
     away = np.arange(-WINDOW_REACH, WINDOW_REACH + 1) if windowed else np.arange(grid.rules) - (grid.rules - 1) / 2
-    strength = np.exp(-0.5 * away.astype(np.float64) ** 2).astype(np.float32)
+    strength = np.array([exp(-0.5 * a * a) for a in away.tolist()]).astype(np.float32)
     pad = WINDOW_REACH if windowed else 0
     ones = np.ones(grid.rules, dtype=np.float32)
     fold = ones if windowed else strength

@@ -25,6 +25,7 @@ import numpy as np
 from hysgen.certify.certificates import Certificates, inverse_filter
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import Coefficients, Floats, Floats32
+from hysgen.machine.reproducible import exponential, product, total
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model
 
@@ -101,9 +102,9 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
         table=(table / np.tile(numbers.fold, 3)).astype(np.float32),
         unfold=(1.0 / numbers.fold.astype(np.float64)).astype(np.float32),
         half_um=np.float32(SAFETY * half),
-        gain_rest=np.float32(SAFETY * 0.5 * half**2 * c2),
-        slope_rest_1=np.float32(SAFETY * 1.5 * half**2 * c2),
-        slope_rest_3=np.float32(SAFETY * 0.5 * half**2 * c3),
+        gain_rest=np.float32(SAFETY * 0.5 * (half * half) * c2),
+        slope_rest_1=np.float32(SAFETY * 1.5 * (half * half) * c2),
+        slope_rest_3=np.float32(SAFETY * 0.5 * (half * half) * c3),
         sign=np.float32(math.copysign(1.0, certificates.gain_highest.value + certificates.gain_lowest.value)),
         gain_floor=np.float32(floor),
         gain_ceiling=np.float32(ceiling),
@@ -122,13 +123,13 @@ def membership_derivatives(y_um: Floats, grid: Grid) -> tuple[Floats, Floats, Fl
     """
     s = (y_um[:, None] - grid.ends_um[0]) / grid.step_um
     rule = np.arange(grid.rules, dtype=np.float64)
-    p = np.exp(-0.5 * (s - rule) ** 2)
-    p = p / p.sum(axis=1, keepdims=True)
-    o = rule - (p * rule).sum(axis=1, keepdims=True)
-    variance = (p * o**2).sum(axis=1, keepdims=True)
-    skew = (p * o**3).sum(axis=1, keepdims=True)
+    p = exponential(-0.5 * (s - rule) * (s - rule))
+    p = p / total(p)[:, None]
+    o = rule - product(p, rule)[:, None]
+    square, cube = o * o, o * o * o
+    variance, skew = product(p, square)[:, None], product(p, cube)[:, None]
     h = grid.step_um
-    return p, p * o / h, p * (o**2 - variance) / h**2, p * (o**3 - 3.0 * variance * o - skew) / h**3
+    return p, p * o / h, p * (square - variance) / (h * h), p * (cube - 3.0 * variance * o - skew) / (h * h * h)
 
 
 def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int, float, float]:
@@ -139,13 +140,13 @@ def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int
     grid = model.grid
     fine = np.linspace(grid.y_min_um, grid.y_max_um, 400 * grid.rules)
     _, _, second, third = membership_derivatives(fine, grid)
-    c2, c3 = (SAFETY * float(np.abs(derivative).sum(axis=1).max()) for derivative in (second, third))
+    c2, c3 = (SAFETY * float(total(np.abs(derivative)).max()) for derivative in (second, third))
     q1, q2, q3 = model.consequents.T
     corners = [q1 * y + q2 * u + q3 for y in (grid.y_min_um, grid.y_max_um) for u in (model.u_min_V, model.u_max_V)]
     rest = 3.0 * c2 * 0.5 * np.ptp(q1) + c3 * 0.5 * max(float(np.ptp(v)) for v in corners)
     for points in POINTS if settings.points is None else (settings.points,):
         half = 0.5 * (grid.y_max_um - grid.y_min_um) / points
-        if 0.5 * half**2 * rest <= 0.25 * margin:
+        if 0.5 * (half * half) * rest <= 0.25 * margin:
             return points, c2, c3
     raise CertificateError(
         f"{model.name}: learner: {points} check points are too far apart for a slope that comes within {margin:.2g} of "

@@ -16,6 +16,7 @@ import numpy as np
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Coefficients, Floats, Floats32, single
 from hysgen.float32.update_schedule import Spread, spread
+from hysgen.machine.reproducible import power, total
 from hysgen.model.learner_settings import BIAS, LearnerSettings
 from hysgen.model.model import Model
 
@@ -115,9 +116,10 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
     if not parameters:
         raise ModelError("learner: terms: the model has none; learn slope, gain, offset or bias")
     scale = np.array([parameter.scale for parameter in parameters])
-    prior = settings.alpha * (strength * scale) ** 2
+    carried = strength * scale
+    prior = settings.alpha * (carried * carried)
     forgetting = settings.forgetting if settings.forgetting < 1.0 else settings.sliding
-    kept = forgetting ** (len(parameters) * (settings.refresh - 1))
+    kept = power(forgetting, len(parameters) * (settings.refresh - 1))
     if kept < 1e-3:
         raise ModelError(
             f"learner: forgetting {forgetting} with {len(parameters)} parameters and refresh {settings.refresh}"
@@ -126,6 +128,7 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
     ceiling = 2.0 * prior / kept
     span = model.grid.y_max_um - model.grid.y_min_um
     spread = math.sqrt(settings.alpha)
+    worse = settings.worse + 0.5 * len(parameters) * (1.0 - forgetting)
     return LearnerNumbers(
         settings=settings,
         parameters=parameters,
@@ -140,7 +143,7 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
         per_phi=np.array([1.0 / p.scale for p in parameters if p.group == "terms"], dtype=np.float32),
         inflate_first=np.float32(1.0 / settings.forgetting),
         inflate=np.float32(1.0 / forgetting),
-        largest_denominator=np.float32(16.0 * (1.0 + float(ceiling.sum()) * (16.0 + 4.0 * len(parameters)))),
+        largest_denominator=np.float32(16.0 * (1.0 + float(total(ceiling)) * (16.0 + 4.0 * len(parameters)))),
         y_low_um=single(model.grid.y_min_um - span),
         y_high_um=single(model.grid.y_max_um + span),
         rest_V=single(_default(settings.rest_V, (model.u_max_V - model.u_min_V) / 16384.0)),
@@ -151,8 +154,8 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
         level_um=np.float32(span),
         step_um=np.float32(_default(settings.step_um, 0.25 * span * max(spread, 1.0))),
         limit_um=np.float32(_default(settings.limit_um, 256.0 * span * max(spread, 1.0))),
-        worse=np.float32((settings.worse + 0.5 * len(parameters) * (1.0 - forgetting)) ** 2),
-        lost=np.float32(settings.lost**2),
+        worse=np.float32(worse * worse),
+        lost=np.float32(settings.lost * settings.lost),
     )
 
 
@@ -200,7 +203,8 @@ def _parameters(
 
 def _power_of_two(magnitude: float) -> float:
     """The power of two next to `magnitude` on a logarithmic scale."""
-    return 2.0 ** round(math.log2(magnitude))
+    significand, exponent = math.frexp(magnitude)
+    return math.ldexp(1.0, exponent if significand > math.sqrt(0.5) else exponent - 1)
 
 
 def _on_grid(regressors: Floats) -> Floats32:

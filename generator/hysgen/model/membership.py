@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.machine.reproducible import exponential, total
 from hysgen.model.model import Grid
 
 Floats = NDArray[np.float64]
@@ -19,8 +20,8 @@ def memberships(y_um: Floats, grid: Grid) -> Floats:
     """
     distance = (grid.clamp(y_um)[:, None] - grid.centres_um) / grid.step_um
     # The nearest rule fires with at least exp(-1/8) inside the grid, so the sum cannot vanish.
-    strength = np.exp(-0.5 * distance * distance)
-    return np.asarray(strength / strength.sum(axis=1, keepdims=True))
+    strength = exponential(-0.5 * distance * distance)
+    return np.asarray(strength / total(strength)[:, None])
 
 
 def membership_slopes(y_um: Floats, grid: Grid) -> Floats:
@@ -30,7 +31,7 @@ def membership_slopes(y_um: Floats, grid: Grid) -> Floats:
     """
     p = memberships(y_um, grid)
     g = -(grid.clamp(y_um)[:, None] - grid.centres_um) / grid.step_um**2
-    return np.asarray(p * (g - (p * g).sum(axis=1, keepdims=True)))
+    return np.asarray(p * (g - total(p * g)[:, None]))
 
 
 def rule_regressors(y_um: Floats, u_V: Floats, grid: Grid) -> Floats:

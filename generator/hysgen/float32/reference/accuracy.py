@@ -6,7 +6,7 @@
 
 Inputs are the float32 numbers that both are given; term states are those of the float32 mirrors after a random run, so
 that what is compared is the arithmetic of one step. Input blocks are left out: both sides see what arrives behind them.
-`python -m hysgen.float32.reference.accuracy MODEL...` prints the figures.
+`python -m hysgen.reference.accuracy MODEL...` prints the figures.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from hysgen.float32.reference.arithmetic import Floats32
 from hysgen.float32.reference.instance import Instance
+from hysgen.machine.reproducible import drawn, product
 from hysgen.model.file import load_model
 from hysgen.model.membership import memberships
 from hysgen.model.model import Model
@@ -85,7 +86,7 @@ def _affine(model: Model, instance: Instance, y: Floats32, *, corrected: bool = 
     y64 = y.astype(np.float64)
     p = memberships(y64, model.grid)
     q1, q2, q3 = model.consequents.T
-    base = (p @ q1) * model.grid.clamp(y64) + p @ q3
+    base = product(p, q1) * model.grid.clamp(y64) + product(p, q3)
     terms = copy.deepcopy(instance.terms)
     if corrected:
         for term in terms:
@@ -93,7 +94,7 @@ def _affine(model: Model, instance: Instance, y: Floats32, *, corrected: bool = 
     phi = [regressor for term in terms for regressor in term.regressors()]
     for theta, regressor in zip(model.weights, phi, strict=True):
         base = base + theta * regressor
-    return base, p @ q2
+    return base, product(p, q2)
 
 
 def _pairs(model: Model, samples: int, seed: int) -> Iterator[tuple[Floats32, Floats32]]:
@@ -102,7 +103,9 @@ def _pairs(model: Model, samples: int, seed: int) -> Iterator[tuple[Floats32, Fl
     low, high = np.float32(model.grid.y_min_um), np.float32(model.grid.y_max_um)
     first, last = np.float32(model.u_min_V), np.float32(model.u_max_V)
     grid = np.meshgrid(np.linspace(low, high, side), np.linspace(first, last, side))
-    random = [rng.uniform(*ends, samples - side * side) for ends in ((low, high), (first, last))]
+    random = [
+        drawn(rng, *ends, samples - side * side) for ends in ((float(low), float(high)), (float(first), float(last)))
+    ]
     y, u = (np.concatenate([part.ravel(), drawn]).astype(np.float32) for part, drawn in zip(grid, random, strict=True))
     for begin in range(0, y.size, LANES):
         yield y[begin : begin + LANES], u[begin : begin + LANES]
@@ -114,8 +117,8 @@ def _warm(model: Model, lanes: int, seed: int) -> Instance:
     instance = Instance(model, np.full(lanes, np.float32(model.grid.y_min_um)), np.zeros(lanes, dtype=np.float32))
     for _ in range(WARM_UP if model.terms else 0):
         if instance.channels:
-            instance.aux([rng.uniform(0.0, 1.0, lanes).astype(np.float32) for _ in instance.channels])
-        instance.simulate(rng.uniform(model.u_min_V, model.u_max_V, lanes).astype(np.float32))
+            instance.aux([drawn(rng, 0.0, 1.0, lanes).astype(np.float32) for _ in instance.channels])
+        instance.simulate(drawn(rng, model.u_min_V, model.u_max_V, lanes).astype(np.float32))
     return instance
 
 

@@ -21,6 +21,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.machine.kernels.poles import lag_states
+from hysgen.machine.reproducible import expm1
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 from hysgen.model.terms.twofloat import accumulate
 
@@ -59,7 +60,7 @@ class Creep:
 
     def rates(self, Ts_s: float) -> Floats:
         """(m,) a_j: the part of the way to u that a state goes in one sample."""
-        return np.asarray(-np.expm1(-Ts_s / np.asarray(self.tau_s)))
+        return np.array([-expm1(-Ts_s / tau) for tau in self.tau_s])
 
     def scales(self, span_V: float) -> tuple[float, ...]:
         return (span_V,) * self.size

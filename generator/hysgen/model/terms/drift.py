@@ -22,6 +22,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.machine.kernels.poles import lag_states
+from hysgen.machine.reproducible import expm1
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 from hysgen.model.terms.twofloat import accumulate
 
@@ -46,7 +47,7 @@ class Drift:
 
     def rate(self, Ts_s: float) -> float:
         """g: the part of a one-step error that the bias takes over in one sample."""
-        return float(-np.expm1(-Ts_s / self.tau_s))
+        return -expm1(-Ts_s / self.tau_s)
 
     def scales(self, span_V: float) -> tuple[float, ...]:
         return (self.limit_um,)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels.poles import mode_states
+from hysgen.machine.reproducible import exp, expm1, sine
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 from hysgen.model.terms.twofloat import accumulate
 
@@ -63,9 +64,13 @@ class Resonance:
                 f"resonance: {max(self.f_Hz):.6g} Hz lies beyond half the sampling frequency, {0.5 / Ts_s:.6g} Hz; "
                 "sample faster or take the mode out"
             )
-        decay, angle = zeta * w, np.sqrt(1.0 - zeta**2) * w
-        real = -np.expm1(-decay) + np.exp(-decay) * 2.0 * np.sin(0.5 * angle) ** 2
-        return np.asarray(real + 1j * np.exp(-decay) * np.sin(angle))
+        decay, angle = zeta * w, np.sqrt(1.0 - zeta * zeta) * w
+        fading, faded = (np.array([f(-x) for x in decay.tolist()]) for f in (exp, expm1))
+        half, whole = (np.array([sine(x) for x in turn.tolist()]) for turn in (0.5 * angle, angle))
+        # Part by part, for a product of complex numbers may be rounded once or twice.
+        steps = np.empty(w.size, dtype=np.complex128)
+        steps.real, steps.imag = fading * 2.0 * (half * half) - faded, fading * whole
+        return steps
 
     def scales(self, span_V: float) -> tuple[float, ...]:
         """The motion builds up by at most 1/(2 zeta) at the resonance; half of it in decades is typical."""
@@ -99,7 +104,7 @@ class Resonance:
     def gains(self, Ts_s: float) -> tuple[float, ...]:
         """|q| / (1 - |p|): the sum of the moduli of the impulse response."""
         q = self.steps(Ts_s)
-        return tuple(float(g) for g in np.repeat(np.abs(q) / (1.0 - np.abs(1.0 - q)), 2))
+        return tuple(float(g) for g in np.repeat(_modulus(q) / (1.0 - _modulus(1.0 - q)), 2))
 
     def shape(self) -> Floats:
         """(2 m,) ln f_1, ln zeta_1, ln f_2, ..., f in Hz."""
@@ -123,7 +128,9 @@ class Resonance:
         """Raises ModelError if the pole, rounded to float32, would not decay."""
         q = self.steps(Ts_s)
         real, imag = q.real.astype(np.float32), q.imag.astype(np.float32)
-        radius = np.abs(1.0 - (real.astype(np.float64) + 1j * imag.astype(np.float64)))
+        rounded = real.astype(np.complex128)
+        rounded.imag = imag
+        radius = _modulus(1.0 - rounded)
         if not (radius < 1.0).all():
             raise ModelError("resonance: a mode this slow and light does not decay in float32; raise its damping")
         return {"real": real, "imag": imag}
@@ -134,6 +141,11 @@ class Resonance:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         return cls(tuple(float(f) for f in data["f_Hz"]), tuple(float(zeta) for zeta in data["zeta"]))
+
+
+def _modulus(z: NDArray[np.complex128]) -> Floats:
+    """|z| without hypot, whose last bit is the C library's."""
+    return np.asarray(np.sqrt(z.real * z.real + z.imag * z.imag))
 
 
 class ModeMirror(Mirror):

@@ -1,0 +1,100 @@
+"""Arithmetic with the same bits on every machine, for all that generation writes down.
+
+IEEE 754 fixes the result of + - * / and sqrt to the last bit. It does not fix the order in which a sum is formed, nor
+exp, sin or a power: a BLAS orders its sums by processor and number of threads, and a C library has several exp for
+several processors. So sums are formed here one number after the other, exp of an array is a polynomial, and functions
+of single numbers go through `decimal`, whose results the standard of decimal arithmetic fixes.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal, localcontext
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+DIGITS: Final = 50
+"""Of decimal results before they are rounded to float64, which has 17: the 33 others never decide about a last bit."""
+
+# ln 2 in two parts (fdlibm, e_exp.c): products of the first with whole numbers up to 2^20 are exact.
+_LN_2_HIGH: Final = 6.93147180369123816490e-01
+_LN_2_LOW: Final = 1.90821492927058770002e-10
+_PER_LN_2: Final = 1.4426950408889634
+# 1/k!, k = 13 .. 2: at |r| <= ln 2 / 2 the first power left out is 4e-18.
+_TAYLOR: Final = tuple(1.0 / math.factorial(k) for k in range(13, 1, -1))
+_LEAST_EXPONENT: Final = -746.0
+
+
+def total(x: Floats, axis: int = -1) -> Floats:
+    """The sum over an axis, added from its first number to its last."""
+    return functools.reduce(np.add, np.moveaxis(x, axis, 0), np.zeros(np.delete(x.shape, axis)))
+
+
+def product(matrix: Floats, vector: Floats) -> Floats:
+    """matrix @ vector, over the last axis of `matrix`, in a fixed order."""
+    return total(matrix * vector)
+
+
+def exponential(x: Floats) -> Floats:
+    """exp(x) of an array, x up to 700: at most 1 unit of the last place from the exact value; 0 below -746."""
+    reached = np.maximum(x, _LEAST_EXPONENT)
+    n = np.rint(reached * _PER_LN_2)
+    r = (reached - n * _LN_2_HIGH) - n * _LN_2_LOW
+    series = np.full_like(r, _TAYLOR[0])
+    for coefficient in _TAYLOR[1:]:
+        series = series * r + coefficient
+    return np.asarray(np.ldexp(1.0 + (r + r * r * series), n.astype(np.int32)))
+
+
+def exp(x: float) -> float:
+    """exp of one number, correctly rounded."""
+    return float(Context(prec=DIGITS).exp(Decimal(x)))
+
+
+def expm1(x: float) -> float:
+    """exp(x) - 1 of one number above 1e-20 in magnitude, or 0, correctly rounded."""
+    with localcontext(Context(prec=DIGITS)):
+        return float(Decimal(x).exp() - 1)
+
+
+def sine(x: float) -> float:
+    """sin of one angle in rad, |x| <= 4, correctly rounded."""
+    with localcontext(Context(prec=DIGITS)):
+        angle = Decimal(x)
+        square, term, found, k = -angle * angle, angle, angle, 1
+        while abs(term) > Decimal(10) ** (-DIGITS) * abs(angle):
+            term *= square / ((k + 1) * (k + 2))
+            found, k = found + term, k + 2
+        return float(found)
+
+
+def power(base: float, exponent: int) -> float:
+    """base^exponent for a whole exponent, correctly rounded."""
+    return float(Context(prec=DIGITS).power(Decimal(base), exponent))
+
+
+def drawn(rng: np.random.Generator, low: float, high: float, count: int) -> Floats:
+    """`count` numbers between low and high, as `rng.uniform` gives them where it rounds both product and sum."""
+    return np.asarray(low + (high - low) * rng.random(count))
+
+
+def geometric(first: float, last: float, count: int) -> list[float]:
+    """`count` numbers from `first` to `last`, both included and of one sign, with one ratio between neighbours."""
+    with localcontext(Context(prec=DIGITS)):
+        ratio = (Decimal(last) / Decimal(first)).ln() / (count - 1)
+        return [first, *(float(Decimal(first) * (ratio * k).exp()) for k in range(1, count - 1)), last]
+
+
+def rounded_up(x: float, digits: int) -> float:
+    """The least number of `digits` significant decimal digits that is not below x."""
+    return float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(x)) if math.isfinite(x) else x
+
+
+def rounded_down(x: float, digits: int) -> float:
+    """The largest number of `digits` significant decimal digits that is not above x."""
+    return float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(x)) if math.isfinite(x) else x
