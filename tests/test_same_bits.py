@@ -1,0 +1,132 @@
+"""The same bytes on every processor: generation under other BLAS kernels, C libraries and thread counts."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy._core import _multiarray_umath as umath
+
+from hysgen.certificates import certify, inverse_filter
+from hysgen.emit import generate
+from hysgen.files import digest
+from hysgen.firmware.reference_models import firmware_models
+from hysgen.same_bits import expm1, exponential, geometric, power, rounded_down, rounded_up, sine, total
+from hysgen.zeros import rational, zeros
+
+GENERATE = (
+    "import json; from hysgen.emit import generate; from hysgen.files import digest;"
+    "from hysgen.firmware.reference_models import firmware_models;"
+    "print(json.dumps([{n: digest(t.encode()) for n, t in generate(m).items()} for m in firmware_models()]))"
+)
+
+# Old kernels of OpenBLAS, which newer processors run too; NumPy without its vector code; glibc without its own for FMA.
+# What a machine does not know of it, it leaves out. AVX-512 kernels end older processors, so they are not tried.
+MACHINES = {
+    "Prescott": {
+        "OPENBLAS_CORETYPE": "Prescott",
+        "OPENBLAS_NUM_THREADS": "1",
+        "NPY_DISABLE_CPU_FEATURES": " ".join(umath.__cpu_dispatch__),
+        "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable",
+    },
+    "Nehalem with 2 threads": {"OPENBLAS_CORETYPE": "Nehalem", "OPENBLAS_NUM_THREADS": "2"},
+}
+
+
+@pytest.fixture(scope="module")
+def here() -> list[dict[str, str]]:
+    return [{name: digest(text.encode()) for name, text in generate(model).items()} for model in firmware_models()]
+
+
+@pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES.keys())
+def test_the_firmwares_models_generate_to_the_same_bytes_on_other_machines(
+    machine: dict[str, str], here: list[dict[str, str]]
+) -> None:
+    run = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", GENERATE],
+        env=os.environ | machine,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert json.loads(run.stdout) == here
+
+
+def test_other_last_digits_of_lapack_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a thousand units of the last place, more than processors differ by."""
+    extended = firmware_models()[1]
+    exact, rng = np.linalg.eigvals, np.random.default_rng(1)
+
+    def noisy(matrix: np.ndarray) -> np.ndarray:
+        found = exact(matrix)
+        return np.asarray(found * (1.0 + 2e-13 * rng.standard_normal(found.shape)))
+
+    before = certify(extended)
+    gains = before.gain_lowest.value, before.gain_highest.value
+    exactly = inverse_filter(extended, *gains)
+    monkeypatch.setattr(np.linalg, "eigvals", noisy)
+    assert inverse_filter(extended, *gains) == exactly
+    assert certify(extended) == before
+
+
+def test_zeros_and_response_are_those_of_the_eigenvalues() -> None:
+    """A slow lag and a light mode with weights of either sign, against the sum of the impulse response itself."""
+    A = np.array([[0.9, 0.0, 0.0], [0.0, 0.8, -0.3], [0.0, 0.3, 0.8]])
+    B, theta_C, b = np.array([0.1, 0.2, 0.3]), np.array([3e-4, -2e-4, 1e-4]), 1e-3
+    radius, size = zeros(rational(A, B, theta_C), b)
+    closed = A - np.outer(B, theta_C) / b
+    assert radius == pytest.approx(np.abs(np.linalg.eigvals(closed)).max(), rel=1e-13)
+    response, state = 1.0 / b, B / b**2
+    for _ in range(2000):
+        response += abs(theta_C @ state)
+        state = closed @ state
+    # The sum over modes bounds the response of several modes; of one mode it is that response.
+    assert response <= size <= 3.0 * response
+    lag = zeros(rational(A[:1, :1], B[:1], theta_C[:1]), b)
+    assert lag == pytest.approx((0.87, 1.0 / b + 30.0 / (1.0 - 0.87)), rel=1e-12)
+
+
+def test_roots_that_coincide_leave_the_response_unbounded() -> None:
+    twice = rational(np.array([[0.5, 1.0], [0.0, 0.5]]), np.array([0.0, 1.0]), np.zeros(2))
+    assert zeros(twice, 1e-3) == (0.5, math.inf)
+    assert zeros(rational(np.array([[1.5]]), np.ones(1), np.zeros(1)), 1e-3) == (1.5, math.inf)
+
+
+@given(st.floats(-745.0, 700.0))
+def test_exponential_is_within_a_unit_of_the_last_place(x: float) -> None:
+    exact = Decimal(x).exp()
+    found = float(exponential(np.array([x]))[0])
+    assert abs(Decimal(found) - exact) <= Decimal(math.ulp(found))
+
+
+def test_exponential_at_its_ends() -> None:
+    assert exponential(np.array([0.0, -0.0, -1e4, -1e300])).tolist() == [1.0, 1.0, 0.0, 0.0]
+
+
+@given(st.floats(-3.2, 3.2).filter(lambda x: x == 0.0 or abs(x) > 1e-18))
+def test_functions_of_one_number_are_those_of_the_c_library(x: float) -> None:
+    assert sine(x) == pytest.approx(math.sin(x), rel=1e-15)
+    assert expm1(x) == pytest.approx(math.expm1(x), rel=1e-15)
+
+
+def test_powers_and_geometric_steps() -> None:
+    assert power(0.999, 7) == pytest.approx(0.999**7, rel=1e-15)
+    assert geometric(-8.0, -2.0, 3) == [-8.0, -4.0, -2.0]
+    assert total(np.array([1e16, 1.0, -1e16, 1.0])) == 1.0
+
+
+@given(st.floats(allow_nan=False), st.integers(1, 14))
+def test_rounding_outward_keeps_a_bound(x: float, digits: int) -> None:
+    low, high = rounded_down(x, digits), rounded_up(x, digits)
+    assert low <= x <= high
+    if math.isfinite(high) and abs(x) > 1e-300:
+        assert high - low <= 1.01 * abs(x) * 10.0 ** (1 - digits)
+        assert float(f"{high:.{digits - 1}e}") == high
