@@ -6,6 +6,7 @@ import dataclasses
 import difflib
 import getpass
 import json
+import os
 import platform
 import re
 import struct
@@ -54,11 +55,12 @@ def test_same_model_gives_the_same_bytes_in_another_process_and_folder(tmp_path:
         "print(digest(repr(generate(load_model('appendix_b'))).encode()))"
     )
     found = {digest(repr(generate(load_model("appendix_b"))).encode())}
+    here = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "PYTHONPATH": os.environ.get("PYTHONPATH", "")}
     for seed in ("1", "2"):
         run = subprocess.run(
             [sys.executable, "-c", code],
             cwd=tmp_path,
-            env={"PYTHONHASHSEED": seed, "PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "TZ": "Asia/Tokyo"},
+            env={**here, "PYTHONHASHSEED": seed, "TZ": "Asia/Tokyo"},
             capture_output=True,
             text=True,
             check=True,

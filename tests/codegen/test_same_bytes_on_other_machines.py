@@ -15,15 +15,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy._core import _multiarray_umath as umath
 
-from hysgen.certificates import certify, inverse_filter
-from hysgen.emit import generate
-from hysgen.files import digest
+from hysgen.certify.certificates import certify, inverse_filter
+from hysgen.certify.zeros import rational, zeros
+from hysgen.codegen import generate
 from hysgen.firmware.reference_models import firmware_models
-from hysgen.same_bits import expm1, exponential, geometric, power, rounded_down, rounded_up, sine, total
-from hysgen.zeros import rational, zeros
+from hysgen.machine.files import digest
+from hysgen.machine.reproducible import expm1, exponential, geometric, power, rounded_down, rounded_up, sine, total
 
 GENERATE = (
-    "import json; from hysgen.emit import generate; from hysgen.files import digest;"
+    "import json; from hysgen.codegen import generate; from hysgen.machine.files import digest;"
     "from hysgen.firmware.reference_models import firmware_models;"
     "print(json.dumps([{n: digest(t.encode()) for n, t in generate(m).items()} for m in firmware_models()]))"
 )
