@@ -14,10 +14,10 @@ import pytest
 from numpy.typing import NDArray
 
 from diagnosis.test_signatures import COMMAND_V, CREEP, LAG, LATE, RINGING, SAMPLES, SPAN_S, T_S, TS_S, scene
-from hysgen.diagnosis import exchange, procedure, search
+from hysgen.diagnosis import procedure, search, swaps
 from hysgen.diagnosis.advice import remainder
 from hysgen.diagnosis.bootstrap import Gain
-from hysgen.diagnosis.causes import Look, Signature, causes
+from hysgen.diagnosis.causes import Residual, Signature, causes
 from hysgen.diagnosis.noise import NoiseFloor
 from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
@@ -115,17 +115,17 @@ def test_a_step_that_takes_four_per_cent_away_is_not_taken(
     monkeypatch.setattr(search, "causes", lambda: {"drift": ramp})
     seen = scene(LAG, 0.02 * np.sin(COMMAND_V / 5.0) + ramp_um * T_S / SPAN_S)
     fit = refine(seen, LAG)
-    assert (search._best_step(seen, fit, CHECKED) is not None) == taken
+    assert (search.forward_step(seen, fit, CHECKED) is not None) == taken
 
 
 def test_search_stops_where_nothing_is_left() -> None:
     seen = scene(LAG)
-    assert search._best_step(seen, refine(seen, LAG), CHECKED) is None
+    assert search.forward_step(seen, refine(seen, LAG), CHECKED) is None
 
 
 def test_search_goes_on_to_an_effect_below_the_noise() -> None:
     seen = scene(LAG, 2e-3 * T_S / SPAN_S)
-    step = search._best_step(seen, refine(seen, LAG), CHECKED)
+    step = search.forward_step(seen, refine(seen, LAG), CHECKED)
     assert step is not None
     assert step.chain.drift
 
@@ -147,28 +147,28 @@ def test_a_cause_that_came_first_is_exchanged_for_the_one_like_it_that_explains_
     stage: Chain, more_um: float | NDArray[np.float64], wrong: Chain, right: str
 ) -> None:
     seen = scene(stage, more_um)
-    assert search.present(exchange.exchanged(seen, refine(seen, wrong), CHECKED).chain) == [right]
+    assert search.present(swaps.swap_similar_causes(seen, refine(seen, wrong), CHECKED).chain) == [right]
 
 
 def test_an_exchange_must_not_cost_more_on_the_fitted_rows_than_it_gains(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exchange, "ratio", lambda other, fit, checked: 0.9)
+    monkeypatch.setattr(swaps, "ratio", lambda other, fit, checked: 0.9)
     seen = scene(RINGING)
-    assert search.present(exchange.exchanged(seen, refine(seen, RINGING), CHECKED).chain) == ["resonance"]
+    assert search.present(swaps.swap_similar_causes(seen, refine(seen, RINGING), CHECKED).chain) == ["resonance"]
 
 
 def test_a_mode_that_does_not_ring_takes_no_place(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exchange, "ratio", lambda other, fit, checked: 0.1 if other.chain.modes else 10.0)
+    monkeypatch.setattr(swaps, "ratio", lambda other, fit, checked: 0.1 if other.chain.modes else 10.0)
     seen = scene(LATE)
     rough = linear_fit(seen, dataclasses.replace(LATE, delay=1.0))
-    mode = exchange._replacement(seen, linear_fit(seen, LAG), "resonance")
+    mode = swaps.best_with(seen, linear_fit(seen, LAG), "resonance")
     assert mode is not None
     assert mode.rms_um < rough.rms_um
-    assert search.present(exchange.exchanged(seen, rough, CHECKED).chain) == ["delay"]
+    assert search.present(swaps.swap_similar_causes(seen, rough, CHECKED).chain) == ["delay"]
 
 
 def test_a_slow_cause_without_evidence_makes_room_for_another() -> None:
     seen = scene(LAG, AGED_UM)
-    right = exchange.resigned(seen, refine(seen, CREEP), CHECKED).chain
+    right = swaps.swap_slow_causes(seen, refine(seen, CREEP), CHECKED).chain
     assert right.names() == ("lag", "aging")
 
 
@@ -176,7 +176,7 @@ def test_a_slow_cause_without_evidence_goes_where_it_hides_the_evidence_of_anoth
     seen = scene(LAG, 2e-3 * T_S / SPAN_S)
     both = refine(seen, dataclasses.replace(CREEP, creep=1e-4, drift=True))
     drift = causes()["drift"]
-    assert not drift.signature(Look.at(seen, both), both).holds
-    alone = exchange.resigned(seen, both, CHECKED)
+    assert not drift.signature(Residual.at(seen, both), both).holds
+    alone = swaps.swap_slow_causes(seen, both, CHECKED)
     assert search.present(alone.chain) == ["drift"]
-    assert drift.signature(Look.at(seen, alone), both).holds
+    assert drift.signature(Residual.at(seen, alone), both).holds

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose, ladder, procedure
-from hysgen.diagnosis.ladder import Rung, climb
+from hysgen.diagnosis.ladder import Rung, fit_ladder
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.errors import RecordError
@@ -60,12 +60,12 @@ def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
     hum: tuple[Record, Diagnosis], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def worse(prepared: Prepared, extensions: Any, names: Sequence[str], settings: FitSettings, *rest: Any) -> Rung:
-        rung = climb(prepared, extensions, names, dataclasses.replace(settings, certified=False), *rest)
+        rung = fit_ladder(prepared, extensions, names, dataclasses.replace(settings, certified=False), *rest)
         spoilt = math.isfinite(settings.loop_limit) and "periodic" in names  # what is to have an inverse
         return dataclasses.replace(rung, error_um=1e3 * rung.error_um) if spoilt else rung
 
-    monkeypatch.setattr(ladder, "climb", worse)
-    monkeypatch.setattr(procedure, "climb", worse)
+    monkeypatch.setattr(ladder, "fit_ladder", worse)
+    monkeypatch.setattr(procedure, "fit_ladder", worse)
     found = diagnose(hum[0])
     assert {cause.name: cause.extended for cause in found.causes} == {"memory": True, "periodic": False}
     assert [term.kind for term in found.model.terms] == ["memory"]

@@ -10,8 +10,8 @@ import pytest
 from fixtures.generated_models import smooth
 from hysgen.certify.certificates import certify
 from hysgen.codegen import generate
-from hysgen.diagnosis.extension import Extension, Wander
-from hysgen.diagnosis.ladder import calls_per_update, climb, equipped
+from hysgen.diagnosis.extension import Extension, Trend
+from hysgen.diagnosis.ladder import add_online_parts, calls_per_update, fit_ladder
 from hysgen.diagnosis.memory_shape import usual_memory, with_best_memory
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
@@ -38,14 +38,14 @@ def known(category: str, seed: int) -> tuple[Prepared, dict[str, Extension]]:
 
 
 def held_um(prepared: Prepared, extensions: dict[str, Extension], names: list[str]) -> float:
-    return rms(climb(prepared, extensions, names, USUAL).error_um[prepared.held_rows])
+    return rms(fit_ladder(prepared, extensions, names, USUAL).error_um[prepared.held_rows])
 
 
 def test_a_mode_that_would_cost_the_inverse_its_certificate_is_limited_in_the_fit() -> None:
     prepared, extensions = known("resonance", 1)
-    free = climb(prepared, extensions, list(extensions), dataclasses.replace(USUAL, certified=False))
+    free = fit_ladder(prepared, extensions, list(extensions), dataclasses.replace(USUAL, certified=False))
     assert not certify(free.model).inverse_holds
-    kept = climb(prepared, extensions, list(extensions), USUAL)
+    kept = fit_ladder(prepared, extensions, list(extensions), USUAL)
     assert certify(kept.model).inverse_holds
     assert certify(kept.model).contraction_holds
 
@@ -54,7 +54,7 @@ def test_creep_pays_on_rows_that_no_fit_has_seen_and_keeps_the_inverse() -> None
     prepared, extensions = known("creep", 1)
     with_um, without_um = (held_um(prepared, extensions, names) for names in (["memory", "creep"], ["memory"]))
     assert with_um < without_um
-    creep = climb(prepared, extensions, ["memory", "creep"], USUAL).model
+    creep = fit_ladder(prepared, extensions, ["memory", "creep"], USUAL).model
     assert certify(creep).inverse_holds
     assert isinstance(creep.terms[1], Creep)
     assert creep.weights[-1] * creep.consequents[:, 1].mean() > 0.0  # onward, in the direction of the gain
@@ -63,7 +63,7 @@ def test_creep_pays_on_rows_that_no_fit_has_seen_and_keeps_the_inverse() -> None
 def test_bent_plays_rise_wherever_they_can_stand_and_so_do_not_turn_back_beyond_what_was_fitted() -> None:
     # The held-out part of this record leaves the range of the rest: free squares and cubes fall 3.5 times only there.
     prepared, extensions = known("memory", 4)
-    rung = climb(prepared, extensions, ["memory"], USUAL)
+    rung = fit_ladder(prepared, extensions, ["memory"], USUAL)
     term, gain = rung.model.terms[0], rung.model.consequents[:, 1].mean()
     assert isinstance(term, Memory)
     x = term.reach * np.linspace(-1.0, 1.0, 201)[:, None]
@@ -105,9 +105,9 @@ def runs(names: list[str]) -> Model:
     prepared, _ = known("memory", 8)
     term = Memory.polynomial(2, 1, *prepared.record.u_range_V)
     every = {"memory": Extension(term=term), "aging": Extension(forgetting_s=3.0), "outliers": Extension(gate=True)}
-    every["drift"] = Extension(drift=Wander(1e-9))
-    model = climb(prepared, every, names, USUAL).model
-    return equipped(model, [every[name] for name in names], 1.0, 1e-4)
+    every["drift"] = Extension(drift=Trend(1e-9))
+    model = fit_ladder(prepared, every, names, USUAL).model
+    return add_online_parts(model, [every[name] for name in names], 1.0, 1e-4)
 
 
 @pytest.mark.parametrize("cause", ["drift", "aging"])

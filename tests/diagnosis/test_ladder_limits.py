@@ -11,7 +11,7 @@ import pytest
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import checked_error, climb, levelled
+from hysgen.diagnosis.ladder import checked_error, fit_ladder, levelled
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import Chain, linear_fit, rms
 from hysgen.fitting import FitSettings
@@ -36,7 +36,7 @@ def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> No
     new = Extension(gain_per_s=aging.fraction / aging.over_s)
     level_um = np.concatenate([segment.y_um for segment in levelled(prepared, [new]).segments])
     assert level_um.max() > prepared.y_um.max() + 1.0
-    rung = climb(prepared, true_extensions(hidden) | {"aging": new}, ["memory", "aging"], FitSettings())
+    rung = fit_ladder(prepared, true_extensions(hidden) | {"aging": new}, ["memory", "aging"], FitSettings())
     grid = rung.model.grid
     assert grid.y_min_um <= level_um.min()
     assert level_um.max() <= grid.y_max_um
@@ -53,7 +53,7 @@ def test_a_corrupted_last_reading_moves_no_model() -> None:
     weights = []
     for seen_um in (y_um, wild_um):
         prepared = prepare(Record.from_arrays(hidden.u_V, seen_um, hidden.Ts_s))
-        weights.append(climb(prepared, {}, [], FitSettings()).model.parameters)
+        weights.append(fit_ladder(prepared, {}, [], FitSettings()).model.parameters)
     assert np.abs(weights[1] - weights[0]).max() < 1e-6 * np.abs(weights[0]).max()
 
 
@@ -61,7 +61,7 @@ def test_the_top_of_the_first_stroke_is_fitted_where_the_held_out_part_goes_ther
     # Nothing else before the cut goes above 1.91 of 2.25 um.
     hidden = scenario("memory", 1310)
     prepared = measured(hidden)
-    rung = climb(prepared, true_extensions(hidden), ["memory"], FitSettings())
+    rung = fit_ladder(prepared, true_extensions(hidden), ["memory"], FitSettings())
     assert rms(rung.error_um[prepared.held_rows]) < 0.01
 
 
@@ -76,7 +76,7 @@ def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse(
     extensions = true_extensions(hidden) | {"memory": Extension(term=Memory.polynomial(6, 3, low_V, high_V, True))}
     causes = [cause for cause in hidden.planted if cause in extensions]
     without, beside = (
-        rms(climb(prepared, extensions, names, FitSettings()).error_um[prepared.fit_rows])
+        rms(fit_ladder(prepared, extensions, names, FitSettings()).error_um[prepared.fit_rows])
         for names in ([cause for cause in causes if cause != "resonance"], causes)
     )
     assert beside < 1.02 * without
@@ -94,7 +94,7 @@ def test_a_model_that_only_simulates_keeps_to_rows_it_has_not_seen_and_follows_a
     assert left_um(both, simulating) < 0.6 * left_um(memory, simulating)
     assert left_um(both, inverted) > 0.9 * left_um(memory, inverted)
     assert left_um(both, free) > left_um(memory, free)
-    model = climb(prepared, extensions, both, simulating).model
+    model = fit_ladder(prepared, extensions, both, simulating).model
     found = certify(model)
     assert found.gain_holds
     assert found.contraction_holds

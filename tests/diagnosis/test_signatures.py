@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes import Look, Signature, causes, slew
+from hysgen.diagnosis.causes import Residual, Signature, causes, slew
 from hysgen.diagnosis.causes.outliers import outliers_signature
-from hysgen.diagnosis.causes.resonance import weighed
+from hysgen.diagnosis.causes.resonance import mode_evidence
+from hysgen.diagnosis.comparison import levels, remaining
 from hysgen.diagnosis.probe import Chain, Errors, Fit, Mode, Operator, Run, Scene, linear_fit, refine
 from hysgen.diagnosis.probe.amplifier import amplified
 from hysgen.diagnosis.probe.dynamics import crept_step, respond
-from hysgen.diagnosis.search import _pruned, _sounded, search
-from hysgen.diagnosis.trials import levels, remaining
+from hysgen.diagnosis.search import drop_unsupported_parts, eliminate_backward, search
 from hysgen.studies.bank.excitation import good
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ def scene(chain: Chain, more_um: Floats | float = 0.0, aux: Mapping[str, Floats]
 def evidence(name: str, seen: Scene, chain: Chain) -> Signature:
     """The signature of a cause at the best fit of a chain that holds it."""
     fit = refine(seen, chain)
-    return causes()[name].signature(Look.at(seen, fit), refine(seen, causes()[name].without(chain)))
+    return causes()[name].signature(Residual.at(seen, fit), refine(seen, causes()[name].without(chain)))
 
 
 CREEP = dataclasses.replace(LAG, creep=0.02, creep_from_s=0.05)
@@ -96,7 +96,7 @@ def test_rate_that_is_not_known_or_holds_a_few_samples_back_is_no_slew(
 ) -> None:
     limited = dataclasses.replace(LAG, rate_V_per_s=rate_V_per_s)
     seen = scene(limited)
-    look = Look.at(seen, linear_fit(seen, limited))
+    look = Residual.at(seen, linear_fit(seen, limited))
     errors = Errors({"rate": error}, np.zeros(1))  # of the logarithm
     monkeypatch.setattr(slew, "standard_errors", lambda at, fit: errors)
     assert causes()["slew"].signature(look, look.fit).holds == holds
@@ -121,7 +121,7 @@ def test_slope_beyond_a_level_that_only_falls_is_no_saturation() -> None:
     bent = Scene((Run(COMMAND_V, 0.1 * respond(bent_V, LAG, TS_S), {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
     # Fitted where the command is below the level, so that the gain there is the stage's own.
     found = linear_fit(bent.using(bent.rows[np.convolve(COMMAND_V > 80.0, np.ones(40))[bent.rows] == 0]), CLIPPED)
-    told = causes()["saturation"].signature(Look.at(bent, found), found)
+    told = causes()["saturation"].signature(Residual.at(bent, found), found)
     assert not told.holds, told.text
 
 
@@ -153,7 +153,7 @@ def test_more_is_asked_of_a_drift_that_slows_down() -> None:
 def test_line_that_loses_its_phase_is_none() -> None:
     turned = np.where(T_S < 0.2 * SPAN_S, -1.0, 1.0) * 0.01 * np.sin(2 * math.pi * 50.3 * T_S)
     fit = linear_fit(scene(LAG, turned), HUMMING)
-    told = causes()["periodic"].signature(Look.at(scene(LAG, turned), fit), fit)
+    told = causes()["periodic"].signature(Residual.at(scene(LAG, turned), fit), fit)
     assert told.z**2 > 30.0
     assert not told.holds
 
@@ -169,7 +169,8 @@ def test_line_that_hardly_stands_out_of_its_background_is_none() -> None:
 def test_outliers_are_several_and_carry_the_error(count: int, size_um: float, holds: bool) -> None:
     spikes = np.zeros(SAMPLES)
     spikes[np.linspace(300, 3700, count).astype(int)] = size_um
-    told = outliers_signature(search(scene(LAG, spikes)))
+    found = search(scene(LAG, spikes))
+    told = outliers_signature(found.scene, found.fit, found.corrupted)
     assert told is not None
     assert told.holds == holds
 
@@ -183,7 +184,7 @@ def test_memory_is_what_past_extremes_explain(play_V: float) -> None:
     rows = np.arange(400, SAMPLES)
     seen = Scene((Run(COMMAND_V, y_um, {}),), TS_S, rows[rows // 300 % 2 == 0], Operator(0.0, 100.0))
     found, rival = linear_fit(seen, Chain(4e-3)), linear_fit(seen, LAG)
-    told = causes()["memory"].signature(Look.at(seen.using(rows[rows // 300 % 2 == 1]), found), rival)
+    told = causes()["memory"].signature(Residual.at(seen.using(rows[rows // 300 % 2 == 1]), found), rival)
     assert told.holds == (play_V > 0.0), told.text
 
 
@@ -191,7 +192,7 @@ def test_what_is_not_needed_goes_and_what_is_needed_stays() -> None:
     """A delay and a ramp of 1 nm rms that are there, beside a mode and a change of gain that are not."""
     seen = scene(LATE, 4e-3 * T_S / SPAN_S)
     more = dataclasses.replace(LATE, drift=True, modes=(Mode(90.0, 0.1, 1e-4),), aging_per_s=1e-6)
-    pruned = _pruned(seen, refine(seen, more), np.arange(60, SAMPLES, 3)).chain
+    pruned = eliminate_backward(seen, refine(seen, more), np.arange(60, SAMPLES, 3)).chain
     assert pruned.drift
     assert pruned.names() == ("lag", "delay")
 
@@ -209,16 +210,16 @@ def test_what_is_not_needed_goes_and_what_is_needed_stays() -> None:
 )
 def test_mode_is_known_in_share_frequency_and_damping(mode: Mode, worse: dict[str, float], holds: bool) -> None:
     chain = dataclasses.replace(LAG, modes=(mode,))
-    look = Look.at(scene(RINGING), linear_fit(scene(RINGING), chain))
-    told = weighed(look, {"share0": 0.07, "f0": 0.04, "zeta0": 0.4} | worse)
+    look = Residual.at(scene(RINGING), linear_fit(scene(RINGING), chain))
+    told = mode_evidence(look, {"share0": 0.07, "f0": 0.04, "zeta0": 0.4} | worse)
     assert [sound for _, sound, _ in told] == [holds]
-    assert causes()["resonance"].possible(look.scene, chain) == (mode.zeta > 1e-3)
+    assert causes()["resonance"].admissible(look.scene, chain) == (mode.zeta > 1e-3)
 
 
 def test_mode_without_evidence_of_its_own_does_not_deny_the_other() -> None:
     seen = scene(RINGING)
     both = linear_fit(seen, dataclasses.replace(RINGING, modes=(*RINGING.modes, Mode(3.0, 5e-4, 1e-4))))
-    sound = _sounded(seen, both, seen.rows).chain
+    sound = drop_unsupported_parts(seen, both, seen.rows).chain
     assert [round(mode.f_Hz) for mode in sound.modes] == [60]
 
 
@@ -258,13 +259,13 @@ def test_the_one_block_that_excites_a_mode_decides_though_the_richer_chain_is_wo
 @pytest.mark.parametrize(("periods", "proposed"), [(8.3, False), (20.3, True)])
 def test_a_line_has_three_periods_in_each_quarter_at_least(periods: float, proposed: bool) -> None:
     seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))
-    chains = causes()["periodic"].proposals(Look.at(seen, refine(seen, LAG)))
+    chains = causes()["periodic"].proposals(Residual.at(seen, refine(seen, LAG)))
     assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in chain.lines_Hz) == proposed
 
 
 def test_a_line_that_hardly_stands_out_goes_beside_one_that_does() -> None:
     seen = scene(HUMMING, 0.01 * np.sin(2.0 * np.pi * 50.3 * T_S))
     both = refine(seen, dataclasses.replace(LAG, lines_Hz=(50.3, 97.1)))
-    assert [round(line_Hz, 1) for line_Hz in causes()["periodic"].sound(Look.at(seen, both)).lines_Hz] == [50.3]
+    assert [round(line_Hz, 1) for line_Hz in causes()["periodic"].supported(Residual.at(seen, both)).lines_Hz] == [50.3]
     alone = refine(seen, dataclasses.replace(LAG, lines_Hz=(97.1,)))
-    assert causes()["periodic"].sound(Look.at(seen, alone)) == alone.chain
+    assert causes()["periodic"].supported(Residual.at(seen, alone)) == alone.chain

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from diagnosis.test_ladder_limits import measured
 from hysgen.diagnosis.bootstrap import certainty, gain, surely_lower
-from hysgen.diagnosis.causes import Look, causes
+from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.comparison import fitted
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, Operator, Run, Scene, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.procedure import name_causes
-from hysgen.diagnosis.search import _pruned, search
-from hysgen.diagnosis.trials import fitted
+from hysgen.diagnosis.search import eliminate_backward, search
 from hysgen.errors import RecordError
 from hysgen.record import Record
 from hysgen.studies.bank.excitation import good
@@ -43,7 +43,7 @@ def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
     found = search(scene)
     cause = causes()["drift"]
     assert cause.present(found.fit.chain)
-    signature = cause.signature(Look.at(scene, found.fit), found.rivals["drift"])
+    signature = cause.signature(Residual.at(scene, found.fit), found.rivals["drift"])
     assert signature.holds
     # Size and beginning are correlated: over 1.3 decades 1 nm of noise leaves some per cent of either.
     assert signature.parameters["um_per_decade"].value == pytest.approx(0.1, rel=0.1)
@@ -76,7 +76,7 @@ def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
 def test_drift_at_one_rate_stays_a_ramp() -> None:
     scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
     slowing = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=2.0, memory=False))
-    pruned = _pruned(scene, slowing, scene.rows)
+    pruned = eliminate_backward(scene, slowing, scene.rows)
     assert pruned.chain.drift
     assert pruned.chain.since_s is None
 
@@ -94,10 +94,10 @@ def test_aging_is_looked_for_with_either_sign() -> None:
     scene = measured(hidden).scene()
     part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
     aging = causes()["aging"]
-    proposals = aging.proposals(Look.at(part, refine(part, Chain(hidden.stage.lag_s))))
+    proposals = aging.proposals(Residual.at(part, refine(part, Chain(hidden.stage.lag_s))))
     assert {np.sign(chain.aging_per_s or 0.0) for chain in proposals[1:]} == {-1.0, 1.0}
     trials = fitted(part, proposals)
-    rates = [refine(part, trial.chain).chain.aging_per_s or 0.0 for trial in aging.promising(trials)]
+    rates = [refine(part, trial.chain).chain.aging_per_s or 0.0 for trial in aging.select_starts(trials)]
     assert sorted(np.sign(rates)) == [-1.0, 1.0]
 
 

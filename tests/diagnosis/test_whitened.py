@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from diagnosis.test_agreement import AGED_UM
 from diagnosis.test_signatures import AGING, CREEP, DRIFTING, LAG, SPAN_S, T_S, scene
-from hysgen.diagnosis.causes import Look, causes
-from hysgen.diagnosis.exchange import likelier, told_apart
+from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, refine, whitened_fit
 from hysgen.diagnosis.search import present
+from hysgen.diagnosis.swaps import compare_likelihood, likeliest_slow_causes
 from hysgen.machine.kernels.innovation import innovation_gains, innovations
 from hysgen.record import Record
 from hysgen.stage import Density, Noise, Relays, Stage
@@ -52,7 +52,7 @@ def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() 
         y_um = measure(stage.with_effects(creep=(0.006, 0.015, 7000.0)), u_V, 1e-3, seed).displacement_um
         seen = prepare(Record.from_arrays(u_V, y_um, 1e-3)).scene()
         fit = refine(seen, Chain(8e-3, creep=0.003, creep_from_s=0.05), rounds=30)
-        signature = causes()["creep"].signature(Look.at(seen, fit), fit)
+        signature = causes()["creep"].signature(Residual.at(seen, fit), fit)
         if signature.holds:
             plain.append(abs((fit.chain.creep or 0.0) / 0.006 - 1.0))
             told.append(abs(signature.parameters["per_decade"].value / 0.006 - 1.0))
@@ -76,13 +76,13 @@ def test_a_slow_cause_makes_room_for_one_that_is_far_likelier(
     hidden: Chain, more_um: Floats | float, wrong: Chain, right: str
 ) -> None:
     seen = scene(hidden, more_um)
-    assert present(likelier(seen, refine(seen, wrong))) == [right]
+    assert present(likeliest_slow_causes(seen, refine(seen, wrong))) == [right]
 
 
 def test_slow_causes_that_are_all_sound_stay() -> None:
     seen = scene(CREEP, 0.01 * T_S / SPAN_S)
     both = refine(seen, dataclasses.replace(CREEP, drift=True))
-    assert likelier(seen, both) == both.chain
+    assert likeliest_slow_causes(seen, both) == both.chain
 
 
 @pytest.mark.parametrize("right", [["drift"], ["creep"], ["aging", "drift"]])
@@ -90,7 +90,7 @@ def test_slow_causes_that_are_not_all_sound_go_for_those_that_are(right: list[st
     more_um = (0.1 * T_S / SPAN_S if "drift" in right else 0.0) + (AGED_UM if "aging" in right else 0.0)
     seen = scene(CREEP if "creep" in right else LAG, more_um)
     wrong = dataclasses.replace(LAG, creep=0.001, creep_from_s=0.05, aging_per_s=1e-5)
-    chain = likelier(seen, refine(seen, wrong))
+    chain = likeliest_slow_causes(seen, refine(seen, wrong))
     assert sorted(present(chain)) == right
 
 
@@ -99,8 +99,8 @@ def test_a_drift_beside_creep_is_needed_though_creep_could_do_its_work() -> None
         seen = scene(CREEP, more_um)
         both = refine(seen, dataclasses.replace(CREEP, drift=True))
         rivals = {name: refine(seen, causes()[name].without(both.chain)) for name in ("creep", "drift")}
-        assert told_apart(seen, both, rivals) == needed
-        assert told_apart(seen, rivals["drift"], {}) == []
+        assert compare_likelihood(seen, both, rivals) == needed
+        assert compare_likelihood(seen, rivals["drift"], {}) == []
 
 
 def test_samples_that_do_not_count_tell_nothing() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.test_ladder_limits import measured
-from hysgen.diagnosis.ladder import climb
+from hysgen.diagnosis.ladder import fit_ladder
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
@@ -21,7 +21,8 @@ def fall(prepared: Prepared, seed: int) -> float:
     """How often the held-out error falls by the memory extension."""
     extensions = true_extensions(scenario("memory", seed))
     held = [
-        climb(prepared, extensions, names, FitSettings()).error_um[prepared.held_rows] for names in ([], ["memory"])
+        fit_ladder(prepared, extensions, names, FitSettings()).error_um[prepared.held_rows]
+        for names in ([], ["memory"])
     ]
     return rms(held[0]) / rms(held[1])
 

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Wander:
+class Trend:
     """A drift over a segment: size_um times `drift_course`, i.e. per second, or per decade if it slows down."""
 
     size_um: float
@@ -40,7 +40,7 @@ class Extension:
     term: Term | None = None
     block: InputBlock | None = None
     trust: Floats | None = None
-    drift: Wander | None = None
+    drift: Trend | None = None
     gain_per_s: float = 0.0
     zero_um: float = 0.0
     forgetting_s: float | None = None

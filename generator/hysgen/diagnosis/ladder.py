@@ -82,7 +82,7 @@ def in_order(names: Sequence[str]) -> list[str]:
     return sorted(names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name))
 
 
-def climb(
+def fit_ladder(
     prepared: Prepared,
     extensions: dict[str, Extension],
     names: Sequence[str],
@@ -123,7 +123,7 @@ def climb(
     return Rung(tuple(in_order(names)), model, error)
 
 
-def equipped(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:
+def add_online_parts(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:
     """The model with what follows a running stage: a bias state against drift, a learner against aging, its gate.
 
     span_s: length of the record. The bias starts at 0 and holds in a free run, so every score stays what it was.
@@ -203,7 +203,9 @@ def checked_error(
 def _checked(
     prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
 ) -> tuple[Rows, Floats]:
-    parts = [(rows, climb(prepared, extensions, names, settings, rows).error_um[rows]) for rows in left_out(prepared)]
+    parts = [
+        (rows, fit_ladder(prepared, extensions, names, settings, rows).error_um[rows]) for rows in left_out(prepared)
+    ]
     rows, errors = np.concatenate([rows for rows, _ in parts]), np.concatenate([error for _, error in parts])
     order = np.argsort(rows)
     return rows[order], errors[order]

@@ -1,4 +1,4 @@
-"""The diagnosis: cut, look with the probe, name what evidence and gain agree on, extend the model, measure the gain."""
+"""The diagnosis: cut the record, fit the probe, name the causes, extend the model and measure the gain of each step."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.advice import experiment_for, remainder
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused, confidence
 from hysgen.diagnosis.bootstrap import Gain, certainty, gain
-from hysgen.diagnosis.causes import Look, Signature, causes
+from hysgen.diagnosis.causes import Residual, Signature, causes
 from hysgen.diagnosis.causes.outliers import outliers_signature
-from hysgen.diagnosis.exchange import SLOW
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import Rung, checked_error, climb, equipped, in_order
+from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder, in_order
 from hysgen.diagnosis.memory_shape import with_best_memory, with_usual_memory
 from hysgen.diagnosis.noise import NoiseFloor, noise_floor
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.search import Found, present, search, without
 from hysgen.diagnosis.spikes import isolated
+from hysgen.diagnosis.swaps import SLOW
 from hysgen.fitting import FitSettings
 from hysgen.machine.threads import in_threads, one_blas_thread
 from hysgen.model.model import Model
@@ -109,7 +109,7 @@ def diagnose(
     made = paying(naming, chosen)
     tell(0.85, "fitting rules, " + ", ".join(made))
     steps = [made[:count] for count in range(len(made) + 1)]
-    rungs = in_threads(lambda names: climb(naming.prepared, naming.extensions, names, chosen.fit), steps)
+    rungs = in_threads(lambda names: fit_ladder(naming.prepared, naming.extensions, names, chosen.fit), steps)
     tell(1.0, "done")
     return _written(naming, made, rungs, chosen)
 
@@ -172,8 +172,8 @@ def _settled_error(found: Found) -> Floats:
 
 def _signatures(found: Found) -> dict[str, Signature]:
     """The evidence for every cause that the probe's chain holds, and for corrupted samples."""
-    look = Look.at(found.scene, found.fit)
-    signatures = {name: causes()[name].signature(look, found.rivals[name]) for name in present(found.fit.chain)}
+    residual = Residual.at(found.scene, found.fit)
+    signatures = {name: causes()[name].signature(residual, found.rivals[name]) for name in present(found.fit.chain)}
     spikes = outliers_signature(found.scene, found.fit, found.corrupted)
     if spikes is not None:
         signatures["outliers"] = spikes
@@ -286,7 +286,8 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
     above = max(levels[0] ** 2 - noise.rms_um**2, 1e-300)
     span_s = naming.found.scene.span_s
     running = [
-        equipped(rung.model, [naming.extensions[name] for name in rung.causes], span_s, noise.rms_um) for rung in rungs
+        add_online_parts(rung.model, [naming.extensions[name] for name in rung.causes], span_s, noise.rms_um)
+        for rung in rungs
     ]
     prices = [settings.price(model) if settings.price is not None else None for model in running]
     named = []

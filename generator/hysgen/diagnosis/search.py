@@ -3,8 +3,8 @@
 Forward: every cause proposes rough chains, the best of each is refined, the one that helps most is kept. Everything is
 fitted jointly again at each step, so what a first cause soaked up is given back when the second one arrives.
 Backward: each cause is taken out, everything else refitted; what was not needed goes.
-In between, causes are exchanged for those that look like them (`exchange`). Helping and needing are measured on blocks
-of the identification part that were not fitted (`trials`).
+In between, a cause gives way to a similar one where that explains more (`swaps`). Both measures are taken on blocks of
+the identification part that were not fitted (`comparison`).
 """
 
 from __future__ import annotations
@@ -16,12 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes import Look, causes
-from hysgen.diagnosis.exchange import SLOW, exchanged, likelier, resigned, told_apart
-from hysgen.diagnosis.noise import innovation
-from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
-from hysgen.diagnosis.spikes import isolated
-from hysgen.diagnosis.trials import (
+from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.comparison import (
     BLOCKS,
     FINAL_ROUNDS,
     HELPS_BELOW,
@@ -29,12 +25,22 @@ from hysgen.diagnosis.trials import (
     SHARP,
     STEP_BELOW,
     Rows,
+    admissible,
+    chain_without,
     fitted,
-    lacking,
-    possible,
     ratio,
     refined,
     remaining,
+)
+from hysgen.diagnosis.noise import innovation
+from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
+from hysgen.diagnosis.spikes import isolated
+from hysgen.diagnosis.swaps import (
+    SLOW,
+    compare_likelihood,
+    likeliest_slow_causes,
+    swap_similar_causes,
+    swap_slow_causes,
 )
 
 Progress = Callable[[str], None]
@@ -66,7 +72,7 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
     part = scene.using(fitted_rows)
     fit = _start(part)
     for _ in range(MOST_STEPS):
-        step = _best_step(part, fit, checked)
+        step = forward_step(part, fit, checked)
         if step is None:
             break
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
@@ -74,20 +80,20 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
         usable, corrupted = _without_spikes(scene, fit)
         fitted_rows, checked = _halves(usable)
         part = scene.using(fitted_rows)
-    fit = _pruned(part, exchanged(part, fit, checked), checked)
-    fit = _pruned(part, resigned(part, fit, checked), checked)
-    fit = _sounded(part, _restarted(part, fit, checked), checked)
+    fit = eliminate_backward(part, swap_similar_causes(part, fit, checked), checked)
+    fit = eliminate_backward(part, swap_slow_causes(part, fit, checked), checked)
+    fit = drop_unsupported_parts(part, restart(part, fit, checked), checked)
     usable, corrupted = _without_spikes(scene, fit)
     fitted_rows, checked = _halves(usable)
     part = scene.using(fitted_rows)
-    chain = likelier(usable, fit)
+    chain = likeliest_slow_causes(usable, fit)
     fit = fit if chain == fit.chain else refine(part, chain)
     names = present(fit.chain)
     rivals = dict(zip(names, refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
     needs = {name: 1.0 / remaining(fit, rivals[name], checked) for name in names}
     needs |= _slow_needs(part, fit, rivals, checked)
     final = refine(usable.using(_thinned(usable.rows)), fit.chain)
-    for name in told_apart(usable, final, rivals):
+    for name in compare_likelihood(usable, final, rivals):
         needs[name] = max(needs[name], causes()[name].needed)
     return Found(usable, final, rivals, needs, corrupted)
 
@@ -98,11 +104,11 @@ def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) ->
     An unsound one may be there only to take back what another one has too much of.
     """
     slow = [name for name in SLOW if name in rivals]
-    look = Look.at(part, fit)
-    sound = [name for name in slow if causes()[name].signature(look, rivals[name]).holds]
+    residual = Residual.at(part, fit)
+    sound = [name for name in slow if causes()[name].signature(residual, rivals[name]).holds]
     if sound == slow:
         return {}
-    chain = lacking(fit.chain, [name for name in slow if name not in sound])
+    chain = chain_without(fit.chain, [name for name in slow if name not in sound])
     alone = refine(part, chain, rounds=8)
     others = refined(part, [causes()[name].without(chain) for name in sound])
     return {name: 1.0 / remaining(alone, other, checked) for name, other in zip(sound, others, strict=True)}
@@ -113,7 +119,7 @@ def without(found: Found, names: Sequence[str]) -> Fit:
     if not names:
         return found.fit
     scene = found.scene
-    return refine(scene.using(_thinned(scene.rows)), lacking(found.fit.chain, names), rounds=8)
+    return refine(scene.using(_thinned(scene.rows)), chain_without(found.fit.chain, names), rounds=8)
 
 
 def present(chain: Chain) -> list[str]:
@@ -127,13 +133,15 @@ def _start(scene: Scene) -> Fit:
     return refine(scene, fitted(scene, [Chain(lag_s) for lag_s in lags])[0].chain)
 
 
-def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
+def forward_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     """The most helpful single addition, refined; None if none helps enough."""
-    look = Look.at(part, fit)
-    # Each cause's best are refined, however rough they look: a mode bent around a delay has to straighten out first.
-    trials = [trial for cause in causes().values() for trial in cause.promising(fitted(part, cause.proposals(look)))]
+    residual = Residual.at(part, fit)
+    # Poor starts are refined too: a mode that was fitted in place of a delay changes much in its refinement.
+    trials = [
+        trial for cause in causes().values() for trial in cause.select_starts(fitted(part, cause.proposals(residual)))
+    ]
     steps = refined(part, [trial.chain for trial in trials])
-    steps = [step for step in steps if possible(part, step.chain) or not possible(part, fit.chain)]
+    steps = [step for step in steps if admissible(part, step.chain) or not admissible(part, fit.chain)]
     if not steps:
         return None
     best = min(steps, key=lambda trial: ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
@@ -143,7 +151,7 @@ def _best_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None
 
 
-def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
+def restart(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit from the best of other starts, where that explains more."""
     for name in present(fit.chain):
         trials = fitted(part, causes()[name].restarts(part, fit.chain))[:2]
@@ -153,19 +161,19 @@ def _restarted(part: Scene, fit: Fit, checked: Rows) -> Fit:
     return fit
 
 
-def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
+def eliminate_backward(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit without what it does not need, least needed first; each mode, line and channel for itself.
 
     Before that, every cause takes its simpler form if that explains as much.
     """
     for name in present(fit.chain):
-        for chain in causes()[name].simpler(fit.chain):
+        for chain in causes()[name].simpler_forms(fit.chain):
             plain = refine(part, chain, rounds=8)
             if ratio(fit, plain, checked) >= HELPS_BELOW:
                 fit = plain
     while True:
         names = present(fit.chain)
-        trials = refined(part, [less for name in names for less in causes()[name].lessened(fit.chain)])
+        trials = refined(part, [less for name in names for less in causes()[name].without_one_part(fit.chain)])
         if not trials:
             return fit
         best = max(trials, key=lambda trial: ratio(fit, trial, checked))
@@ -174,28 +182,28 @@ def _pruned(part: Scene, fit: Fit, checked: Rows) -> Fit:
         fit = best
 
 
-def _sounded(part: Scene, fit: Fit, checked: Rows) -> Fit:
+def drop_unsupported_parts(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit without the modes, lines and channels, of several, that show no evidence of their own.
 
     One such part would deny the whole cause its signature, and may stand where another cause should.
     """
-    look = Look.at(part, fit)
+    residual = Residual.at(part, fit)
     for name in present(fit.chain):
-        less = causes()[name].sound(look)
+        less = causes()[name].supported(residual)
         if less == fit.chain:
             continue
         fit = refine(part, less, rounds=8)
-        step = _best_step(part, fit, checked)
+        step = forward_step(part, fit, checked)
         if step is not None and _all_sound(part, step, present(less)):
             fit = step
-        look = Look.at(part, fit)
+        residual = Residual.at(part, fit)
     return fit
 
 
 def _all_sound(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
     """Whether every part of each of these causes shows evidence of its own."""
-    look = Look.at(part, fit)
-    return all(causes()[name].sound(look) == fit.chain for name in names)
+    residual = Residual.at(part, fit)
+    return all(causes()[name].supported(residual) == fit.chain for name in names)
 
 
 def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:

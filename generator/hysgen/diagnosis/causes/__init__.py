@@ -7,9 +7,9 @@ import importlib
 import pkgutil
 from collections.abc import Mapping
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 
-__all__ = ["Cause", "Estimate", "Look", "Signature", "causes"]
+__all__ = ["Cause", "Estimate", "Residual", "Signature", "causes"]
 
 
 @functools.lru_cache(maxsize=1)

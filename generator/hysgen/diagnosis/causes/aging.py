@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.drift import ZERO_UNCERTAIN
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors, whitened_fit
@@ -20,7 +20,7 @@ MOST_CHANGE = 0.5
 TRIED = (0.003, 0.03)
 """Changes of the gain, of either sign, from which it is looked for.
 
-Hysteresis that was fitted without aging has bent towards it: a change of the wrong sign can look better at first.
+Hysteresis that was fitted without aging has bent towards it: a change of the wrong sign can explain more at first.
 """
 
 
@@ -33,25 +33,25 @@ class Aging(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, aging_per_s=None)
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain = look.fit.chain
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain = residual.fit.chain
         if chain.aging_per_s is not None:
             return []
-        scene = look.scene
-        zero_um = scene.zero_um(chain, look.fit.weights) - float(look.fit.weights[scene.hysteresis_size(chain)])
-        growing = [scene.Ts_s * np.arange(len(seen)) * (seen - zero_um) for seen in look.responses(chain)]
+        scene = residual.scene
+        zero_um = scene.zero_um(chain, residual.fit.weights) - float(residual.fit.weights[scene.hysteresis_size(chain)])
+        growing = [scene.Ts_s * np.arange(len(seen)) * (seen - zero_um) for seen in residual.responses(chain)]
         most = MOST_CHANGE / scene.span_s
-        rate = float(np.clip(look.amount(np.concatenate(growing)), -most, most))
+        rate = float(np.clip(residual.amount(np.concatenate(growing)), -most, most))
         rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in TRIED))
         return [dataclasses.replace(chain, aging_per_s=rate) for rate in rates]
 
-    def promising(self, trials: list[Fit]) -> list[Fit]:
+    def select_starts(self, trials: list[Fit]) -> list[Fit]:
         """The best of either sign: no way may lead from one to the other, see TRIED."""
         return list({(trial.chain.aging_per_s or 0.0) > 0.0: trial for trial in reversed(trials)}.values())
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The change of gain against its standard error, measured as creep is."""
-        scene, fit = whitened_fit(look.scene, look.fit)
+        scene, fit = whitened_fit(residual.scene, residual.fit)
         rate = fit.chain.aging_per_s or 0.0
         error = standard_errors(scene, fit).coordinates["aging"]
         z = abs(rate) / max(error, 1e-15)

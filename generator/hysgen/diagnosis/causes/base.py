@@ -26,7 +26,7 @@ SLOW_Z = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class Residual:
     """The probe's present state: fitted chain, its error (n,) and the projector off all it explains on fitted rows."""
 
     scene: Scene
@@ -34,7 +34,7 @@ class Look:
     projector: Projector
 
     @classmethod
-    def at(cls, scene: Scene, fit: Fit) -> Look:
+    def at(cls, scene: Scene, fit: Fit) -> Residual:
         return cls(scene, fit, Projector.of(scene.columns(fit.chain)[:, scene.rows]))
 
     def amount(self, column: Floats) -> float:
@@ -76,7 +76,7 @@ class Cause(abc.ABC):
     """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
 
     tried: ClassVar[int] = 1
-    """How many of its proposals are refined in a step, the best first; `promising` may choose otherwise."""
+    """How many of its proposals are refined in a step, the best first; `select_starts` may choose otherwise."""
 
     @abc.abstractmethod
     def present(self, chain: Chain) -> bool:
@@ -90,37 +90,37 @@ class Cause(abc.ABC):
     def without(self, chain: Chain) -> Chain:
         """The chain with this cause's part taken out."""
 
-    def lessened(self, chain: Chain) -> list[Chain]:
+    def without_one_part(self, chain: Chain) -> list[Chain]:
         """Chains with one part of this cause taken out: one mode, line or channel of several, or all there is."""
         return [self.without(chain)]
 
-    def simpler(self, chain: Chain) -> list[Chain]:
+    def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Chains in which this cause stands in a simpler form, which is preferred unless it explains less."""
         return []
 
-    def possible(self, scene: Scene, chain: Chain) -> bool:
+    def admissible(self, scene: Scene, chain: Chain) -> bool:
         """Whether this cause's numbers in the chain let its signature hold; cheap, asked at every step."""
         return True
 
-    def sound(self, look: Look) -> Chain:
+    def supported(self, residual: Residual) -> Chain:
         """The chain without those parts of this cause, of several, that show no evidence of their own."""
-        return look.fit.chain
+        return residual.fit.chain
 
     def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
         """The same chain with this cause's numbers elsewhere, where the fit is known to have several minima."""
         return []
 
     @abc.abstractmethod
-    def proposals(self, look: Look) -> list[Chain]:
+    def proposals(self, residual: Residual) -> list[Chain]:
         """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""
 
-    def promising(self, trials: list[Fit]) -> list[Fit]:
+    def select_starts(self, trials: list[Fit]) -> list[Fit]:
         """Those of its proposals, as they stand and the best first, that are worth a refinement."""
         return trials[: self.tried]
 
     @abc.abstractmethod
-    def signature(self, look: Look, rival: Fit) -> Signature:
-        """The evidence in the record for this cause. look: at the final fit; rival: the best fit without the cause."""
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
+        """Evidence in the record. residual: of the final fit; rival: the best fit without the cause."""
 
     @abc.abstractmethod
     def extension(self, scene: Scene, fit: Fit) -> Extension:

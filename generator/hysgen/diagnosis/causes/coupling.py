@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
 from hysgen.model.terms.coupling import Coupling as CouplingTerm
@@ -28,36 +28,36 @@ class Coupling(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, coupled=(), taps=1)
 
-    def lessened(self, chain: Chain) -> list[Chain]:
+    def without_one_part(self, chain: Chain) -> list[Chain]:
         parts = chain.coupled
         less = [dataclasses.replace(chain, coupled=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
         return less if chain.taps == 1 else [*less, dataclasses.replace(chain, taps=1)]
 
-    def sound(self, look: Look) -> Chain:
+    def supported(self, residual: Residual) -> Chain:
         """One sample of each channel, where none of several has evidence of its own: a slow channel needs no more."""
-        chain = look.fit.chain
-        if chain.taps == 1 or self.signature(look, look.fit).holds:
+        chain = residual.fit.chain
+        if chain.taps == 1 or self.signature(residual, residual.fit).holds:
             return chain
         return dataclasses.replace(chain, taps=1)
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain = look.fit.chain
-        left = [name for name in look.scene.runs[0].aux if name not in chain.coupled and _moves(look, name)]
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain = residual.fit.chain
+        left = [name for name in residual.scene.runs[0].aux if name not in chain.coupled and _moves(residual, name)]
         alone = [dataclasses.replace(chain, coupled=(*chain.coupled, name)) for name in left]
         # A channel may act through the mechanics of the stage: then one sample of it is not enough.
         if chain.taps == 1 and (left or chain.coupled):
             alone.append(dataclasses.replace(chain, coupled=(*chain.coupled, *left), taps=TAPS))
         return alone
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Each channel's gain against its standard error, the own input's share taken out of the channel.
 
         The gain over several samples is their sum; it counts as many standard errors as their root mean square does.
         """
-        scene, chain = look.scene, look.fit.chain
-        first = len(look.fit.weights) - len(chain.coupled) * chain.taps
-        weights = look.fit.weights[first:].reshape(-1, chain.taps)
-        errors = standard_errors(scene, look.fit).disturbances[first - scene.hysteresis_size(chain) :]
+        scene, chain = residual.scene, residual.fit.chain
+        first = len(residual.fit.weights) - len(chain.coupled) * chain.taps
+        weights = residual.fit.weights[first:].reshape(-1, chain.taps)
+        errors = standard_errors(scene, residual.fit).disturbances[first - scene.hysteresis_size(chain) :]
         errors = errors.reshape(-1, chain.taps)
         z = np.sqrt(np.mean((weights / np.maximum(errors, 1e-15)) ** 2, axis=1))
         gains, spread = weights.sum(axis=1), np.sqrt((errors**2).sum(axis=1))
@@ -85,8 +85,8 @@ def coupling_term(ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> C
     return CouplingTerm(tuple(ranges), low, high, taps)
 
 
-def _moves(look: Look, name: str) -> bool:
-    return all(float(np.ptp(run.aux[name])) > 0.0 for run in look.scene.runs)
+def _moves(residual: Residual, name: str) -> bool:
+    return all(float(np.ptp(run.aux[name])) > 0.0 for run in residual.scene.runs)
 
 
 CAUSE = Coupling()

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors, whitened_fit
 from hysgen.model.terms.creep import Creep as CreepTerm
@@ -26,28 +26,28 @@ class Creep(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, creep=None, creep_from_s=0.0)
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain, scene = look.fit.chain, look.scene
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain, scene = residual.fit.chain, residual.scene
         if chain.creep is not None:
             return []
         fastest_s = max(5.0 * scene.Ts_s, 3.0 * chain.lag_s)
         slowest_s = 0.05 * scene.span_s
         decades = math.log10(max(slowest_s / fastest_s, 1.0))
         starts = [fastest_s * 10.0 ** (share * decades) for share in (0.0, 0.33, 0.67, 1.0)]
-        still = np.concatenate(look.responses(chain))
+        still = np.concatenate(residual.responses(chain))
         trials = []
         for start_s in starts:
             unit = dataclasses.replace(chain, creep=1.0, creep_from_s=start_s)
-            creep = look.amount(np.concatenate(look.responses(unit)) - still)
+            creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
             trials.append(dataclasses.replace(unit, creep=float(np.clip(creep, -1.0, 1.0))))
         return trials
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The creep against its standard error: onward, not back, and over a decade of time at least.
 
         Plateaus tell it best: there the hysteresis rests, and what it leaves does not change.
         """
-        scene, fit = whitened_fit(look.scene, look.fit)
+        scene, fit = whitened_fit(residual.scene, residual.fit)
         creep, from_s = fit.chain.creep or 0.0, fit.chain.creep_from_s
         error = standard_errors(scene, fit).coordinates["creep"]
         z = creep / max(error, 1e-15)

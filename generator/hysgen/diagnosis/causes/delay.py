@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
 from hysgen.model.path.delay import Delay as DelayBlock
@@ -19,8 +19,8 @@ class Delay(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, delayed=False, delay=0.0)
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain, Ts_s = look.fit.chain, look.scene.Ts_s
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
         if chain.delayed:
             return []
         # What was taken for lag is shared out between lag and delay in several ways.
@@ -32,10 +32,10 @@ class Delay(Cause):
         trials.append(dataclasses.replace(chain, delayed=True, delay=0.5))
         return trials
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The delay itself against its standard error, with lag, modes and hysteresis free to take its place."""
-        late = look.fit.chain.delay
-        error = standard_errors(look.scene, look.fit).coordinates["delay"]
+        late = residual.fit.chain.delay
+        error = standard_errors(residual.scene, residual.fit).coordinates["delay"]
         z = late / max(error, 1e-12)
         return Signature(
             holds=z > 5.0 and late > 0.05,

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Look, Signature
-from hysgen.diagnosis.extension import Extension, Wander
+from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.extension import Extension, Trend
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors, whitened_fit
 from hysgen.diagnosis.probe.scene import drift_course
 
@@ -39,32 +39,32 @@ class Drift(Cause):
         """A drift that slows down can stand for the memory's unknown start too, so more is asked of it."""
         return self.needed if chain.since_s is None else NEEDED_SLOWING
 
-    def simpler(self, chain: Chain) -> list[Chain]:
+    def simpler_forms(self, chain: Chain) -> list[Chain]:
         """A ramp in place of a drift that slows down."""
         return [] if chain.since_s is None else [dataclasses.replace(chain, since_s=None)]
 
-    def proposals(self, look: Look) -> list[Chain]:
+    def proposals(self, residual: Residual) -> list[Chain]:
         """A ramp, and drifts that slow down."""
-        chain = look.fit.chain
-        slowing = [dataclasses.replace(chain, drift=True, since_s=share * look.scene.span_s) for share in SINCE]
+        chain = residual.fit.chain
+        slowing = [dataclasses.replace(chain, drift=True, since_s=share * residual.scene.span_s) for share in SINCE]
         if chain.drift:
             return [] if chain.since_s is not None else slowing
         return [dataclasses.replace(chain, drift=True), *slowing]
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The drift against its standard error, and the same drift seen on rising and on falling input.
 
         A ramp is measured as creep is. The misfit would leave nothing certain of a drift that slows down: blocks that
         were not fitted decide on it, see `needed_in`.
         """
-        slowing = look.fit.chain.since_s is not None
-        scene, fit = (look.scene, look.fit) if slowing else whitened_fit(look.scene, look.fit)
+        slowing = residual.fit.chain.since_s is not None
+        scene, fit = (residual.scene, residual.fit) if slowing else whitened_fit(residual.scene, residual.fit)
         chain, drift = fit.chain, _drift(scene, fit)
         course = float(drift_course(scene.span_s, chain.since_s))
         error = float(standard_errors(scene, fit).disturbances[scene.drift_column(chain)]) / course
         z = abs(drift.size_um) / max(error, 1e-15)
-        hidden = abs(chain.aging_per_s or 0.0) * ZERO_UNCERTAIN * float(np.ptp(look.scene.y_um))
-        shares = [_seen(look, sign) for sign in (1.0, -1.0)]
+        hidden = abs(chain.aging_per_s or 0.0) * ZERO_UNCERTAIN * float(np.ptp(residual.scene.y_um))
+        shares = [_seen(residual, sign) for sign in (1.0, -1.0)]
         alike = f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
         size = f"{1e3 * drift.size_um:.3g} nm {{}} +- {1e3 * error:.1g}"
         if chain.since_s is None:
@@ -93,16 +93,16 @@ class Drift(Cause):
         return Extension(drift=_drift(scene, fit))
 
 
-def _drift(scene: Scene, fit: Fit) -> Wander:
+def _drift(scene: Scene, fit: Fit) -> Trend:
     """The drift that a fit found."""
     at = scene.hysteresis_size(fit.chain) + scene.drift_column(fit.chain)
     since_s = fit.chain.since_s
-    return Wander(float(fit.weights[at]) / float(drift_course(scene.span_s, since_s)), since_s)
+    return Trend(float(fit.weights[at]) / float(drift_course(scene.span_s, since_s)), since_s)
 
 
-def _seen(look: Look, direction: float) -> float:
+def _seen(residual: Residual, direction: float) -> float:
     """Share of the drift that stands in the samples where the input moves in one direction."""
-    scene, drift = look.scene, _drift(look.scene, look.fit)
+    scene, drift = residual.scene, _drift(residual.scene, residual.fit)
     time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])
     moving = np.concatenate([np.gradient(run.u_V) for run in scene.runs])
     rows = scene.rows[direction * moving[scene.rows] > 0]
@@ -110,7 +110,7 @@ def _seen(look: Look, direction: float) -> float:
         return 1.0
     course = drift.at(time_s[rows])
     course = course - course.mean()
-    error = look.fit.error[rows] + course
+    error = residual.fit.error[rows] + course
     return float(course @ (error - error.mean()) / (course @ course))
 
 

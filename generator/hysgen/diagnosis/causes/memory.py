@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene
 from hysgen.machine.kernels import play_operators
@@ -36,25 +36,25 @@ class Memory(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, memory=False)
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain = look.fit.chain
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain = residual.fit.chain
         return [] if chain.memory else [dataclasses.replace(chain, memory=True)]
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """On how many swings between turning points past extremes explain the output better than its dynamics do.
 
         A sign test: without memory each swing would be a coin's toss.
         """
-        scene = look.scene
+        scene = residual.scene
         swing = np.concatenate([swings(run.u_V) + 10**9 * i for i, run in enumerate(scene.runs)])[scene.rows]
-        with_um, without_um = look.fit.error[scene.rows], rival.error[scene.rows]
+        with_um, without_um = residual.fit.error[scene.rows], rival.error[scene.rows]
         _, place = np.unique(swing, return_inverse=True)
         size = np.bincount(place)
         better = np.bincount(place, with_um**2) < np.bincount(place, without_um**2)
         counted = size >= FEWEST
         tosses, wins = int(counted.sum()), int(better[counted].sum())
         z = (2.0 * wins - tosses) / np.sqrt(max(tosses, 1))
-        loop_um = _opening(look, rival)
+        loop_um = _opening(residual, rival)
         return Signature(
             holds=tosses > 0 and float(binom.sf(wins - 1, tosses, 0.5)) < CHANCE,
             z=float(z),
@@ -80,9 +80,9 @@ def swings(u_V: Floats) -> NDArray[np.int64]:
     return np.asarray(np.cumsum(np.diff(moves, prepend=moves[0]) != 0), dtype=np.int64)
 
 
-def _opening(look: Look, rival: Fit) -> float:
+def _opening(residual: Residual, rival: Fit) -> float:
     """Mean height in um of the loop that a model without memory leaves open, from the slack z(u) - u of a play."""
-    scene = look.scene
+    scene = residual.scene
     half = 0.5 * (scene.operator.high_V - scene.operator.low_V)
     slack = np.concatenate(
         [play_operators(run.u_V, np.array([WITNESS * half]), run.u_V[:1].copy())[:, 0] - run.u_V for run in scene.runs]

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
 from hysgen.model.terms.periodic import Periodic as PeriodicTerm
@@ -36,29 +36,29 @@ class Periodic(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, lines_Hz=())
 
-    def lessened(self, chain: Chain) -> list[Chain]:
+    def without_one_part(self, chain: Chain) -> list[Chain]:
         parts = chain.lines_Hz
         return [dataclasses.replace(chain, lines_Hz=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain = look.fit.chain
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain = residual.fit.chain
         if len(chain.lines_Hz) >= MOST_LINES:
             return []
-        return [dataclasses.replace(chain, lines_Hz=(*chain.lines_Hz, line_Hz)) for line_Hz in _peaks(look, 3)]
+        return [dataclasses.replace(chain, lines_Hz=(*chain.lines_Hz, line_Hz)) for line_Hz in _peaks(residual, 3)]
 
-    def sound(self, look: Look) -> Chain:
+    def supported(self, residual: Residual) -> Chain:
         """The chain without those lines, of several, that hardly stand out or do not keep their phase."""
-        chain = look.fit.chain
-        told = zip(chain.lines_Hz, _stood(look), strict=True)
+        chain = residual.fit.chain
+        told = zip(chain.lines_Hz, _line_evidence(residual), strict=True)
         kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in told if steady and ratio > LEAST_RATIO)
         return dataclasses.replace(chain, lines_Hz=kept or chain.lines_Hz)
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Each line's power against the local background, and its phase in each quarter of the record."""
-        chain = look.fit.chain
-        errors = standard_errors(look.scene, look.fit).coordinates
+        chain = residual.fit.chain
+        errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
-        told = _stood(look)
+        told = _line_evidence(residual)
         for i, (line_Hz, (amplitude_um, ratio, _)) in enumerate(zip(chain.lines_Hz, told, strict=True)):
             suffix = "" if i == 0 else f"_{i + 1}"
             parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"line{i}"])
@@ -72,23 +72,23 @@ class Periodic(Cause):
         return Extension(term=PeriodicTerm(tuple(sorted(fit.chain.lines_Hz))))
 
 
-def _stood(look: Look) -> list[tuple[float, float, bool]]:
+def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
     """For each line its amplitude in um, its power over the local background, and whether it keeps its phase."""
-    chain, scene, weights = look.fit.chain, look.scene, look.fit.weights
+    chain, scene, weights = residual.fit.chain, residual.scene, residual.fit.weights
     first = scene.hysteresis_size(chain) + scene.line_column(chain)
     found = []
     for i, line_Hz in enumerate(chain.lines_Hz):
         sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
-        ratio, steady = _standing(look, line_Hz, sine, cosine)
+        ratio, steady = _standing(residual, line_Hz, sine, cosine)
         found.append((math.hypot(sine, cosine), ratio, bool(steady)))
     return found
 
 
-def _peaks(look: Look, count: int) -> list[float]:
+def _peaks(residual: Residual, count: int) -> list[float]:
     """Frequencies in Hz of the lines that explain most of the error and stand out of their neighbourhood."""
-    scene = look.scene
+    scene = residual.scene
     longest = max(len(run.u_V) for run in scene.runs)
-    power = _explained(look, 2 * longest)
+    power = _explained(residual, 2 * longest)
     ratio = power / (_local_median(power) + 1e-300)
     power[: 2 * int(FEWEST_PERIODS)] = 0.0
     inner = power[1:-1]
@@ -102,7 +102,7 @@ def _peaks(look: Look, count: int) -> list[float]:
     return lines
 
 
-def _explained(look: Look, length: int) -> Floats:
+def _explained(residual: Residual, length: int) -> Floats:
     """(length/2 + 1,) how much of the error's power on the fitted rows a line at each j/(length Ts) would explain.
 
         b' G^-1 b,    b = (e . c, e . s),   G = (c, s)' P (c, s),   P the projector off all that is linear
@@ -110,7 +110,7 @@ def _explained(look: Look, length: int) -> Floats:
     What the other columns have taken of a line, they would give back. All sums over rows are Fourier transforms:
     with w = c - i s and q an orthonormal basis of the columns, q . w and e . w.
     """
-    scene, rows = look.scene, look.scene.rows
+    scene, rows = residual.scene, residual.scene.rows
     edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
 
     def transformed(signal: Floats) -> NDArray[np.complex128]:
@@ -119,10 +119,10 @@ def _explained(look: Look, length: int) -> Floats:
         parts = [np.fft.rfft(whole[a:b], length) for a, b in itertools.pairwise(edges)]
         return np.asarray(np.sum(parts, axis=0))
 
-    error = transformed(look.fit.error[rows])
+    error = transformed(residual.fit.error[rows])
     cc = ss = np.full(error.size, 0.5 * len(rows))
     cs = np.zeros(error.size)
-    for column in look.projector.basis():
+    for column in residual.projector.basis():
         seen = transformed(column)
         cc, ss, cs = cc - seen.real**2, ss - seen.imag**2, cs - seen.real * seen.imag
     determinant = cc * ss - cs * cs
@@ -140,13 +140,13 @@ def _local_median(power: Floats) -> Floats:
     return np.asarray(np.exp(np.interp(np.arange(len(power)), at, np.log(np.array(level) + 1e-300))))
 
 
-def _standing(look: Look, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
+def _standing(residual: Residual, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
     """Power of the line over that of the error around it, and whether every quarter of the rows shows its phase."""
-    scene, rows = look.scene, look.scene.rows
+    scene, rows = residual.scene, residual.scene.rows
     time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])[rows]
     wave = np.exp(-2j * np.pi * line_Hz * time_s)
     line = sine * np.sin(2 * np.pi * line_Hz * time_s) + cosine * np.cos(2 * np.pi * line_Hz * time_s)
-    error = look.fit.error[rows]
+    error = residual.fit.error[rows]
     around = []
     width = 1.0 / (scene.Ts_s * len(rows))
     for step in (3, 4, 5, 6, 7, 8):

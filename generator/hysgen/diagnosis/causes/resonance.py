@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Scene, standard_errors
 from hysgen.diagnosis.probe.solve import MOST_DAMPING
@@ -24,7 +24,7 @@ LEAST_DAMPING = 1e-3
 
 class Resonance(Cause):
     name = "resonance"
-    tried = 3  # slow misfit can look like a mode before the mode does; a fit keeps to one side of the true damping
+    tried = 3  # slow misfit can resemble a mode before the mode does; a fit keeps to one side of the true damping
 
     def present(self, chain: Chain) -> bool:
         return bool(chain.modes)
@@ -32,30 +32,30 @@ class Resonance(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, modes=())
 
-    def lessened(self, chain: Chain) -> list[Chain]:
+    def without_one_part(self, chain: Chain) -> list[Chain]:
         parts = chain.modes
         return [dataclasses.replace(chain, modes=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
 
-    def possible(self, scene: Scene, chain: Chain) -> bool:
+    def admissible(self, scene: Scene, chain: Chain) -> bool:
         """A mode that hardly decays at all is a line in disguise, one that the fit lets decay no faster a delay."""
         return all(LEAST_DAMPING < mode.zeta < 0.99 * MOST_DAMPING for mode in chain.modes)
 
-    def sound(self, look: Look) -> Chain:
-        chain = look.fit.chain
-        kept = tuple(mode for mode, holds, _ in weighed(look) if holds)
+    def supported(self, residual: Residual) -> Chain:
+        chain = residual.fit.chain
+        kept = tuple(mode for mode, holds, _ in mode_evidence(residual) if holds)
         return dataclasses.replace(chain, modes=kept or chain.modes)
 
-    def proposals(self, look: Look) -> list[Chain]:
+    def proposals(self, residual: Residual) -> list[Chain]:
         """The best few of a grid of modes, judged by how much of the error their ringing alone would explain."""
-        chain, scene = look.fit.chain, look.scene
+        chain, scene = residual.fit.chain, residual.scene
         if len(chain.modes) >= MOST_MODES:
             return []
         low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
         # A mode far above the lag's corner moves nothing, one below it rings freely.
         low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
-        error = look.projector.rest(look.fit.error[scene.rows])
+        error = residual.projector.rest(residual.fit.error[scene.rows])
         still = dataclasses.replace(chain, modes=())
-        bare = look.responses(still)
+        bare = residual.responses(still)
         found = []
         count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
         for zeta in DAMPINGS:
@@ -63,9 +63,9 @@ class Resonance(Cause):
             rings = np.empty((count, len(scene.rows)))
             for i, f_Hz in enumerate(grid_Hz):
                 alone = dataclasses.replace(chain, modes=(Mode(f_Hz, zeta, 1.0),))
-                ring = [seen - stiff for seen, stiff in zip(look.responses(alone), bare, strict=True)]
+                ring = [seen - stiff for seen, stiff in zip(residual.responses(alone), bare, strict=True)]
                 rings[i] = np.concatenate(ring)[scene.rows]
-            rings = look.projector.rest(rings)
+            rings = residual.projector.rest(rings)
             powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
             shares = rings @ error / powers
             found += list(zip((shares**2 * powers).tolist(), grid_Hz, [zeta] * count, shares.tolist(), strict=True))
@@ -78,12 +78,12 @@ class Resonance(Cause):
                 break
         return [dataclasses.replace(chain, modes=(*chain.modes, mode)) for mode in chosen]
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Frequency, damping and share against their standard errors; it decays, inside the band."""
-        chain = look.fit.chain
-        errors = standard_errors(look.scene, look.fit).coordinates
+        chain = residual.fit.chain
+        errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
-        told = weighed(look, errors)
+        told = mode_evidence(residual, errors)
         for i, mode in enumerate(chain.modes):
             suffix = "" if i == 0 else f"_{i + 1}"
             df, dz, ds = errors[f"f{i}"], errors[f"zeta{i}"], errors[f"share{i}"]
@@ -99,10 +99,10 @@ class Resonance(Cause):
         return Extension(term=ResonanceTerm(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
 
 
-def weighed(look: Look, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
+def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
     """Each mode, whether it shows evidence of its own, and its share in standard errors. errors: those of the fit."""
-    chain, Ts_s = look.fit.chain, look.scene.Ts_s
-    errors = errors or standard_errors(look.scene, look.fit).coordinates
+    chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
+    errors = errors or standard_errors(residual.scene, residual.fit).coordinates
     found = []
     for i, mode in enumerate(chain.modes):
         z = abs(mode.share) / max(errors[f"share{i}"], 1e-15)

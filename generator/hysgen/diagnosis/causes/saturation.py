@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
 from hysgen.model.path.saturation import Saturation as SaturationBlock
@@ -47,8 +47,8 @@ class Saturation(Cause):
                 trials.append(dataclasses.replace(chain, low_V=chain.low_V + step * span_V))
         return trials
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain, operator = look.fit.chain, look.scene.operator
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain, operator = residual.fit.chain, residual.scene.operator
         middle, half = 0.5 * (operator.low_V + operator.high_V), 0.5 * (operator.high_V - operator.low_V)
         trials = []
         if chain.high_V is None:
@@ -61,7 +61,7 @@ class Saturation(Cause):
                 trials.append(dataclasses.replace(chain, low_V=middle - low * half, high_V=middle + high * half))
         return trials
 
-    def promising(self, trials: list[Fit]) -> list[Fit]:
+    def select_starts(self, trials: list[Fit]) -> list[Fit]:
         """The best, and beside it the next levels further in: a fit finds outward more readily than inward."""
         if not trials:
             return []
@@ -70,32 +70,32 @@ class Saturation(Cause):
         inside.sort(key=lambda trial: _further_in(trial.chain, best))
         return trials[: self.tried] + [trial for trial in inside[:FURTHER_IN] if trial not in trials[: self.tried]]
 
-    def sound(self, look: Look) -> Chain:
+    def supported(self, residual: Residual) -> Chain:
         """Without a level at the end of the range, of two."""
-        chain = look.fit.chain
-        low_V, high_V = (level if _inside(look.scene, level) else None for level in (chain.low_V, chain.high_V))
+        chain = residual.fit.chain
+        low_V, high_V = (level if _inside(residual.scene, level) else None for level in (chain.low_V, chain.high_V))
         return chain if low_V is None and high_V is None else dataclasses.replace(chain, low_V=low_V, high_V=high_V)
 
-    def simpler(self, chain: Chain) -> list[Chain]:
+    def simpler_forms(self, chain: Chain) -> list[Chain]:
         """One end clips instead of both."""
         if chain.low_V is None or chain.high_V is None:
             return []
         return [dataclasses.replace(chain, low_V=None), dataclasses.replace(chain, high_V=None)]
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The slope of the output over the command beyond the level, as a share of the slope just inside it."""
-        chain = look.fit.chain
-        errors = standard_errors(look.scene, look.fit).coordinates
+        chain = residual.fit.chain
+        errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts, shares = {}, [], []
         for name, level_V, sign in (("low", chain.low_V, -1.0), ("high", chain.high_V, 1.0)):
             if level_V is None:
                 continue
             parameters[f"{name}_V"] = Estimate(level_V, errors[name])
-            shares.append(_slope_beyond(look, level_V, sign))
+            shares.append(_slope_beyond(residual, level_V, sign))
             texts.append(f"beyond {level_V:.4g} V the slope is {shares[-1]:.2f} of that inside")
         return Signature(
             holds=all(abs(share) < 0.35 for share in shares)
-            and all(_inside(look.scene, level.value) for level in parameters.values()),
+            and all(_inside(residual.scene, level.value) for level in parameters.values()),
             z=float(min((1.0 - abs(share)) / 0.1 for share in shares)),
             text="; ".join(texts),
             parameters=parameters,
@@ -132,21 +132,21 @@ def _further_in(chain: Chain, other: Chain) -> float:
     return total
 
 
-def _slope_beyond(look: Look, level_V: float, sign: float) -> float:
+def _slope_beyond(residual: Residual, level_V: float, sign: float) -> float:
     """Slope of the error left by the clamp over how far the command goes beyond it, over the gain of the stage.
 
     0 if the output stands still beyond the level as the clamp says, 1 if it goes on as inside.
     """
-    scene = look.scene
+    scene = residual.scene
     u_V = np.concatenate([run.u_V for run in scene.runs])
     y_um = scene.y_um
     beyond_V = np.clip(sign * (u_V - level_V), 0.0, None)
     # The lag and the delay hold the output back: only what the command did long enough ago is seen.
-    late = max(1, round(look.fit.chain.delay + 1 + look.fit.chain.lag_s / scene.Ts_s))
+    late = max(1, round(residual.fit.chain.delay + 1 + residual.fit.chain.lag_s / scene.Ts_s))
     rows = scene.rows[(scene.rows >= late) & (beyond_V[scene.rows - late] > 0)]
     if len(rows) < 5:
         return 1.0
-    x, e = beyond_V[rows - late], look.fit.error[rows]
+    x, e = beyond_V[rows - late], residual.fit.error[rows]
     gain = np.polyfit(u_V[scene.rows], y_um[scene.rows], 1)[0]
     return float(x @ e / (x @ x) / (sign * gain))
 

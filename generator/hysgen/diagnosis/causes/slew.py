@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Look, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
 from hysgen.diagnosis.probe.amplifier import amplified
@@ -27,8 +27,8 @@ class Slew(Cause):
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, rate_V_per_s=None)
 
-    def proposals(self, look: Look) -> list[Chain]:
-        chain, scene = look.fit.chain, look.scene
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain, scene = residual.fit.chain, residual.scene
         if chain.rate_V_per_s is not None:
             return []
         rates = np.concatenate([np.abs(np.diff(run.u_V)) for run in scene.runs]) / scene.Ts_s
@@ -40,11 +40,11 @@ class Slew(Cause):
             for share in (1.0, 0.25, 0.05)
         ]
 
-    def signature(self, look: Look, rival: Fit) -> Signature:
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The rate against its standard error, and the share of the command's steps that the limit holds back."""
-        scene, chain = look.scene, look.fit.chain
+        scene, chain = residual.scene, residual.fit.chain
         rate = chain.rate_V_per_s or math.inf
-        error = rate * standard_errors(scene, look.fit).coordinates["rate"]
+        error = rate * standard_errors(scene, residual.fit).coordinates["rate"]
         free = dataclasses.replace(chain, rate_V_per_s=None)
         behind = np.concatenate(
             [np.abs(amplified(run.u_V, chain, scene.Ts_s) - amplified(run.u_V, free, scene.Ts_s)) for run in scene.runs]

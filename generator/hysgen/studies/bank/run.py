@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import climb
+from hysgen.diagnosis.ladder import fit_ladder
 from hysgen.diagnosis.memory_shape import usual_memory, with_best_memory
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
@@ -109,10 +109,10 @@ def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> 
     if hidden.excitation != "good" or not hidden.planted or set(naming.names) != set(hidden.planted):
         return math.nan, math.nan
     extensions = with_best_memory(prepared, naming.extensions, agreed, FitSettings())
-    extended = rms(climb(prepared, extensions, agreed, FitSettings()).error_um[held])
+    extended = rms(fit_ladder(prepared, extensions, agreed, FitSettings()).error_um[held])
     fall = math.nan
     if hidden.planted == ("memory",) and isinstance(hidden.stage.memory, Preisach | Relays):
-        fall = rms(climb(prepared, {}, [], FitSettings()).error_um[held]) / extended
+        fall = rms(fit_ladder(prepared, {}, [], FitSettings()).error_um[held]) / extended
     return fall, math.nan if "unknown" in hidden.planted else extended / error_with_truth_known(hidden)
 
 
@@ -122,7 +122,7 @@ def left_by_memory(hidden: Scenario) -> float:
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
     prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=JUDGED_TOO))
     extension = Extension(term=usual_memory(*prepared.record.u_range_V))
-    rung = climb(prepared, {"memory": extension}, ["memory"], FitSettings())
+    rung = fit_ladder(prepared, {"memory": extension}, ["memory"], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from hysgen.diagnosis.causes.coupling import coupling_term
 from hysgen.diagnosis.causes.creep import creep_term
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import climb
+from hysgen.diagnosis.ladder import fit_ladder
 from hysgen.diagnosis.memory_shape import usual_memory
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
@@ -34,7 +34,7 @@ def error_with_truth_known(hidden: Scenario) -> float:
     y_um = measure(stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
     prepared = prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=JUDGED_TOO))
     extensions = true_extensions(hidden)
-    rung = climb(prepared, extensions, list(extensions), FitSettings())
+    rung = fit_ladder(prepared, extensions, list(extensions), FitSettings())
     return rms(rung.error_um[prepared.held_rows])
 
 

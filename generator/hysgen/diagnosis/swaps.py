@@ -5,19 +5,19 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 
-from hysgen.diagnosis.causes import Look, causes
-from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, linear_fit, refine, schwarz
-from hysgen.diagnosis.trials import (
+from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.comparison import (
     FINAL_ROUNDS,
     HELPS_BELOW,
     KEEP_ABOVE,
     Rows,
+    admissible,
+    chain_without,
     fitted,
-    lacking,
-    possible,
     ratio,
     refined,
 )
+from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, linear_fit, refine, schwarz
 
 ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("saturation", "slew"))
 """Pairs of causes of which the wrong one may come first."""
@@ -29,14 +29,14 @@ FAR_LIKELIER = 10.0
 """Difference of Schwarz's criterion from which on the evidence is very strong (Kass and Raftery, 1995)."""
 
 
-def exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
+def swap_similar_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit with a cause exchanged for one that looks like it, where that explains more."""
     for first, second in ALIKE:
         for old, new in ((first, second), (second, first)):
             if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
                 continue
-            other = _replacement(part, linear_fit(part, causes()[old].without(fit.chain)), new)
-            if other is None or not possible(part, other.chain):
+            other = best_with(part, linear_fit(part, causes()[old].without(fit.chain)), new)
+            if other is None or not admissible(part, other.chain):
                 continue
             # Both halves of the rows have their say, as in a step forward.
             if 0.5 * (ratio(other, fit, checked) + other.rms_um / fit.rms_um) < HELPS_BELOW:
@@ -44,7 +44,7 @@ def exchanged(part: Scene, fit: Fit, checked: Rows) -> Fit:
     return fit
 
 
-def resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
+def swap_slow_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit with a cause whose own signature does not hold exchanged for the best of those that are slow like it.
 
     It explains no more than what it replaces, or `exchanged` would have taken it; but it is sound. If one that is
@@ -54,19 +54,19 @@ def resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
         if not causes()[old].present(fit.chain):
             continue
         bare = refine(part, causes()[old].without(fit.chain), rounds=8)
-        look, bare_look = Look.at(part, fit), Look.at(part, bare)
-        if causes()[old].signature(look, bare).holds:
+        residual, bare_residual = Residual.at(part, fit), Residual.at(part, bare)
+        if causes()[old].signature(residual, bare).holds:
             continue
         beside = [causes()[name] for name in SLOW if name != old and causes()[name].present(fit.chain)]
-        if any(not one.signature(look, bare).holds and one.signature(bare_look, bare).holds for one in beside):
+        if any(not one.signature(residual, bare).holds and one.signature(bare_residual, bare).holds for one in beside):
             fit = bare
             continue
         others = [name for name in SLOW if name != old and not causes()[name].present(fit.chain)]
-        trials = [_replacement(part, bare, name) for name in others]
+        trials = [best_with(part, bare, name) for name in others]
         sound = [
             trial
             for name, trial in zip(others, trials, strict=True)
-            if trial is not None and causes()[name].signature(Look.at(part, trial), bare).holds
+            if trial is not None and causes()[name].signature(Residual.at(part, trial), bare).holds
         ]
         best = min(sound, key=lambda trial: ratio(trial, bare, checked), default=bare)
         if ratio(best, bare, checked) < KEEP_ABOVE:
@@ -74,7 +74,7 @@ def resigned(part: Scene, fit: Fit, checked: Rows) -> Fit:
     return fit
 
 
-def likelier(scene: Scene, fit: Fit) -> Chain:
+def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
     """The chain with its slow causes exchanged for others that are sound, where these are likelier.
 
     Those that are sound go only for others that are far likelier, those that are not all sound for the likeliest that
@@ -86,11 +86,11 @@ def likelier(scene: Scene, fit: Fit) -> Chain:
         return fit.chain
     sound = _sound(scene, fit, there)
     bare: tuple[str, ...] = ()
-    fits = {bare: linear_fit(scene, lacking(fit.chain, there)), there: refine(scene, fit.chain)}
+    fits = {bare: linear_fit(scene, chain_without(fit.chain, there)), there: refine(scene, fit.chain)}
     for size in (1, 2) if len(there) > 1 or not sound else (1,):
         for names in itertools.combinations(SLOW, size):
             beside = fits.get(names[:-1])
-            other = _replacement(scene, beside, names[-1]) if beside is not None and names != there else None
+            other = best_with(scene, beside, names[-1]) if beside is not None and names != there else None
             if other is not None:
                 fits[names] = other
     del fits[bare]
@@ -105,7 +105,7 @@ def likelier(scene: Scene, fit: Fit) -> Chain:
     return fit.chain
 
 
-def told_apart(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> list[str]:
+def compare_likelihood(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> list[str]:
     """Those of several slow causes beside which the chain is far likelier than without them.
 
     On blocks left out, what is free beside creep does much of a drift's work. rivals: the best fit without each cause.
@@ -125,13 +125,13 @@ def _slow(chain: Chain) -> tuple[str, ...]:
 
 def _sound(scene: Scene, fit: Fit, names: Sequence[str]) -> bool:
     """Whether each of these causes shows evidence of its own."""
-    look = Look.at(scene, fit)
-    return all(causes()[name].signature(look, fit).holds for name in names)
+    residual = Residual.at(scene, fit)
+    return all(causes()[name].signature(residual, fit).holds for name in names)
 
 
-def _replacement(part: Scene, bare: Fit, name: str) -> Fit | None:
+def best_with(part: Scene, bare: Fit, name: str) -> Fit | None:
     """The best fit with the cause `name` added to `bare`."""
     cause = causes()[name]
-    trials = cause.promising(fitted(part, cause.proposals(Look.at(part, bare))))
+    trials = cause.select_starts(fitted(part, cause.proposals(Residual.at(part, bare))))
     found = refined(part, [trial.chain for trial in trials], rounds=FINAL_ROUNDS)
     return min(found, key=lambda trial: trial.rms_um, default=None)

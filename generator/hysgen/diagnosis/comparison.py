@@ -46,16 +46,16 @@ def refined(part: Scene, chains: Sequence[Chain], rounds: int = 8) -> list[Fit]:
     return in_threads(lambda chain: refine(part, chain, rounds), chains)
 
 
-def lacking(chain: Chain, names: Sequence[str]) -> Chain:
+def chain_without(chain: Chain, names: Sequence[str]) -> Chain:
     """The chain with the parts of all these causes taken out."""
     for name in names:
         chain = causes()[name].without(chain)
     return chain
 
 
-def possible(scene: Scene, chain: Chain) -> bool:
+def admissible(scene: Scene, chain: Chain) -> bool:
     """Whether the numbers in the chain let the signature of each of its causes hold."""
-    return all(cause.possible(scene, chain) for cause in causes().values())
+    return all(cause.admissible(scene, chain) for cause in causes().values())
 
 
 def remaining(fit: Fit, rival: Fit, checked: Rows) -> float:
