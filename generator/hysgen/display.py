@@ -1,4 +1,4 @@
-"""How results show themselves: one line as `repr`, a table when printed or in a notebook, a picture on request."""
+"""Display of results: one line as `repr`, a table when printed or in a notebook, a plot on request."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hysgen.errors import HysgenError
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> str:
-    """Columns aligned by their widest cell: the first `left` of them to the left, the others, numbers, to the right.
+    """A text table. The first `left` columns are left-aligned, the others (numbers) right-aligned.
 
     >>> print(table(["model", "rms"], [["base", "0.47"], ["extended", "0.1"]]))
     model      rms
@@ -33,7 +33,7 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -
 
 @dataclass(frozen=True)
 class Summary:
-    """title: one line; header, rows: a table, may be empty, its first `left` columns words; notes: lines below it."""
+    """title: one line; header, rows: a table, possibly empty; left: its left-aligned columns; notes: lines below."""
 
     title: str
     header: Sequence[str] = ()
@@ -58,18 +58,18 @@ class Summary:
 
 
 PICTURES = "hysgen.report.plots.results"
-"""The module whose `draw(result, *what)` makes pictures. It imports matplotlib, so it is loaded by the first `plot`."""
+"""Module whose `draw(result, *what)` makes plots. It imports matplotlib, so it is imported by the first `plot` only."""
 
 
 class Displayed(abc.ABC):
-    """A result that people look at."""
+    """A result with a display as text, as HTML and as a plot."""
 
     @abc.abstractmethod
     def summary(self) -> Summary:
-        """What there is to see."""
+        """The content of the display."""
 
     def plot(self, *what: Any) -> Any:
-        """A picture that shows itself in a notebook; `.save(path)` writes it, `.figure` is matplotlib's.
+        """A plot, displayed by a notebook; `.save(path)` writes it, `.figure` is the matplotlib figure.
 
         what: depends on the kind of result, see docs/api.md.
         Raises HysgenError if there is nothing to plot or matplotlib is not installed.

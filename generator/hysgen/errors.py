@@ -1,10 +1,10 @@
-"""What hysgen says when it cannot go on: one line that names the file, row or field, the fault, and the cure."""
+"""Errors meant for the user; the text is one line that names the file, row or field, the fault, and the cure."""
 
 from __future__ import annotations
 
 
 class HysgenError(Exception):
-    """Base of every error meant for the user. The command line prints its text as one line and exits with 2."""
+    """Base of all errors of hysgen. The command line prints the text and exits with status 2."""
 
 
 class RecordError(HysgenError):
@@ -12,24 +12,24 @@ class RecordError(HysgenError):
 
 
 class ModelError(HysgenError):
-    """A model, or a model file, is malformed or outside what the project supports."""
+    """A model or a model file is malformed or not supported."""
 
 
 class FitError(HysgenError):
-    """The record and the chosen structure do not give a trustworthy model."""
+    """No reliable model can be fitted with this record and these settings."""
 
 
 class CertificateError(HysgenError):
-    """A guarantee that the requested output needs does not hold for this model."""
+    """A certificate that the requested output requires does not hold for this model."""
 
 
 class BuildError(HysgenError):
-    """A compiler is missing, or refuses what it was given."""
+    """A compiler is missing or rejects its input."""
 
 
 class BudgetError(HysgenError):
-    """The generated code would not fit the sample period."""
+    """The generated code takes longer than the sampling period."""
 
 
 class TargetError(HysgenError):
-    """A C674x program does what the processor forbids or what its simulator does not model."""
+    """A C674x program violates a rule of the processor, or uses a feature that the simulator does not model."""

@@ -13,8 +13,7 @@ from hysgen.diagnosis.probe import Chain, Mode, Operator, Run, Scene, refine, st
 from hysgen.diagnosis.probe.dynamics import crept_step, respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, left_out
 from hysgen.diagnosis.spikes import isolated
-from hysgen.machine.kernels.preisach import rate_limited
-from hysgen.machine.kernels.response import Branch, responded
+from hysgen.machine.kernels import Branch, LinearPart, linear_response, rate_limited
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3
@@ -62,7 +61,7 @@ def test_all_columns_pass_through_creep_and_filters_like_one(columns: int, late:
     shifted = np.concatenate([np.zeros((columns, max(late, 0))), total, np.repeat(total[:, -1:], 400, axis=1)], axis=1)
     expected = h[:, :1] + shifted[:, max(-late, 0) :][:, :200]
     out = np.full((columns, 210), np.nan)
-    responded(h, 0.1, keep, [lag, mode], late, out, first=6)
+    linear_response(h, LinearPart(0.1, keep, [lag, mode], late), out, first=6)
     np.testing.assert_allclose(out[:, 6:206], expected, rtol=1e-12, atol=1e-12)
     assert np.isnan(out[:, [*range(6), *range(206, 210)]]).all()
 

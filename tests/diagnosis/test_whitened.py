@@ -17,7 +17,7 @@ from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, refine, whitened_fit
 from hysgen.diagnosis.search import present
 from hysgen.diagnosis.swaps import compare_likelihood, likeliest_slow_causes
-from hysgen.machine.kernels.innovation import innovation_gains, innovations
+from hysgen.machine.kernels import innovation_gains, innovations
 from hysgen.record import Record
 from hysgen.stage import Density, Noise, Relays, Stage
 from hysgen.stage import run as measure

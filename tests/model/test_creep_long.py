@@ -9,7 +9,7 @@ import numpy as np
 
 from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
-from hysgen.machine.kernels.poles import lag_states, mode_states
+from hysgen.machine.kernels import lag_states, mode_states
 from hysgen.model.model import Grid, Model
 from hysgen.model.terms import Term
 from hysgen.model.terms.creep import Creep

@@ -197,7 +197,7 @@ def checked_error(
 ) -> tuple[Rows, Floats]:
     """Rows of the identification part in order, and the free-run error there of models that were not fitted to them."""
     asked = tuple((name, extensions[name].content) for name in in_order(names))
-    return prepared.checked.of((asked, settings), lambda: _checked(prepared, extensions, names, settings))
+    return prepared.checked.get((asked, settings), lambda: _checked(prepared, extensions, names, settings))
 
 
 def _checked(

@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.probe import Operator, Run, Scene
 from hysgen.diagnosis.spikes import EDGE
 from hysgen.errors import RecordError
-from hysgen.machine.cache import Recent
-from hysgen.machine.kernels.play import play_operators
-from hysgen.machine.kernels.poles import lag_states
+from hysgen.machine.cache import LruCache
+from hysgen.machine.kernels import lag_states, play_operators
 from hysgen.record import Record, Segment
 from hysgen.record.channels import Channels
 from hysgen.record.plausibility import at_end
@@ -75,7 +74,7 @@ class Prepared:
     swept: NDArray[np.bool_]
     settled: NDArray[np.bool_]
     forgotten: NDArray[np.bool_]
-    checked: Recent[tuple[Rows, Floats]] = field(default_factory=lambda: Recent(MOST_CHECKED))
+    checked: LruCache[tuple[Rows, Floats]] = field(default_factory=lambda: LruCache(MOST_CHECKED))
 
     @cached_property
     def fit_rows(self) -> Rows:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from hysgen.fitting.least_squares import Information
 from hysgen.fitting.preferences import roughness, spread
-from hysgen.machine.cache import Recent
+from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import FreeRunSums, Rules, free_run_sums
 from hysgen.model.model import Model
 from hysgen.model.regression import Starts, Structure, Trust, drives_of, full_trust, structure_of, term_regressors
@@ -77,7 +77,7 @@ class FreeRunError:
     trust: tuple[Floats, ...]
     shaped: frozenset[str] = frozenset()
     held: tuple[tuple[float, Information], ...] = ()
-    columns: Recent[list[Floats]] = field(default_factory=lambda: Recent(1))
+    columns: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(1))
 
     def held_near(self, model: Model, one_step: Information) -> FreeRunError:
         """The same error with the forms, weighted by the free-run error of `model`.
@@ -110,7 +110,7 @@ class FreeRunError:
     def sums(self, model: Model) -> FreeRunSums:
         """The free run's own sums over all segments."""
         rules = Rules(structure_of(model).range_um, model.consequents)
-        columns = self.columns.of(model.terms, lambda: [term_regressors(model.terms, drive) for drive in self.drives])
+        columns = self.columns.get(model.terms, lambda: [term_regressors(model.terms, drive) for drive in self.drives])
         total: FreeRunSums | None = None
         for segment, drive, trust, phi in zip(self.record.segments, self.drives, self.trust, columns, strict=True):
             extra = np.column_stack([phi, *self._shape_columns(model, drive)]) if self.shaped else phi

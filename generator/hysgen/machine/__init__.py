@@ -1,1 +1,1 @@
-"""This computer: native builds, compiled kernels, whole-file writes, caches, threads, and where installed files lie."""
+"""The host computer: native builds, compiled kernels, atomic file writes, caches, threads, installed data files."""

@@ -1,4 +1,4 @@
-"""The last few results of a costly function, for callers that come back to them soon."""
+"""A bounded cache of costly results, safe to use from several threads."""
 
 from __future__ import annotations
 
@@ -9,23 +9,26 @@ from typing import Generic, TypeVar
 Result = TypeVar("Result")
 
 
-class Recent(Generic[Result]):
-    """Results by what they were made from, at most `most` of them, those asked for last. Several threads may ask."""
+class LruCache(Generic[Result]):
+    """Least-recently-used cache of at most `capacity` results, each under the key of its inputs."""
 
-    def __init__(self, most: int) -> None:
-        self._most = most
+    def __init__(self, capacity: int) -> None:
+        self._capacity = capacity
         self._results: dict[Hashable, Result] = {}
         self._lock = threading.Lock()
 
-    def of(self, key: Hashable, make: Callable[[], Result]) -> Result:
-        """The result kept for `key`, or that of `make`; it is shared, so nobody may write to it."""
+    def get(self, key: Hashable, compute: Callable[[], Result]) -> Result:
+        """The cached result of `key`, or else compute(), which is then cached. All callers share it: do not modify it.
+
+        `compute` runs outside the lock, so two threads that miss the same key at once both compute it.
+        """
         with self._lock:
             if key in self._results:
                 self._results[key] = self._results.pop(key)
                 return self._results[key]
-        result = make()
+        result = compute()
         with self._lock:
             self._results[key] = result
-            while len(self._results) > self._most:
+            while len(self._results) > self._capacity:
                 del self._results[next(iter(self._results))]
         return result

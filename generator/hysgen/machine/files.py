@@ -1,4 +1,4 @@
-"""Writing files whole or not at all, and naming bytes by their digest."""
+"""Atomic file writes and digests."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def digest(data: bytes) -> str:
 
 
 def _umask() -> int:
-    """The process's file mode mask, which the system only tells while setting it."""
+    """The process's file mode mask. POSIX has no call that reads it without setting it."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -1,4 +1,4 @@
-"""What belongs to the installed package beside its code: its version, templates and the firmware's C sources."""
+"""The version of the installed package and its data folders: templates and the firmware's C sources."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ def version() -> str:
 
 
 def data_folder(name: str, holds: str) -> Path:
-    """The folder `name` of the distribution that holds the entry `holds`.
+    """The data folder `name` of the distribution, recognised by its entry `holds`.
 
-    In a wheel it lies inside the package, in a checkout beside `generator/`.
-    Raises BuildError if the installation lacks it.
+    In a wheel the folder lies inside the package, in a checkout beside `generator/`.
+    Raises BuildError if the folder is missing.
     """
     package = Path(str(resources.files("hysgen")))
     for folder in (package / name, package.parents[1] / name):

@@ -1,7 +1,7 @@
-"""Compiling C on the host and opening it through cffi; what was compiled once is found again in a cache.
+"""Compiling C on the host, opening the library through cffi, and caching it on disk.
 
-Used for the float64 kernels that run long simulations and for the generated float32 C under test. A library is named by
-the digest of everything that shaped it (sources, flags, compiler and its version), so a stale one cannot be picked up.
+Used for the float64 kernels and for the generated float32 C under test. A library is named by the digest of all inputs
+of its build (sources, flags, compiler and its version), so an outdated library is never opened.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from hysgen.machine.files import digest
 
 @dataclass(frozen=True)
 class Toolchain:
-    """A host C compiler and the flags that shape the arithmetic of its code."""
+    """A host C compiler and its flags; the flags may change the bits that the compiled code computes."""
 
     command: str = "cc"
     flags: tuple[str, ...] = ("-O2",)
@@ -33,7 +33,7 @@ class Toolchain:
         return " ".join((self.command, *self.flags))
 
 
-# No contraction into FMA, no value-changing shortcuts: what bit-for-bit equality rests on.
+# No contraction into FMA, no value-changing optimisations: required for bit-for-bit equality.
 STRICT_FLAGS = ("-std=c99", "-fPIC", "-shared", "-ffp-contract=off", "-fno-fast-math")
 
 
@@ -56,7 +56,7 @@ def default_toolchain() -> Toolchain:
 
 @functools.lru_cache(maxsize=64)
 def compiler_version(command: str) -> str:
-    """First line of `command --version`. Raises BuildError if the compiler is not there."""
+    """First line of `command --version`. Raises BuildError if the compiler is not installed."""
     if shutil.which(command) is None:
         raise BuildError(f"{command}: no such compiler; install it, or name another one")
     run = subprocess.run([command, "--version"], capture_output=True, text=True, check=False)
@@ -64,7 +64,7 @@ def compiler_version(command: str) -> str:
 
 
 def cache_folder() -> Path:
-    """Where compiled libraries are kept: HYSGEN_CACHE, else the user's cache folder."""
+    """The folder of compiled libraries: HYSGEN_CACHE, else `hysgen` in the user's cache folder."""
     chosen = os.environ.get("HYSGEN_CACHE")
     if chosen:
         return Path(chosen)
@@ -81,8 +81,8 @@ def build(
     """Compile C texts to one shared library and open it.
 
     sources: (file name, text) pairs; headers among them are found by #include, `.c` files are compiled.
-    declarations: what cffi's `cdef` is to know of the library.
-    Raises BuildError with the compiler's first complaint.
+    declarations: the C declarations for cffi's `cdef`.
+    Raises BuildError with the compiler's first error message.
     """
     chosen = toolchain or default_toolchain()
     version = compiler_version(chosen.command)
@@ -107,7 +107,7 @@ def _compile(
         call = [command, *flags, "-o", "out.so", *units, *libraries]
         run = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
         if run.returncode != 0:
-            complaint = next((line for line in run.stderr.splitlines() if "error" in line), run.stderr.strip()[:200])
-            raise BuildError(f"{command} {' '.join(flags)}: {complaint}")
-        # Two processes may build the same library at once: the rename makes either result whole.
+            message = next((line for line in run.stderr.splitlines() if "error" in line), run.stderr.strip()[:200])
+            raise BuildError(f"{command} {' '.join(flags)}: {message}")
+        # Two processes may build the same library at once: the atomic rename leaves one complete file.
         os.replace(Path(scratch, "out.so"), target)

@@ -1,7 +1,7 @@
-"""How many threads compute: one inside the BLAS, several for independent computations of a diagnosis.
+"""Thread limits: one thread inside the BLAS, several for independent computations of a diagnosis.
 
-The matrices here are small. Threads of the BLAS cost up to ten times the work where other threads or processes want the
-same cores, and their number changes last bits of a result.
+The matrices are small. BLAS threads make a computation up to ten times slower where other threads or processes use the
+same cores, and their number changes the last bits of a result.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 MOST_THREADS = 4
-"""Between two compiled kernels the threads wait for the one interpreter; more than this gain nothing."""
+"""Between two compiled kernels the threads compete for the interpreter lock; more threads than this gain nothing."""
 
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Inside this context the BLAS uses one thread, in every thread of the process; afterwards as many as before.
+    """Inside this context the BLAS uses one thread, in every thread of the process; the old limit returns afterwards.
 
     Also a decorator: `@one_blas_thread()`.
     """
@@ -33,9 +33,9 @@ def one_blas_thread() -> Iterator[None]:
 
 
 def in_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
-    """[function(item) for item in items], computed by several threads; results stand in the order of the items.
+    """[function(item) for item in items], computed by several threads; results in the order of the items.
 
-    Compiled kernels and the BLAS release the interpreter, so threads share the processor's cores. A worker process
+    Compiled kernels and the BLAS release the interpreter lock, so threads run in parallel. A worker process of a pool
     computes one item at a time, because its sibling processes use the other cores.
     """
     threads = 1 if multiprocessing.parent_process() is not None else min(os.cpu_count() or 1, MOST_THREADS)

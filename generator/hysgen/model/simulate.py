@@ -133,10 +133,9 @@ def horizon_curve(
             stride = max(1, -(-kept * int(horizons[group][-1]) // STEPS_PER_DECADE))
             sums = kernels.horizon_errors(
                 rules_of(model),
-                part.drive.u_V[begin:],
-                part.w_um[begin:],
-                part.bias_um[begin:],
-                part.segment.y_um[begin:],
+                kernels.HorizonInputs(
+                    part.drive.u_V[begin:], part.w_um[begin:], part.bias_um[begin:], part.segment.y_um[begin:]
+                ),
                 stride,
                 horizons[group],
             )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.chain import Chain
-from hysgen.machine.kernels.preisach import rate_limited
+from hysgen.machine.kernels import rate_limited
 
 Floats = NDArray[np.float64]
 

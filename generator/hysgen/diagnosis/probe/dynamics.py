@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from hysgen.diagnosis.probe.chain import Chain, Mode
-from hysgen.machine.kernels.response import Branch, responded
+from hysgen.machine.kernels import Branch, LinearPart, linear_response
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float) 
     stiff = 1.0 - sum(mode.share for mode in chain.modes)
     branches = [Branch(stiff, *_lag(chain.lag_s, None, Ts_s, late))]
     branches += [Branch(mode.share, *_lag(chain.lag_s, mode, Ts_s, late)) for mode in chain.modes]
-    responded(h, chain.creep or 0.0, keep, branches, whole, out, first)
+    linear_response(h, LinearPart(chain.creep or 0.0, keep, branches, whole), out, first)
 
 
 def crept_step(samples: int, Ts_s: float, from_s: float) -> Floats:

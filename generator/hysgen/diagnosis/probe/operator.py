@@ -20,7 +20,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.preisach import dahl_columns, preisach_columns
+from hysgen.machine.kernels import PreisachBasis, duhem_columns, preisach_columns
 
 Floats = NDArray[np.float64]
 
@@ -63,8 +63,9 @@ class Operator:
         begin = np.clip(v[0] + start * r, -1.0 + r, 1.0 - r)
         out = np.empty((self.size, len(v)))
         duhem = self.size - 2 * len(self.reaches)
-        preisach_columns(out[:duhem], v, r, begin, hats, self.curve, self.degree if self.hats else 0)
-        dahl_columns(out[duhem:], v, np.array(self.reaches))
+        basis = PreisachBasis(r, hats, self.curve, self.degree if self.hats else 0)
+        preisach_columns(out[:duhem], v, begin, basis)
+        duhem_columns(out[duhem:], v, np.array(self.reaches))
         return out
 
     def at(self, u_V: float) -> Floats:

@@ -13,7 +13,7 @@ from hysgen.diagnosis.probe.amplifier import amplified
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.dynamics import crept_step, respond, respond_into
 from hysgen.diagnosis.probe.operator import Operator
-from hysgen.machine.cache import Recent
+from hysgen.machine.cache import LruCache
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -56,8 +56,8 @@ class Scene:
     operator: Operator
     known_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
-    _hysteresis: Recent[list[Floats]] = field(default_factory=lambda: Recent(3), repr=False)
-    _disturbances: Recent[Floats] = field(default_factory=lambda: Recent(6), repr=False)
+    _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(3), repr=False)
+    _disturbances: LruCache[Floats] = field(default_factory=lambda: LruCache(6), repr=False)
 
     @property
     def samples(self) -> int:
@@ -108,7 +108,7 @@ class Scene:
 
     def hysteresis(self, chain: Chain) -> list[Floats]:
         """Columns of h for each run, (operator.size, n_i), for the chain's amplifier."""
-        return self._hysteresis.of(
+        return self._hysteresis.get(
             (chain.memory, chain.amplifier), lambda: [self._path(run, chain) for run in self.runs]
         )
 
@@ -165,7 +165,7 @@ class Scene:
         slow = None if chain.creep is None else chain.creep_from_s
         lag = (chain.lag_s, chain.delay, chain.taps) if chain.coupled else None
         key = (slow, chain.drift, chain.since_s, chain.lines_Hz, chain.coupled, lag)
-        return self._disturbances.of(key, lambda: np.hstack([self._beside(run, chain) for run in self.runs]))
+        return self._disturbances.get(key, lambda: np.hstack([self._beside(run, chain) for run in self.runs]))
 
     def _beside(self, run: Run, chain: Chain) -> Floats:
         """(q, n_i) `disturbances` of one run."""

@@ -25,8 +25,7 @@ from hysgen.diagnosis.probe.amplifier import amplified
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import Fit, refine, rms
-from hysgen.machine.kernels.innovation import innovation_gains, innovations
-from hysgen.machine.kernels.poles import lag_states
+from hysgen.machine.kernels import innovation_gains, innovations, lag_states
 
 Floats = NDArray[np.float64]
 

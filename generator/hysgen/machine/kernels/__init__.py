@@ -1,26 +1,62 @@
-"""Compiled float64 kernels: the recurrences that would take minutes in Python.
+"""Compiled float64 kernels for recurrences that would take minutes in Python.
 
-Each kernel is one C file beside this one, hand-written in float64. They share nothing with the generated float32 C:
-the truth is a statement of its own. Compiled once per machine by `hysgen.machine.native` and kept in its cache.
+Each C file beside this one is written by hand in float64 and shares no code with the generated float32 C, which is
+tested against it. `hysgen.machine.native` compiles a file once per machine and keeps the library in its cache.
+
+    operators     limiters, plays, linear states, Preisach and Duhem columns, filters
+    run           the model over a record
+    estimation    recursive and orthogonal least squares, Kalman innovations
 """
 
 from __future__ import annotations
 
-from hysgen.machine.kernels.play import play_operators
-from hysgen.machine.kernels.rls import rls_updates
-from hysgen.machine.kernels.run import Rules, free_run, horizon_errors, one_step, rule_rows
-from hysgen.machine.kernels.sensitivity import FreeRunSums, free_run_sums
-from hysgen.machine.kernels.triangular import triangularise
+from hysgen.machine.kernels.estimation import innovation_gains, innovations, rls_updates, triangularise
+from hysgen.machine.kernels.operators import (
+    Branch,
+    LinearPart,
+    PreisachBasis,
+    duhem_columns,
+    lag_states,
+    linear_response,
+    mode_states,
+    play_operators,
+    preisach_columns,
+    rate_limited,
+    slew_limited,
+)
+from hysgen.machine.kernels.run import (
+    FreeRunSums,
+    HorizonInputs,
+    Rules,
+    free_run,
+    free_run_sums,
+    horizon_errors,
+    one_step,
+    rule_rows,
+)
 
 __all__ = [
+    "Branch",
     "FreeRunSums",
+    "HorizonInputs",
+    "LinearPart",
+    "PreisachBasis",
     "Rules",
+    "duhem_columns",
     "free_run",
     "free_run_sums",
     "horizon_errors",
+    "innovation_gains",
+    "innovations",
+    "lag_states",
+    "linear_response",
+    "mode_states",
     "one_step",
     "play_operators",
+    "preisach_columns",
+    "rate_limited",
     "rls_updates",
     "rule_rows",
+    "slew_limited",
     "triangularise",
 ]

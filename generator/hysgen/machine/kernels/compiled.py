@@ -1,4 +1,4 @@
-"""Opening a kernel's C file as a compiled library, and handing NumPy arrays to it."""
+"""Compiling and opening the C file of a kernel, and passing NumPy arrays to it as pointers."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 
 @functools.lru_cache(maxsize=32)
 def kernel(file: str, declarations: str, *headers: str) -> Library:
-    """The library compiled from `file` and the `headers` it includes. Raises BuildError if no compiler is there."""
+    """The library compiled from `file` and the `headers` that it includes. Raises BuildError without a compiler."""
     folder = resources.files(__package__)
     sources = [(name, folder.joinpath(name).read_text(encoding="utf-8")) for name in (file, *headers)]
-    # Vector instructions keep the order of every sum (the strict flags forbid more), so they cost no reproducibility.
+    # -O3 vectorises, but the strict flags forbid reordering sums: results are the same on every machine.
     return build(sources, declarations, Toolchain(default_toolchain().command, ("-O3",)))
 
 
 def doubles(library: Library, array: NDArray[np.float64]) -> Any:
-    """A `double *` into `array`, C-contiguous float64: a silent copy would lose what the kernel writes."""
+    """A `double *` into `array`, C-contiguous float64. No copy is made, because the kernel may write to it."""
     if array.dtype != np.float64 or not array.flags.c_contiguous:
         raise ValueError("a kernel takes C-contiguous float64 arrays")
     return library.ffi.from_buffer("double *", array)

@@ -1,4 +1,4 @@
-/* Columns of a Preisach operator written with play operators, of Duhem states, and a rate limiter, in float64. */
+/* Columns of a Preisach operator expanded in play operators, columns of Duhem states, and a rate limiter, float64. */
 
 #include <math.h>
 #include <stddef.h>
@@ -10,7 +10,7 @@
 void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state, size_t hats,
                      const double *hat, size_t curve, size_t degree, double *out)
 {
-    /* A hat is not zero over a few neighbouring plays only: those from first to last. */
+    /* A hat is zero outside the few neighbouring plays first .. last - 1. */
     size_t first[64], last[64];
     double weight[64][64];
     for (size_t b = 0; b < hats; b++) {
@@ -62,11 +62,11 @@ void hysgen_preisach(size_t samples, const double *v, size_t plays, const double
     }
 }
 
-/* out[2 j][k] = d_j,  out[2 j + 1][k] = d_j |d_j|, where d_j forgets along the path, not in time:
+/* out[2 j][k] = d_j,  out[2 j + 1][k] = d_j |d_j|, the states d_j, which decay with the way of v and not with time:
  *
  *     d_j(k) = e d_j(k-1) + (1 - e) sign(dv),    dv = v(k) - v(k-1),  e = exp(-|dv| / reach_j)
  */
-void hysgen_dahl(size_t samples, const double *v, size_t states, const double *reach, double *out)
+void hysgen_duhem(size_t samples, const double *v, size_t states, const double *reach, double *out)
 {
     for (size_t j = 0; j < states; j++) {
         double d = 0.0, *first = out + 2 * j * samples, *second = first + samples;

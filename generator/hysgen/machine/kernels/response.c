@@ -1,18 +1,17 @@
-/* The linear part of a stage over many columns at once, in float64: slow states, then filters side by side.
+/* The linear part of a stage over many columns at once, float64: slow states, then parallel filters, then a delay.
  *
  *     c(k)   = x(k) + creep * sum_i s_i(k) / 2,          x(k) = h(k) - h(0)
- *     s_i(k+1) = follow_i x(k) + keep_i s_i(k),          s_i(0) = 0
- *     y(k)   = h(0) + sum_j share_j F_j c(k - late)
+ *     s_i(k+1) = intake_i x(k) + decay_i s_i(k),         s_i(0) = 0
+ *     y(k)   = h(0) + sum_j share_j F_j c(k - delay)
  *
- * F_j: numerator_j / denominator_j in z^-1, from rest. Before the record the stage stood at h(0); where `late` is
- * negative, the last value stays at the end.
+ * F_j: numerator_j / denominator_j in z^-1, from rest. Before the record the stage stood at h(0). With a
+ * negative delay the last value is held at the end.
  */
 
 #include <stddef.h>
 
-/* Columns are taken side by side, as many as one vector holds, for a recurrence waits for its own last result. Vectors
- * are GNU C, which gcc and clang share. gcc also chooses the wider ones where the processor has them, at run time; every
- * lane is computed as a lone number would be, so the bits are the same. */
+/* One vector lane per column, because a recurrence cannot be vectorised along time. The vectors are GNU C (gcc, clang);
+ * gcc selects wider ones at run time where the processor has them. Each lane computes as a scalar would: equal bits. */
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__)
 #define WIDEST __attribute__((target_clones("avx2", "default")))
 enum { LANES = 4 };
@@ -27,15 +26,15 @@ enum { MOST_STATES = 64, MOST_BRANCHES = 8, MOST_ORDER = 4, TAPS = MOST_ORDER + 
 struct linear {
     size_t states;
     double creep;
-    const double *keep, *follow;
+    const double *decay, *intake;
     size_t branches;
     const double *share;
     const size_t *order;
     const double *numerator, *denominator;
 };
 
-/* `columns` columns, at most LANES, from `x` on; the other lanes run along on zeros and are written nowhere. */
-WIDEST static void pass(const struct linear *linear, size_t columns, size_t samples, const double *x, long late,
+/* `columns` columns, at most LANES, from `x` on; the other lanes compute with zeros and are not written. */
+WIDEST static void pass(const struct linear *linear, size_t columns, size_t samples, const double *x, long delay,
                         size_t row, double *out)
 {
     Lanes slow[MOST_STATES] = {{0.0}}, state[MOST_BRANCHES][TAPS] = {{{0.0}}}, total = {0.0}, start = {0.0};
@@ -43,7 +42,7 @@ WIDEST static void pass(const struct linear *linear, size_t columns, size_t samp
 
     for (size_t l = 0; l < columns; l++) {
         start[l] = x[l * samples];
-        for (long k = 0; k < late && k < end; k++) {
+        for (long k = 0; k < delay && k < end; k++) {
             out[l * row + (size_t)k] = start[l];
         }
     }
@@ -55,7 +54,7 @@ WIDEST static void pass(const struct linear *linear, size_t columns, size_t samp
         in -= start;
         for (size_t i = 0; i < linear->states; i++) {
             crept += 0.5 * slow[i];
-            slow[i] = linear->follow[i] * in + linear->keep[i] * slow[i];
+            slow[i] = linear->intake[i] * in + linear->decay[i] * slow[i];
         }
         crept = in + linear->creep * crept;
         total = start;
@@ -67,28 +66,28 @@ WIDEST static void pass(const struct linear *linear, size_t columns, size_t samp
                 state[j][i - 1] = b[i] * crept - a[i] * y + state[j][i];
             }
         }
-        if (k + late >= 0 && k + late < end) {
+        if (k + delay >= 0 && k + delay < end) {
             for (size_t l = 0; l < columns; l++) {
-                out[l * row + (size_t)(k + late)] = total[l];
+                out[l * row + (size_t)(k + delay)] = total[l];
             }
         }
     }
-    for (long k = end + late < 0 ? 0 : end + late; k < end; k++) {
+    for (long k = end + delay < 0 ? 0 : end + delay; k < end; k++) {
         for (size_t l = 0; l < columns; l++) {
             out[l * row + (size_t)k] = total[l];
         }
     }
 }
 
-/* Column m of h starts at h[m * samples], that of the result at out[m * row]. */
-void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double creep, const double *keep,
-                    const double *follow, size_t branches, const double *share, const size_t *order,
-                    const double *numerator, const double *denominator, long late, size_t row, double *out)
+/* Column m of h starts at h[m * samples], column m of the result at out[m * row]. */
+void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double creep, const double *decay,
+                    const double *intake, size_t branches, const double *share, const size_t *order,
+                    const double *numerator, const double *denominator, long delay, size_t row, double *out)
 {
-    const struct linear linear = {states, creep, keep, follow, branches, share, order, numerator, denominator};
+    const struct linear linear = {states, creep, decay, intake, branches, share, order, numerator, denominator};
 
     for (size_t first = 0; first < columns; first += LANES) {
         const size_t left = columns - first < LANES ? columns - first : LANES;
-        pass(&linear, left, samples, h + first * samples, late, row, out + first * row);
+        pass(&linear, left, samples, h + first * samples, delay, row, out + first * row);
     }
 }

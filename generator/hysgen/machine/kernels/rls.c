@@ -14,7 +14,7 @@ void hysgen_rls(size_t samples, size_t size, const double *regressors, const dou
     double *xP = work + size;
     for (size_t k = 0; k < samples; ++k) {
         const double *x = regressors + k * size;
-        double spread = lambda;
+        double variance = lambda;
         double error = target[k];
         for (size_t i = 0; i < size; ++i) {
             Px[i] = 0.0;
@@ -30,11 +30,11 @@ void hysgen_rls(size_t samples, size_t size, const double *regressors, const dou
             Px[i] = sum;
         }
         for (size_t i = 0; i < size; ++i) {
-            spread += x[i] * Px[i];
+            variance += x[i] * Px[i];
             error -= x[i] * q[i];
         }
         for (size_t i = 0; i < size; ++i) {
-            const double K = Px[i] / spread;
+            const double K = Px[i] / variance;
             double *row = P + i * size;
             q[i] += K * error;
             for (size_t j = 0; j < size; ++j) {

@@ -1,10 +1,10 @@
-/* What the rules add up to at one displacement, float64, for every kernel that needs it.
+/* Firing strengths and weighted consequents at one displacement, float64, shared by the kernels.
  *
  *   s = (y - first)/h,  n = the nearest centre,  t = s - n,  |t| <= 1/2
  *   mu_{n+j} = exp(-(t - j)^2/2)  is proportional to  W_j r^j,  W_j = exp(-j^2/2),  r = exp(t)
  *
  * The factor exp(-t^2/2), common to all rules, drops out of p_l, so one exponential serves all of them. Only the rules
- * |j| <= 9 are visited: at |t| <= 1/2 the rest weighs less than 2 W_10 exp(5) (1 + 1e-4) = 5.8e-20 of the nearest rule. */
+ * |j| <= 9 are visited: at |t| <= 1/2 the other rules weigh less than 2 W_10 exp(5) (1 + 1e-4) = 5.8e-20 of the nearest rule. */
 
 #ifndef HYSGEN_RULES_H
 #define HYSGEN_RULES_H
@@ -24,7 +24,7 @@ typedef struct {
 
 typedef struct {
     double y;         /* the displacement, clamped to the grid */
-    int clamped;      /* whether it had to be */
+    int clamped;      /* 1 if y lay outside the grid, else 0 */
     size_t first;     /* first rule of the window */
     size_t count;     /* rules in the window */
     double p[WINDOW]; /* their normalised firing strengths */

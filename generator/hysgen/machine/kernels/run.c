@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/* Free run: out[0] = y0, each further sample from the one before. Returns how often y had to be clamped. */
+/* Free run: out[0] = y0, out[k+1] from out[k]. Returns the number of samples in which y was clamped. */
 int64_t hysgen_free_run(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                         const double *w, double y0, double *out)
 {
@@ -20,7 +20,7 @@ int64_t hysgen_free_run(size_t rules, const double *range, const double *q, size
     return outside;
 }
 
-/* One step ahead: out[0] = measured[0], out[k+1] from measured[k]. Returns how often y had to be clamped. */
+/* One step ahead: out[0] = measured[0], out[k+1] from measured[k]. Returns the number of samples in which y was clamped. */
 int64_t hysgen_one_step(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                         const double *w, const double *measured, double *out)
 {
@@ -35,10 +35,9 @@ int64_t hysgen_one_step(size_t rules, const double *range, const double *q, size
     return outside;
 }
 
-/* From measured[s] at s = 0, stride, 2 stride, ..., free run to the last of the rising `horizons`; at each horizon add
- * up the squared error, keep the largest, and count. held[s] is added to every step from s: what was known at the start
- * and cannot be known better later. Starts without room for the last horizon are left out, so that every horizon is
- * judged on the same starts. */
+/* From measured[s] at s = 0, stride, 2 stride, ..., free run to the last of the rising `horizons`; at each horizon
+ * accumulate the squared error and the largest error. held[s], a bias estimated from samples up to s, is added to every
+ * step from s. Starts without room for the last horizon are left out: every horizon is scored from the same starts. */
 void hysgen_horizon(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                     const double *w, const double *held, const double *measured, size_t stride, size_t count,
                     const int64_t *horizons, double *square, double *largest, int64_t *starts)

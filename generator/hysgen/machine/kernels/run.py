@@ -1,11 +1,12 @@
-"""The model over whole records: free run, one step ahead, error against the horizon, and the rules' regressors.
+"""Kernels of the model: free run (with sensitivities), one step ahead, error over the horizon, rules' regressors.
 
-All kernels take the partition as (y_min, y_max, step, first centre) in um, the consequents as (L, 3), and the terms'
-share w(k) = theta . phi(k) in um as one array, because it does not depend on y: one kernel serves every term.
+All kernels take the partition as (y_min, y_max, step, first centre) in um, the consequents as (L, 3), and the sum of
+the terms w(k) = theta . phi(k) in um as one array (n,), because w does not depend on y.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ from hysgen.machine.native import Library
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_DECLARATION = """
+_RUN = """
 int64_t hysgen_free_run(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                         const double *w, double y0, double *out);
 int64_t hysgen_one_step(size_t rules, const double *range, const double *q, size_t samples, const double *u,
@@ -29,17 +30,22 @@ void hysgen_horizon(size_t rules, const double *range, const double *q, size_t s
 void hysgen_regressors(size_t rules, const double *range, size_t samples, const double *u, const double *y,
                        size_t columns, double *out);
 """
+_SENSITIVITY = """
+int64_t hysgen_sensitivity(size_t rules, const double *range, const double *q, size_t samples, const double *u,
+                           const double *w, size_t extras, const double *extra, const double *measured,
+                           const double *trust, double *sensitivity, double *hessian, double *gradient, double *sums);
+"""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """The rules as a kernel sees them: (y_min, y_max, step, first centre) in um, and the consequents (L, 3)."""
+    """The rules as arguments of a kernel: (y_min, y_max, step, first centre) in um, and the consequents (L, 3)."""
 
     range_um: tuple[float, float, float, float]
     consequents: Floats
 
     def arguments(self, library: Library) -> tuple[Any, Any, Any]:
-        """rules, range and q of every kernel that evaluates the model."""
+        """The first three C arguments: number of rules, range and consequents q."""
         return (
             len(self.consequents),
             library.ffi.new("double[4]", list(self.range_um)),
@@ -48,8 +54,8 @@ class Rules:
 
 
 def free_run(rules: Rules, u_V: Floats, w_um: Floats, y0_um: float) -> tuple[Floats, int]:
-    """y(0) = y0, y(k+1) = f(y(k), u(k)) + w(k). u, w: (n,). Returns y (n,) and how often y was clamped."""
-    library = kernel("run.c", _DECLARATION, "rules.h")
+    """y(0) = y0, y(k+1) = f(y(k), u(k)) + w(k). u, w: (n,). Returns y (n,) and the number of clamped samples."""
+    library = kernel("run.c", _RUN, "rules.h")
     out = np.empty_like(u_V)
     u, w = doubles(library, u_V), doubles(library, w_um)
     clamped = library.lib.hysgen_free_run(*rules.arguments(library), u_V.size, u, w, y0_um, doubles(library, out))
@@ -57,37 +63,38 @@ def free_run(rules: Rules, u_V: Floats, w_um: Floats, y0_um: float) -> tuple[Flo
 
 
 def one_step(rules: Rules, u_V: Floats, w_um: Floats, measured_um: Floats) -> tuple[Floats, int]:
-    """out(0) = y(0), out(k+1) = f(y(k), u(k)) + w(k) from measured y, (n,). Returns out and how often y was clamped."""
-    library = kernel("run.c", _DECLARATION, "rules.h")
+    """out(0) = y(0), out(k+1) = f(y(k), u(k)) + w(k) measured y: (n,). Returns out and the number of clamped y."""
+    library = kernel("run.c", _RUN, "rules.h")
     out = np.empty_like(u_V)
     u, w, y = doubles(library, u_V), doubles(library, w_um), doubles(library, measured_um)
     clamped = library.lib.hysgen_one_step(*rules.arguments(library), u_V.size, u, w, y, doubles(library, out))
     return out, int(clamped)
 
 
-def horizon_errors(
-    rules: Rules,
-    u_V: Floats,
-    w_um: Floats,
-    held_um: Floats,
-    measured_um: Floats,
-    stride: int,
-    horizons: Integers,
-) -> tuple[Floats, Floats, int]:
-    """Error at each of the rising `horizons` after starting from measured y at samples 0, stride, 2 stride, ...
+@dataclass(frozen=True, eq=False)
+class HorizonInputs:
+    """Arrays (n,): voltage, sum of the terms, bias held from the start of each run, measured displacement."""
 
-    held: (n,) share of terms that are only known at the start and held from there on.
+    u_V: Floats
+    w_um: Floats
+    held_um: Floats
+    measured_um: Floats
+
+
+def horizon_errors(rules: Rules, inputs: HorizonInputs, stride: int, horizons: Integers) -> tuple[Floats, Floats, int]:
+    """Errors after h steps, for each of the rising `horizons` h, of runs started at measured y(0), y(stride), ...
+
     Returns the sum of squares and the largest magnitude per horizon, and the number of starts.
     """
-    library = kernel("run.c", _DECLARATION, "rules.h")
+    library = kernel("run.c", _RUN, "rules.h")
     square, largest, starts = np.zeros(horizons.size), np.zeros(horizons.size), np.zeros(1, dtype=np.int64)
     library.lib.hysgen_horizon(
         *rules.arguments(library),
-        u_V.size,
-        doubles(library, u_V),
-        doubles(library, w_um),
-        doubles(library, held_um),
-        doubles(library, measured_um),
+        inputs.u_V.size,
+        doubles(library, inputs.u_V),
+        doubles(library, inputs.w_um),
+        doubles(library, inputs.held_um),
+        doubles(library, inputs.measured_um),
         stride,
         horizons.size,
         integers(library, horizons),
@@ -100,7 +107,7 @@ def horizon_errors(
 
 def rule_rows(range_um: tuple[float, float, float, float], rules: int, y_um: Floats, u_V: Floats, out: Floats) -> None:
     """Write [p_1 y, p_1 u, p_1, p_2 y, ...] for every sample into the first 3 L columns of `out`, (n, >= 3 L)."""
-    library = kernel("run.c", _DECLARATION, "rules.h")
+    library = kernel("run.c", _RUN, "rules.h")
     library.lib.hysgen_regressors(
         rules,
         library.ffi.new("double[4]", list(range_um)),
@@ -110,3 +117,62 @@ def rule_rows(range_um: tuple[float, float, float, float], rules: int, y_um: Flo
         out.shape[1],
         doubles(library, out),
     )
+
+
+@dataclass(frozen=True)
+class FreeRunSums:
+    """Sums over a free run for a Gauss-Newton step, with e = y - measured, weights t and S = dy/d(parameters).
+
+    hessian: sum t S S', (p, p) symmetric; gradient: sum t S e, (p,); square_um2: sum t e^2; weight: sum t.
+    """
+
+    hessian: Floats
+    gradient: Floats
+    square_um2: float
+    weight: float
+    clamped: int
+
+    @property
+    def rms_um(self) -> float:
+        """sqrt(sum t e^2 / sum t) in um; 0 if no sample has weight."""
+        return math.sqrt(self.square_um2 / self.weight) if self.weight > 0.0 else 0.0
+
+    def __add__(self, other: FreeRunSums) -> FreeRunSums:
+        return FreeRunSums(
+            self.hessian + other.hessian,
+            self.gradient + other.gradient,
+            self.square_um2 + other.square_um2,
+            self.weight + other.weight,
+            self.clamped + other.clamped,
+        )
+
+
+def free_run_sums(
+    rules: Rules, u_V: Floats, w_um: Floats, extra: Floats, measured_um: Floats, trust: Floats
+) -> FreeRunSums:
+    """Free run of one segment from y(0) = measured_um[0], with exact sensitivities S to every linear parameter.
+
+        S(k+1) = df/dy S(k) + [p_1 y, p_1 u, p_1, p_2 y, ..., extra(k)]
+
+    u, w, measured, trust: (n,); extra: (n, E) further columns that enter y(k+1) directly. A sample of trust 0 is
+    simulated but not scored. Parameters in the order of Model.parameters: p = 3 L + E.
+    """
+    library = kernel("sensitivity.c", _SENSITIVITY, "rules.h")
+    size = rules.consequents.size + extra.shape[1]
+    hessian, gradient, sums = np.zeros((size, size)), np.zeros(size), np.zeros(2)
+    clamped = library.lib.hysgen_sensitivity(
+        *rules.arguments(library),
+        u_V.size,
+        doubles(library, u_V),
+        doubles(library, w_um),
+        extra.shape[1],
+        doubles(library, extra),
+        doubles(library, measured_um),
+        doubles(library, trust),
+        doubles(library, np.empty(size)),
+        doubles(library, hessian),
+        doubles(library, gradient),
+        doubles(library, sums),
+    )
+    full = np.triu(hessian) + np.triu(hessian, 1).T
+    return FreeRunSums(full, gradient, float(sums[0]), float(sums[1]), int(clamped))

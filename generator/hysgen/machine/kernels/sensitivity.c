@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 /* Adds to hessian (upper triangle of (size, size)), gradient (size) and sums (2): weighted square error and weight.
- * sensitivity (size) holds S. Returns how often y had to be clamped. */
+ * sensitivity (size): work space for S. Returns the number of samples in which y was clamped. */
 int64_t hysgen_sensitivity(size_t rules, const double *range, const double *q, size_t samples, const double *u,
                            const double *w, size_t extras, const double *extra, const double *measured,
                            const double *trust, double *sensitivity, double *hessian, double *gradient, double *sums)

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Rows taken at once: a block that stays in the cache. */
+/* Rows per block, so that a block stays in the processor's cache. */
 #define BLOCK 256
 
 static void one_block(size_t rows, size_t size, double *restrict R, double *restrict A, double *restrict work)
@@ -49,7 +49,7 @@ static void one_block(size_t rows, size_t size, double *restrict R, double *rest
     }
 }
 
-/* R is updated; A is used up; work (size). */
+/* R is updated; A is overwritten; work (size). */
 void hysgen_triangular(size_t rows, size_t size, double *R, double *A, double *work)
 {
     for (size_t start = 0; start < rows; start += BLOCK) {

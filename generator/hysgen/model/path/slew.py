@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from hysgen.machine.kernels.slew import slew_limited
+from hysgen.machine.kernels import slew_limited
 from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, limited
 
 

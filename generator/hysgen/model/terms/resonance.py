@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.machine.kernels.poles import mode_states
+from hysgen.machine.kernels import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
 from hysgen.model.terms.twofloat import accumulate

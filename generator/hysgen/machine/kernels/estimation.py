@@ -1,0 +1,75 @@
+"""Kernels of estimation: recursive and orthogonal least squares, and the innovations of a Kalman filter."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.machine.kernels.compiled import doubles, kernel
+
+Floats = NDArray[np.float64]
+
+_RLS = """
+void hysgen_rls(size_t samples, size_t size, const double *regressors, const double *target, double lambda, double *q,
+                double *P, double *work);
+"""
+_TRIANGULAR = """
+void hysgen_triangular(size_t rows, size_t size, double *R, double *A, double *work);
+"""
+_INNOVATION = """
+void hysgen_gains(size_t samples, const double *keep, const double *observed, double misfit, double noise, double *gain,
+                  double *variance);
+void hysgen_innovations(size_t rows, size_t samples, const double *keep, const double *gain, const double *weight,
+                        double *z);
+"""
+
+
+def rls_updates(regressors: Floats, target: Floats, forgetting: float, q: Floats, P: Floats) -> None:
+    """One update by Eq. (10) per row. regressors: (n, p); target: (n,); q (p,), P (p, p): updated in place."""
+    library = kernel("rls.c", _RLS)
+    library.lib.hysgen_rls(
+        target.size,
+        q.size,
+        doubles(library, regressors),
+        doubles(library, target),
+        forgetting,
+        doubles(library, q),
+        doubles(library, P),
+        doubles(library, np.empty(2 * q.size)),
+    )
+
+
+def triangularise(factor: Floats, rows: Floats) -> None:
+    """Update a QR factor by new rows: R'^T R' = R^T R + rows^T rows, by Householder reflections.
+
+    factor: R, (m, m) upper triangular, updated in place; rows: (n, m), overwritten. Unlike LAPACK's, the result does
+    not depend on the number of threads.
+    """
+    library = kernel("triangular.c", _TRIANGULAR)
+    size = len(factor)
+    library.lib.hysgen_triangular(
+        len(rows), size, doubles(library, factor), doubles(library, rows), doubles(library, np.empty(size))
+    )
+
+
+def innovation_gains(keep: Floats, observed: Floats, misfit: float, noise: float) -> tuple[Floats, Floats]:
+    """Gains and innovation variances, (n,) each, of the Kalman filter for z = m + white noise.
+
+        m(k) = keep(k) m(k-1) + sqrt(misfit (1 - keep(k)^2)) w(k)
+
+    keep: (n,) 0 to 1; observed: (n,) 1 where z(k) is measured, else 0; misfit, noise: variances of m and of the noise.
+    """
+    library = kernel("innovation.c", _INNOVATION)
+    gain, variance = np.empty(keep.size), np.empty(keep.size)
+    arrays = [doubles(library, x) for x in (keep, observed)]
+    library.lib.hysgen_gains(keep.size, *arrays, misfit, noise, doubles(library, gain), doubles(library, variance))
+    return gain, variance
+
+
+def innovations(signals: Floats, keep: Floats, gain: Floats, variance: Floats) -> Floats:
+    """Innovations of each row of `signals`, (rows, n), over their standard deviations; gain, variance: (n,) each."""
+    library = kernel("innovation.c", _INNOVATION)
+    out = np.array(signals, dtype=np.float64, order="C")
+    weight = 1.0 / np.sqrt(variance)
+    library.lib.hysgen_innovations(*out.shape, *(doubles(library, x) for x in (keep, gain, weight, out)))
+    return out

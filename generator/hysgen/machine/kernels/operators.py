@@ -1,0 +1,230 @@
+"""Kernels of the operators between command and displacement: limiters, plays, linear states, hysteresis, filters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.machine.kernels.compiled import doubles, kernel
+
+Floats = NDArray[np.float64]
+
+_STATES = """
+void hysgen_play(size_t samples, size_t plays, const double *u, const double *half_width, double *state, double *out);
+void hysgen_lags(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out);
+void hysgen_modes(size_t samples, size_t modes, const double *u, const double *q, double *state, double *out);
+void hysgen_slew(size_t samples, const double *u, double rise, double fall, double start, double *out);
+"""
+_PREISACH = """
+void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state, size_t hats,
+                     const double *hat, size_t curve, size_t degree, double *out);
+void hysgen_duhem(size_t samples, const double *v, size_t states, const double *reach, double *out);
+void hysgen_rate_limit(size_t samples, const double *u, double step, double *out);
+"""
+_RESPONSE = """
+void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double creep, const double *decay,
+                    const double *intake, size_t branches, const double *share, const size_t *order,
+                    const double *numerator, const double *denominator, long delay, size_t row, double *out);
+"""
+MOST_STATES, MOST_BRANCHES, MOST_ORDER = 64, 8, 4
+
+
+def play_operators(u_V: Floats, half_width_V: Floats, initial_V: Floats) -> Floats:
+    """z_j(k) = max(u(k) - r_j, min(u(k) + r_j, z_j(k-1))) for every k and j.
+
+    u_V: (n,); half-widths r_j and initial_V, the z_j before the first sample: (m,). Returns (n, m) in V.
+    """
+    library = kernel("states.c", _STATES)
+    out = np.empty((u_V.size, half_width_V.size))
+    state = np.array(initial_V, dtype=np.float64)
+    library.lib.hysgen_play(
+        u_V.size,
+        half_width_V.size,
+        doubles(library, u_V),
+        doubles(library, half_width_V),
+        doubles(library, state),
+        doubles(library, out),
+    )
+    return out
+
+
+def lag_states(u_V: Floats, rates: Floats, start_V: Floats) -> Floats:
+    """First-order lags, s_j(k+1) = s_j(k) + a_j (u(k) - s_j(k)).
+
+    u_V: (n,); rates a_j, start_V s_j(0): (m,). Returns (n, m): row k holds s_j(k), before u(k) acts.
+    """
+    library = kernel("states.c", _STATES)
+    u, q, s = (np.ascontiguousarray(x, dtype=np.float64) for x in (u_V, rates, np.array(start_V)))
+    out = np.empty((u.size, q.size))
+    library.lib.hysgen_lags(u.size, q.size, *(doubles(library, x) for x in (u, q, s, out)))
+    return out
+
+
+def mode_states(u_V: Floats, steps: NDArray[np.complex128], start: Floats) -> Floats:
+    """Damped modes driven by u: c_j(k+1) = c_j(k) + q_j (u(k) - c_j(k)), c_j = position + i velocity.
+
+    u_V: (n,); steps q_j: (m,) complex; start: (2 m,) position and velocity of each mode at k = 0. Returns (n, 2 m) in
+    the same order: row k holds the state before u(k) acts.
+    """
+    library = kernel("states.c", _STATES)
+    pairs = np.ascontiguousarray(steps, dtype=np.complex128).view(np.float64)
+    u, c = np.ascontiguousarray(u_V, dtype=np.float64), np.array(start, dtype=np.float64)
+    out = np.empty((u.size, pairs.size))
+    library.lib.hysgen_modes(u.size, pairs.size // 2, *(doubles(library, x) for x in (u, pairs, c, out)))
+    return out
+
+
+def slew_limited(u_V: Floats, rise_V: float, fall_V: float, start_V: float) -> Floats:
+    """Slew-rate limiter, v(k) = max(v(k-1) - fall, min(v(k-1) + rise, u(k))).
+
+    u_V: (n,); rise_V, fall_V: largest steps up and down in one sample; start_V: v before the first sample.
+    """
+    library = kernel("states.c", _STATES)
+    u = np.ascontiguousarray(u_V, dtype=np.float64)
+    out = np.empty(u.size)
+    library.lib.hysgen_slew(u.size, doubles(library, u), rise_V, fall_V, start_V, doubles(library, out))
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class PreisachBasis:
+    """Functions that a Preisach operator is expanded in.
+
+    half_width: (m,) of the plays. hat: (m, b) weights of the plays in each of b hat functions of the half-width.
+    curve, degree: highest Chebyshev polynomial of the input and of the plays.
+    """
+
+    half_width: Floats
+    hat: Floats
+    curve: int
+    degree: int
+
+
+def preisach_columns(out: Floats, v: Floats, start: Floats, basis: PreisachBasis) -> None:
+    """Write the columns of a Preisach operator: T_1(v) .. T_curve(v), then for each power p and each hat b
+
+        sum_i hat_ib T_p(z_i),    z_i(k) = max(v(k) - r_i, min(v(k) + r_i, z_i(k-1)))
+
+    v: (n,); start: (m,) z_i before the first sample; out: (curve + degree * b, n), overwritten.
+    Raises ValueError for more than 64 plays, for degree * b above 64, or if `out` has another shape.
+    """
+    library = kernel("preisach.c", _PREISACH)
+    (plays, hats), curve, degree = basis.hat.shape, basis.curve, basis.degree
+    if plays > 64 or degree * hats > 64:
+        raise ValueError("at most 64 plays, and 64 hats times powers")
+    if out.shape != (curve + degree * hats, v.size):
+        raise ValueError("the result needs a row for each polynomial, and for each power of each hat")
+    library.lib.hysgen_preisach(
+        v.size,
+        doubles(library, np.ascontiguousarray(v)),
+        plays,
+        doubles(library, np.ascontiguousarray(basis.half_width)),
+        doubles(library, np.array(start, dtype=np.float64)),
+        hats,
+        doubles(library, np.ascontiguousarray(basis.hat)),
+        curve,
+        degree,
+        doubles(library, out),
+    )
+
+
+def duhem_columns(out: Floats, v: Floats, reach: Floats) -> None:
+    """Write d_j and d_j |d_j| of the Duhem states d_j' = (sign(v') - d_j) |v'| / reach_j, d_j(0) = 0.
+
+    v: (n,); reach: (m,); out: (2 m, n), overwritten, rows d_1, d_1 |d_1|, d_2, ...
+    Raises ValueError if `out` has another shape.
+    """
+    library = kernel("preisach.c", _PREISACH)
+    if out.shape != (2 * reach.size, v.size):
+        raise ValueError("the result needs two rows for each reach")
+    library.lib.hysgen_duhem(
+        v.size,
+        doubles(library, np.ascontiguousarray(v)),
+        reach.size,
+        doubles(library, np.ascontiguousarray(reach)),
+        doubles(library, out),
+    )
+
+
+def rate_limited(u_V: Floats, step_V: float) -> Floats:
+    """Slew-rate limiter from v(0) = u(0): v(k) = v(k-1) + clamp(u(k) - v(k-1), -step, step), u_V (n,).
+
+    Differs from `slew_limited` in rounding: v(k-1) + (u(k) - v(k-1)) need not equal u(k) in the last bit.
+    """
+    library = kernel("preisach.c", _PREISACH)
+    out = np.empty(u_V.size)
+    library.lib.hysgen_rate_limit(u_V.size, doubles(library, np.ascontiguousarray(u_V)), step_V, doubles(library, out))
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """A filter share * numerator/denominator in z^-1, order 1 to 4: (order + 1,) coefficients, denominator[0] = 1."""
+
+    share: float
+    numerator: Floats
+    denominator: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class LinearPart:
+    """Creep, then parallel filters F_j, then a delay.
+
+        c(k) = x(k) + creep sum_i s_i(k) / 2,    s_i(k+1) = (1 - decay_i) x(k) + decay_i s_i(k),    x = h - h(0)
+        y(k) = h(0) + sum_j F_j c(k - delay)
+
+    decay: (states,), exp(-Ts/tau_i). delay: in samples; with a negative delay the last value is held at the end.
+    Raises ValueError if a size is not supported.
+    """
+
+    creep: float
+    decay: Floats
+    branches: Sequence[Branch]
+    delay: int
+
+    def __post_init__(self) -> None:
+        if len(self.decay) > MOST_STATES or not 1 <= len(self.branches) <= MOST_BRANCHES:
+            raise ValueError(f"at most {MOST_STATES} slow states, and 1 to {MOST_BRANCHES} branches")
+        for branch in self.branches:
+            taps = len(branch.numerator)
+            if len(branch.denominator) != taps or not 2 <= taps <= MOST_ORDER + 1 or branch.denominator[0] != 1.0:
+                raise ValueError(
+                    "numerator and denominator need the same length, 2 to 5, and a leading 1 in the denominator"
+                )
+
+
+def linear_response(h: Floats, linear: LinearPart, out: Floats, first: int = 0) -> None:
+    """Write the response of `linear` to each row of h, (m, n), to out[:, first : first + n], (m, >= first + n).
+
+    Before the record the input rested at h(0). Raises ValueError if `out` has the wrong shape.
+    """
+    branches = linear.branches
+    orders = np.array([len(branch.numerator) - 1 for branch in branches], dtype=np.uintp)
+    columns, samples = h.shape
+    if out.ndim != 2 or len(out) != columns or not 0 <= first <= out.shape[1] - samples:
+        raise ValueError("the result needs a row for each row of h, and room for its samples")
+    coefficients = np.zeros((2, len(branches), MOST_ORDER + 1))
+    for j, branch in enumerate(branches):
+        coefficients[0, j, : orders[j] + 1] = branch.numerator
+        coefficients[1, j, : orders[j] + 1] = branch.denominator
+    library = kernel("response.c", _RESPONSE)
+    library.lib.hysgen_respond(
+        columns,
+        samples,
+        doubles(library, np.ascontiguousarray(h)),
+        len(linear.decay),
+        linear.creep,
+        doubles(library, np.ascontiguousarray(linear.decay)),
+        doubles(library, 1.0 - linear.decay),
+        len(branches),
+        doubles(library, np.array([branch.share for branch in branches])),
+        library.ffi.from_buffer("size_t *", orders),
+        doubles(library, coefficients[0]),
+        doubles(library, coefficients[1]),
+        linear.delay,
+        out.shape[1],
+        doubles(library, out) + first,
+    )
