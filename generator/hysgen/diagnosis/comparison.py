@@ -62,6 +62,7 @@ def remaining(fit: Fit, rival: Fit, checked: Rows) -> float:
     """What `fit` leaves beyond the white noise, as a share of what `rival` leaves beyond it, on the rows `checked`.
 
     A cause smaller than the noise is still there in many samples at once. Below SHARP of the noise nothing is known.
+    checked: not thinned out, for the white noise is told from neighbours.
     """
     noise_um = innovation(fit.error[checked])
     least = (SHARP * noise_um) ** 2

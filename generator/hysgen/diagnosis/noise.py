@@ -22,6 +22,13 @@ SETTLING = 12.0
 """Lags at the beginning of a plateau that are left to the dynamics to die out."""
 
 
+MANY = 8000
+"""Second differences up to which their median tells the noise: the thresholds of the search were found with it."""
+
+KEPT, KEPT_POWER = 0.9, 0.62302
+"""Share of many second differences that is not taken for jumps, and the mean square of these in Gaussian noise of 1."""
+
+
 @dataclass(frozen=True)
 class NoiseFloor:
     """rms_um, and where it comes from: "repeated periods", "plateaus" or "innovation"; samples it rests on."""
@@ -62,11 +69,16 @@ def innovation(left_um: Floats) -> float:
 
         1.4826 median |e(k+1) - 2 e(k) + e(k-1)| / sqrt(6)
 
-    What is smooth vanishes; samples that are NaN do not count.
+    What is smooth vanishes; samples that are NaN do not count. left_um: samples in a row. Thinned out, they would show
+    smooth misfit as noise. Of more than MANY differences the rms of the smaller KEPT is taken in place of the median:
+    with a sensor that resolves no more than its noise, the median can only be one of a few steps.
     """
     second = left_um[2:] - 2.0 * left_um[1:-1] + left_um[:-2]
     second = second[np.isfinite(second)]
-    return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0))
+    if len(second) <= MANY:
+        return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0))
+    small = np.sort(np.abs(second))[: int(KEPT * len(second))]
+    return float(np.sqrt(np.mean(small * small) / (KEPT_POWER * 6.0)))
 
 
 def plateaus(u_V: Floats, shortest: int = SHORTEST_PLATEAU) -> list[tuple[int, int]]:

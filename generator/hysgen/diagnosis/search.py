@@ -68,8 +68,7 @@ class Found:
 def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
     """The chain that explains the scene with nothing that it does not need."""
     scene, corrupted = _without_spikes(scene, _start(scene))
-    fitted_rows, checked = _halves(scene)
-    part = scene.using(fitted_rows)
+    part, checked = _halves(scene)
     fit = _start(part)
     for _ in range(MOST_STEPS):
         step = forward_step(part, fit, checked)
@@ -78,21 +77,19 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
         fit = step
         usable, corrupted = _without_spikes(scene, fit)
-        fitted_rows, checked = _halves(usable)
-        part = scene.using(fitted_rows)
+        part, checked = _halves(usable)
     fit = eliminate_backward(part, swap_similar_causes(part, fit, checked), checked)
     fit = eliminate_backward(part, swap_slow_causes(part, fit, checked), checked)
     fit = drop_unsupported_parts(part, restart(part, fit, checked), checked)
     usable, corrupted = _without_spikes(scene, fit)
-    fitted_rows, checked = _halves(usable)
-    part = scene.using(fitted_rows)
+    part, checked = _halves(usable)
     chain = likeliest_slow_causes(usable, fit)
     fit = fit if chain == fit.chain else refine(part, chain)
     names = present(fit.chain)
     rivals = dict(zip(names, refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
     needs = {name: 1.0 / remaining(fit, rivals[name], checked) for name in names}
     needs |= _slow_needs(part, fit, rivals, checked)
-    final = refine(usable.using(_thinned(usable.rows)), fit.chain)
+    final = refine(_thinned(usable), fit.chain)
     for name in compare_likelihood(usable, final, rivals):
         needs[name] = max(needs[name], causes()[name].needed)
     return Found(usable, final, rivals, needs, corrupted)
@@ -118,8 +115,7 @@ def without(found: Found, names: Sequence[str]) -> Fit:
     """The fit to all usable rows without some of its causes, the others refined again."""
     if not names:
         return found.fit
-    scene = found.scene
-    return refine(scene.using(_thinned(scene.rows)), chain_without(found.fit.chain, names), rounds=8)
+    return refine(_thinned(found.scene), chain_without(found.fit.chain, names), rounds=8)
 
 
 def present(chain: Chain) -> list[str]:
@@ -147,7 +143,7 @@ def forward_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     best = min(steps, key=lambda trial: ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
     helped = ratio(best, fit, checked) < HELPS_BELOW and remaining(best, fit, checked) < STEP_BELOW
     # Fitted rows that show nothing but noise have no say: there the fit has bent itself around what is missing.
-    silent = fit.rms_um < (1.0 + SHARP**2) * innovation(fit.error[part.rows])
+    silent = fit.rms_um < (1.0 + SHARP**2) * innovation(fit.error[part.dense])
     return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None
 
 
@@ -215,17 +211,24 @@ def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
 
 
-def _halves(scene: Scene) -> tuple[Rows, Rows]:
-    """Rows to fit and rows to check, in alternating blocks, two to one; thinned out if there are very many."""
+def _halves(scene: Scene) -> tuple[Scene, Rows]:
+    """The scene on the rows to fit, and the rows to check, in alternating blocks, two to one.
+
+    Rows to fit are thinned out if there are very many. Rows to check are not: they cost next to nothing, and the white
+    noise is told from neighbours alone.
+    """
     rows = scene.rows
     block = np.arange(len(rows)) * BLOCKS // len(rows)
-    return _thinned(rows[block % 3 != 1]), _thinned(rows[block % 3 == 1])
+    return _thinned(scene.using(rows[block % 3 != 1])), rows[block % 3 == 1]
 
 
-def _thinned(rows: Rows) -> Rows:
+def _thinned(scene: Scene) -> Scene:
+    """The scene on MOST_ROWS of its rows at most; it keeps all of them as `dense`."""
+    rows = scene.rows
     if len(rows) <= MOST_ROWS:
-        return rows
+        return scene
     # An even stride would alias with a periodic input; a jittered one does not.
     rng = np.random.default_rng(0)
     edges = np.linspace(0, len(rows), MOST_ROWS + 1).astype(int)
-    return np.asarray(rows[edges[:-1] + (rng.random(MOST_ROWS) * np.diff(edges)).astype(int)])
+    chosen = rows[edges[:-1] + (rng.random(MOST_ROWS) * np.diff(edges)).astype(int)]
+    return scene.using(np.asarray(chosen), rows)

@@ -148,7 +148,8 @@ def _standing(residual: Residual, line_Hz: float, sine: float, cosine: float) ->
     line = sine * np.sin(2 * np.pi * line_Hz * time_s) + cosine * np.cos(2 * np.pi * line_Hz * time_s)
     error = residual.fit.error[rows]
     around = []
-    width = 1.0 / (scene.Ts_s * len(rows))
+    # The resolution of the record, however few of its rows are looked at.
+    width = 1.0 / (scene.Ts_s * len(scene.dense))
     for step in (3, 4, 5, 6, 7, 8):
         for sign in (-1, 1):
             near = np.exp(-2j * np.pi * (line_Hz + sign * step * width) * time_s)

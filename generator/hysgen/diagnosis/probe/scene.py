@@ -45,6 +45,7 @@ class Scene:
     """Runs at one sampling period; rows of the joined runs used to fit (`rows`), and how hysteresis is expanded.
 
     lost: samples at which the sensor was at its end; none of them is among the rows.
+    thinned_from: the rows before they were thinned out, if they were (`dense`).
     known_ranges: lowest and highest value of auxiliary channels over all that will be simulated; a channel that it does
     not hold has the range of its runs.
     The columns of the last few settings of the amplifier, and of the last few sets of disturbances, are kept.
@@ -56,6 +57,7 @@ class Scene:
     operator: Operator
     known_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    thinned_from: Rows | None = None
     _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(3), repr=False)
     _disturbances: LruCache[Floats] = field(default_factory=lambda: LruCache(6), repr=False)
 
@@ -80,9 +82,14 @@ class Scene:
         """Length of the longest run in s."""
         return max(len(run.u_V) for run in self.runs) * self.Ts_s
 
-    def using(self, rows: Rows) -> Scene:
-        """The same runs, other rows; what was kept stays."""
-        return dataclasses.replace(self, rows=rows)
+    def using(self, rows: Rows, thinned_from: Rows | None = None) -> Scene:
+        """The same runs, other rows; what was kept stays. thinned_from: more rows, of which these are some."""
+        return dataclasses.replace(self, rows=rows, thinned_from=thinned_from)
+
+    @property
+    def dense(self) -> Rows:
+        """The rows before they were thinned out: neighbours in time but where a block ends or a sample is not used."""
+        return self.rows if self.thinned_from is None else self.thinned_from
 
     def _path(self, run: Run, chain: Chain) -> Floats:
         """(size, n) columns of h, averaged over each sampling period.
