@@ -3,20 +3,110 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from test_diagnose_signatures import LAG, LINEAR
+from test_diagnose_answer import QUICK, record_of
+from test_diagnose_signatures import DRIFTING, LAG, LINEAR, scene
 
-from hysgen.diagnose import search, trials
-from hysgen.diagnose.evidence import periodic
+from hysgen.bank.scenario import scenario
+from hysgen.cli import main
+from hysgen.diagnose import Diagnosis, diagnose, procedure, search, trials
+from hysgen.diagnose.evidence import Estimate, Signature, periodic
+from hysgen.diagnose.misfit import spectrum
 from hysgen.diagnose.noise import innovation
-from hysgen.diagnose.probe import Fit, Run, Scene
+from hysgen.diagnose.probe import Chain, Fit, Run, Scene, refine
+from hysgen.record import Record
 
 NOISE_NM = 0.5
+
+
+@pytest.fixture(scope="module")
+def spiked() -> Record:
+    """A stage with memory whose sensor gives a corrupted sample now and then."""
+    return record_of(scenario("outliers", 4))
+
+
+@pytest.fixture(scope="module")
+def found(spiked: Record) -> Diagnosis:
+    return diagnose(spiked, settings=QUICK)
+
+
+def test_command_line_writes_json_of_a_record_with_corrupted_samples(spiked: Record, tmp_path: Path) -> None:
+    """A cause that the probe has no part for has no growth of the probe's error: null, not infinity."""
+    segment = spiked.segments[0]
+    columns = (spiked.Ts_s * np.arange(spiked.samples), segment.u_V, segment.y_um)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    record, told = tmp_path / "spiked.csv", tmp_path / "told.json"
+    lines = ["time_s,voltage_V,displacement_um", *(f"{t:.9g},{u!r},{y!r}" for t, u, y in rows)]
+    record.write_text("\n".join(lines) + "\n")
+    assert main(["diagnose", str(record), "--rules", "2", "--json", str(told)]) == 0
+    outliers, memory = json.loads(told.read_text())["causes"]
+    assert (outliers["name"], memory["name"]) == ("outliers", "memory")
+    assert outliers["probe_gain"] is None
+    assert outliers["confidence"] is None
+    assert outliers["gain"]["alone"] is None
+    assert memory["probe_gain"] > 10.0
+    assert memory["confidence"] == 1.0
+    assert memory["gain"]["alone"]["fall_um"] > 0.0
+
+
+def test_confidence_is_the_share_of_draws_and_nothing_else(found: Diagnosis) -> None:
+    outliers, memory = found.causes
+    assert memory.alone is not None
+    assert memory.to_json()["confidence"] == memory.alone.sure
+    assert outliers.to_json()["confidence"] is None
+
+
+def test_what_is_not_finite_is_null(found: Diagnosis) -> None:
+    unknown = {"per_s": Estimate(1.0, math.inf), "from_s": Estimate(2.0, math.nan)}
+    lost = dataclasses.replace(found.causes[1], parameters=unknown, statistic=math.inf)
+    told = json.loads(json.dumps(lost.to_json(), allow_nan=False))
+    assert told["standard_errors"] == {"per_s": None, "from_s": None}
+    assert told["statistic"] is None
+    whole = dataclasses.replace(found, causes=(lost,), probe_rms_um=math.nan)
+    assert json.loads(json.dumps(whole.to_json(), allow_nan=False))["probe_rms_um"] is None
+
+
+def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_apart(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen = scene(LAG, 2e-3 * np.linspace(0.0, 1.0, 4000))
+    same = {"_best_step": None, "_slow_needs": {}, "remaining": 1.0 / 1.05, "told_apart": ["drift"]}
+    for name, answer in same.items():
+        monkeypatch.setattr(search, name, lambda *_, answer=answer: answer)
+    for name in ("exchanged", "resigned", "_pruned", "_restarted", "_sounded"):
+        monkeypatch.setattr(search, name, lambda part, fit, checked: fit)
+    monkeypatch.setattr(search, "likelier", lambda part, fit: fit.chain)
+    monkeypatch.setattr(search, "_start", lambda part: refine(part, DRIFTING))
+    ended = search.search(seen)
+    assert ended.needs == {"drift": pytest.approx(1.05, rel=1e-12)}
+    assert ended.told_apart == ("drift",)
+
+
+@pytest.mark.parametrize(
+    ("chain", "apart", "why"),
+    [
+        (DRIFTING, ("drift",), None),
+        (DRIFTING, (), "the error grows only 1.05 times without it"),
+        # A drift that slows down has to be needed 3 times: the likelihood vouches for no more than a ramp needs.
+        (dataclasses.replace(DRIFTING, since_s=1.0), ("drift",), "the error grows only 1.05 times without it"),
+    ],
+)
+def test_a_cause_that_the_likelihood_tells_apart_is_needed_whatever_its_growth(
+    monkeypatch: pytest.MonkeyPatch, chain: Chain, apart: tuple[str, ...], why: str | None
+) -> None:
+    monkeypatch.setattr(procedure, "_gaining", lambda *given: (list(given[3]), {}, []))
+    seen: Any = SimpleNamespace(needs={"drift": 1.05}, told_apart=apart, fit=SimpleNamespace(chain=chain))
+    signatures = {"drift": Signature(True, 9.0, "drifts")}
+    named, _, refused = procedure._agreement(None, seen, signatures, {}, QUICK)  # type: ignore[arg-type]
+    assert named == ([] if why else ["drift"])
+    assert {one.name: one.why for one in refused} == ({"drift": why} if why else {})
 
 
 class Heard(Exception):  # noqa: N818  it ends a search
@@ -74,6 +164,10 @@ def test_a_line_is_held_against_its_neighbours_however_long_the_record() -> None
     assert len(look.scene.rows) == search.MOST_ROWS
     thinned, _ = periodic._standing(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
     assert thinned == pytest.approx(dense, rel=0.1)
+
+
+def test_spectrum_of_two_samples_is_finite() -> None:
+    assert np.isfinite(spectrum(np.array([1.0, -1.0]), 1e-3).rms_um).all()
 
 
 def test_noise_of_a_sensor_that_resolves_no_more_than_its_noise() -> None:

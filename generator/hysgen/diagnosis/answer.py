@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.bootstrap import Gain
-from hysgen.diagnosis.causes import Estimate, Signature
+from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.noise import NoiseFloor
 from hysgen.model.model import Model
 
@@ -30,41 +30,62 @@ class Price:
 class NamedCause:
     """A cause that evidence and gain agree on.
 
-    evidence: in words, with its statistic. confidence: 0 to 1, from the statistic and from how often blocks of the
-    identification part agree. step: rms on the ladder before and after its extension, held-out.
-    alone: what leaving it out of the complete model costs, on blocks of the identification part left out of the fit.
+    evidence: in words. statistic: what the evidence comes to, in standard errors or their equivalent (`Signature.z`).
+    step: rms on the ladder before and after its extension, held-out.
+    alone: what leaving it out of the complete model costs, on blocks of the identification part left out of the fit;
+    None for corrupted samples, for the error on these means nothing.
+    probe_gain: how many times the probe's error beyond the white noise, on unfitted blocks, grows without it, as
+    measured (`Found.needs`); None for corrupted samples, for the probe has no part for them.
+    told_apart: whether it is one of several slow causes and Schwarz's criterion finds the probe's chain far likelier
+    with it: that counts like a probe_gain of `Cause.needed`, which it may have less of.
+    share: part of the base error's power above the noise floor that its extension takes away; 0 if none is above.
     extended: whether its extension stands in the model: not if it does not pay there, with the certificates kept.
-    probe_gain: by how much the probe's error on unfitted blocks grows without it.
     """
 
     name: str
     parameters: Mapping[str, Estimate]
     evidence: str
-    confidence: float
+    statistic: float
     step: Gain
-    alone: Gain
-    probe_gain: float
+    alone: Gain | None
+    probe_gain: float | None
+    told_apart: bool
     share: float
     price: Price | None = None
     extended: bool = True
 
+    @property
+    def confidence(self) -> float | None:
+        """Share of bootstrap draws, on blocks left out of the fit, in which its extension lowers the error by over 2 %.
+
+        In the mean over blocks or in the rms (`bootstrap.certainty`). It says how sure the gain is, nothing about the
+        evidence. None where no such gain is measured: for corrupted samples.
+        """
+        return None if self.alone is None else self.alone.sure
+
     def to_json(self) -> dict[str, Any]:
-        """As in DESIGN.md, section 8, and more."""
+        """As in DESIGN.md, section 8, and more; null where a quantity does not exist or is not finite.
+
+        So for corrupted samples `confidence`, `gain.alone` and `probe_gain` are null.
+        """
+        alone = self.alone
         return {
             "name": self.name,
             "parameters": {key: estimate.value for key, estimate in self.parameters.items()},
             "standard_errors": {key: _finite(estimate.standard_error) for key, estimate in self.parameters.items()},
             "evidence": self.evidence,
+            "statistic": _finite(self.statistic),
             "confidence": self.confidence,
             "gain": {
                 "free_run_rms_before": self.step.before_um,
                 "free_run_rms_after": self.step.after_um,
                 "ci95": [self.step.low_um, self.step.high_um],
-                "alone": {"fall_um": self.alone.fall_um, "ci95": [self.alone.low_um, self.alone.high_um]},
+                "alone": None if alone is None else {"fall_um": alone.fall_um, "ci95": [alone.low_um, alone.high_um]},
             },
             "share": self.share,
             "extended": self.extended,
             "probe_gain": self.probe_gain,
+            "told_apart": self.told_apart,
             "cost": None if self.price is None else {"cycles": self.price.cycles, "bytes": self.price.bytes},
         }
 
@@ -84,7 +105,7 @@ class Diagnosis:
     causes: in the order found. unknown: what the structure that is left looks like, or None.
     base, model: the paper's model and the extended one. errors_um: free-run error of each rung over the whole record.
     base_rms_um, extended_rms_um: free run, held out. persistence_um: of y(k+1) = y(k), held out.
-    unexplained_fraction: part of the base error's power above the noise floor that is left.
+    unexplained_fraction: part of the base error's power above the noise floor that is left; 0 if none is above.
     next_experiment: how to drive the stage to learn what this record cannot tell.
     """
 
@@ -118,7 +139,7 @@ class Diagnosis:
         return tuple(name for name in ("gain", "contraction", "inverse") if name in told and not told[name]["holds"])
 
     def to_json(self) -> dict[str, Any]:
-        """As in DESIGN.md, section 8, and more."""
+        """As in DESIGN.md, section 8, and more; null where a quantity does not exist."""
         causes = [cause.to_json() for cause in self.causes]
         if self.unknown:
             causes.append({"name": "unknown", "parameters": {}, "evidence": self.unknown})
@@ -135,7 +156,7 @@ class Diagnosis:
             "unexplained_fraction": self.unexplained_fraction,
             "next_experiment": self.next_experiment,
             "not_named": [{"name": refused.name, "why": refused.why} for refused in self.refused],
-            "probe_rms_um": self.probe_rms_um,
+            "probe_rms_um": _finite(self.probe_rms_um),
             "missing_certificates": list(self.missing_certificates),
         }
 
@@ -166,11 +187,6 @@ class Diagnosis:
         if self.next_experiment:
             lines.append(f"next experiment: {self.next_experiment}")
         return "\n".join(lines)
-
-
-def confidence(signature: Signature, alone: Gain) -> float:
-    """Between 0 and 1: how sure evidence (a Gaussian statistic) and gain (a share of draws) are together."""
-    return round(min(0.999, 0.5 * math.erfc(-signature.z / math.sqrt(2.0)) * alone.sure), 3)
 
 
 def _finite(value: float) -> float | None:

@@ -171,7 +171,7 @@ def spread(profile: Profile) -> str:
 def spectrum(error_um: Floats, Ts_s: float, bands: int = 60) -> Spectrum:
     """Rms of the error in bands of equal width in log f; their squares add up to its variance (Hann window)."""
     n = len(error_um)
-    window = np.hanning(n)
+    window = np.hanning(n) if n > 2 else np.ones(n)  # of two samples Hann's window leaves nothing
     power = np.abs(np.fft.rfft((error_um - error_um.mean()) * window)) ** 2 * 2.0 / (n * float(window @ window))
     f_Hz = np.fft.rfftfreq(n, Ts_s)
     edges = np.geomspace(f_Hz[1], f_Hz[-1] * 1.0001, bands + 1)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.advice import experiment_for, remainder
-from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused, confidence
+from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.bootstrap import Gain, certainty, gain
 from hysgen.diagnosis.causes import Residual, Signature, causes
 from hysgen.diagnosis.causes.outliers import outliers_signature
@@ -210,7 +210,7 @@ def _agreement(
     for name in in_order(list(signatures)):
         if not signatures[name].holds:
             refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
-        elif name in causes() and found.needs[name] < causes()[name].needed_in(found.fit.chain):
+        elif name in causes() and not _needed(found, name):
             refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
         else:
             candidates.append(name)
@@ -227,6 +227,16 @@ def _agreement(
         idle = [name for name in idle if name in left]
     refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
     return agreed, alone, refused
+
+
+def _needed(found: Found, name: str) -> bool:
+    """Whether the probe needs a cause of its chain: its error grows enough without it, or Schwarz's criterion says so.
+
+    Schwarz's criterion stands for the growth that the plain form of the cause needs and for no more.
+    """
+    cause = causes()[name]
+    least = cause.needed_in(found.fit.chain)
+    return found.needs[name] >= least or (name in found.told_apart and cause.needed >= least)
 
 
 def _gaining(
@@ -283,7 +293,7 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
     held = prepared.held_rows
     clean = held[~isolated(rungs[-1].error_um)[held]] if "outliers" in made else held
     levels = [rms(rung.error_um[clean if "outliers" in rung.causes else held]) for rung in rungs]
-    above = max(levels[0] ** 2 - noise.rms_um**2, 1e-300)
+    above = levels[0] ** 2 - noise.rms_um**2
     span_s = naming.found.scene.span_s
     running = [
         add_online_parts(rung.model, [naming.extensions[name] for name in rung.causes], span_s, noise.rms_um)
@@ -297,17 +307,17 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
         j = i + (name in made)
         step = gain(rungs[i].error_um[clean], rungs[j].error_um[clean])
         step = dataclasses.replace(step, before_um=levels[i], after_um=levels[j])
-        worth = naming.alone.get(name, step)
         named.append(
             NamedCause(
                 name=name,
                 parameters=naming.signatures[name].parameters,
                 evidence=naming.signatures[name].text,
-                confidence=confidence(naming.signatures[name], worth),
+                statistic=naming.signatures[name].z,
                 step=step,
-                alone=worth,
-                probe_gain=float(naming.found.needs.get(name, np.inf)),
-                share=(levels[i] ** 2 - levels[j] ** 2) / above,
+                alone=naming.alone.get(name),
+                probe_gain=naming.found.needs.get(name),
+                told_apart=name in naming.found.told_apart,
+                share=(levels[i] ** 2 - levels[j] ** 2) / above if above > 0.0 else 0.0,
                 price=_difference(prices[i], prices[j]) if name in made else None,
                 extended=name in made,
             )
@@ -323,7 +333,7 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
         extended_rms_um=levels[-1],
         noise=noise,
         persistence_um=rms(steps[held]),
-        unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above,
+        unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above if above > 0.0 else 0.0,
         next_experiment=naming.next_experiment,
         errors_um=tuple((" + ".join(rung.causes) or "paper model", rung.error_um) for rung in rungs),
         held_rows=held,

@@ -54,8 +54,10 @@ MOST_ROWS = 8000
 class Found:
     """The chain that the search ended with, its rivals without each cause, and which samples count as corrupted.
 
-    fit: on all usable rows of the identification part. needs: how many times the error on blocks left out of the fit
-    grows without a cause, or what it needs at least where slow causes are told apart by their likelihood.
+    fit: on all usable rows of the identification part. needs: how many times the error beyond the white noise, on
+    blocks left out of the fit, grows without a cause: always as measured (`trials.remaining`). told_apart: those of
+    several slow causes with which Schwarz's criterion finds the chain far likelier: that counts like a growth of
+    `Cause.needed`, where less was measured.
     """
 
     scene: Scene
@@ -63,6 +65,7 @@ class Found:
     rivals: dict[str, Fit]
     needs: dict[str, float]
     corrupted: NDArray[np.bool_]
+    told_apart: tuple[str, ...] = ()
 
 
 def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
@@ -90,9 +93,7 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
     needs = {name: 1.0 / remaining(fit, rivals[name], checked) for name in names}
     needs |= _slow_needs(part, fit, rivals, checked)
     final = refine(_thinned(usable), fit.chain)
-    for name in compare_likelihood(usable, final, rivals):
-        needs[name] = max(needs[name], causes()[name].needed)
-    return Found(usable, final, rivals, needs, corrupted)
+    return Found(usable, final, rivals, needs, corrupted, tuple(compare_likelihood(usable, final, rivals)))
 
 
 def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:

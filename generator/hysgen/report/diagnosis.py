@@ -13,7 +13,15 @@ from hysgen.report.page import KeyFigure, Page, Section, Table
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.picture import Picture
 from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
-from hysgen.report.words import ladder_header, ladder_rows, parameter_text, price_of_all, verdict
+from hysgen.report.words import (
+    CONFIDENCE,
+    confidence_text,
+    ladder_header,
+    ladder_rows,
+    parameter_text,
+    price_of_all,
+    verdict,
+)
 
 SAMPLES = 100_000
 """Samples of each build over which the report compares the generated C."""
@@ -110,7 +118,7 @@ def _causes(study: Study) -> Section:
         [
             cause.name,
             f"{100 * cause.share:.1f} %" if cause.extended else "not extended",
-            f"{cause.confidence:.3f}",
+            confidence_text(cause),
             cause.evidence,
             parameter_text(study, cause.name),
         ]
@@ -130,6 +138,7 @@ def _causes(study: Study) -> Section:
         notes=[
             *(["Not extended: its extension does not pay with the certificates kept."] if left_out else []),
             "A cause is named only if a signature of its own and the gain on data left out of the fit agree.",
+            *([f"{CONFIDENCE[0].upper()}{CONFIDENCE[1:]}."] if rows else []),
             *([f"Next experiment: {found.next_experiment}."] if found.next_experiment else []),
         ],
     )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.study import Study
-from hysgen.display import table
-from hysgen.report.words import ladder_header, ladder_rows, parameter_text, verdict, where_rows
+from hysgen.display_table_TMP import table
+from hysgen.report.words import CONFIDENCE, ladder_header, ladder_rows, parameter_text, verdict, where_rows
 
 
 def diagnosis_text(study: Study) -> str:
@@ -15,7 +15,8 @@ def diagnosis_text(study: Study) -> str:
         f"{record.source}: {study.cut} rows to identify; scores are of the {record.samples - study.cut} held out",
         "\n".join(verdict(study)),
         table(ladder_header(), ladder_rows(study)) + f"\nnoise floor from {found.noise.source}"
-        "; gain: fall of the rms, block bootstrap; of the error: share of its power above the noise",
+        "; gain: fall of the rms, block bootstrap; of the error: share of its power above the noise"
+        + (f"\n{CONFIDENCE}" if study.extended else ""),
     ]
     evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in found.causes]
     evidence += [f"not named: {refused.name}: {refused.why}" for refused in found.refused]
