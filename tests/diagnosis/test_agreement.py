@@ -29,7 +29,7 @@ AGED_UM = 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)
 
 def found(chain: Any = LAG, **needs: float) -> Any:
     return SimpleNamespace(
-        needs=needs, told_apart=(), fit=SimpleNamespace(chain=chain), corrupted=np.zeros(0, dtype=bool)
+        needs=needs, separated_by_likelihood=(), fit=SimpleNamespace(chain=chain), corrupted=np.zeros(0, dtype=bool)
     )
 
 

@@ -36,8 +36,8 @@ class NamedCause:
     None for corrupted samples, for the error on these means nothing.
     probe_gain: how many times the probe's error beyond the white noise, on unfitted blocks, grows without it, as
     measured (`Found.needs`); None for corrupted samples, for the probe has no part for them.
-    told_apart: whether it is one of several slow causes and Schwarz's criterion finds the probe's chain far likelier
-    with it: that counts like a probe_gain of `Cause.needed`, which it may have less of.
+    separated_by_likelihood: whether the cause is one of several slow causes and Schwarz's criterion finds the probe's
+    chain far likelier with it. The cause is then named even if its probe_gain is below `Cause.needed`.
     share: part of the base error's power above the noise floor that its extension takes away; 0 if none is above.
     extended: whether its extension stands in the model: not if it does not pay there, with the certificates kept.
     """
@@ -49,7 +49,7 @@ class NamedCause:
     step: Gain
     alone: Gain | None
     probe_gain: float | None
-    told_apart: bool
+    separated_by_likelihood: bool
     share: float
     price: Price | None = None
     extended: bool = True
@@ -85,7 +85,7 @@ class NamedCause:
             "share": self.share,
             "extended": self.extended,
             "probe_gain": self.probe_gain,
-            "told_apart": self.told_apart,
+            "separated_by_likelihood": self.separated_by_likelihood,
             "cost": None if self.price is None else {"cycles": self.price.cycles, "bytes": self.price.bytes},
         }
 

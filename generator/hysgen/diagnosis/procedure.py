@@ -236,7 +236,7 @@ def _needed(found: Found, name: str) -> bool:
     """
     cause = causes()[name]
     least = cause.needed_in(found.fit.chain)
-    return found.needs[name] >= least or (name in found.told_apart and cause.needed >= least)
+    return found.needs[name] >= least or (name in found.separated_by_likelihood and cause.needed >= least)
 
 
 def _gaining(
@@ -316,7 +316,7 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
                 step=step,
                 alone=naming.alone.get(name),
                 probe_gain=naming.found.needs.get(name),
-                told_apart=name in naming.found.told_apart,
+                separated_by_likelihood=name in naming.found.separated_by_likelihood,
                 share=(levels[i] ** 2 - levels[j] ** 2) / above if above > 0.0 else 0.0,
                 price=_difference(prices[i], prices[j]) if name in made else None,
                 extended=name in made,

@@ -55,9 +55,9 @@ class Found:
     """The chain that the search ended with, its rivals without each cause, and which samples count as corrupted.
 
     fit: on all usable rows of the identification part. needs: how many times the error beyond the white noise, on
-    blocks left out of the fit, grows without a cause: always as measured (`trials.remaining`). told_apart: those of
-    several slow causes with which Schwarz's criterion finds the chain far likelier: that counts like a growth of
-    `Cause.needed`, where less was measured.
+    blocks left out of the fit, grows without a cause: always as measured (`comparison.remaining`). separated_by_likelihood:
+    those of several slow causes with which Schwarz's criterion finds the chain far likelier. Such a cause may be named
+    although the error grows less than `Cause.needed` without it.
     """
 
     scene: Scene
@@ -65,7 +65,7 @@ class Found:
     rivals: dict[str, Fit]
     needs: dict[str, float]
     corrupted: NDArray[np.bool_]
-    told_apart: tuple[str, ...] = ()
+    separated_by_likelihood: tuple[str, ...] = ()
 
 
 def search(scene: Scene, progress: Progress = lambda line: None) -> Found:

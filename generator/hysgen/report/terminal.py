@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.study import Study
-from hysgen.display_table_TMP import table
+from hysgen.display import table
 from hysgen.report.words import CONFIDENCE, ladder_header, ladder_rows, parameter_text, verdict, where_rows
 
 

@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_diagnose_answer import QUICK, record_of
-from test_diagnose_signatures import DRIFTING, LAG, LINEAR, scene
 
-from hysgen.bank.scenario import scenario
+from diagnosis.test_answer import QUICK, record_of
+from diagnosis.test_signatures import DRIFTING, LAG, LINEAR, scene
 from hysgen.cli import main
-from hysgen.diagnose import Diagnosis, diagnose, procedure, search, trials
-from hysgen.diagnose.evidence import Estimate, Signature, periodic
-from hysgen.diagnose.misfit import spectrum
-from hysgen.diagnose.noise import innovation
-from hysgen.diagnose.probe import Chain, Fit, Run, Scene, refine
+from hysgen.diagnosis import Diagnosis, diagnose, procedure, search
+from hysgen.diagnosis.causes import Estimate, Signature, periodic
+from hysgen.diagnosis.error_map import spectrum
+from hysgen.diagnosis.noise import innovation
+from hysgen.diagnosis.probe import Chain, Fit, Run, Scene, refine
 from hysgen.record import Record
+from hysgen.studies.bank.scenario import scenario
 
 NOISE_NM = 0.5
 
@@ -77,16 +77,16 @@ def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_ap
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     seen = scene(LAG, 2e-3 * np.linspace(0.0, 1.0, 4000))
-    same = {"_best_step": None, "_slow_needs": {}, "remaining": 1.0 / 1.05, "told_apart": ["drift"]}
+    same = {"forward_step": None, "_slow_needs": {}, "remaining": 1.0 / 1.05, "compare_likelihood": ["drift"]}
     for name, answer in same.items():
         monkeypatch.setattr(search, name, lambda *_, answer=answer: answer)
-    for name in ("exchanged", "resigned", "_pruned", "_restarted", "_sounded"):
+    for name in ("swap_similar_causes", "swap_slow_causes", "eliminate_backward", "restart", "drop_unsupported_parts"):
         monkeypatch.setattr(search, name, lambda part, fit, checked: fit)
-    monkeypatch.setattr(search, "likelier", lambda part, fit: fit.chain)
+    monkeypatch.setattr(search, "likeliest_slow_causes", lambda part, fit: fit.chain)
     monkeypatch.setattr(search, "_start", lambda part: refine(part, DRIFTING))
     ended = search.search(seen)
     assert ended.needs == {"drift": pytest.approx(1.05, rel=1e-12)}
-    assert ended.told_apart == ("drift",)
+    assert ended.separated_by_likelihood == ("drift",)
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_a_cause_that_the_likelihood_tells_apart_is_needed_whatever_its_growth(
     monkeypatch: pytest.MonkeyPatch, chain: Chain, apart: tuple[str, ...], why: str | None
 ) -> None:
     monkeypatch.setattr(procedure, "_gaining", lambda *given: (list(given[3]), {}, []))
-    seen: Any = SimpleNamespace(needs={"drift": 1.05}, told_apart=apart, fit=SimpleNamespace(chain=chain))
+    seen: Any = SimpleNamespace(needs={"drift": 1.05}, separated_by_likelihood=apart, fit=SimpleNamespace(chain=chain))
     signatures = {"drift": Signature(True, 9.0, "drifts")}
     named, _, refused = procedure._agreement(None, seen, signatures, {}, QUICK)  # type: ignore[arg-type]
     assert named == ([] if why else ["drift"])
