@@ -109,10 +109,6 @@ def test_a_cause_that_the_likelihood_tells_apart_is_needed_whatever_its_growth(
     assert {one.name: one.why for one in refused} == ({"drift": why} if why else {})
 
 
-class Heard(Exception):  # noqa: N818  it ends a search
-    """The noise that a search asked for has been heard."""
-
-
 def planted(samples: int) -> tuple[Scene, Fit]:
     """A fit that leaves 0.5 nm of white noise and 5 nm of misfit with a period of 400 samples."""
     wave = 5.0 * np.sin(2.0 * np.pi * np.arange(samples) / 400.0)
@@ -121,34 +117,14 @@ def planted(samples: int) -> tuple[Scene, Fit]:
     return seen, Fit(LAG, np.zeros(1), left_um, 1.0)
 
 
-def test_noise_is_that_between_neighbours_however_long_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both where the checked rows are compared and where the fitted rows are asked whether they show only noise."""
+def test_noise_is_measured_between_neighbours_however_long_the_record() -> None:
+    """On the rows that are compared, and on the rows of a fit, which looks at one row in twenty-five."""
     seen, fit = planted(300_000)
-    better = dataclasses.replace(fit, rms_um=0.1)
-    told_nm = {}
-
-    def compared(left_um: Any) -> float:
-        told_nm["checked"] = 1e3 * innovation(left_um)
-        return innovation(left_um)
-
-    def asked(left_um: Any) -> float:
-        told_nm["fitted"] = 1e3 * innovation(left_um)
-        raise Heard
-
-    stub = SimpleNamespace(proposals=lambda look: [LAG], promising=lambda found: found, present=lambda chain: False)
-    monkeypatch.setattr(trials, "innovation", compared)
-    monkeypatch.setattr(search, "innovation", asked)
-    monkeypatch.setattr(search, "causes", lambda: {"any": stub})
-    monkeypatch.setattr(search, "Look", SimpleNamespace(at=lambda part, fit: None))
-    monkeypatch.setattr(search, "_start", lambda part: fit)
-    monkeypatch.setattr(search, "_without_spikes", lambda part, fit: (part, np.zeros(0, dtype=bool)))
-    monkeypatch.setattr(search, "fitted", lambda part, chains: [better])
-    monkeypatch.setattr(search, "refined", lambda part, chains: [better])
-    monkeypatch.setattr(search, "ratio", lambda *_: 0.1)
-    monkeypatch.setattr(search, "STEP_BELOW", math.inf)
-    with pytest.raises(Heard):
-        search.search(seen)
-    assert told_nm == {name: pytest.approx(NOISE_NM, rel=0.02) for name in ("checked", "fitted")}
+    part, checked = search.halves(seen)
+    assert len(part.rows) == search.MOST_ROWS
+    for rows in (part.dense, checked):
+        assert 1e3 * innovation(fit.error[rows]) == pytest.approx(NOISE_NM, rel=0.02)
+    assert 1e3 * innovation(fit.error[part.rows]) > 1.2 * NOISE_NM, "the record shows no difference"
 
 
 def test_a_line_is_held_against_its_neighbours_however_long_the_record() -> None:
@@ -160,7 +136,7 @@ def test_a_line_is_held_against_its_neighbours_however_long_the_record() -> None
     seen = Scene((Run(np.zeros(samples), noise_um, {}),), 1e-4, np.arange(samples), LINEAR)
     look = SimpleNamespace(fit=SimpleNamespace(error=beside_um + noise_um), scene=seen)
     dense, _ = periodic._standing(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
-    look.scene = search._thinned(seen)
+    look.scene = search.thinned(seen)
     assert len(look.scene.rows) == search.MOST_ROWS
     thinned, _ = periodic._standing(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
     assert thinned == pytest.approx(dense, rel=0.1)

@@ -55,9 +55,9 @@ class Found:
     """The chain that the search ended with, its rivals without each cause, and which samples count as corrupted.
 
     fit: on all usable rows of the identification part. needs: how many times the error beyond the white noise, on
-    blocks left out of the fit, grows without a cause: always as measured (`comparison.remaining`). separated_by_likelihood:
-    those of several slow causes with which Schwarz's criterion finds the chain far likelier. Such a cause may be named
-    although the error grows less than `Cause.needed` without it.
+    blocks left out of the fit, grows without a cause, as measured (`comparison.remaining`).
+    separated_by_likelihood: those of several slow causes with which Schwarz's criterion finds the chain far likelier.
+    Such a cause may be named although the error grows less than `Cause.needed` without it.
     """
 
     scene: Scene
@@ -71,7 +71,7 @@ class Found:
 def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
     """The chain that explains the scene with nothing that it does not need."""
     scene, corrupted = _without_spikes(scene, _start(scene))
-    part, checked = _halves(scene)
+    part, checked = halves(scene)
     fit = _start(part)
     for _ in range(MOST_STEPS):
         step = forward_step(part, fit, checked)
@@ -80,19 +80,19 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
         fit = step
         usable, corrupted = _without_spikes(scene, fit)
-        part, checked = _halves(usable)
+        part, checked = halves(usable)
     fit = eliminate_backward(part, swap_similar_causes(part, fit, checked), checked)
     fit = eliminate_backward(part, swap_slow_causes(part, fit, checked), checked)
     fit = drop_unsupported_parts(part, restart(part, fit, checked), checked)
     usable, corrupted = _without_spikes(scene, fit)
-    part, checked = _halves(usable)
+    part, checked = halves(usable)
     chain = likeliest_slow_causes(usable, fit)
     fit = fit if chain == fit.chain else refine(part, chain)
     names = present(fit.chain)
     rivals = dict(zip(names, refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
     needs = {name: 1.0 / remaining(fit, rivals[name], checked) for name in names}
     needs |= _slow_needs(part, fit, rivals, checked)
-    final = refine(_thinned(usable), fit.chain)
+    final = refine(thinned(usable), fit.chain)
     return Found(usable, final, rivals, needs, corrupted, tuple(compare_likelihood(usable, final, rivals)))
 
 
@@ -116,7 +116,7 @@ def without(found: Found, names: Sequence[str]) -> Fit:
     """The fit to all usable rows without some of its causes, the others refined again."""
     if not names:
         return found.fit
-    return refine(_thinned(found.scene), chain_without(found.fit.chain, names), rounds=8)
+    return refine(thinned(found.scene), chain_without(found.fit.chain, names), rounds=8)
 
 
 def present(chain: Chain) -> list[str]:
@@ -212,7 +212,7 @@ def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
 
 
-def _halves(scene: Scene) -> tuple[Scene, Rows]:
+def halves(scene: Scene) -> tuple[Scene, Rows]:
     """The scene on the rows to fit, and the rows to check, in alternating blocks, two to one.
 
     Rows to fit are thinned out if there are very many. Rows to check are not: they cost next to nothing, and the white
@@ -220,10 +220,10 @@ def _halves(scene: Scene) -> tuple[Scene, Rows]:
     """
     rows = scene.rows
     block = np.arange(len(rows)) * BLOCKS // len(rows)
-    return _thinned(scene.using(rows[block % 3 != 1])), rows[block % 3 == 1]
+    return thinned(scene.using(rows[block % 3 != 1])), rows[block % 3 == 1]
 
 
-def _thinned(scene: Scene) -> Scene:
+def thinned(scene: Scene) -> Scene:
     """The scene on MOST_ROWS of its rows at most; it keeps all of them as `dense`."""
     rows = scene.rows
     if len(rows) <= MOST_ROWS:
