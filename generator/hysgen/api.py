@@ -32,7 +32,7 @@ from hysgen.model.model import Model
 from hysgen.model.scores import Scores, score
 from hysgen.model.terms.memory import Memory
 from hysgen.record import Columns, Record, load_record
-from hysgen.report.price import price_of
+from hysgen.report.words import price_of
 
 __all__ = [
     "Columns",

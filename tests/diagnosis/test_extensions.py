@@ -22,7 +22,7 @@ from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.memory import Memory
 from hysgen.model.terms.play_slopes import slopes
 from hysgen.record import Record
-from hysgen.report.price import price_of
+from hysgen.report.words import price_of
 from hysgen.stage import run as measure
 from hysgen.studies.bank.scenario import scenario
 from hysgen.studies.bank.truth import true_extensions

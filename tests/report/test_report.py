@@ -21,13 +21,11 @@ from hysgen.model.file import load_model
 from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.report.diagnosis import diagnosis_page
-from hysgen.report.model import model_page
+from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.style import png_bytes
-from hysgen.report.price import price_of
-from hysgen.report.terminal import diagnosis_text
-from hysgen.report.words import verdict
+from hysgen.report.words import diagnosis_text, price_of, verdict
 from hysgen.stage import Stage
 from hysgen.stage import run as measure
 from hysgen.stage.signals import nested_amplitudes
@@ -243,7 +241,7 @@ def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
         main(["verify", f"{tmp_path}", "--samples", "3000", "--structures", "0", "--report", f"{tmp_path}/v.html"]) == 0
     )
     pages = {
-        "models": model_page("t <&>", models, record, scores).html(),
+        "models": model_page("t <&>", ScoredModels(record, models, scores)).html(),
         "folder": (tmp_path / "v.html").read_text(),
     }
     for name, text in pages.items():

@@ -160,34 +160,6 @@ class Diagnosis:
             "missing_certificates": list(self.missing_certificates),
         }
 
-    def table(self) -> str:
-        """The path from the paper's model to the extended one, for people."""
-        lines = [f"{'':24}{'free run, held out':>20}{'95 % of the gain':>24}{'share':>8}"]
-        lines.append(f"{'paper model':24}{self.base_rms_um:17.4g} um")
-        for cause in self.causes:
-            if not cause.extended:
-                continue
-            interval = f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g} um"
-            lines.append(f"+ {cause.name:22}{cause.step.after_um:17.4g} um{interval:>24}{100 * cause.share:7.1f}%")
-        lines.append(f"{'noise floor':24}{self.noise.rms_um:17.4g} um  ({self.noise.source})")
-        lines.append("")
-        lines.extend(f"{cause.name}: {cause.evidence}" for cause in self.causes)
-        lines.extend(
-            f"{cause.name} is not extended: that does not pay with the certificates kept"
-            for cause in self.causes
-            if not cause.extended
-        )
-        if self.unknown:
-            lines.append(f"unknown: {self.unknown}")
-        if not self.causes and not self.unknown:
-            lines.append("nothing: what the paper's model leaves is not above what hysteresis and noise leave")
-        if self.missing_certificates:
-            lines.append(f"not certified in the extended model: {', '.join(self.missing_certificates)}")
-        lines.extend(f"not named: {refused.name}: {refused.why}" for refused in self.refused)
-        if self.next_experiment:
-            lines.append(f"next experiment: {self.next_experiment}")
-        return "\n".join(lines)
-
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None

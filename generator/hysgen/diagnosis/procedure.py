@@ -48,7 +48,7 @@ class DiagnoseSettings:
 
     fit: settings of the Takagi-Sugeno fits; terms and blocks are the ladder's to choose.
     identify: share of a single record that is used for identification.
-    price: cycles and bytes of a model, or None where they are not known (`hysgen.report.price`).
+    price: cycles and bytes of a model, or None where they are not known (`hysgen.report.words.price_of`).
     """
 
     fit: FitSettings = field(default_factory=FitSettings)

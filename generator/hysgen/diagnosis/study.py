@@ -21,11 +21,16 @@ from hysgen.record import Record
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """The longest stretch of held-out samples in one segment, (n,) each; simulated by the base and the extended model.
+LADDER = ("step", "free run um", "of stroke", "gain um, 95 %", "of the error", "cycles", "bytes", "confidence")
+"""Column heads of `Study.ladder`."""
 
-    A ramp or a change of gain that the diagnosis named counts as followed in `extended_um`.
+
+@dataclass(frozen=True)
+class HeldOut:
+    """The longest uninterrupted run of held-out samples within one segment; every array is (n,).
+
+    base_um, extended_um: free run of the base and of the extended model. `extended_um` includes the ramp or the change
+    of gain that the diagnosis named.
     """
 
     t_s: Floats
@@ -61,25 +66,42 @@ class Study(Displayed):
         return self.diagnosis.names
 
     def summary(self) -> Summary:
-        """The ladder, and the evidence of each cause."""
+        """The ladder, the evidence of each cause, and the certificates that the extended model lacks."""
         found = self.diagnosis
-        rows = [["paper's model", f"{found.base_rms_um:.4g}", f"{self.percent(found.base_rms_um):.2g} %", ""]]
-        rows += [
-            [
-                f"+ {c.name}",
-                f"{c.step.after_um:.4g}",
-                f"{self.percent(c.step.after_um):.2g} %",
-                f"{100 * c.share:.1f} %",
-            ]
-            for c in self.extended
-        ]
-        rows.append(["noise floor", f"{found.noise.rms_um:.4g}", f"{self.percent(found.noise.rms_um):.2g} %", ""])
         named = ", ".join(self.names) or "no cause"
         notes = [f"{cause.name}: {cause.evidence}" for cause in found.causes]
+        notes += [
+            f"{cause.name} is not extended: the extension does not pay with the certificates kept"
+            for cause in found.causes
+            if not cause.extended
+        ]
+        if found.missing_certificates:
+            notes.append(f"not certified in the extended model: {', '.join(found.missing_certificates)}")
         notes += [f"unknown: {found.unknown}"] if found.unknown else []
         notes += [f"next experiment: {found.next_experiment}"] if found.next_experiment else []
-        header = ["free run, held out", "rms um", "of stroke", "of the error"]
-        return Summary(f"Diagnosis of {self.record.source}: {named}", header, rows, notes)
+        return Summary(f"Diagnosis of {self.record.source}: {named}", LADDER, self.ladder(), notes)
+
+    def ladder(self) -> list[list[str]]:
+        """The ladder as cells, columns LADDER: the paper's model, one row per extension in the model, the noise floor.
+
+        The free-run errors are held out. Shown by the terminal, by notebooks and by the report.
+        """
+        found = self.diagnosis
+        rows = [["paper's model", *self._size(found.base_rms_um), *[""] * 5]]
+        for cause in self.extended:
+            price = cause.price
+            rows.append(
+                [
+                    f"+ {cause.name}",
+                    *self._size(cause.step.after_um),
+                    f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g}",
+                    f"{100.0 * cause.share:.1f} %",
+                    f"+{price.cycles}" if price and price.cycles else "",
+                    f"+{price.bytes}" if price and price.bytes else "",
+                    confidence_text(cause),
+                ]
+            )
+        return [*rows, ["noise floor", *self._size(found.noise.rms_um), *[""] * 5]]
 
     @property
     def improved(self) -> bool:
@@ -95,8 +117,12 @@ class Study(Displayed):
         """An error as a percentage of the span."""
         return 100.0 * rms_um / self.span_um
 
-    def held_out(self) -> Stretch:
-        """What was measured and simulated where nothing was fitted."""
+    def _size(self, rms_um: float) -> tuple[str, str]:
+        """An error in um, and as a percentage of the span."""
+        return f"{rms_um:.4g}", f"{self.percent(rms_um):.2g} %"
+
+    def held_out(self) -> HeldOut:
+        """Measured and simulated displacement over held-out rows."""
         edges = np.cumsum([0, *(segment.samples for segment in self.record.segments)])
         rows = self.diagnosis.held_rows
         parts = [rows[(rows >= low) & (rows < high)] for low, high in itertools.pairwise(edges)]
@@ -107,7 +133,7 @@ class Study(Displayed):
         measured = segment.y_um[inside]
         base, extended = (self.diagnosis.errors_um[i][1][chosen] for i in (0, -1))
         time_s = segment.start_s + self.record.Ts_s * np.arange(inside.start, inside.stop, dtype=np.float64)
-        return Stretch(time_s, segment.u_V[inside], measured, measured + base, measured + extended)
+        return HeldOut(time_s, segment.u_V[inside], measured, measured + base, measured + extended)
 
     def to_json(self) -> dict[str, Any]:
         """The diagnosis, and the error of the held-out part sorted by everything, as plain JSON values."""
@@ -122,6 +148,11 @@ class Study(Displayed):
             "error_of_base": self.before.to_json(),
             "error_of_extended": self.after.to_json(),
         }
+
+
+def confidence_text(cause: NamedCause) -> str:
+    """The confidence of a cause as text, empty where no gain is measured."""
+    return "" if cause.confidence is None else f"{cause.confidence:.3f}"
 
 
 def study(

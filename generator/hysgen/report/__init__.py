@@ -1,1 +1,1 @@
-"""What people read: the verdict of a diagnosis in words, and pages of HTML that need nothing but themselves."""
+"""Results for readers: a diagnosis as text, HTML pages that need no other file, pictures."""

@@ -1,4 +1,4 @@
-"""The report of a diagnosis: one page that a colleague understands without running anything."""
+"""The HTML report of a diagnosis: error, causes, ladder, model, equality of bits, cost, provenance on one page."""
 
 from __future__ import annotations
 
@@ -7,32 +7,24 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.bits import verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.codegen import Options, generate
-from hysgen.diagnosis.study import Study
+from hysgen.diagnosis.study import LADDER, Study, confidence_text
 from hysgen.errors import HysgenError
-from hysgen.report.page import KeyFigure, Page, Section, Table
+from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
 from hysgen.report.plots.diagnosis import pictures
-from hysgen.report.plots.picture import Picture
+from hysgen.report.plots.style import Picture
 from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
-from hysgen.report.words import (
-    CONFIDENCE,
-    confidence_text,
-    ladder_header,
-    ladder_rows,
-    parameter_text,
-    price_of_all,
-    verdict,
-)
+from hysgen.report.words import CONFIDENCE, parameter_text, total_price, verdict
 
 SAMPLES = 100_000
-"""Samples of each build over which the report compares the generated C."""
+"""Samples per build in the comparison of the generated C with its reference."""
 
 
 def diagnosis_page(study: Study) -> Page:
-    """The whole report. Generates the extended model's C, compares it on this machine, and counts its cost."""
+    """The report. Generates the C of the extended model, compares it with its reference here, and counts its cost."""
     drawn = {picture.name: picture for picture in pictures(study)}
     report, price, why_not = _proof(study)
     return Page(
-        title=f"{named(study.record.source)}: what the simulation gets wrong",
+        title=f"{file_names(study.record.source)}: what the simulation gets wrong",
         lead=verdict(study),
         figures=key_figures(study, report, price),
         sections=[
@@ -57,17 +49,17 @@ def diagnosis_page(study: Study) -> Page:
     )
 
 
-def named(source: str) -> str:
-    """The file of a record, without the rows that were taken of it.
+def file_names(source: str) -> str:
+    """The file names in the source of a record, without row ranges and repetitions.
 
-    >>> named("a.csv[0:50], a.csv[50:99]")
+    >>> file_names("a.csv[0:50], a.csv[50:99]")
     'a.csv'
     """
     return ", ".join(dict.fromkeys(part.partition("[")[0] for part in source.split(", ")))
 
 
 def key_figures(study: Study, report: Report | None, price: Cost | None) -> list[KeyFigure]:
-    """What to remember of the page."""
+    """Free-run errors, noise floor, price and equality of bits, for the top of the page."""
     found = study.diagnosis
     figures = [
         KeyFigure("free run, paper's model", f"{found.base_rms_um:.3g} µm", f"{_span(study, found.base_rms_um)}"),
@@ -76,7 +68,7 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
         extended = found.extended_rms_um
         figures.append(KeyFigure("free run, extended", f"{extended:.3g} µm", _span(study, extended)))
     figures.append(KeyFigure("noise floor", f"{found.noise.rms_um:.2g} µm", f"from {found.noise.source}"))
-    total = price_of_all(study)
+    total = total_price(study)
     if total is not None:
         note = f"+{total.bytes} bytes" + (f"; {100 * price.share:.2g} % of a sample in all" if price else "")
         figures.append(KeyFigure("price a sample", f"+{total.cycles} cycles", note))
@@ -89,29 +81,29 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
     return figures
 
 
-def _loops(drawn: dict[str, Picture]) -> Section:
-    return Section(
+def _loops(drawn: dict[str, Picture]) -> PageSection:
+    return PageSection(
         "Measured and simulated loops",
         text=["Held-out part of the record: no choice was made on it. Grey is measured."],
         pictures=[drawn[name] for name in ("loops-before", "loops-after") if name in drawn],
     )
 
 
-def _error(drawn: dict[str, Picture], study: Study) -> Section:
-    named = [drawn[name] for name in drawn if name in ("horizon", "time", "spectrum") or name.startswith("error-by-")]
+def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
+    chosen = [drawn[name] for name in drawn if name in ("horizon", "time", "spectrum") or name.startswith("error-by-")]
     after = f", {100 * study.after.above_noise:.0f} % of that of the extended model" if study.improved else ""
-    return Section(
+    return PageSection(
         "Where the error lies",
         text=[
             f"{100 * study.before.above_noise:.0f} % of the power of the paper's model's error stands above the noise "
             f"floor{after}. One step ahead every model looks good; the free run is what a simulation is worth."
         ],
-        pictures=named,
+        pictures=chosen,
         notes=["Steps: rms, dotted: mean. Empty where the record has no such samples. Error: simulated - measured."],
     )
 
 
-def _causes(study: Study) -> Section:
+def _causes(study: Study) -> PageSection:
     found = study.diagnosis
     ranked = sorted(found.causes, key=lambda cause: -cause.share)
     rows = [
@@ -127,11 +119,11 @@ def _causes(study: Study) -> Section:
     left_out = len(found.causes) > len(study.extended)
     if found.unknown:
         rows.append(["unknown", f"{100 * found.unexplained_fraction:.1f} %", "", found.unknown, ""])
-    tables = [Table(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
+    tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
     if found.refused:
         refused = [[item.name, item.why] for item in found.refused]
-        tables.append(Table(["cause", "why not"], refused, "Looked at closely and not named", left=2))
-    return Section(
+        tables.append(PageTable(["cause", "why not"], refused, "Looked at closely and not named", left=2))
+    return PageSection(
         "Causes and their evidence",
         text=[] if rows else ["None: what the paper's model leaves is not above what hysteresis and noise leave."],
         tables=tables if rows else tables[1:],
@@ -144,12 +136,12 @@ def _causes(study: Study) -> Section:
     )
 
 
-def _ladder(drawn: dict[str, Picture], study: Study) -> Section:
+def _ladder(drawn: dict[str, Picture], study: Study) -> PageSection:
     found = study.diagnosis
-    return Section(
+    return PageSection(
         "What each extension gains, and its price",
         pictures=[drawn["ladder"]],
-        tables=[Table(ladder_header(), ladder_rows(study))],
+        tables=[PageTable(LADDER, study.ladder())],
         notes=[
             f"Free run over the held-out part; noise floor from {found.noise.source}. Gain: fall of the rms, 95 % "
             "interval by block bootstrap. Of the error: share of its power above the noise. Cycles: estimated, of the "
@@ -160,7 +152,7 @@ def _ladder(drawn: dict[str, Picture], study: Study) -> Section:
 
 
 def _proof(study: Study) -> tuple[Report | None, Cost | None, str]:
-    """Equal bits and cost of the extended model's C; or why there are none."""
+    """Comparison and cost of the extended model's C, and the reason if one of them is missing."""
     model = study.diagnosis.model
     try:
         texts = generate(model, Options(inverse=certify(model).inverse_holds))

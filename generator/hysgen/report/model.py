@@ -1,10 +1,9 @@
-"""The report of models on a record: measured and simulated, the scores, certificates, equal bits, cost, provenance."""
+"""Reports of models: scored side by side on a record, or as a folder of generated C."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-
-import numpy as np
+from dataclasses import dataclass
 
 from hysgen.c674x.cost import Cost
 from hysgen.checking.bits.report import Report
@@ -12,56 +11,58 @@ from hysgen.model.model import Model
 from hysgen.model.scores import SCORE_HEADER, Score, Scores, score_rows
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
-from hysgen.report.page import KeyFigure, Page, Section, Table
+from hysgen.record.noise import NoiseFloor
+from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
 from hysgen.report.plots import style
-from hysgen.report.plots.picture import Picture
+from hysgen.report.plots.style import Picture
 from hysgen.report.plots.traces import horizon, loops, validation
 from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
 
 COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE)
 
 
-def model_page(
-    title: str,
-    models: Mapping[str, Model],
-    record: Record,
-    scores: Mapping[str, Scores],
-    rivals: Sequence[tuple[str, Score]] = (),
-    report: Report | None = None,
-    price: Cost | None = None,
-) -> Page:
-    """Models by the name that people shall read, all scored on `record`; the last one is the one that was generated.
+@dataclass(frozen=True, eq=False)
+class ScoredModels:
+    """Models by their names in the report, and their scores on one record that no fit has used.
 
-    rivals: free-run scores of other kinds of models; report, price: of the C of the last model, if there is any.
+    rivals: free-run scores of models of other kinds, by name.
     """
-    chosen, best = list(models)[-1], list(models.values())[-1]
-    figures = [
-        KeyFigure(f"free run, {name}", f"{s.free_run.e_rms_um:.3g} µm", f"{s.free_run.of_span_percent:.2g} % of span")
-        for name, s in scores.items()
-    ]
-    figures.append(KeyFigure("noise floor", f"{scores[chosen].noise.rms_um:.2g} µm", "what no model can pass"))
-    if price is not None:
-        figures.append(KeyFigure("one sample", _cycles(price), f"{100 * price.share:.2g} % of its period"))
-    if report is not None:
-        told = "equal bits" if report.equal else "NOT EQUAL"
-        figures.append(KeyFigure("generated C", told, f"{report.samples} samples per build"))
-    rows = [(f"{name}, free run", s.free_run) for name, s in scores.items()]
-    rows += [(f"{name}, one step", s.one_step) for name, s in scores.items()]
-    rows += [("persistence, one step", scores[chosen].persistence), *((f"{n}, free run", s) for n, s in rivals)]
+
+    record: Record
+    models: Mapping[str, Model]
+    scores: Mapping[str, Scores]
+    rivals: Sequence[tuple[str, Score]] = ()
+
+    @property
+    def noise(self) -> NoiseFloor:
+        """The noise floor of the record."""
+        return next(iter(self.scores.values())).noise
+
+    def rows(self) -> list[tuple[str, Score]]:
+        """(label, score): every model in free run, every model one step ahead, persistence, the rivals."""
+        found = [(f"{name}, free run", s.free_run) for name, s in self.scores.items()]
+        found += [(f"{name}, one step", s.one_step) for name, s in self.scores.items()]
+        found.append(("persistence, one step", next(iter(self.scores.values())).persistence))
+        return found + [(f"{name}, free run", score) for name, score in self.rivals]
+
+
+def model_page(title: str, scored: ScoredModels, report: Report | None = None, price: Cost | None = None) -> Page:
+    """The report of models on a record. report, price: of the C of the last model, None if no C was generated."""
+    best, record = list(scored.models.values())[-1], scored.record
     return Page(
         title=title,
         lead=[
             f"Free run over {record.samples} samples that no fit has seen: "
-            + ", ".join(f"{name} {s.free_run.e_rms_um:.3g} um rms" for name, s in scores.items())
-            + f"; the noise is {scores[chosen].noise.rms_um:.2g} um."
+            + ", ".join(f"{name} {s.free_run.e_rms_um:.3g} um rms" for name, s in scored.scores.items())
+            + f"; the noise is {scored.noise.rms_um:.2g} um."
         ],
-        figures=figures,
+        figures=_key_figures(scored, report, price),
         sections=[
-            Section("Measured and simulated", pictures=_pictures(models, record, scores)),
-            Section(
+            PageSection("Measured and simulated", pictures=_pictures(scored)),
+            PageSection(
                 "Scores",
-                tables=[Table(["model", *SCORE_HEADER[1:]], score_rows(rows))],
-                notes=[f"Noise floor {scores[chosen].noise.describe()}.", "One step flatters; the free run counts."],
+                tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()))],
+                notes=[f"Noise floor {scored.noise.describe()}.", "One step flatters; the free run counts."],
             ),
             model_section(best),
             equivalence_section(report, "no C was generated"),
@@ -71,26 +72,38 @@ def model_page(
     )
 
 
-def _pictures(models: Mapping[str, Model], record: Record, scores: Mapping[str, Scores]) -> list[Picture]:
+def _key_figures(scored: ScoredModels, report: Report | None, price: Cost | None) -> list[KeyFigure]:
+    """Free-run errors and noise floor; with generated C its cost and the equality of its bits."""
+    figures = [
+        KeyFigure(f"free run, {name}", f"{s.free_run.e_rms_um:.3g} µm", f"{s.free_run.of_span_percent:.2g} % of span")
+        for name, s in scored.scores.items()
+    ]
+    figures.append(KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", "what no model can pass"))
+    if price is not None:
+        figures.append(KeyFigure("one sample", _cycles(price), f"{100 * price.share:.2g} % of its period"))
+    if report is not None:
+        bits = "equal bits" if report.equal else "NOT EQUAL"
+        figures.append(KeyFigure("generated C", bits, f"{report.samples} samples per build"))
+    return figures
+
+
+def _pictures(scored: ScoredModels) -> list[Picture]:
     """Loops of each model, displacement and error in time, error against the horizon."""
-    segment = record.segments[0]
-    t_s = segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
-    runs = {name: free_run(model, record)[0].y_um for name, model in models.items()}
-    colours = dict(zip(models, COLOURS, strict=False))
+    record, scores = scored.record, scored.scores
+    runs = {name: free_run(model, record)[0].y_um for name, model in scored.models.items()}
+    colours = dict(zip(scored.models, COLOURS, strict=False))
     found: list[Picture] = []
     for name, y_um in runs.items():
         alt = f"Displacement over voltage: {name} misses the loops by {scores[name].free_run.e_rms_um:.3g} µm rms."
-        figure = loops(segment.u_V, segment.y_um, {name: y_um}, "", colours)
+        figure = loops(record, {name: y_um}, "", colours)
         found.append(Picture(f"loops-{len(found)}", f"Measured loops, model: {name}", alt, figure))
-    told = ", ".join(f"{name} at most {s.free_run.largest_um:.3g} µm" for name, s in scores.items())
-    drawn = validation(t_s, segment.y_um, runs, "", colours)
-    found.append(Picture("time", "Free run in time", f"Error of the free run: {told}.", drawn))
-    curves = {
-        name: (np.array(s.horizon.steps, dtype=np.float64), np.array(s.horizon.rms_um)) for name, s in scores.items()
-    }
-    levels = {"noise floor": next(iter(scores.values())).noise.rms_um}
-    told = ", ".join(f"{name} {y[0]:.2g} to {y[-1]:.2g} µm" for name, (_, y) in curves.items())
-    alt = f"Error rms from one step to the longest horizon: {told}."
+    errors = ", ".join(f"{name} at most {s.free_run.largest_um:.3g} µm" for name, s in scores.items())
+    drawn = validation(record, runs, "", colours)
+    found.append(Picture("time", "Free run in time", f"Error of the free run: {errors}.", drawn))
+    curves = {name: s.horizon for name, s in scores.items()}
+    levels = {"noise floor": scored.noise.rms_um}
+    ends = ", ".join(f"{name} {c.rms_um[0]:.2g} to {c.rms_um[-1]:.2g} µm" for name, c in curves.items())
+    alt = f"Error rms from one step to the longest horizon: {ends}."
     found.append(
         Picture("horizon", "Error against the horizon", alt, horizon(curves, levels, record.Ts_s, "", colours))
     )
@@ -98,12 +111,12 @@ def _pictures(models: Mapping[str, Model], record: Record, scores: Mapping[str, 
 
 
 def _cycles(price: Cost) -> str:
-    """Cycles of a sample, marked where they are estimated."""
+    """Cycles of one sample; a tilde marks an estimate."""
     return f"{'' if price.per_sample.measured else '~'}{price.per_sample.value} cycles"
 
 
 def folder_page(model: Model, report: Report, price: Cost) -> Page:
-    """The report of a generated folder: equal bits, cost, certificates, provenance."""
+    """The report of a folder of generated C: equality of bits, cost, certificates, provenance."""
     return Page(
         title=f"Generated C of model {model.name}",
         lead=[report.summary().title + "."],

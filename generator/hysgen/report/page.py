@@ -1,4 +1,4 @@
-"""A page of HTML that needs nothing but itself: sentences, pictures and tables; the same bytes every time."""
+"""An HTML page that refers to no other file: sentences, pictures, tables. The same content gives the same bytes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import jinja2
 
 from hysgen.codegen.render import template_environment
 from hysgen.machine.installed import version
-from hysgen.report.plots.picture import Picture
+from hysgen.report.plots.style import Picture
 
 
 @dataclass(frozen=True)
 class KeyFigure:
-    """One number that stands at the top of the page, what it is, and what to compare it with."""
+    """A number at the top of the page: its label, its value, and a note to compare it with."""
 
     label: str
     value: str
@@ -24,8 +24,8 @@ class KeyFigure:
 
 
 @dataclass(frozen=True)
-class Table:
-    """cells: rows of as many cells as `header`; left: columns of words, the others are numbers."""
+class PageTable:
+    """A table of the page. cells: rows as long as `header`; the first `left` columns hold words, the others numbers."""
 
     header: Sequence[str]
     cells: Sequence[Sequence[str]]
@@ -34,37 +34,37 @@ class Table:
 
     @property
     def rows(self) -> list[list[tuple[str, str]]]:
-        """Every cell with the head of its column, which stands beside it on narrow screens."""
+        """(column head, cell) by row; narrow screens show the head beside each cell."""
         return [list(zip(self.header, row, strict=True)) for row in self.cells]
 
 
 @dataclass(frozen=True)
-class Section:
-    """text above the pictures and tables, notes below them in small print. An empty section is left out."""
+class PageSection:
+    """A section of the page: sentences, pictures, tables, then notes in small print."""
 
     title: str
     text: Sequence[str] = ()
     pictures: Sequence[Picture] = ()
-    tables: Sequence[Table] = ()
+    tables: Sequence[PageTable] = ()
     notes: Sequence[str] = ()
 
     @property
     def anchor(self) -> str:
-        """What a link to this section ends with."""
+        """The fragment of a link to this section."""
         return "".join(letter if letter.isalnum() else "-" for letter in self.title.lower())
 
 
 @dataclass(frozen=True)
 class Page:
-    """lead: the answer in a few sentences; figures: the numbers to remember."""
+    """A page. lead: the answer in sentences; figures: the most important numbers."""
 
     title: str
     lead: Sequence[str]
     figures: Sequence[KeyFigure]
-    sections: Sequence[Section]
+    sections: Sequence[PageSection]
 
     def html(self) -> str:
-        """The page as text."""
+        """The page as one HTML document."""
         return _environment().get_template("report/page.html.j2").render(page=self, version=version())
 
 
@@ -76,7 +76,7 @@ def _environment() -> jinja2.Environment:
 
 
 def readable(text: str) -> str:
-    """Units as people write them: the program says um, for terminals of any kind.
+    """The text with the micro sign in units; terminals get the ASCII `um`.
 
     >>> readable("0.47 um, umbra, 3 um/V")
     '0.47 µm, umbra, 3 µm/V'

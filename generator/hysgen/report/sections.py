@@ -1,4 +1,4 @@
-"""Sections that every report may have: the model and its certificates, equal bits, cost against budget, provenance."""
+"""Sections common to all reports: model and certificates, equality of bits, cost against budget, provenance."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from hysgen.machine.files import digest
 from hysgen.machine.installed import version
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
-from hysgen.report.page import Section, Table
+from hysgen.report.page import PageSection, PageTable
 
 
-def model_section(model: Model) -> Section:
-    """What the model is as a system, and what is guaranteed of it."""
+def model_section(model: Model) -> PageSection:
+    """The model as a dynamic system, its parts, and its certificates."""
     held = certify(model)
     facts = [
         ["rules", f"{model.grid.rules} over {model.grid.ends_um[0]:.4g} .. {model.grid.ends_um[1]:.4g} um"],
@@ -38,23 +38,23 @@ def model_section(model: Model) -> Section:
         ["contraction: the free run is stable", _holds(held.contraction_holds), held.lines()[1]],
         ["inverse stable", _holds(held.inverse_holds), held.lines()[2]],
     ]
-    return Section(
+    return PageSection(
         "Model and certificates",
         text=[dynamics(model).describe().splitlines()[0]],
         tables=[
-            Table(["part", "what it is"], facts, "Model", left=2),
-            Table(["certificate", "holds", "how close"], verdicts, "Certificates over the whole range", left=3),
+            PageTable(["part", "what it is"], facts, "Model", left=2),
+            PageTable(["certificate", "holds", "how close"], verdicts, "Certificates over the whole range", left=3),
         ],
         notes=[f"{3 * model.grid.rules} consequents and {model.weights.size} weights of terms."],
     )
 
 
-def equivalence_section(report: Report | None, why_not: str = "") -> Section:
-    """Whether the generated C equals its float32 reference, and over what."""
+def equivalence_section(report: Report | None, why_not: str = "") -> PageSection:
+    """Whether the generated C equals its float32 reference, by function and build. report: None if not compared."""
     title = "Generated C against its reference"
     if report is None:
-        return Section(title, text=[f"Not compared: {why_not}."])
-    said = (
+        return PageSection(title, text=[f"Not compared: {why_not}."])
+    answer = (
         f"Equal in every bit over {report.samples} samples per build."
         if report.equal
         else f"NOT EQUAL: {len(report.mismatches)} runs differ."
@@ -65,10 +65,10 @@ def equivalence_section(report: Report | None, why_not: str = "") -> Section:
         wrong = sum((m.model, m.function) == key for m in report.mismatches)
         samples = sum(other.samples for other in report.runs if (other.model, other.function) == key)
         rows[key] = [run.model, run.function, f"{samples}", f"{run.builds}", f"{wrong} differ" if wrong else "equal"]
-    return Section(
+    return PageSection(
         title,
-        text=[said],
-        tables=[Table(["model", "function", "samples", "builds", "result"], list(rows.values()), left=2)],
+        text=[answer],
+        tables=[PageTable(["model", "function", "samples", "builds", "result"], list(rows.values()), left=2)],
         notes=[
             f"Builds: {', '.join(report.builds)}.",
             *(f"Not compared: {reason}." for reason in report.skipped),
@@ -78,11 +78,11 @@ def equivalence_section(report: Report | None, why_not: str = "") -> Section:
     )
 
 
-def cost_section(price: Cost | None, why_not: str = "") -> Section:
-    """Cycles against the sample period, operations and bytes."""
+def cost_section(price: Cost | None, why_not: str = "") -> PageSection:
+    """Cycles against the sample period, operations and bytes. price: None if unknown, for the reason `why_not`."""
     title = "Cost against budget"
     if price is None:
-        return Section(title, text=[f"Not known: {why_not}."])
+        return PageSection(title, text=[f"Not known: {why_not}."])
     rows = [
         [
             f.name,
@@ -94,13 +94,13 @@ def cost_section(price: Cost | None, why_not: str = "") -> Section:
         for f in price.functions
     ]
     measured = all(f.cycles.measured for f in price.functions)
-    return Section(
+    return PageSection(
         title,
         text=[
             f"One sample takes {price.per_sample} of {price.budget} at {1e-3 / price.Ts_s:.4g} kHz and "
             f"{price.clock_Hz / 1e6:.4g} MHz: {100.0 * price.share:.2g} %."
         ],
-        tables=[Table(["function", "C674x cycles", "of a period", "float operations", "loads and stores"], rows)],
+        tables=[PageTable(["function", "C674x cycles", "of a period", "float operations", "loads and stores"], rows)],
         notes=[
             "Bytes: "
             + ", ".join(f"{name} {size}" for name, size in price.struct_bytes.items())
@@ -111,8 +111,8 @@ def cost_section(price: Cost | None, why_not: str = "") -> Section:
     )
 
 
-def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> Section:
-    """What made this page: the record, the model, the settings of the fit, the versions."""
+def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> PageSection:
+    """The inputs of this page: `facts`, digest of the model, settings of its fit, versions of the software."""
     fit = model.history.get("fit", {})
     rows = [
         *[list(fact) for fact in facts],
@@ -121,11 +121,11 @@ def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> Sectio
         ["hysgen", version()],
         ["Python, NumPy, SciPy", f"{platform.python_version()}, {np.__version__}, {scipy.__version__}"],
     ]
-    return Section("Provenance", tables=[Table(["what", "which"], rows, left=2)])
+    return PageSection("Provenance", tables=[PageTable(["what", "which"], rows, left=2)])
 
 
 def _settings(fit: Mapping[str, Any]) -> str:
-    """Plain settings; the structure stands elsewhere."""
+    """The settings of a fit without its terms and blocks, which the model section lists."""
     plain = {key: value for key, value in fit.items() if key not in ("terms", "blocks")}
     return ", ".join(f"{key} {json.dumps(value)}" for key, value in plain.items()) or "not told by the model"
 

@@ -1,24 +1,80 @@
-"""A diagnosis in words: how wrong the simulation is, what of it is what, and what mending it costs."""
+"""A diagnosis as text: verdict, output for the terminal, parameters with units; and the price of an extension."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-from hysgen.diagnosis.answer import NamedCause, Price
+from hysgen.certify.certificates import certify
+from hysgen.codegen import Options, generate
+from hysgen.codegen.operations import figures
+from hysgen.codegen.operations.cycles import cycles_of, per_sample
+from hysgen.diagnosis.answer import Price
 from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.error_map import spread
-from hysgen.diagnosis.study import Study
+from hysgen.diagnosis.study import LADDER, Study
+from hysgen.display import table
+from hysgen.errors import BudgetError, CertificateError
+from hysgen.model.model import Model
 
 UNITS = ("um", "V", "s", "Hz", "samples")
-"""Units that names of parameters end with."""
+"""Units at the end of parameter names."""
 
 SMALLEST_SHARE = 0.005
-"""Causes below this share of the error's power are counted together as `the rest`."""
+"""Share of the error's power below which the verdict gives a cause no percentage of its own."""
+
+CONFIDENCE = (
+    "confidence: share of bootstrap draws on blocks left out in which the extension lowers the error by more than 2 %"
+)
+"""What the column of that name holds."""
+
+
+def diagnosis_text(study: Study) -> str:
+    """A diagnosis for the terminal: verdict, ladder, evidence, error profiles, certificates, next experiment."""
+    found, record = study.diagnosis, study.record
+    blocks = [
+        f"{record.source}: {study.cut} rows to identify; scores are of the {record.samples - study.cut} held out",
+        "\n".join(verdict(study)),
+        table(LADDER, study.ladder()) + f"\nnoise floor from {found.noise.source}"
+        "; gain: fall of the rms, block bootstrap; of the error: share of its power above the noise"
+        + (f"\n{CONFIDENCE}" if study.extended else ""),
+    ]
+    evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in found.causes]
+    evidence += [f"not named: {refused.name}: {refused.why}" for refused in found.refused]
+    if evidence:
+        blocks.append("\n".join(evidence))
+    header = ["error rms by", "paper's model", *(["extended"] if study.improved else [])]
+    blocks.append(table(header, where_rows(study), left=3))
+    blocks.append("\n".join([f"model of {len(found.model.parameters)} parameters", *certify(found.model).lines()]))
+    if found.next_experiment:
+        blocks.append(f"next experiment: {found.next_experiment}")
+    return "\n\n".join(blocks)
+
+
+def _parameters(study: Study, name: str) -> str:
+    text = parameter_text(study, name)
+    return f" ({text})" if text else ""
+
+
+def price_of(model: Model) -> Price | None:
+    """Cycles per sample, and bytes of structs and constants, of the C that is generated for a model.
+
+    cycles = max(predict, simulate, inverse), plus `learn` and `commit` for a model with a learner: the sum that
+    `hysgen cost` states, estimated from operation counts (`hysgen.codegen.operations.cycles`). None if no C can be
+    generated: a sample exceeds its period, or no commit could be accepted.
+    """
+    try:
+        texts = generate(model, Options(inverse=certify(model).inverse_holds))
+    except (BudgetError, CertificateError):
+        return None
+    found = figures(model.name, texts)
+    cycles = per_sample(cycles_of(found.operations))
+    held = sum(found.struct_bytes.get(f"{model.name}_{struct}", 0) for struct in ("t", "learner_t"))
+    return Price(cycles.value, held + found.constant_bytes)
 
 
 def verdict(study: Study) -> list[str]:
-    """The answer in a few sentences, each one line."""
+    """The answer, one sentence per line: size of the error, shares of the causes, gain and price of extensions."""
     found = study.diagnosis
     wrong = (
         f"The simulation is wrong by {_percent(study.percent(found.base_rms_um))} of the stroke: "
@@ -45,63 +101,24 @@ def verdict(study: Study) -> list[str]:
         f"{with_all} in the model: {_percent(study.percent(found.extended_rms_um))}, {found.extended_rms_um:.3g} um, "
         f"{found.base_rms_um / max(found.extended_rms_um, 1e-300):.3g} times less"
     )
-    total = price_of_all(study)
+    total = total_price(study)
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
     return [*lines, *([f"Also named: {also}"] if left_out else []), *_left(found.unknown)]
 
 
 def _left(unknown: str | None) -> list[str]:
-    """The sentence about what nothing explains."""
+    """The sentence about the structure that no cause explains, if there is any."""
     return [f"Structure is left that none of the known causes explains: {unknown}."] if unknown else []
 
 
-def price_of_all(study: Study) -> Price | None:
-    """What all extensions cost together; None where a price is not known."""
+def total_price(study: Study) -> Price | None:
+    """Sum of the prices of all extensions; None if one of them is unknown."""
     prices = [cause.price for cause in study.extended]
     known = [price for price in prices if price is not None]
     if not known or len(known) < len(prices):
         return None
     return Price(sum(price.cycles for price in known), sum(price.bytes for price in known))
-
-
-def ladder_header() -> list[str]:
-    """Column heads of `ladder_rows`."""
-    return ["step", "free run um", "of stroke", "gain um, 95 %", "of the error", "cycles", "bytes", "confidence"]
-
-
-def ladder_rows(study: Study) -> list[list[str]]:
-    """One row per rung of the ladder, and the noise floor below."""
-    found = study.diagnosis
-    rows = [["paper's model", f"{found.base_rms_um:.4g}", _percent(study.percent(found.base_rms_um)), *[""] * 5]]
-    for cause in study.extended:
-        price = cause.price
-        rows.append(
-            [
-                f"+ {cause.name}",
-                f"{cause.step.after_um:.4g}",
-                _percent(study.percent(cause.step.after_um)),
-                f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g}",
-                f"{100.0 * cause.share:.1f} %",
-                f"+{price.cycles}" if price and price.cycles else "",
-                f"+{price.bytes}" if price and price.bytes else "",
-                confidence_text(cause),
-            ]
-        )
-    noise = found.noise.rms_um
-    rows.append(["noise floor", f"{noise:.4g}", _percent(study.percent(noise)), *[""] * 5])
-    return rows
-
-
-CONFIDENCE = (
-    "confidence: share of bootstrap draws on blocks left out in which the extension lowers the error by more than 2 %"
-)
-"""What the column of that name holds."""
-
-
-def confidence_text(cause: NamedCause) -> str:
-    """How sure the gain of a cause is; nothing where it is not measured."""
-    return "" if cause.confidence is None else f"{cause.confidence:.3f}"
 
 
 def parameter_text(study: Study, name: str) -> str:
@@ -111,7 +128,7 @@ def parameter_text(study: Study, name: str) -> str:
 
 
 def where_rows(study: Study) -> list[list[str]]:
-    """By what the error changes: lowest and highest rms of each profile, before and after."""
+    """One row per error profile: its quantity, smallest and largest rms of the base, the same of the extended model."""
     rows = []
     for before, after in zip(study.before.profiles, study.after.profiles, strict=True):
         rows.append([before.quantity, spread(before), *([spread(after)] if study.improved else [])])
@@ -119,11 +136,11 @@ def where_rows(study: Study) -> list[list[str]]:
 
 
 def _with_unit(key: str, estimate: Estimate) -> str:
-    """A parameter in words: its unit stands behind the number instead of at the end of its name."""
+    """A parameter as text: the unit moves from the end of its name to behind the number."""
     stem, _, unit = key.rpartition("_")
     name, unit = (stem.replace("_", " "), f" {unit}") if unit in UNITS and stem else (key.replace("_", " "), "")
-    spread = f" ± {estimate.standard_error:.2g}" if math.isfinite(estimate.standard_error) else ""
-    return f"{name} {estimate.value:.4g}{spread}{unit}"
+    error = f" ± {estimate.standard_error:.2g}" if math.isfinite(estimate.standard_error) else ""
+    return f"{name} {estimate.value:.4g}{error}{unit}"
 
 
 def _percent(value: float) -> str:
@@ -131,5 +148,5 @@ def _percent(value: float) -> str:
 
 
 def _listed(parts: Sequence[str]) -> str:
-    """a, b and c."""
+    """The parts as "a, b and c"."""
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"

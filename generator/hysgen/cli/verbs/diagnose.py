@@ -20,8 +20,7 @@ from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
 from hysgen.model.model import Model
 from hysgen.model.scores import score
-from hysgen.report.price import price_of
-from hysgen.report.terminal import diagnosis_text
+from hysgen.report.words import diagnosis_text, price_of
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

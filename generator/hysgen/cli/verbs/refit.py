@@ -30,8 +30,7 @@ from hysgen.fitting.refit import compare, refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.record import Record
-from hysgen.report.price import price_of
-from hysgen.report.words import verdict
+from hysgen.report.words import price_of, verdict
 
 VERIFIED_SAMPLES = 200_000
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import numpy as np
-
 from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, parse_rows, read_records
 from hysgen.model.file import load_model
@@ -43,13 +41,9 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         console.say("\n".join(score_lines(rivals)))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}
     if arguments.plot:
-        segment = record.segments[0]
-        t_s = segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
         runs = {"free run": free_run(model, record)[0].y_um, "one step": one_step(model, record)[0].y_um}
         colours = {"free run": style.SIMULATED, "one step": style.BASELINE}
-        style.save(
-            validation(t_s, segment.y_um, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot)
-        )
+        style.save(validation(record, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot))
         console.say(f"\nwritten: {arguments.plot}")
     console.write_json(result)
     return 0

@@ -1,6 +1,6 @@
-"""Pictures of a diagnosis: what is wrong with the free run, where, and what each extension gains.
+"""Pictures of a diagnosis: error of the free run by time, horizon, frequency and input, and the gain of each extension.
 
-Everywhere the base is dashed and vermilion, the extended model solid and blue; errors are simulated - measured.
+The base model is dashed and vermilion, the extended model solid and blue. Error: simulated - measured.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.error_map import Misfit, spread
 from hysgen.diagnosis.study import Study
 from hysgen.report.plots import style
-from hysgen.report.plots.picture import Picture
+from hysgen.report.plots.style import Picture
 from hysgen.report.plots.traces import envelope
 
 Floats = NDArray[np.float64]
 
 BASE, EXTENDED = "paper's model", "extended model"
-LOOK: dict[str, dict[str, Any]] = {
+LINES: dict[str, dict[str, Any]] = {
     BASE: {"color": style.SIMULATED, "linestyle": (0, (4, 1.5))},
     EXTENDED: {"color": style.EXTENDED, "linestyle": "solid"},
 }
@@ -31,7 +31,7 @@ LOOP_POINTS = 4000
 
 
 def pictures(study: Study) -> list[Picture]:
-    """Every picture of a diagnosis, in the order in which a person wants to see them."""
+    """All pictures of a diagnosis in reading order: loops, horizon, time, spectrum, profiles, ladder."""
     shown = [(BASE, study.before), *([(EXTENDED, study.after)] if study.improved else [])]
     return [
         *loop_pictures(study),
@@ -44,19 +44,19 @@ def pictures(study: Study) -> list[Picture]:
 
 
 def loop_pictures(study: Study) -> list[Picture]:
-    """Measured loops with those of the base, and with those of the extended model."""
+    """Measured loops behind those of the base, and behind those of the extended model."""
     held = study.held_out()
     runs = [("loops-before", BASE, held.base_um, study.before)]
     if study.improved:
         runs.append(("loops-after", EXTENDED, held.extended_um, study.after))
     stride = max(1, -(-held.u_V.size // LOOP_POINTS))
     found = []
-    for name, label, simulated_um, wrong in runs:
+    for name, label, simulated_um, error in runs:
         fig, axis = _figure("voltage [V]", "displacement [µm]")
         axis.plot(held.u_V[::stride], held.measured_um[::stride], color="#777777", linewidth=2.2, label="measured")
-        axis.plot(held.u_V[::stride], simulated_um[::stride], linewidth=1.0, label=label, **LOOK[label])
+        axis.plot(held.u_V[::stride], simulated_um[::stride], linewidth=1.0, label=label, **LINES[label])
         axis.legend(loc="upper left")
-        alt = f"Displacement over voltage, held out: the {label} misses the loops by {wrong.rms_um:.3g} µm rms."
+        alt = f"Displacement over voltage, held out: the {label} misses the loops by {error.rms_um:.3g} µm rms."
         found.append(Picture(name, f"Measured loops and the {label}", alt, fig))
     return found
 
@@ -64,8 +64,8 @@ def loop_pictures(study: Study) -> list[Picture]:
 def horizon_picture(shown: list[tuple[str, Misfit]], study: Study) -> Picture:
     """Error against the horizon, with noise floor and persistence."""
     fig, axis = _figure("horizon [samples]", "error rms [µm]")
-    for label, wrong in shown:
-        axis.loglog(wrong.horizon.steps, wrong.horizon.rms_um, marker=".", label=label, **LOOK[label])
+    for label, error in shown:
+        axis.loglog(error.horizon.steps, error.horizon.rms_um, marker=".", label=label, **LINES[label])
     _level(axis, study.diagnosis.noise.rms_um, "noise floor")
     _level(axis, study.diagnosis.persistence_um, "persistence, 1 step")
     _plain(axis, x=False)
@@ -76,13 +76,16 @@ def horizon_picture(shown: list[tuple[str, Misfit]], study: Study) -> Picture:
 
 
 def time_picture(study: Study) -> Picture:
-    """The error over the held-out part."""
+    """The error against time over the held-out part."""
     held = study.held_out()
     fig, axis = _figure("time [s]", "simulated - measured [µm]")
     runs = [(BASE, held.base_um), *([(EXTENDED, held.extended_um)] if study.improved else [])]
     for label, simulated_um in runs:
         axis.plot(
-            *envelope(held.t_s, simulated_um - held.measured_um), linewidth=0.8, label=label, color=LOOK[label]["color"]
+            *envelope(held.t_s, simulated_um - held.measured_um),
+            linewidth=0.8,
+            label=label,
+            color=LINES[label]["color"],
         )
     axis.legend(loc="best")
     worst = "; ".join(f"{label} at most {float(np.abs(y - held.measured_um).max()):.3g} µm" for label, y in runs)
@@ -90,29 +93,29 @@ def time_picture(study: Study) -> Picture:
 
 
 def spectrum_picture(shown: list[tuple[str, Misfit]]) -> Picture:
-    """The error over frequency."""
+    """The error per frequency band."""
     fig, axis = _figure("frequency [Hz]", "error, rms per band [µm]")
-    for label, wrong in shown:
-        axis.loglog(wrong.spectrum.f_Hz, wrong.spectrum.rms_um, label=label, **LOOK[label])
+    for label, error in shown:
+        axis.loglog(error.spectrum.f_Hz, error.spectrum.rms_um, label=label, **LINES[label])
     _plain(axis)
     axis.legend(loc="best")
     peaks = []
-    for label, wrong in shown:
-        top = int(np.argmax(wrong.spectrum.rms_um))
-        peaks.append(f"{label} {wrong.spectrum.rms_um[top]:.2g} µm at {wrong.spectrum.f_Hz[top]:.3g} Hz")
+    for label, error in shown:
+        top = int(np.argmax(error.spectrum.rms_um))
+        peaks.append(f"{label} {error.spectrum.rms_um[top]:.2g} µm at {error.spectrum.f_Hz[top]:.3g} Hz")
     return Picture("spectrum", "Error over frequency", f"Largest bands: {'; '.join(peaks)}.", fig)
 
 
 def profile_picture(shown: list[tuple[str, Misfit]], number: int) -> Picture:
-    """The error by one quantity: rms as steps, its mean as thin dots."""
+    """The error sorted by one quantity: rms as solid or dashed steps, mean dotted."""
     first = shown[0][1].profiles[number]
     fig, axis = _figure(f"{first.quantity} [{first.unit}]", "error [µm]: rms, mean")
-    for label, wrong in shown:
-        profile = wrong.profiles[number]
-        axis.stairs(np.array(profile.rms_um), profile.edges, label=label, linewidth=1.4, **LOOK[label])
-        axis.stairs(np.array(profile.mean_um), profile.edges, color=LOOK[label]["color"], linestyle=":", linewidth=0.9)
+    for label, error in shown:
+        profile = error.profiles[number]
+        axis.stairs(np.array(profile.rms_um), profile.edges, label=label, linewidth=1.4, **LINES[label])
+        axis.stairs(np.array(profile.mean_um), profile.edges, color=LINES[label]["color"], linestyle=":", linewidth=0.9)
     axis.axhline(0.0, color=style.NOTE, linewidth=0.6)
-    axis.set_ylim(top=1.3 * max(float(np.nanmax(wrong.profiles[number].rms_um)) for _, wrong in shown))
+    axis.set_ylim(top=1.3 * max(float(np.nanmax(error.profiles[number].rms_um)) for _, error in shown))
     if first.edges == (-1.5, -0.5, 0.5, 1.5):
         axis.set_xticks([-1, 0, 1], first.unit.split(", "))
         axis.set_xlabel(f"{first.quantity} of the input")
@@ -120,13 +123,13 @@ def profile_picture(shown: list[tuple[str, Misfit]], number: int) -> Picture:
         axis.set_xscale("log")
         axis.xaxis.set_major_formatter(_PLAIN)
     axis.legend(loc="upper left", ncols=2)
-    ends = "; ".join(f"{label} {spread(wrong.profiles[number])}" for label, wrong in shown)
+    ends = "; ".join(f"{label} {spread(error.profiles[number])}" for label, error in shown)
     alt = f"Error rms by {first.quantity}: {ends}."
     return Picture(f"error-by-{first.quantity.split(' of ')[0].replace(' ', '-')}", f"By {first.quantity}", alt, fig)
 
 
 def ladder_picture(study: Study) -> Picture:
-    """Free-run error on held-out data after each extension with the 95 % interval of its gain, and its price."""
+    """Held-out free-run error after each extension, with the 95 % interval of its gain and its cycles."""
     diagnosis, causes = study.diagnosis, study.extended
     levels = [diagnosis.base_rms_um, *(cause.step.after_um for cause in causes)]
     labels = [BASE, *(f"+ {cause.name}" for cause in causes)]
@@ -164,7 +167,7 @@ _PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
 
 def _plain(axis: Axes, x: bool = True) -> None:
-    """Numbers as people write them on logarithmic axes, at 1, 2 and 5 of each decade."""
+    """Decimal tick labels on logarithmic axes, at 1, 2 and 5 of each decade."""
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=20))
     axis.yaxis.set_minor_formatter(NullFormatter())
     axis.yaxis.set_major_formatter(_PLAIN)

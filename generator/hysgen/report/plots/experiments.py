@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from hysgen.model.simulate import free_run, one_step
@@ -23,22 +22,20 @@ COLOURS = {
 
 
 def modelling_figures(outcome: Outcome) -> dict[str, Figure]:
-    """File name -> figure: displacement and error in time (Figs 6, 7, 9, 10, 11), and the loops."""
+    """Figures by file name: displacement and error against time (Figs 6, 7, 9, 10, 11), and loops."""
     record, experiment = outcome.validation, outcome.experiment
-    segment = record.segments[0]
     runs = {
         "one step": one_step(outcome.models["paper"], record)[0].y_um,
         "free run": free_run(outcome.models["paper"], record)[0].y_um,
         "free run, with memory": free_run(outcome.models["memory"], record)[0].y_um,
     }
-    t_s = record.Ts_s * np.arange(segment.samples, dtype=np.float64)
     stem = experiment.name if experiment.name.startswith("fig") else f"section-{experiment.name}"
     return {
-        f"{stem}-validation.png": validation(t_s, segment.y_um, runs, experiment.title, COLOURS),
-        f"{stem}-loops.png": loops(segment.u_V, segment.y_um, runs, experiment.title, COLOURS),
+        f"{stem}-validation.png": validation(record, runs, experiment.title, COLOURS),
+        f"{stem}-loops.png": loops(record, runs, experiment.title, COLOURS),
     }
 
 
 def tracking_figure(case: Tracking) -> Figure:
-    """Fig. 13: reference and reached displacement, tracking error, and the compensated loop."""
+    """Fig. 13: reference and reached displacement, tracking error, compensated loop."""
     return tracking(case.t_s, case.reference_um, case.reached_um, f"Section 4.3: {case.f_Hz:g} Hz", COLOURS)

@@ -1,4 +1,4 @@
-"""Pictures of results for notebooks: `record.plot()`, `model.plot(record)`, `study.plot("time")`."""
+"""What `.plot()` of a result draws: `record.plot()`, `model.plot(record)`, `study.plot("time")`."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from hysgen.report.plots.traces import envelope, horizon, validation
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A picture that shows itself in a notebook."""
+    """A figure that a notebook displays as PNG."""
 
     figure: Figure
 
     def save(self, path: str | Path) -> Path:
-        """Write it as PNG, or as SVG if the name ends so."""
+        """Write the figure as SVG if the name ends in .svg, else as PNG. Returns the path."""
         chosen = Path(path)
         if chosen.suffix == ".svg":
             return style.save_svg(self.figure, chosen)
@@ -42,13 +42,13 @@ class Drawing:
 
 @functools.singledispatch
 def draw(result: Any, *what: Any) -> Drawing:
-    """The picture of a result. Raises HysgenError if there is none of its kind."""
+    """The picture of a result. Raises HysgenError if results of its type have none."""
     raise HysgenError(f"{type(result).__name__}: there is nothing to plot; print it instead")
 
 
 @draw.register
 def _(result: Record) -> Drawing:
-    """Input and displacement in time, and the loops."""
+    """Input and displacement against time, and displacement against input."""
     fig = style.figure(8.4, 3.6)
     grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
     above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
@@ -67,13 +67,11 @@ def _(result: Record) -> Drawing:
 
 @draw.register
 def _(result: Model, record: Record | None = None) -> Drawing:
-    """With a record: measured and simulated, and the error. Without: how far the loop opens at each frequency."""
+    """With a record: free run and error. Without: area of the loop, as a share of its bounding box, by frequency."""
     if record is not None:
-        segment = record.segments[0]
-        t_s = segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
         runs = {"free run": free_run(result, record)[0].y_um}
         title = f"{result.name} on {record.source}"
-        return Drawing(validation(t_s, segment.y_um, runs, title, {"free run": style.SIMULATED}))
+        return Drawing(validation(record, runs, title, {"free run": style.SIMULATED}))
     system = dynamics(result)
     fig = style.figure(4.7, 3.1)
     axis = fig.subplots()
@@ -84,16 +82,15 @@ def _(result: Model, record: Record | None = None) -> Drawing:
 
 @draw.register
 def _(result: Scores) -> Drawing:
-    """Error against the horizon, with the noise floor."""
-    curve = (np.array(result.horizon.steps, dtype=np.float64), np.array(result.horizon.rms_um))
+    """Error against the horizon, with noise floor and free run."""
     levels = {"noise floor": result.noise.rms_um, "free run": result.free_run.e_rms_um}
     title = f"{result.model} on {result.source}"
-    return Drawing(horizon({result.model: curve}, levels, result.Ts_s, title, {result.model: style.EXTENDED}))
+    return Drawing(horizon({result.model: result.horizon}, levels, result.Ts_s, title, {result.model: style.EXTENDED}))
 
 
 @draw.register
 def _(result: Study, name: str = "ladder") -> Drawing:
-    """One of the pictures of the report, by name."""
+    """One picture of the report, by name. Raises HysgenError for a name that is not among them."""
     drawn = {picture.name: picture for picture in pictures(result)}
     if name not in drawn:
         raise HysgenError(f"{name}: there is no such picture; choose one of {', '.join(drawn)}")

@@ -1,8 +1,10 @@
-"""How every picture looks: colours that colour-blind readers can tell apart, labelled axes, no decoration."""
+"""What all pictures share: colours that colour-blind readers can tell apart, axes, file formats, title and alt text."""
 
 from __future__ import annotations
 
+import base64
 import io
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -37,33 +39,48 @@ _SETTINGS: Any = {
 }
 
 
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A figure for reports. name: stem of its file; title: the question it answers; alt: its content and numbers."""
+
+    name: str
+    title: str
+    alt: str
+    figure: Figure
+
+    @property
+    def data_uri(self) -> str:
+        """The figure as SVG inside a `data:` address: a page that shows it needs no other file."""
+        return "data:image/svg+xml;base64," + base64.b64encode(svg_bytes(self.figure)).decode()
+
+
 def figure(width_in: float = 7.2, height_in: float = 4.2) -> Figure:
-    """An empty figure in the project's style, laid out so that labels never overlap."""
+    """An empty figure in the project's style; constrained layout keeps labels apart."""
     matplotlib.rcParams.update(_SETTINGS)
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
 def png_bytes(fig: Figure, dpi: int = 150) -> bytes:
-    """The figure as PNG; the same figure gives the same bytes (no software name or date inside)."""
+    """The figure as PNG without software name and date: the same figure gives the same bytes."""
     stream = io.BytesIO()
     fig.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
     return stream.getvalue()
 
 
 def svg_bytes(fig: Figure) -> bytes:
-    """The figure as SVG, text as outlines; the same figure gives the same bytes (salted names, no date)."""
+    """The figure as SVG, text as outlines, element names salted, no date: the same figure gives the same bytes."""
     stream = io.BytesIO()
     fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     return stream.getvalue()
 
 
 def save(fig: Figure, path: Path) -> Path:
-    """Write the figure whole, as PNG."""
+    """Write the figure as PNG, whole or not at all."""
     write_whole(path, png_bytes(fig))
     return path
 
 
 def save_svg(fig: Figure, path: Path) -> Path:
-    """Write the figure whole, as SVG."""
+    """Write the figure as SVG, whole or not at all."""
     write_whole(path, svg_bytes(fig))
     return path

@@ -1,4 +1,4 @@
-"""Measured against simulated: in time, as an error, and as hysteresis loops (the paper's Figs 6, 7, 9 to 11, 13)."""
+"""Measured and simulated displacement: in time, as error, as hysteresis loops (the paper's Figs 6, 7, 9 to 11, 13)."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from hysgen.model.simulate import HorizonCurve
+from hysgen.record import Record
 from hysgen.report.plots import style
 
 Floats = NDArray[np.float64]
 MOST_POINTS = 20_000
-"""Points drawn of one curve: more would not be seen, and would make the file slow to open."""
+"""Most points drawn per curve: more are not visible and make the file slow to open."""
 
 
-def validation(
-    t_s: Floats, measured_um: Floats, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
-) -> Figure:
-    """Above: displacement against time, measured and simulated. Below: the errors, measured - simulated.
+def validation(record: Record, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]) -> Figure:
+    """Displacement against time, measured and simulated, and below it the errors, measured - simulated.
 
-    t_s, measured_um: (n,); simulated_um: (n,) by the name that the legend shows; colours by the same names.
+    Shows the first segment of the record. simulated_um: (n,) by name in the legend; colours: by the same names.
     """
+    measured_um, t_s = record.segments[0].y_um, times_s(record)
     fig = style.figure(7.2, 5.0)
     above, below = fig.subplots(2, 1, sharex=True)
     keep = thinned(t_s.size)
@@ -39,10 +40,9 @@ def validation(
     return fig
 
 
-def loops(
-    u_V: Floats, measured_um: Floats, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
-) -> Figure:
-    """Hysteresis loops, displacement against voltage: a panel for each simulation, the measured one behind it."""
+def loops(record: Record, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]) -> Figure:
+    """Displacement against voltage over the first segment: one panel per simulation, each with the measured loops."""
+    u_V, measured_um = record.segments[0].u_V, record.segments[0].y_um
     fig = style.figure(3.4 * len(simulated_um) + 0.6, 3.4)
     panels = np.atleast_1d(fig.subplots(1, len(simulated_um), sharex=True, sharey=True))
     keep = thinned(u_V.size)
@@ -59,7 +59,7 @@ def loops(
 def tracking(
     t_s: Floats, reference_um: Floats, reached_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
 ) -> Figure:
-    """Tracking: reference and what was reached, the error in nm, and reached against reference (a line if perfect)."""
+    """Reference and reached displacement, tracking error in nm, reached against reference (ideally a straight line)."""
     fig = style.figure(8.4, 4.2)
     grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
     above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
@@ -78,20 +78,18 @@ def tracking(
 
 
 def horizon(
-    curves: Mapping[str, tuple[Floats, Floats]],
+    curves: Mapping[str, HorizonCurve],
     levels_um: Mapping[str, float],
     Ts_s: float,
     title: str,
     colours: Mapping[str, str],
 ) -> Figure:
-    """Error against the horizon, both axes logarithmic; horizontal lines for what to compare with.
-
-    curves: (steps, rms_um) by name; levels_um: noise floor, free run and the like.
-    """
+    """Error rms against the horizon, both axes logarithmic, with a horizontal line for each of `levels_um`."""
     fig = style.figure(6.4, 3.8)
     axes: Axes = fig.subplots()
-    for name, (steps, rms_um) in curves.items():
-        axes.loglog(steps * Ts_s * 1e3, rms_um, color=colours[name], marker="o", markersize=3, label=name)
+    for name, curve in curves.items():
+        steps = np.array(curve.steps, dtype=np.float64)
+        axes.loglog(steps * Ts_s * 1e3, curve.rms_um, color=colours[name], marker="o", markersize=3, label=name)
     for name, level_um in levels_um.items():
         axes.axhline(level_um, color=style.NOTE, linestyle=":")
         axes.annotate(
@@ -108,10 +106,16 @@ def horizon(
     return fig
 
 
-def envelope(t_s: Floats, values: Floats, pieces: int = 1000) -> tuple[Floats, Floats]:
-    """Lowest and highest value of each of `pieces` stretches, in the order of time: no peak is lost in thinning.
+def times_s(record: Record) -> Floats:
+    """Time stamps in s of the first segment, (n,)."""
+    segment = record.segments[0]
+    return segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
 
-    t_s, values: (n,). Returns the samples as they are if there are few.
+
+def envelope(t_s: Floats, values: Floats, pieces: int = 1000) -> tuple[Floats, Floats]:
+    """Minimum and maximum of each of `pieces` equal intervals, in time order: a reduced curve that keeps all peaks.
+
+    t_s, values: (n,). Returns them unchanged if n <= 2 * pieces.
     """
     if values.size <= 2 * pieces:
         return t_s, values
@@ -124,5 +128,5 @@ def envelope(t_s: Floats, values: Floats, pieces: int = 1000) -> tuple[Floats, F
 
 
 def thinned(samples: int) -> slice:
-    """Every so many samples, so that a curve has at most MOST_POINTS."""
+    """A slice with a constant stride that leaves at most MOST_POINTS of the samples."""
     return slice(None, None, max(1, -(-samples // MOST_POINTS)))
