@@ -12,13 +12,11 @@ from hypothesis import strategies as st
 from fixtures.random_models import TS_S, lag_record, random_drive
 from hysgen.certify.certificates import certify
 from hysgen.errors import FitError
-from hysgen.fitting import FitSettings, Method, fit
-from hysgen.fitting import free_run as free_run_module
+from hysgen.fitting import FitSettings, Method, fit, regularisation
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
-from hysgen.fitting.identify import linear_gain
+from hysgen.fitting.identify import linear_gain, structure_for
 from hysgen.fitting.least_squares import Information, information
-from hysgen.fitting.partition import structure_for
-from hysgen.fitting.preferences import spread
+from hysgen.fitting.regularisation import disagreement
 from hysgen.model.membership import memberships
 from hysgen.model.model import Grid, Model
 from hysgen.model.simulate import simulate
@@ -28,7 +26,7 @@ from hysgen.record import Record, Segment
 
 
 def narrow_record(seed: int = 0, noise_um: float = 0.03, loops: float = 1.0) -> Record:
-    """One noisy loop at one amplitude: beside the loop all is open, and least squares puts slopes over 1 there."""
+    """One noisy loop at one amplitude: the record does not determine the model beside the loop."""
     rng = np.random.default_rng(seed)
     k = np.arange(3000)
     u = 50.0 + 40.0 * np.sin(2 * np.pi * 100 * TS_S * k)
@@ -40,10 +38,10 @@ def narrow_record(seed: int = 0, noise_um: float = 0.03, loops: float = 1.0) -> 
 
 
 def problem(record: Record, settings_: FitSettings) -> tuple[Information, CertifiedSet]:
-    """What a fit solves."""
+    """The least-squares problem of a fit and its certified set."""
     structure = structure_for(record, settings_)
-    learnt = information(record, structure)
-    return learnt, certified_set(structure, TS_S, linear_gain(structure, learnt, TS_S), settings_.slope_limit)
+    one_step = information(record, structure)
+    return one_step, certified_set(structure, TS_S, linear_gain(structure, one_step, TS_S), settings_.slope_limit)
 
 
 @pytest.mark.parametrize("rules", [4, 9, 20])
@@ -71,11 +69,11 @@ def test_batch_is_plain_least_squares_where_that_is_certified() -> None:
 
 @pytest.mark.parametrize("terms", [(), (Memory.uniform(4, 30.0),)])
 def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
-    learnt, allowed = problem(narrow_record(1), FitSettings(terms=terms))
-    found = least_squares_inside(learnt.R, learnt.d, allowed)
+    one_step, allowed = problem(narrow_record(1), FitSettings(terms=terms))
+    found = least_squares_inside(one_step.R, one_step.d, allowed)
     best = found.x
-    free = learnt.solve()
-    assert learnt.square(best) > learnt.square(free)
+    free = one_step.solve()
+    assert one_step.square(best) > one_step.square(free)
     # Convex: moving from the solution towards any other certified point must not help.
     rng = np.random.default_rng(0)
     for _ in range(15):
@@ -84,23 +82,23 @@ def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
         assert allowed.violated(other).floor.size == 0
         for part in (1e-3, 0.1, 1.0):
             # 1e-6 of a limit may be violated, so a neighbour may be better by about as little.
-            assert learnt.square(best + part * (other - best)) >= learnt.square(best) * (1.0 - 1e-6)
+            assert one_step.square(best + part * (other - best)) >= one_step.square(best) * (1.0 - 1e-6)
 
 
-def test_what_held_one_solution_back_shortens_the_way_to_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
-    learnt, allowed = problem(narrow_record(1), FitSettings(terms=(Memory.polynomial(4, 3, 5.0, 95.0),)))
-    edges = least_squares_inside(learnt.R, learnt.d, allowed).edges
-    assert 0 < edges.floor.size <= learnt.d.size
-    nearby = learnt.d * (1.0 + 1e-3 * np.random.default_rng(0).normal(size=learnt.d.size))
+def test_active_half_spaces_of_one_solution_save_rounds_in_a_similar_task(monkeypatch: pytest.MonkeyPatch) -> None:
+    one_step, allowed = problem(narrow_record(1), FitSettings(terms=(Memory.polynomial(4, 3, 5.0, 95.0),)))
+    edges = least_squares_inside(one_step.R, one_step.d, allowed).edges
+    assert 0 < edges.floor.size <= one_step.d.size
+    nearby = one_step.d * (1.0 + 1e-3 * np.random.default_rng(0).normal(size=one_step.d.size))
     rounds = []
     violated = CertifiedSet.violated
     monkeypatch.setattr(CertifiedSet, "violated", lambda this, q: rounds.append(q) or violated(this, q))
-    alone = least_squares_inside(learnt.R, nearby, allowed).x
+    alone = least_squares_inside(one_step.R, nearby, allowed).x
     cold = len(rounds)
-    told = least_squares_inside(learnt.R, nearby, allowed, edges=edges).x
+    warm = least_squares_inside(one_step.R, nearby, allowed, edges=edges).x
     assert len(rounds) - cold < 0.6 * cold
     # And it leads to the same place; 1e-6 of a limit may be violated.
-    np.testing.assert_allclose(learnt.R @ told, learnt.R @ alone, atol=1e-5 * np.linalg.norm(learnt.d))
+    np.testing.assert_allclose(one_step.R @ warm, one_step.R @ alone, atol=1e-5 * np.linalg.norm(one_step.d))
 
 
 def test_the_small_gain_of_the_terms_is_kept_below_its_limit() -> None:
@@ -119,7 +117,7 @@ def test_the_small_gain_of_the_terms_is_kept_below_its_limit() -> None:
         assert certify(inside).inverse_holds
 
 
-def test_the_gain_is_kept_away_from_zero_where_the_record_says_it_vanishes() -> None:
+def test_the_gain_is_bounded_away_from_zero_where_the_record_shows_none() -> None:
     # A stage at its stop, badly measured: at the upper end of y the input moves nothing.
     u = random_drive(6000, 7)
     y = np.empty(u.size)
@@ -146,12 +144,12 @@ def test_every_certified_fit_holds_its_certificates(seed: int, limit: float) -> 
     assert certificate.gain_holds
 
 
-def test_a_displacement_that_does_not_answer_is_refused() -> None:
+def test_a_displacement_that_does_not_depend_on_the_voltage_is_refused() -> None:
     with pytest.raises(FitError, match="does not answer to the voltage"):
         certified_set(structure_for(lag_record(samples=500), FitSettings()), TS_S, 0.0, 0.999)
 
 
-def test_spread_is_the_variance_of_the_rules_over_the_range() -> None:
+def test_disagreement_is_the_variance_of_the_rules_over_the_range() -> None:
     record = lag_record(samples=500)
     structure = structure_for(record, FitSettings(rules=5, terms=(Memory((3.0,)),)))
     q = np.random.default_rng(0).normal(size=structure.size)
@@ -162,18 +160,18 @@ def test_spread_is_the_variance_of_the_rules_over_the_range() -> None:
         v = q[0:15:3] * y[:, None] + q[1:15:3] * u + q[2:15:3]
         f = (p * v).sum(axis=1, keepdims=True)
         expected += float((p * (v - f) ** 2).sum(axis=1).mean()) / 2.0
-    assert spread(structure).square(q) == pytest.approx(expected, rel=1e-10)
+    assert disagreement(structure).square(q) == pytest.approx(expected, rel=1e-10)
 
 
-def test_refinement_keeps_rules_from_disagreeing_where_the_record_does_not_mind(
+def test_refinement_keeps_rules_in_agreement_where_the_record_does_not_determine_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     record = narrow_record(2, noise_um=0.001)
     held = fit(record)
-    monkeypatch.setattr(free_run_module, "SPREAD_SHARE", 0.0)
+    monkeypatch.setattr(regularisation, "DISAGREEMENT_SHARE", 0.0)
     free = fit(record)
     structure = structure_for(record, FitSettings())
-    disagreement = [np.sqrt(spread(structure).square(model.parameters)) for model in (held, free)]
+    deviations = [np.sqrt(disagreement(structure).square(model.parameters)) for model in (held, free)]
     errors = [model.history["outcome"]["free_run_rms_um"]["refined"] for model in (held, free)]
-    assert disagreement[0] < 0.5 * disagreement[1]
+    assert deviations[0] < 0.5 * deviations[1]
     assert errors[0] < 1.05 * errors[1]

@@ -10,9 +10,8 @@ import pytest
 from fixtures.random_models import TS_S, lag_record, random_drive
 from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, fit
-from hysgen.fitting.least_squares import information
-from hysgen.fitting.partition import partition, structure_for
-from hysgen.fitting.rls import recursive_least_squares
+from hysgen.fitting.identify import partition, structure_for
+from hysgen.fitting.least_squares import Weighting, information, recursive_least_squares
 from hysgen.machine.kernels import triangularise
 from hysgen.model.regression import Structure, regression_rows
 from hysgen.model.terms.memory import Memory
@@ -37,7 +36,7 @@ def test_rls_is_equation_10_sample_by_sample(forgetting: float, epsilon: float) 
         K = P @ x / (forgetting + x @ P @ x)
         q = q + K * (y - x @ q)
         P = (np.eye(q.size) - np.outer(K, x)) @ P / forgetting
-    kernel = recursive_least_squares(record, structure, forgetting, 1e4, epsilon)
+    kernel = recursive_least_squares(record, structure, Weighting(forgetting, 1e4, epsilon))
     # The same products in another order: rounding of P, 1e4 * 1e-16, times squared regressors up to 1e4, enters K each
     # of the 600 times, and forgetting lets it grow by 0.995^-600 = 20: 1e-5 in all.
     np.testing.assert_allclose(kernel, q, atol=1e-5, rtol=0)
@@ -48,8 +47,8 @@ def test_rls_is_equation_10_sample_by_sample(forgetting: float, epsilon: float) 
 def test_rls_ends_at_the_batch_optimum_with_prior_one_over_alpha(forgetting: float, epsilon: float) -> None:
     record = lag_record(samples=3000)
     structure = structure_for(record, WITH_MEMORY)
-    recursive = recursive_least_squares(record, structure, forgetting, 1e6, epsilon)
-    batch = information(record, structure, forgetting, 1e6, epsilon).solve()
+    recursive = recursive_least_squares(record, structure, Weighting(forgetting, 1e6, epsilon))
+    batch = information(record, structure, Weighting(forgetting, 1e6, epsilon)).solve()
     regressors, _ = stacked(record, structure)
     # P starts at 1e6, so the recursion carries rounding of 1e6 * 1e-16 of what it has seen: 1e-10 um per um, and its
     # growth over 3000 samples; predictions agree to 1e-6 um, a thousandth of the sensor's resolution.
@@ -63,14 +62,14 @@ def test_batch_is_the_weighted_ridge_optimum(forgetting: float) -> None:
     X, y = stacked(record, structure)
     weight = forgetting ** np.arange(y.size - 1, -1, -1.0)
     prior = forgetting**y.size / 1e2
-    learnt = information(record, structure, forgetting, 1e2, 0.5)
+    batch = information(record, structure, Weighting(forgetting, 1e2, 0.5))
     rows = np.vstack([np.sqrt(weight)[:, None] * X, np.sqrt(prior) * np.eye(X.shape[1])])
     target = np.concatenate([np.sqrt(weight) * y, np.full(X.shape[1], np.sqrt(prior) * 0.5)])
     expected = np.linalg.lstsq(rows, target, rcond=None)[0]
     # Both are backward stable; the solutions differ by the condition of the rows, about 1e6, times 1e-16.
-    np.testing.assert_allclose(learnt.solve(), expected, atol=1e-8 * np.abs(expected).max(), rtol=0)
+    np.testing.assert_allclose(batch.solve(), expected, atol=1e-8 * np.abs(expected).max(), rtol=0)
     away = rows @ expected - target
-    assert learnt.square(expected) == pytest.approx(float(away @ away), rel=1e-9)
+    assert batch.square(expected) == pytest.approx(float(away @ away), rel=1e-9)
 
 
 def test_samples_without_trust_do_not_count_whatever_they_hold() -> None:
@@ -87,9 +86,9 @@ def test_samples_without_trust_do_not_count_whatever_they_hold() -> None:
     rows = np.vstack([X[counted], prior])
     expected = np.linalg.lstsq(rows, np.concatenate([target[counted], np.zeros(len(prior))]), rcond=None)[0]
     scale = np.abs(expected).max()
-    batch = information(spoilt, structure, trust=[trust]).solve()
+    batch = information(spoilt, structure, Weighting(trust=[trust])).solve()
     np.testing.assert_allclose(batch, expected, atol=1e-7 * scale, rtol=0)
-    recursive = recursive_least_squares(spoilt, structure, trust=[trust])
+    recursive = recursive_least_squares(spoilt, structure, Weighting(trust=[trust]))
     np.testing.assert_allclose(X[counted] @ recursive, X[counted] @ expected, atol=1e-6, rtol=0)
 
 
@@ -157,10 +156,11 @@ def test_too_few_samples_for_the_structure_are_refused() -> None:
         fit(record)
 
 
-def test_rls_that_lost_its_covariance_says_so() -> None:
+def test_rls_that_lost_its_covariance_is_refused() -> None:
     # A constant input leaves directions without information, and forgetting blows their covariance up.
     u = np.full(40_000, 30.0)
     y = 5.0 + 1e-3 * np.random.default_rng(0).normal(size=u.size)
     record = Record.from_segments([Segment("0", u, y)], TS_S)
+    structure = structure_for(record, FitSettings(input_range_V=(0.0, 60.0)))
     with pytest.raises(FitError, match="lost its covariance; forget less, or fit in batch"):
-        recursive_least_squares(record, structure_for(record, FitSettings(input_range_V=(0.0, 60.0))), 0.9)
+        recursive_least_squares(record, structure, Weighting(forgetting=0.9))

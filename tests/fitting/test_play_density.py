@@ -50,7 +50,7 @@ def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_
     prepared = measured(scenario("memory", 829))
     smooth = fall(prepared, 829)
     assert smooth > 35.0
-    monkeypatch.setattr(importlib.import_module("hysgen.fitting.free_run"), "ROUGH_SHARE", 0.0)
+    monkeypatch.setattr(importlib.import_module("hysgen.fitting.regularisation"), "ROUGHNESS_SHARE", 0.0)
     assert smooth > 1.5 * fall(prepared, 829)
 
 

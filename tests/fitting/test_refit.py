@@ -12,7 +12,8 @@ from hysgen.cli.verbs.refit import as_before
 from hysgen.codegen import generate, write
 from hysgen.errors import ModelError
 from hysgen.fitting import FitSettings, fit
-from hysgen.fitting.refit import compare, refit
+from hysgen.fitting.compare import compare
+from hysgen.fitting.refit import refit
 from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
 from hysgen.stage import Stage, run

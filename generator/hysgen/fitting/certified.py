@@ -5,9 +5,9 @@ At a fixed displacement and input, gain and slope are linear in the parameters:
     b(y) = sum_l p_l q_l2,     df/dy = sum_l (p_l + y p_l') q_l1 + u p_l' q_l2 + p_l' q_l3
 
 so {|df/dy| <= limit, low <= sign b(y) <= high for all y and u} is convex, and so are the small-gain condition of the
-inverse, N(theta) <= limit sign b(y) with the terms' bound N (`loop_row`), and the signs that terms ask of their slopes.
-Least squares over a convex set has one solution: the best certified model, rather than one that a ridge has pushed
-there. Half-spaces are imposed on a fine grid of displacements and only when violated.
+inverse, N(theta) <= limit sign b(y) with the terms' bound N (`loop_row`), and the signs of slopes that terms require.
+Least squares over a convex set has one solution, the certified model of least error. Half-spaces are imposed on a fine
+grid of displacements, and only those that an iterate violates.
 
 Source of the solver: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23 (LSI to LDP to NNLS).
 """
@@ -34,24 +34,24 @@ POINTS_PER_RULE = 16
 """Displacements between neighbouring centres at which the half-spaces are imposed."""
 
 GAIN_FLOOR, GAIN_CEILING = 0.05, 4.0
-"""The gain may range between these multiples of the gain of a single linear rule."""
+"""Limits of the gain b(y), as multiples of the gain of a single linear rule."""
 
 ROUNDS = 400
-"""Rounds of adding half-spaces: 30 weights of nonlinear terms took up to 120, each sign of a weight being one."""
+"""Most rounds of adding half-spaces; 30 weights of nonlinear terms needed up to 120."""
 
 PIVOTS = 30
-"""Steps of the solver per half-space; its own limit of 3 is too few for 30 weights."""
+"""Most iterations of SciPy's nnls per half-space; its default of 3 is too few for 30 weights."""
 
 VIOLATION = 1e-6
-"""By how much of a limit a half-space may be missed."""
+"""Violation of a half-space that counts as none, as a part of the limit."""
 
 NARROW = 1e-4
-"""How closely the steepest place between the half-spaces is looked for."""
+"""Width of the enclosure of the largest slope between the grid points."""
 
 
 @dataclass(frozen=True)
 class HalfSpaces:
-    """{q: rows q >= floor}; rows (m, p), floor (m,), in units of the limit that each stands for."""
+    """{q: rows q >= floor}; rows (m, p), floor (m,), each scaled by its limit."""
 
     rows: Floats
     floor: Floats
@@ -60,14 +60,14 @@ class HalfSpaces:
         return HalfSpaces(np.vstack([self.rows, other.rows]), np.concatenate([self.floor, other.floor]))
 
     def violated(self, q: Floats, most: int = 24) -> HalfSpaces:
-        """The half-spaces that q lies outside of, the worst `most` of them."""
+        """The half-spaces that q violates, at most the `most` worst."""
         depth = self.floor - self.rows @ q
         worst = np.argsort(-depth, kind="stable")[:most]
         worst = worst[depth[worst] > VIOLATION]
         return HalfSpaces(self.rows[worst], self.floor[worst])
 
     def steps_from(self, q: Floats, size: int) -> HalfSpaces:
-        """The half-spaces of a step away from q, which may have further elements: (size,) in all."""
+        """The half-spaces for a step from q; a step has (size,) elements, of which the first are those of q."""
         rows = np.zeros((self.floor.size, size))
         rows[:, : q.size] = self.rows
         return HalfSpaces(rows, self.floor - self.rows @ q)
@@ -78,7 +78,7 @@ class CertifiedSet:
     """All parameters (p,) of a structure whose gain, slope and small gain stay inside their limits.
 
     gain_um_per_V: gain of a single linear rule, whose sign and size set the limits of b(y).
-    looped: the terms whose bounds count in the small gain.
+    looped: for each term, whether its bound is part of the small-gain condition.
     """
 
     structure: Structure
@@ -91,19 +91,19 @@ class CertifiedSet:
 
     @property
     def invertible(self) -> bool:
-        """Whether the models are to have an inverse too; else they only simulate."""
+        """Whether the set also guarantees an inverse; without it, models are for simulation only."""
         return self.loop_limit < np.inf
 
     def violated(self, q: Floats) -> HalfSpaces:
         """Half-spaces that contain the set but not q; none if q is inside.
 
-        Those on the grid first; if they all hold, the one at the steepest place of all, which may lie between them.
+        First those on the grid. If q satisfies them, the one at the steepest point, which may lie between grid points.
         """
         outside = self.grid.violated(q) + self._loop(q).violated(q)
         return outside if outside.floor.size else self._steepest(q).violated(q)
 
     def _steepest(self, q: Floats) -> HalfSpaces:
-        """|df/dy| <= limit at the place where it is largest."""
+        """|df/dy| <= limit at the point of the largest |df/dy|."""
         s, cut = self.structure, 3 * self.structure.grid.rules
         rules = Model("candidate", 1.0, s.grid, q[:cut].reshape(-1, 3), s.u_min_V, s.u_max_V)
         worst = slope_extremum(rules, narrow=NARROW)
@@ -111,7 +111,7 @@ class CertifiedSet:
         return _slope_limits(s, np.array([worst.y_um]), worst.u_V, self.slope_limit)
 
     def _loop(self, q: Floats) -> HalfSpaces:
-        """row theta <= limit sign b(y), the row that bounds the terms at this theta, at the y of the smallest gain."""
+        """row theta <= limit sign b(y): the `loop_row` of the terms at this theta, at the y of the smallest gain."""
         if not any(self.looped):
             return HalfSpaces(np.zeros((0, q.size)), np.zeros(0))
         cut = 3 * self.structure.grid.rules
@@ -137,9 +137,9 @@ def certified_set(
 ) -> CertifiedSet:
     """The convex set of certified parameters of a structure.
 
-    gain_um_per_V: gain of a single linear rule fitted to the same record. linear_looped: count modes and slow states in
-    the small gain too. Then their zeros are inside the unit circle; without, the set does not limit them.
-    loop_limit: inf for models that need have no inverse.
+    gain_um_per_V: gain of a single linear rule fitted to the same record. linear_looped: include modes and slow
+    states in the small-gain condition, which then bounds their zeros by the unit circle; otherwise the set does not
+    bound them. loop_limit: inf for models for simulation only.
     Raises FitError if the gain is zero.
     """
     if gain_um_per_V == 0.0:
@@ -162,7 +162,7 @@ def certified_set(
 
 @dataclass(frozen=True, eq=False)
 class Inside:
-    """The best x inside a set, and the half-spaces that hold it back: those of a task nearby are much the same."""
+    """The best x inside a set, and its active half-spaces, which are a good start for a similar task."""
 
     x: Floats
     edges: HalfSpaces
@@ -173,39 +173,39 @@ def least_squares_inside(
 ) -> Inside:
     """The x that minimises ||R x - d|| with origin + x inside the set. R: (n, n) upper triangular, regular.
 
-    The set limits the first p elements of x; more may follow. Starts with the half-spaces `edges` (with none by
-    default) and adds those that the solution violates, until none is left; which it starts with changes how soon it
-    ends, not where. Raises FitError if no x does: then the limits contradict each other.
+    The set limits the first p elements of x; further elements are free. Starts with the half-spaces `edges` (default:
+    none) and adds those that the solution violates, until it violates none; `edges` change the number of rounds and not
+    the solution. Raises FitError if there is no solution: the limits contradict each other.
     """
     start = np.zeros(allowed.structure.size) if origin is None else origin
     # With z = R x - d the task is min ||z||, G z >= h, G = rows R^-1, h = floor - G d.
     inverse = np.asarray(solve_triangular(R, np.eye(d.size)))
-    told = HalfSpaces(np.zeros((0, start.size)), np.zeros(0)) if edges is None else edges
+    imposed = HalfSpaces(np.zeros((0, start.size)), np.zeros(0)) if edges is None else edges
     for _ in range(ROUNDS):
-        away = told.steps_from(start, d.size)
+        away = imposed.steps_from(start, d.size)
         G = away.rows @ inverse
-        z, holds = _least_distance(G, away.floor - G @ d)
+        z, active = _least_distance(G, away.floor - G @ d)
         x = np.asarray(solve_triangular(R, z + d))
         violated = allowed.violated(start + x[: start.size])
         if violated.floor.size == 0:
-            return Inside(x, HalfSpaces(told.rows[holds], told.floor[holds]))
-        told = told + violated
+            return Inside(x, HalfSpaces(imposed.rows[active], imposed.floor[active]))
+        imposed = imposed + violated
     raise FitError(
         "no certified model lies near the least-squares fit; choose fewer rules, or allow uncertified models"
     )
 
 
 def _least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """The shortest z with G z >= h, and which of these hold it back: (n,), (m,).
+    """The shortest z with G z >= h, (n,), and which of these constraints are active, (m,).
 
-    From u >= 0 that minimises ||[G'; h'] u - [0; 1]||, with residual r, follows z = -r_1..p / r_p+1; u > 0 where it is
-    held back.
+    With the u >= 0 that minimises ||[G'; h'] u - [0; 1]|| and its residual r, z = -r_1..n / r_n+1; u_i > 0 where
+    constraint i is active.
     """
     if not (h > 0.0).any():
         return np.zeros(G.shape[1]), np.zeros(h.size, dtype=bool)
     length = np.linalg.norm(G, axis=1)
     G, h = G / length[:, None], h / length
-    # The problem is solved in units of its own distance, or the last row would drown or rule the others.
+    # Scaled by the distance, so that the last row of the matrix has the size of the others.
     unit = float(np.abs(h).max())
     target = np.append(np.zeros(G.shape[1]), 1.0)
     matrix = np.vstack([G.T, h / unit])
@@ -220,7 +220,7 @@ def _least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:
-    """What terms say of the sign of their slopes, in units of the gain."""
+    """Signs of slopes that terms require, in units of the gain."""
     rows = rows_of_shaped(structure, lambda term: term.rising()) / gain_um_per_V
     return HalfSpaces(rows, np.zeros(len(rows)))
 

@@ -1,15 +1,12 @@
-"""The error of the free run over a record, and how it changes with the parameters of a model.
+"""The free-run error over a record, with its gradient and Gauss-Newton Hessian in the parameters of a model.
 
     J(x) = sum_k t(k) (yhat(k; x) - y(k))^2 + sum_i kappa_i ||R_i x - d_i||^2
 
     yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),   yhat(0) = y(0)
 
-Quadratic forms in the linear parameters hold what the scored part of a free run leaves open: a little of the one-step
-error as `least_squares` left it, for rules that were visited only while the state settled, the disagreement of the
-rules, and how rough the densities are that terms stand for, see `spread`.
-
-A run depends on the terms through w(k) = theta . phi(k) alone, so a term's weights enter by the columns phi(k), and its
-shape parameters by dw/dshape, taken by central differences. `FreeRunError` keeps what does not change between steps.
+The quadratic penalties hold linear parameters that the scored part of a free run does not determine, see
+`regularisation`. The run depends on the terms through w(k) = theta . phi(k) alone: the derivatives by a term's weights
+are the columns phi(k), those by its shape parameters are dw/dshape, computed by central differences.
 """
 
 from __future__ import annotations
@@ -22,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.fitting.least_squares import Information
-from hysgen.fitting.preferences import roughness, spread
+from hysgen.fitting.regularisation import Penalties, penalties_at
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import FreeRunSums, Rules, free_run_sums
 from hysgen.model.model import Model
@@ -32,29 +29,16 @@ from hysgen.record import Record
 
 Floats = NDArray[np.float64]
 
-ONE_STEP_SHARE = 0.1
-"""Part of the free-run error that the one-step error adds at the start."""
-
-SPREAD_SHARE = 1e-3
-"""Part of the free-run error that rules add which disagree by one step of the grid."""
-
-SPREAD_BESIDE = 1.0
-"""The same beside a term whose weights follow the level of the input: then rules that go ways of their own follow what
-this record has, and leave the next one."""
-
-ROUGH_SHARE = 2.5e-5
-"""Part of the free-run error that a density over the half-widths adds whose curvature is the gain per half range."""
-
-SETTLING_TRUST = 0.03
-"""What a sample counts while the terms' unknown start still shows: enough to hold rules that are visited only then."""
+BURN_IN_TRUST = 0.03
+"""Weight of samples that still depend on the terms' unknown initial state: it holds rules that only they visit."""
 
 SHAPE_STEP = 1e-4
-"""Step of the central differences; shape parameters are logarithms or of that size."""
+"""Step of the central differences; shape parameters are logarithms, or numbers of the order of 1."""
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """J, half its gradient (p,) and the Gauss-Newton half of its second derivative (p, p); rms_um: of the free run."""
+    """J, half its gradient (p,), half its Gauss-Newton Hessian (p, p), and the rms error of the free run."""
 
     value: float
     gradient: Floats
@@ -64,51 +48,37 @@ class Criterion:
 
 @dataclass(frozen=True)
 class FreeRunError:
-    """J over a record.
+    """J over a record, for models of one structure.
 
     trust: weight of each sample, by segment; 0 where it is not scored.
-    shaped: kinds of terms whose shape parameters may move, in the order of the model's terms.
-    held: quadratic forms that hold the linear parameters, with their weights kappa.
-    columns: phi of the terms over each segment; only shape parameters change them.
+    shaped: kinds of terms whose shape parameters are varied, in the order of the model's terms.
+    columns: cache of phi over each segment, which depends on shape parameters only.
     """
 
     record: Record
     drives: tuple[Drive, ...]
     trust: tuple[Floats, ...]
     shaped: frozenset[str] = frozenset()
-    held: tuple[tuple[float, Information], ...] = ()
+    penalties: Penalties = ()
     columns: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(1))
 
-    def held_near(self, model: Model, one_step: Information) -> FreeRunError:
-        """The same error with the forms, weighted by the free-run error of `model`.
-
-        There the one-step error makes up ONE_STEP_SHARE of it, rules that disagree by a step of the grid SPREAD_SHARE
-        (SPREAD_BESIDE where a term follows the level), and densities as rough as the gain ROUGH_SHARE.
-        """
-        free, single = self.sums(model).square_um2, one_step.square(model.parameters)
-        structure = structure_of(model)
-        rough = roughness(structure)
-        share = SPREAD_BESIDE if len(rough.R) else SPREAD_SHARE
-        forms = [(share * free / model.grid.step_um**2, spread(structure))]
-        if len(rough.R):
-            forms.append((ROUGH_SHARE * free / float(np.mean(model.consequents[:, 1])) ** 2, rough))
-        if single > 0.0:
-            forms.append((ONE_STEP_SHARE * free / single, one_step))
-        return dataclasses.replace(self, held=tuple(forms))
+    def penalised(self, model: Model, one_step: Information) -> FreeRunError:
+        """The same error with penalties, scaled by the free-run error of `model`."""
+        return dataclasses.replace(self, penalties=penalties_at(model, self.sums(model).square_um2, one_step))
 
     def criterion(self, model: Model) -> Criterion:
-        """J and its derivatives at a model; x holds model.parameters and then the shapes of the `shaped` terms."""
+        """J and its derivatives at a model; x is model.parameters followed by the shapes of the `shaped` terms."""
         sums = self.sums(model)
         value, gradient, hessian = sums.square_um2, sums.gradient, sums.hessian
         size = model.parameters.size
-        for kappa, form in self.held:
+        for kappa, form in self.penalties:
             value += kappa * form.square(model.parameters)
             gradient[:size] += kappa * form.R.T @ (form.R @ model.parameters - form.d)
             hessian[:size, :size] += kappa * form.R.T @ form.R
         return Criterion(value, gradient, hessian, sums.rms_um)
 
     def sums(self, model: Model) -> FreeRunSums:
-        """The free run's own sums over all segments."""
+        """Sums over the free run of all segments, without the penalties."""
         rules = Rules(structure_of(model).range_um, model.consequents)
         columns = self.columns.get(model.terms, lambda: [term_regressors(model.terms, drive) for drive in self.drives])
         total: FreeRunSums | None = None
@@ -120,7 +90,7 @@ class FreeRunError:
         return total
 
     def moved(self, model: Model, step: Floats) -> Model:
-        """`model` with x changed by `step`; shapes stay between their bounds."""
+        """`model` at x + step; shape parameters are clipped to their bounds."""
         size = model.parameters.size
         parameters = model.parameters + step[:size]
         terms, at = [], size
@@ -138,7 +108,7 @@ class FreeRunError:
         return term.shape_bounds(longest)
 
     def _shape_columns(self, model: Model, drive: Drive) -> list[Floats]:
-        """dw/dshape, one (n,) column per shape parameter that may move."""
+        """dw/dshape, one (n,) column per varied shape parameter."""
         columns, start = [], 0
         for term in model.terms:
             theta = model.weights[start : start + term.size]
@@ -164,10 +134,10 @@ def free_run_error(
     starts: Starts | None = None,
     shaped: Sequence[str] = (),
 ) -> FreeRunError:
-    """The error over a record of models with this structure.
+    """The free-run error over a record for models with this structure.
 
-    settle: samples at the start of each segment that are not scored. None: until the terms have forgotten how they
-    started, but at most a quarter of the segment, samples count only SETTLING_TRUST.
+    settle: burn-in in samples, not scored. None: samples have the weight BURN_IN_TRUST until the terms no longer depend
+    on their initial state, but at most for a quarter of the segment. shaped: kinds whose shape parameters are varied.
     """
     drives = drives_of(record, structure, starts)
     weights = []
@@ -176,8 +146,8 @@ def free_run_error(
         if settle is not None:
             scored[:settle] = 0.0
         else:
-            # A term that never forgets must not silence the record.
+            # At most a quarter: a term that keeps its initial state for ever must not take the weight of all samples.
             forgotten = max((term.settled(drive) for term in structure.terms), default=0)
-            scored[: min(forgotten, drive.u_V.size // 4)] *= SETTLING_TRUST
+            scored[: min(forgotten, drive.u_V.size // 4)] *= BURN_IN_TRUST
         weights.append(scored)
     return FreeRunError(record, tuple(drives), tuple(weights), frozenset(shaped))

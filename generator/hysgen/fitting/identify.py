@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
+from hysgen.errors import FitError
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fitting.free_run import free_run_error
-from hysgen.fitting.least_squares import Information, information
-from hysgen.fitting.partition import structure_for
+from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
 from hysgen.fitting.refine import Progress, refine
-from hysgen.fitting.rls import recursive_least_squares
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine.threads import one_blas_thread
-from hysgen.model.model import Model
+from hysgen.model.model import Grid, Model
 from hysgen.model.regression import Starts, Structure, Trust
 from hysgen.model.terms import past_input
 from hysgen.record import Record
@@ -32,52 +32,59 @@ def fit(
     starts: Starts | None = None,
     progress: Progress | None = None,
 ) -> Model:
-    """Fit a model to a record as `settings` say (default: FitSettings()).
+    """Fit a model to a record with `settings` (default: FitSettings()).
 
-    trust: how much each sample counts, one array per segment; 0 leaves it out (outliers).
+    trust: weight of each sample, one array per segment; 0 excludes a sample (outliers).
     starts: states of the terms before each segment, where they are known.
-    progress: told the fraction done and one line, now and then.
+    progress: called with the fraction done and one line of text after each step.
 
-    The model carries its history (settings, record, what the fit did) and its certificates.
+    The model contains its history (settings, record, outcome of the fit) and its certificates.
     Raises FitError, ModelError or RecordError with one line.
     """
     chosen = settings or FitSettings()
     structure = structure_for(record, chosen)
-    solver = (chosen.forgetting, chosen.alpha, chosen.epsilon, trust, starts)
+    weighting = chosen.weighting(trust, starts)
     if chosen.method == "rls":
-        model = _model(record, chosen, structure, recursive_least_squares(record, structure, *solver))
-        return _finished(model, record, chosen, {})
-    learnt = information(record, structure, *solver)
-    allowed = allowed_set(record, structure, chosen, learnt)
-    fitted = _inside(record, chosen, structure, learnt, allowed, trust, starts, progress)
-    astray = allowed is not None and allowed.invertible and not all(allowed.looped)
-    if astray and not certify(fitted[0]).inverse_holds:
-        # Zeros of modes and slow states form no convex set: where they go astray, ask for a smaller one that does.
-        allowed = allowed_set(record, structure, chosen, learnt, linear_looped=True)
-        fitted = _inside(record, chosen, structure, learnt, allowed, trust, starts, progress)
-    return _finished(fitted[0], record, chosen, fitted[1])
+        model = _model(record, chosen, structure, recursive_least_squares(record, structure, weighting))
+        return _with_history(model, record, chosen, {})
+    task = _Task(record, chosen, structure, weighting, information(record, structure, weighting))
+    allowed = allowed_set(record, structure, chosen, task.one_step)
+    model, outcome = _best_inside(task, allowed, progress)
+    zeros_unlimited = allowed is not None and allowed.invertible and not all(allowed.looped)
+    if zeros_unlimited and not certify(model).inverse_holds:
+        # The zeros of modes and slow states form no convex set. A smaller set that is convex bounds them.
+        allowed = allowed_set(record, structure, chosen, task.one_step, linear_looped=True)
+        model, outcome = _best_inside(task, allowed, progress)
+    return _with_history(model, record, chosen, outcome)
 
 
-def _inside(
-    record: Record,
-    chosen: FitSettings,
-    structure: Structure,
-    learnt: Information,
-    allowed: CertifiedSet | None,
-    trust: Trust | None,
-    starts: Starts | None,
-    progress: Progress | None,
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """A fit by least squares; one_step: the square-root information of the record."""
+
+    record: Record
+    settings: FitSettings
+    structure: Structure
+    weighting: Weighting
+    one_step: Information
+
+
+def _best_inside(
+    task: _Task, allowed: CertifiedSet | None, progress: Progress | None
 ) -> tuple[Model, dict[str, object]]:
-    """The model with least error inside the set, and what the fit did."""
-    start = learnt.solve() if allowed is None else least_squares_inside(learnt.R, learnt.d, allowed).x
-    model = _model(record, chosen, structure, start)
+    """The model of least error in the set `allowed`, and the outcome for its history."""
+    one_step, settings = task.one_step, task.settings
+    start = one_step.solve() if allowed is None else least_squares_inside(one_step.R, one_step.d, allowed).x
+    model = _model(task.record, settings, task.structure, start)
     outcome: dict[str, object] = {}
     if allowed is not None:
-        outcome["least_squares_certified"] = allowed.violated(learnt.solve()).floor.size == 0
-    if chosen.method == "refined":
-        error = free_run_error(record, structure, chosen.settle, trust, starts).held_near(model, learnt)
+        outcome["least_squares_certified"] = allowed.violated(one_step.solve()).floor.size == 0
+    if settings.method == "refined":
+        trust, starts = task.weighting.trust, task.weighting.starts
+        error = free_run_error(task.record, task.structure, settings.settle, trust, starts)
+        error = error.penalised(model, one_step)
         before = error.criterion(model)
-        refined = refine(model, error, allowed, chosen.iterations, progress)
+        refined = refine(model, error, allowed, settings.iterations, progress)
         model = refined.model
         outcome |= {
             "steps": refined.steps,
@@ -88,40 +95,73 @@ def _inside(
 
 
 def allowed_set(
-    record: Record, structure: Structure, settings: FitSettings, learnt: Information, linear_looped: bool = False
+    record: Record, structure: Structure, settings: FitSettings, one_step: Information, linear_looped: bool = False
 ) -> CertifiedSet | None:
-    """The set that a fit has to stay in; None if the settings do not ask for certificates."""
+    """The set of certified parameters that a fit stays in; None if the settings require no certificates.
+
+    linear_looped: as for `certified_set`.
+    """
     if not settings.certified:
         return None
-    gain_um_per_V = linear_gain(structure, learnt, record.Ts_s)
+    gain_um_per_V = linear_gain(structure, one_step, record.Ts_s)
     return certified_set(
         structure, record.Ts_s, gain_um_per_V, settings.slope_limit, settings.loop_limit, linear_looped
     )
 
 
-def linear_gain(structure: Structure, learnt: Information, Ts_s: float) -> float:
-    """Gain b in um/V of the least-squares model in which all rules are one: y(k+1) = a y + b u + c + theta . phi.
+def linear_gain(structure: Structure, one_step: Information, Ts_s: float) -> float:
+    """Gain b in um/V of the least-squares model with one rule, y(k+1) = a y(k) + b u(k) + c + theta . phi(k).
 
-    Without the regressors that are the past input: they would leave even the sign of b to how the samples fall. A mode
-    can take nearly all of b to itself, or turn its sign if it is missing: of b with and without the linear terms, the
-    larger that has the sign of the static slope s in y = s u + c.
+    Regressors that are functions of u(k-1) alone are left out: with them, noise decides the sign of b. A mode in phi
+    can reduce b to nearly 0, and a missing mode can turn its sign. Of b with and without the linear terms, the result
+    is therefore the larger one that has the sign of the static slope s in y = s u + c.
     """
     rules, terms = structure.grid.rules, structure.terms
     one = np.zeros((structure.size, 3))
     one[: 3 * rules] = np.tile(np.eye(3), (rules, 1))
-    slope_um_per_V = _tied(learnt, one[:, 1:])[0]
+    slope_um_per_V = _tied(one_step, one[:, 1:])[0]
     gains = []
     for linear in (True, False):
         kept = [~past_input(term) & (linear or term.linear(Ts_s) is None) for term in terms]
         phi = np.eye(structure.size)[:, 3 * rules :] * np.concatenate([np.zeros(0), *kept])
-        gains.append(float(_tied(learnt, np.hstack([one, phi]))[1]))
+        gains.append(float(_tied(one_step, np.hstack([one, phi]))[1]))
     return max((b for b in gains if b * slope_um_per_V > 0.0), key=abs, default=gains[0])
 
 
-def _tied(learnt: Information, tied: Floats) -> Floats:
-    """(m,) least squares over parameters that follow from fewer, q = tied x; tied (p, m)."""
-    solution, *_ = np.linalg.lstsq(learnt.R @ tied, learnt.d, rcond=None)
+def _tied(one_step: Information, tied: Floats) -> Floats:
+    """(m,) least-squares x under the constraint q = tied x; tied: (p, m)."""
+    solution, *_ = np.linalg.lstsq(one_step.R @ tied, one_step.d, rcond=None)
     return np.asarray(solution)
+
+
+def partition(record: Record, rules: int, margin: float = 0.0, at_least_um: tuple[float, float] | None = None) -> Grid:
+    """Antecedent, Eqs (6) and (7): L rules, uniform over the range of y in all segments.
+
+    at_least_um: a range that the grid contains in any case. margin: part of the range added at each end.
+    Raises ModelError if the displacement is constant or the number of rules is not supported.
+    """
+    low, high = record.y_range_um
+    if at_least_um is not None:
+        low, high = min(low, at_least_um[0]), max(high, at_least_um[1])
+    wider = margin * (high - low)
+    return Grid(low - wider, high + wider, rules)
+
+
+def structure_for(record: Record, settings: FitSettings) -> Structure:
+    """The structure that `settings` define for this record: partition, input range, terms and blocks.
+
+    Raises FitError if the record holds fewer pairs of samples than the structure has parameters.
+    """
+    u_min_V, u_max_V = settings.input_range_V or record.u_range_V
+    grid = partition(record, settings.rules, settings.margin, settings.displacement_range_um)
+    structure = Structure(grid, u_min_V, u_max_V, settings.terms, settings.blocks)
+    pairs = record.samples - len(record.segments)
+    if pairs < structure.size:
+        raise FitError(
+            f"{record.source}: {pairs} pairs of samples cannot determine {structure.size} parameters; "
+            "choose fewer rules or terms, or record longer"
+        )
+    return structure
 
 
 def _model(record: Record, settings: FitSettings, structure: Structure, parameters: Floats) -> Model:
@@ -139,7 +179,7 @@ def _model(record: Record, settings: FitSettings, structure: Structure, paramete
     )
 
 
-def _finished(model: Model, record: Record, settings: FitSettings, outcome: dict[str, object]) -> Model:
+def _with_history(model: Model, record: Record, settings: FitSettings, outcome: dict[str, object]) -> Model:
     history = {
         "fit": settings.to_json(),
         "outcome": outcome,

@@ -1,9 +1,8 @@
-"""Where the terms stood before a record: the one unknown past of each segment, from the free run.
+"""Initial states of the terms of each segment, estimated from the measured displacement.
 
-A term with a memory of the input's past (play operators) starts a simulation from a state that no column of the record
-holds. What remains of a past that ended its swings at a voltage c is one number, see `Memory.remembering`; here c is
-the one that makes the free run over a segment best. It is estimated from the measured displacement, so a score with it
-has looked at the segment once, for one number.
+The state of play operators before sample 0 depends on inputs before the record. It is described by one number per
+segment, the last turning point c of the input in V (see `Memory.remembering`). The estimate of c minimises the free-run
+error over the segment; a score that uses it therefore has one parameter fitted to the scored segment.
 """
 
 from __future__ import annotations
@@ -25,20 +24,20 @@ from hysgen.record import Record, Segment
 Floats = NDArray[np.float64]
 
 CANDIDATES = 41
-"""Voltages tried, over three times the record's range, before the best is refined: the error has several valleys."""
+"""Voltages on the coarse grid, over three times the record's range: the error has several local minima in c."""
 
 
 @runtime_checkable
 class Remembering(Protocol):
-    """A term that can say how it stands after turns of the input."""
+    """A term whose state is a function of the past turning points of the input."""
 
     def remembering(self, past_V: Sequence[float], u_V: float) -> Floats:
-        """State after an input that turned at each of past_V and then went to u_V."""
+        """State after an input with the turning points past_V that ended at u_V."""
         ...
 
 
 def estimate_starts(model: Model, record: Record) -> Starts:
-    """For each segment the states of the remembering terms that make its free run best; empty if there are none."""
+    """For each segment the initial states of least free-run error, by kind; empty without `Remembering` terms."""
     terms = [term for term in model.terms if isinstance(term, Remembering)]
     return [_best(model, record, segment, terms) if terms else {} for segment in record.segments]
 

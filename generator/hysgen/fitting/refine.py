@@ -3,11 +3,11 @@
     min over x of  J(x) = sum_k t(k) (yhat(k; x) - y(k))^2,   yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),  yhat(0) = y(0)
 
 A step d minimises g'd + d'H d/2 + mu d'D d/2 with H = sum t S S', g = sum t S e from exact sensitivities S (Levenberg
-and Marquardt: D = diag H, mu grows until J falls), subject to the half-spaces of `certified`. Only steps that lower J
-and keep every certificate that held are taken. J holds more than the free run, which rises at times on the way to a
-lower one: by up to a tenth of what it was at the start. If it ends above the start, the way is gone again without such
-steps, so the result is never worse than the start.
-x holds the linear parameters; shape parameters of terms may follow.
+and Marquardt: D = diag H, mu grows until J falls), subject to the half-spaces of `certified`. A step is accepted if it
+lowers J and keeps every certificate that held. J also contains penalties, so the free-run error may rise between steps,
+by at most a tenth of its value at the start. If it ends above the start, the refinement is repeated with no rise
+allowed: the result is never worse than the start.
+x: the linear parameters, possibly followed by shape parameters of terms.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ Progress = Callable[[float, str], None]
 
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e7
 MOST_WORSE = 1.1
-"""What the free-run error may grow to on the way, as a multiple of that at the start."""
-ENOUGH = 1e-6
+"""Largest free-run error between start and result, as a multiple of the error at the start."""
+LEAST_FALL = 1e-6
 """Relative fall of J below which the refinement ends."""
 
 
 @dataclass(frozen=True)
 class Refined:
-    """The refined model, the criterion there, and how many steps were taken."""
+    """The refined model, its criterion, and the number of accepted steps."""
 
     model: Model
     criterion: Criterion
@@ -50,34 +50,38 @@ def refine(
     iterations: int = 40,
     progress: Progress | None = None,
 ) -> Refined:
-    """Lower the free-run error of `model` until it stops falling.
+    """Minimise J from `model` on.
 
-    error: the error to lower, over its record. allowed: the set to stay in, or None for no restriction at all.
-    progress: told the fraction done and one line, once per step.
+    allowed: the set of certified parameters to stay in, or None for no constraint. iterations: largest number of steps.
+    progress: called with the fraction done and one line of text after each step.
     """
+    task = _Task(error, allowed, iterations, progress)
     start = error.criterion(model)
-    refined = _descended(model, start, MOST_WORSE, error, allowed, iterations, progress)
+    refined = _descend(task, model, start, MOST_WORSE)
     if refined.criterion.rms_um > start.rms_um:
-        refined = _descended(model, start, 1.0, error, allowed, iterations, progress)
+        refined = _descend(task, model, start, 1.0)
     return refined
 
 
-def _descended(
-    model: Model,
-    start: Criterion,
-    most_worse: float,
-    error: FreeRunError,
-    allowed: CertifiedSet | None,
-    iterations: int,
-    progress: Progress | None,
-) -> Refined:
-    """Steps from `model`, whose criterion is `start`; the free run stays below `most_worse` times what it is there."""
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """The arguments of `refine` that do not change between its steps."""
+
+    error: FreeRunError
+    allowed: CertifiedSet | None
+    iterations: int
+    progress: Progress | None
+
+
+def _descend(task: _Task, model: Model, start: Criterion, most_worse: float) -> Refined:
+    """Steps from `model`, whose criterion is `start`; the free-run error stays below `most_worse` times the start's."""
+    error, allowed = task.error, task.allowed
     now = start
     held = _holding(model, allowed)
     damping = FIRST_DAMPING
     edges: HalfSpaces | None = None
     steps = 0
-    for iteration in range(iterations):
+    for iteration in range(task.iterations):
         moved: tuple[Model, Criterion] | None = None
         while moved is None and damping <= MOST_DAMPING:
             step, edges = _step(now, damping, allowed, model.parameters, edges)
@@ -94,9 +98,9 @@ def _descended(
         model, now = moved
         damping = max(damping / 10.0, LEAST_DAMPING)
         steps += 1
-        if progress is not None:
-            progress((iteration + 1) / iterations, f"free run {now.rms_um:.4g} um rms after {steps} steps")
-        if fall < ENOUGH:
+        if task.progress is not None:
+            task.progress((iteration + 1) / task.iterations, f"free run {now.rms_um:.4g} um rms after {steps} steps")
+        if fall < LEAST_FALL:
             break
     return Refined(model, now, steps)
 
@@ -104,9 +108,9 @@ def _descended(
 def _step(
     now: Criterion, damping: float, allowed: CertifiedSet | None, parameters: Floats, edges: HalfSpaces | None
 ) -> tuple[Floats, HalfSpaces | None]:
-    """d = -(H + mu D)^-1 g, inside the set; a parameter that the run does not depend on stays where it is.
+    """d = -(H + mu D)^-1 g, constrained to the set; 0 for a parameter that the run does not depend on.
 
-    edges: the half-spaces that held the last step back; those that hold this one are returned beside it.
+    edges: active half-spaces of the last step. Returns d and the active half-spaces of d.
     """
     scale = np.sqrt(np.diag(now.hessian))
     scale[scale == 0.0] = 1.0
@@ -120,7 +124,7 @@ def _step(
 
 
 def _holding(model: Model, allowed: CertifiedSet | None) -> tuple[bool, ...]:
-    """Which of the certificates that the set is about hold for a model; without a set there are none."""
+    """Which certificates of the set hold for a model: gain, contraction, inverse; () without a set."""
     if allowed is None:
         return ()
     found = certify(model)
@@ -128,5 +132,5 @@ def _holding(model: Model, allowed: CertifiedSet | None) -> tuple[bool, ...]:
 
 
 def _keeps(before: tuple[bool, ...], now: tuple[bool, ...]) -> bool:
-    """Whether everything that held before holds now."""
+    """Whether every certificate that held before holds now."""
     return all(new >= old for old, new in zip(before, now, strict=True))

@@ -1,4 +1,4 @@
-"""What a fit is asked for."""
+"""Settings of a fit."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from hysgen.errors import FitError
+from hysgen.fitting.least_squares import Weighting
 from hysgen.model.path import InputBlock
+from hysgen.model.regression import Starts, Trust
 from hysgen.model.terms import Term
 
 Method = Literal["rls", "batch", "refined"]
@@ -15,23 +17,23 @@ Method = Literal["rls", "batch", "refined"]
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How a model is fitted to a record; the defaults are the paper's where it has them (section 4.1).
+    """How a model is fitted to a record; defaults are the paper's where it states them (section 4.1).
 
     name: the model's name, which prefixes its C functions. rules: L.
-    method: "rls", Eq. (10) as printed; "batch", the least-squares optimum that it converges to; "refined", from there
-    on Gauss-Newton steps through the simulation, which minimise the free-run error.
+    method: "rls", Eq. (10) as printed; "batch", the least-squares optimum that Eq. (10) converges to; "refined", the
+    batch optimum followed by Gauss-Newton steps through the simulation, which minimise the free-run error.
     forgetting: lambda; alpha: P(0) = alpha I, i.e. a prior of weight 1/alpha; epsilon: q(0) = epsilon [1, 1, ...].
     margin: part of the displacement range added to the grid at each end; the paper's is 0.
-    input_range_V: for which the model is to answer; None: what the record holds.
-    displacement_range_um: that the grid covers in any case; None: what the record holds.
-    terms: extension terms, fitted together with the rules. blocks: what the input passes through before the stage.
-    settle: samples at the start of each segment that are simulated but not scored in the refinement, because the state
-    of the terms before the record is unknown; None: until the terms have forgotten it, but at most a quarter of the
-    segment, samples count a little (see `free_run`).
-    certified: keep "batch" and "refined" inside the set of models whose certificates hold; "rls" is never touched.
-    slope_limit: the largest |df/dy| allowed then. loop_limit: the largest loop gain of the terms around the inverse; a
-    learner that is to commit needs room below 1; inf: the model is to simulate and need have no inverse.
-    iterations: most Gauss-Newton steps.
+    input_range_V: inputs that the model is valid for; None: the range in the record.
+    displacement_range_um: displacements that the grid covers in any case; None: the range in the record.
+    terms: additive terms, fitted together with the rules. blocks: input blocks between the command and the stage.
+    settle: burn-in, the samples at the start of each segment that are simulated but not scored in the refinement,
+    because the state of the terms before the record is unknown; None: samples have a reduced weight until the terms no
+    longer depend on that state, but at most for a quarter of the segment (see `free_run`).
+    certified: constrain "batch" and "refined" to the set of models whose certificates hold; "rls" is not constrained.
+    slope_limit: the largest |df/dy| in that set. loop_limit: its largest loop gain of the terms around the inverse; a
+    learner that commits needs a margin below 1; inf: a model for simulation only, which need not have an inverse.
+    iterations: largest number of Gauss-Newton steps.
 
     Raises FitError naming the field if a value is out of its domain.
     """
@@ -66,8 +68,12 @@ class FitSettings:
         _demand(self.iterations >= 1, "iterations", self.iterations, "at least 1")
         _demand(self.settle is None or self.settle >= 0, "settle", self.settle or 0, "at least 0 samples")
 
+    def weighting(self, trust: Trust | None, starts: Starts | None) -> Weighting:
+        """Forgetting and prior of these settings, with the weights of samples and the initial states of a record."""
+        return Weighting(self.forgetting, self.alpha, self.epsilon, trust, starts)
+
     def to_json(self) -> dict[str, Any]:
-        """Plain JSON values; terms and blocks stand in the model itself."""
+        """Plain JSON values; without terms and blocks, which the model itself contains."""
         return {
             "method": self.method,
             "rules": self.rules,

@@ -1,14 +1,13 @@
-"""Shape parameters of terms (thresholds, time constants, frequencies) from the free-run error, with their uncertainty.
+"""Shape parameters of terms (thresholds, time constants, frequencies) by least free-run error, with their uncertainty.
 
-The same Gauss-Newton as for the linear parameters, with the columns dw/dshape beside them (see `free_run`), so shape
-and weights move together. The model is fitted with the given shape first; from there on only steps that lower the error
-and keep the certificates are taken.
+Gauss-Newton over weights and shape parameters together, with the columns dw/dshape (see `free_run`). The model is first
+fitted with the given shapes; a step is accepted if it lowers the error and keeps the certificates.
 
     cov(x) = s^2 tau H^-1,   s^2 = J/N,   tau = 1 + 2 sum_m rho(m)
 
-H = sum S S' at the end. The residuals of a free run are correlated, which a plain s^2 H^-1 ignores: tau, their
-autocorrelation time, widens it. Source: Ljung, System Identification (1999), sections 9.2 and 10.2; Geyer, Statistical
-Science 7 (1992) 473-483, for the sum over the initial positive pairs of rho.
+with H = sum S S' at the optimum. The residuals of a free run are correlated; s^2 H^-1 alone holds for independent
+residuals, and the autocorrelation time tau corrects it. Source: Ljung, System Identification (1999), sections 9.2 and
+10.2; Geyer, Statistical Science 7 (1992) 473-483, for the sum over the initial positive pairs of rho.
 """
 
 from __future__ import annotations
@@ -24,9 +23,8 @@ from scipy.linalg import pinvh
 from hysgen.certify.certificates import certify
 from hysgen.errors import FitError
 from hysgen.fitting.free_run import Criterion, FreeRunError, free_run_error
-from hysgen.fitting.identify import allowed_set, fit
+from hysgen.fitting.identify import allowed_set, fit, structure_for
 from hysgen.fitting.least_squares import information
-from hysgen.fitting.partition import structure_for
 from hysgen.fitting.refine import Progress, refine
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine import kernels
@@ -40,9 +38,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ShapeFit:
-    """The refined model, and for each kind its shape parameters with their standard deviations, (m,) each.
+    """The refined model, and for each kind its shape parameters and their standard deviations, (m,) each.
 
-    correlation: autocorrelation time of the free-run residuals in samples. rms_um: over the scored samples.
+    correlation: autocorrelation time tau of the free-run residuals in samples. rms_um: over the scored samples.
     """
 
     model: Model
@@ -63,16 +61,17 @@ def fit_shape(
 ) -> ShapeFit:
     """Fit a model with its terms as in `settings`, then refine its parameters together with the shapes of `kinds`.
 
-    Local: start from shapes near the right ones. Raises FitError if a kind is not among the terms or has no shape.
+    The search is local: the shapes in `settings` must be near the optimum.
+    Raises FitError if a kind is not among the terms or has no shape parameters.
     """
     for kind in kinds:
         if not any(term.kind == kind and term.shape().size for term in settings.terms):
             raise FitError(f"shape: the model has no term {kind!r} with shape parameters; add it to the terms")
     start = fit(record, dataclasses.replace(settings, method="batch"), trust, starts)
     structure = structure_for(record, settings)
-    prior = (settings.forgetting, settings.alpha, settings.epsilon)
-    allowed = allowed_set(record, structure, settings, information(record, structure, *prior, trust, starts))
-    # Not anchored: the one-step error was taken at the first shape, and would hold the weights back as the shape moves.
+    one_step = information(record, structure, settings.weighting(trust, starts))
+    allowed = allowed_set(record, structure, settings, one_step)
+    # Without penalties: the one-step information belongs to the initial shape and would bias the weights of another.
     error = free_run_error(record, structure, settings.settle, trust, starts, kinds)
     refined = refine(start, error, allowed, settings.iterations, progress)
     correlation = correlation_time(residuals(refined.model, error))
@@ -92,7 +91,7 @@ def fit_shape(
 
 
 def residuals(model: Model, error: FreeRunError) -> list[Floats]:
-    """Free-run errors yhat - y of the scored samples, each times the root of its weight, segment by segment."""
+    """Free-run errors yhat - y of the scored samples times sqrt(weight), one array per segment."""
     rules = Rules(structure_of(model).range_um, model.consequents)
     found = []
     for segment, drive, trust in zip(error.record.segments, error.drives, error.trust, strict=True):
@@ -103,9 +102,9 @@ def residuals(model: Model, error: FreeRunError) -> list[Floats]:
 
 
 def correlation_time(series: Sequence[Floats]) -> float:
-    """tau = 1 + 2 sum_m rho(m) in samples, at least 1, over as many lags as pairs of neighbours stay positive.
+    """tau = 1 + 2 sum_m rho(m) in samples, at least 1, summed as long as rho(2m) + rho(2m + 1) is positive.
 
-    rho is the autocorrelation of all series pooled, about zero mean, for a bias is an error too.
+    rho: autocorrelation pooled over all series, about zero and not about the mean, because a bias is an error too.
     """
     longest = max((part.size for part in series), default=0)
     if longest < 4:
@@ -124,10 +123,10 @@ def correlation_time(series: Sequence[Floats]) -> float:
 
 
 def _deviations(criterion: Criterion, correlation: float) -> Floats:
-    """Standard deviations of x; infinite for parameters that the run does not depend on."""
+    """(p,) standard deviations of x; infinite for parameters that the run does not depend on."""
     scale = np.sqrt(np.diag(criterion.hessian))
-    told = scale > 0.0
-    unit = np.where(told, scale, 1.0)
+    determined = scale > 0.0
+    unit = np.where(determined, scale, 1.0)
     covariance = pinvh(criterion.hessian / np.outer(unit, unit))
     variance = criterion.rms_um**2 * correlation * np.clip(np.diag(covariance), 0.0, None) / unit**2
-    return np.where(told, np.sqrt(variance), np.inf)
+    return np.where(determined, np.sqrt(variance), np.inf)

@@ -7,7 +7,7 @@ import argparse
 from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, read_records
 from hysgen.display import table
-from hysgen.fitting.refit import Comparison, compare
+from hysgen.fitting.compare import Comparison, compare
 from hysgen.model.file import load_model
 
 

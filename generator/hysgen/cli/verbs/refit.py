@@ -26,7 +26,8 @@ from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.study import study
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
-from hysgen.fitting.refit import compare, refit, restricted_as, structure_fits
+from hysgen.fitting.compare import compare
+from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.record import Record

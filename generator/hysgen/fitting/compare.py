@@ -1,0 +1,137 @@
+"""Differences between two models of one structure: physical properties, rules, and errors on the same records."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hysgen.certify.dynamics import SAMPLES_PER_PERIOD, loop, rest_line
+from hysgen.errors import ModelError
+from hysgen.model.model import Model
+from hysgen.model.scores import score
+from hysgen.record import Record
+
+SLOW, FAST = 0.01, 0.3
+"""Frequencies of the compared loops, relative to the corner frequency of the old model's lag."""
+
+LEVELS = 9
+"""Voltages over the input range at which the rest lines are compared."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A property of two models, in its unit."""
+
+    what: str
+    unit: str
+    old: float
+    new: float
+
+    @property
+    def percent(self) -> float | None:
+        """Relative change in percent, None where the old value is zero."""
+        return 100.0 * (self.new - self.old) / abs(self.old) if self.old else None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Differences between two models.
+
+    centres_um: centre of each rule in the old and in the new model; rules: change of q1, q2, q3 of each.
+    scores: for each record (source, free-run rms of the old model, of the new one) in um.
+    """
+
+    old: str
+    new: str
+    changes: tuple[Change, ...]
+    centres_um: tuple[tuple[float, float], ...]
+    rules: tuple[tuple[float, float, float], ...]
+    scores: tuple[tuple[str, float, float], ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "old": self.old,
+            "new": self.new,
+            "changes": [dataclasses.asdict(change) | {"percent": change.percent} for change in self.changes],
+            "centres_um": [list(pair) for pair in self.centres_um],
+            "rules_change": [list(rule) for rule in self.rules],
+            "free_run_rms_um": [{"record": s, "old": before, "new": after} for s, before, after in self.scores],
+        }
+
+
+def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Comparison:
+    """The changes from `old` to `new`, and the free-run errors of both on every record.
+
+    Raises ModelError if the structures differ.
+    """
+    if _shape(old) != _shape(new):
+        raise ModelError(
+            f"{old.name} and {new.name}: structures differ ({_structure(old)} against {_structure(new)}); "
+            "score both on one record instead"
+        )
+    loops_Hz = _loop_frequencies(old)
+    changes = [
+        Change("displacement, low end", "um", old.grid.y_min_um, new.grid.y_min_um),
+        Change("displacement, high end", "um", old.grid.y_max_um, new.grid.y_max_um),
+    ]
+    changes += [
+        Change(what, unit, before, after)
+        for (what, unit, before), (_, _, after) in zip(_physics(old, loops_Hz), _physics(new, loops_Hz), strict=True)
+    ]
+    moved = new.consequents - old.consequents
+    scores = [
+        (record.source, score(old, record).free_run.e_rms_um, score(new, record).free_run.e_rms_um)
+        for record in records
+    ]
+    centres = zip(old.grid.centres_um.tolist(), new.grid.centres_um.tolist(), strict=True)
+    rules = tuple((a, b, c) for a, b, c in moved.tolist())
+    return Comparison(old.name, new.name, tuple(changes), tuple(centres), rules, tuple(scores))
+
+
+def _physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, float]]:
+    """(property, unit, value): gain and time constant at mid-range, rest line at the ends, loops, weights of terms."""
+    low_V, high_V = model.u_min_V, model.u_max_V
+    rests = rest_line(model, np.linspace(low_V, high_V, LEVELS))
+    middle, amplitude_V = rests[LEVELS // 2], 0.45 * (high_V - low_V)
+    found = [
+        ("DC gain, mid-range", "um/V", middle.gain_um_per_V),
+        ("time constant, mid-range", "ms", 1e3 * (middle.tau_s or 0.0)),
+        ("at rest at the lowest input", "um", rests[0].y_um),
+        ("at rest at the highest input", "um", rests[-1].y_um),
+    ]
+    for f_Hz in loops_Hz:
+        closed = loop(model, f_Hz, 0.5 * (low_V + high_V), amplitude_V)
+        # The area is the integral of the opening over the input's 2 A.
+        found.append((f"loop width at {f_Hz:.3g} Hz, mean", "um", closed.area_umV / (2.0 * amplitude_V)))
+        found.append((f"gain at {f_Hz:.3g} Hz", "um/V", closed.span_um / (2.0 * amplitude_V)))
+    start = 0
+    for term in model.terms:
+        weights = model.weights[start : start + term.size]
+        start += term.size
+        found.append((f"{term.kind}: sum of its {term.size} weights", "", float(weights.sum())))
+    return found
+
+
+def _loop_frequencies(model: Model) -> list[float]:
+    """Frequencies in Hz of a slow and a fast sine, both sampled at least SAMPLES_PER_PERIOD times per period."""
+    rests = rest_line(model, np.array([0.5 * (model.u_min_V + model.u_max_V)]))
+    corner_Hz = 1.0 / (2.0 * np.pi * (rests[0].tau_s or 10.0 * model.Ts_s))
+    highest_Hz = 1.0 / (SAMPLES_PER_PERIOD * model.Ts_s)
+    return [min(part * corner_Hz, part / FAST * highest_Hz) for part in (SLOW, FAST)]
+
+
+def _shape(model: Model) -> tuple[int, list[tuple[str, int]], list[str]]:
+    """What two models must share to be compared number by number: rules, (kind, size) of the terms, kinds of blocks."""
+    terms = [(term.kind, term.size) for term in model.terms]
+    return model.grid.rules, terms, [block.kind for block in model.blocks]
+
+
+def _structure(model: Model) -> str:
+    parts = [f"{term.kind} of {term.size}" for term in model.terms] + [block.kind for block in model.blocks]
+    kinds = ", ".join(parts) or "no terms"
+    return f"{model.grid.rules} rules, {kinds}"
