@@ -38,7 +38,7 @@ def machine(name: str) -> Machine:
     return found
 
 
-@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "everything"])
+@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "extended", "everything"])
 def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None:
     need_machines()
     report = equality(model(name), texts(name), samples=SAMPLES)

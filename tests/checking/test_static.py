@@ -39,7 +39,7 @@ def learners() -> Mapping[str, LearnerSettings]:
     }
 
 
-@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "everything"])
+@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "everything", "extended", "diagnosed"])
 def test_no_compiler_warns_of_generated_c(name: str) -> None:
     for compiler in COMPILERS:
         need(compiler)
@@ -76,7 +76,9 @@ def test_every_compiler_sees_a_planted_fault(fault: str, anchor: str, replacemen
 
 def test_required_misra_rules_are_followed_and_every_deviation_is_advisory_and_met() -> None:
     need("cppcheck")
-    found = [misra(name, texts(name)) for name in ("appendix_a", "appendix_b", "learning", "everything_spread")]
+    found = [
+        misra(name, texts(name)) for name in ("appendix_a", "appendix_b", "learning", "everything_spread", "extended")
+    ]
     found.append(misra("smooth_50", generate(smooth(50), Options(clock_Hz=2e9))))
     for report in found:
         assert report.clean, "\n".join(report.lines())

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from conftest import need
+from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.checking.bits import Report, verify, verify_texts
 from hysgen.checking.bits.random_models import RULES, faint_model, random_model
@@ -54,6 +56,14 @@ def test_generated_c_equals_reference_in_every_installed_build() -> None:
     assert report.equal, "\n".join(report.lines())
     assert report.samples >= SAMPLES
     assert {run.function for run in report.runs} == {"selftest", "init", "predict", "simulate", "inverse"}
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_c_that_ships_equals_its_reference(name: str) -> None:
+    folder = shipped(name)
+    report = verify_texts(folder.model, folder.texts, samples=SAMPLES, structures=0, compilers=["gcc"], levels=["-O2"])
+    assert report.equal, "\n".join(report.lines())
+    assert {run.function for run in report.runs} >= {"predict", "simulate", "inverse", "learn", "commit"}
 
 
 # What a wrong generator, a wrong template or a wrong compiler could do, where it must show first.
