@@ -14,8 +14,9 @@ ROOT = Path(__file__).resolve().parents[1]
 USE = """
 import numpy as np
 from hysgen import FitSettings, Record, cost, fit, generate, load_model, save_model, score, verify
-from hysgen.stage.signals import nested_amplitudes
-from hysgen.model.terms.echo import Echo
+from hysgen.proof.eva.states import instance_words
+from hysgen.signals import nested_amplitudes
+from hysgen.terms.echo import Echo
 
 u_V = nested_amplitudes(1e-4, (50.0, 20.0), 40.0, 25.0, 4)
 y_um = np.full(u_V.size, 2.8)
@@ -30,6 +31,8 @@ assert load_model("axis.json").terms == (Echo(),)
 report = verify(generate(model), samples=30_000)
 assert report.equal and {run.function for run in report.runs} >= {"predict", "simulate", "inverse"}, str(report)
 assert cost(generate(model)).per_sample.value > cost(generate(plain)).per_sample.value
+proved = {word.path: word.demanded for word in instance_words(model, generate(model))}
+assert proved["self.terms.echo.last_V"].startswith("\\\\is_finite(self.terms.echo.last_V)"), proved
 print("equal in every bit")
 """
 

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import need
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.checking.bits import Report, verify, verify_texts

@@ -13,9 +13,19 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.model.path.base import BlockMirror, Floats, InputBlock
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, InputBlock, box_of
 
-__all__ = ["BlockMirror", "InputBlock", "applied", "block_from_json", "check_chain", "kinds", "preview"]
+__all__ = [
+    "BlockBox",
+    "BlockMirror",
+    "InputBlock",
+    "applied",
+    "block_from_json",
+    "box_of",
+    "check_chain",
+    "kinds",
+    "preview",
+]
 
 
 @functools.lru_cache(maxsize=1)

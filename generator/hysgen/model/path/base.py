@@ -14,15 +14,35 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.errors import ModelError
+from hysgen.model.intervals import Interval
+
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Bits = NDArray[np.uint32]
 Words = Floats32 | Bits
+
+
+@dataclass(frozen=True)
+class BlockBox:
+    """What the C struct and the results of an input block never leave, as `InputBlock.box` gives it.
+
+    floats: the interval of every float of the struct, by the C path of the float inside the struct (`ring[2]`).
+    through_V: what the block lets through. commands_V: what the inverse commands for any v in through_V; of a limiter,
+    which the inverse does not ask, through_V. integers: the largest value of every integer that must not exceed a
+    value, such as an index; an integer that is not named may have any value.
+    """
+
+    floats: Mapping[str, Interval]
+    through_V: Interval
+    commands_V: Interval
+    integers: Mapping[str, int] = field(default_factory=dict)
 
 
 class BlockMirror(abc.ABC):
@@ -71,6 +91,17 @@ class InputBlock(Protocol):
         """v (n,) of the commands u_V (n,), in float64, from rest under u(0)."""
         ...
 
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        """What the struct of the generated C never leaves while the input of the block stays in u_V:
+
+            x(k) in box, u(k) in u_V   =>   x(k+1) in box,   v(k) in through_V
+
+        in float32, for the state `_init` leaves under any u in u_V and after every later call. The proof of the
+        generated C assumes the box before a call and demands the box after the call, and knows an interval of every
+        number but no relation between numbers: so a bound has to be as wide as intervals of each operation make it.
+        """
+        ...
+
     def shape(self) -> Floats:
         """The parameters as an optimiser sees them: logarithms of what is positive."""
         ...
@@ -104,3 +135,10 @@ class InputBlock(Protocol):
 def limited(value: Floats32, low: Floats32 | np.float32, high: Floats32 | np.float32) -> Floats32:
     """`value` between low and high over lanes."""
     return np.where(value < low, low, np.where(value > high, high, value))
+
+
+def box_of(block: InputBlock, u_V: Interval, Ts_s: float) -> BlockBox:
+    """The box of an input block, `InputBlock.box`. Raises ModelError if the kind of the block gives no box."""
+    if not hasattr(block, "box"):
+        raise ModelError(f"blocks: {block.kind}: gives no box of its state; write box() in the file of the block")
+    return block.box(u_V, Ts_s)

@@ -20,7 +20,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, Words
+from hysgen.model.intervals import Interval
+from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, Words
 
 MOST_SAMPLES = 1000
 
@@ -66,6 +67,18 @@ class Delay:
     def apply(self, u_V: Floats, Ts_s: float) -> Floats:
         late = np.concatenate([np.full(self.whole + 1, u_V[0]), u_V])[: u_V.size + 1]
         return np.asarray(late[1:] + self.part * (late[:-1] - late[1:]))
+
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        """ring[i] in u_V [V] for every place of the ring, newest <= ring - 1, and for what comes out and is commanded
+
+            late + mu (later - late)   in   [u_low - mu (u_high - u_low),  u_high + mu (u_high - u_low)]
+
+        as intervals of each operation make it (mu times 1.01 for the roundings); in truth it stays between late and
+        later.
+        """
+        through = u_V.outwards(1.01 * float(self.constants(Ts_s)["part"][0]) * u_V.width)
+        ring = {f"ring[{i}]": u_V for i in range(self.ring)}
+        return BlockBox(ring, through, through, {"newest": self.ring - 1})
 
     def shape(self) -> Floats:
         """(1,) samples."""

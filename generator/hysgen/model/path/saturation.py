@@ -13,7 +13,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, limited
+from hysgen.model.intervals import Interval
+from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, limited
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,13 @@ class Saturation:
 
     def apply(self, u_V: Floats, Ts_s: float) -> Floats:
         return np.clip(u_V, self.low_V, self.high_V)
+
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        """No state; max(u_low, low) <= v <= min(u_high, high) [V], or the level that all of u_V lies beyond."""
+        levels = self.constants(Ts_s)
+        low, high = float(levels["low"][0]), float(levels["high"][0])
+        through = Interval(min(max(u_V.low, low), high), max(min(u_V.high, high), low))
+        return BlockBox({}, through, through)
 
     def shape(self) -> Floats:
         """(2,) the levels in V."""

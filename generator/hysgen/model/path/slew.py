@@ -14,7 +14,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.machine.kernels import slew_limited
-from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, limited
+from hysgen.model.intervals import Interval
+from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, limited
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,10 @@ class Slew:
 
     def apply(self, u_V: Floats, Ts_s: float) -> Floats:
         return slew_limited(u_V, self.rise_V_s * Ts_s, self.fall_V_s * Ts_s, float(u_V[0]))
+
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        """last_V = v(k) lies between v(k-1) and u(k) [V]: both start in u_V, so v never leaves u_V."""
+        return BlockBox({"last_V": u_V}, u_V, u_V)
 
     def shape(self) -> Floats:
         """(2,) natural logarithms of the rates up and down in V/s."""

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.model.terms.base import Drive, Mirror, Shaped, StateSpace, Term, loop_row, past_input
+from hysgen.model.terms.base import Drive, Mirror, Shaped, StateSpace, Term, TermBox, box_of, loop_row, past_input
 
 __all__ = [
     "Drive",
@@ -20,6 +20,8 @@ __all__ = [
     "Shaped",
     "StateSpace",
     "Term",
+    "TermBox",
+    "box_of",
     "channels_of",
     "kinds",
     "loop_row",

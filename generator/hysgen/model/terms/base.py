@@ -20,6 +20,9 @@ from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.errors import ModelError
+from hysgen.model.intervals import Interval
+
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Bits = NDArray[np.uint32]
@@ -62,6 +65,20 @@ class StateSpace:
     def undriven(cls, size: int) -> Self:
         """Regressors that do not depend on the input at all."""
         return cls(np.zeros((0, 0)), np.zeros(0), np.zeros((size, 0)))
+
+
+@dataclass(frozen=True)
+class TermBox:
+    """What the C struct and the regressors of a term never leave, as `Term.box` gives it.
+
+    floats: the interval of every float of the struct, by the C path of the float inside the struct (`play[2]`), in the
+    unit of the float. integers: the largest value of every integer that must not exceed a value, such as an index; an
+    integer that is not named may have any value. regressors: (size,) bounds of |phi_j|, in the unit of phi_j.
+    """
+
+    floats: Mapping[str, Interval]
+    regressors: tuple[float, ...]
+    integers: Mapping[str, int] = field(default_factory=dict)
 
 
 class Mirror(abc.ABC):
@@ -170,6 +187,17 @@ class Term(Protocol):
         """Bounds of sup |phi_j| / sup |u|, also of their changes: what a small-gain test of the inverse needs."""
         ...
 
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        """What the struct of the generated C never leaves while the input that reaches the stage stays in v_V:
+
+            x(k) in box, v(k) in v_V   =>   x(k+1) in box,   |phi_j(k)| <= regressors[j]
+
+        in float32, for the state `_init` leaves under any v in v_V and after every later call. The proof of the
+        generated C assumes the box before a call and demands the box after the call, and knows an interval of every
+        number but no relation between numbers: so a bound has to be as wide as intervals of each operation make it.
+        """
+        ...
+
     def shape(self) -> Floats:
         """The shape parameters as an optimiser sees them: logarithms of what is positive; (0,) if there are none."""
         ...
@@ -211,3 +239,16 @@ def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
 def past_input(term: Term) -> Flags:
     """(size,) which regressors of a term are functions of u(k-1) alone."""
     return term.past_input() if isinstance(term, Shaped) else np.zeros(term.size, dtype=bool)
+
+
+def box_of(term: Term, v_V: Interval, Ts_s: float) -> TermBox:
+    """The box of a term, `Term.box`.
+
+    Raises ModelError if the kind of the term gives no box, or bounds another number of regressors than the term has.
+    """
+    if not hasattr(term, "box"):
+        raise ModelError(f"terms: {term.kind}: gives no box of its state; write box() in the file of the term")
+    box = term.box(v_V, Ts_s)
+    if len(box.regressors) != term.size:
+        raise ModelError(f"terms: {term.kind}: box() bounds {len(box.regressors)} regressors, the term has {term.size}")
+    return box

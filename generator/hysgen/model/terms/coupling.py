@@ -16,9 +16,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.errors import ModelError
-from hysgen.model.float32_constants import LEAST
+from hysgen.model.intervals import Interval
 from hysgen.model.status import Status
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 
 MOST_TAPS = 64
 
@@ -98,6 +98,22 @@ class Coupling:
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
         return (0.0,) * self.size
+
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        """low_c - m_c <= sample[c][i] <= high_c - m_c for every tap i, in the unit of channel c, whatever v does.
+
+        The C subtracts in float32: 1e-6 of the range on either side is more than the subtraction rounds. phi is the
+        samples themselves, channel by channel.
+        """
+        floats: dict[str, Interval] = {}
+        sizes: list[float] = []
+        limits = self.constants(Ts_s)
+        for c, (low, high, middle) in enumerate(zip(*(limits[k] for k in ("low", "high", "middle")), strict=True)):
+            away = Interval(float(low) - float(middle), float(high) - float(middle))
+            away = away.outwards(1e-6 * float(high - low))
+            floats |= {f"sample[{c}][{i}]": away for i in range(self.taps)}
+            sizes += [away.magnitude] * self.taps
+        return TermBox(floats, tuple(sizes))
 
     def shape(self) -> Floats:
         return np.zeros(0)

@@ -21,9 +21,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.machine.kernels import lag_states
-from hysgen.machine.reproducible import expm1
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
-from hysgen.model.terms.twofloat import accumulate
+from hysgen.model.intervals import Interval
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,14 @@ class Creep:
     def gains(self, Ts_s: float) -> tuple[float, ...]:
         """The impulse response of a lag is positive and adds up to 1."""
         return (1.0,) * self.size
+
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        """|high_j|, |low_j| < LIMIT of `twofloat` [V] for each of the m lags, whether they share a weight or not.
+
+        |phi| <= LIMIT [V]; of a shared weight times 1.0001, for the m additions and 1/m are rounded.
+        """
+        floats = {f"{word}[{j}]": KEPT for word in ("high", "low") for j in range(self.lags)}
+        return TermBox(floats, ((1.0001 if self.shared else 1.0) * KEPT.high,) * self.size)
 
     def shape(self) -> Floats:
         """(m,) natural logarithms of tau_j in s."""

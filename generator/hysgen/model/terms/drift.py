@@ -22,9 +22,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.machine.kernels import lag_states
-from hysgen.machine.reproducible import expm1
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
-from hysgen.model.terms.twofloat import accumulate
+from hysgen.model.intervals import Interval, symmetric
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)
@@ -76,6 +76,11 @@ class Drift:
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
         return (0.0,)
+
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        """|bias_um| <= limit [um], |bias_low_um| < LIMIT of `twofloat` [um]; phi is bias_um."""
+        limit = float(self.constants(Ts_s)["limit"][0])
+        return TermBox({"bias_um": symmetric(limit), "bias_low_um": KEPT}, (limit,))
 
     def shape(self) -> Floats:
         """(1,) natural logarithm of tau in s."""

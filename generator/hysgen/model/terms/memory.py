@@ -30,7 +30,8 @@ import numpy as np
 
 from hysgen.machine.kernels import play_operators
 from hysgen.model.float32_constants import LEAST
-from hysgen.model.terms.base import Bits, Drive, Flags, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.intervals import Interval
+from hysgen.model.terms.base import Bits, Drive, Flags, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.play_density import rising_rows, roughness_rows
 from hysgen.model.terms.play_slopes import steepest_move
 
@@ -180,6 +181,26 @@ class Memory:
     @property
     def _r_over_half(self) -> Floats:
         return np.asarray(self.thresholds_V) / self.middle_and_half_V[1]
+
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        """A play stays within its half-width of the input: v_low - r_j <= play[j] <= v_high + r_j [V], (m,).
+
+        r_j times 1.0001, for v - r_j and v + r_j are rounded. |phi| is |play| [V], then, with |x_j| <= a_j,
+
+            |T_2| = |(sqrt(2) x - 1) (sqrt(2) x + 1)| <= (sqrt(2) a_j + 1)^2
+            |T_3| = |x (2 T_2 - 1)|                   <= a_j (2 |T_2| + 1)
+
+        factor by factor, as intervals of each operation make it (1.001 a_j and 1.4143 for the roundings).
+        """
+        numbers = self.constants(Ts_s)
+        plays = [v_V.outwards(1.0001 * float(r)) for r in numbers["half_width"]]
+        reach = [1.001 * float(a) for a in numbers.get("reach", ())]
+        even = [(1.4143 * a + 1.0) ** 2 for a in reach]
+        odd = [a * (2.0 * size + 1.0) for a, size in zip(reach, even, strict=True)]
+        sizes = ([play.magnitude for play in plays], even, odd)[: self.degree]
+        return TermBox(
+            {f"play[{j}]": play for j, play in enumerate(plays)}, tuple(size for group in sizes for size in group)
+        )
 
     def shape(self) -> Floats:
         """(1,) logarithm of the widest threshold; the others keep their ratio to it."""

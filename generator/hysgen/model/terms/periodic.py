@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
+from hysgen.model.intervals import Interval
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.sine import cosine_sine
 
 BLOCK = 512
@@ -74,6 +75,10 @@ class Periodic:
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
         return (0.0,) * self.size
+
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        """The phases are integers and may have any value; |phi| <= 1.001, for cosine and sine are polynomials."""
+        return TermBox({}, (1.001,) * self.size)
 
     def shape(self) -> Floats:
         """(m,) natural logarithms of f_j in Hz."""

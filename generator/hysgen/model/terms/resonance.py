@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import mode_states
-from hysgen.machine.reproducible import exp, expm1, sine
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace
-from hysgen.model.terms.twofloat import accumulate
+from hysgen.model.intervals import Interval
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.twofloat import KEPT, accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
 
@@ -105,6 +105,15 @@ class Resonance:
         """|q| / (1 - |p|): the sum of the moduli of the impulse response."""
         q = self.steps(Ts_s)
         return tuple(float(g) for g in np.repeat(_modulus(q) / (1.0 - _modulus(1.0 - q)), 2))
+
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        """Each of the four words of a mode stays below LIMIT of `twofloat` [V], and so do phi = Re c, Im c [V].
+
+        That |c| decays is a relation between Re c and Im c, which intervals do not see.
+        """
+        words = ("position", "position_low", "velocity", "velocity_low")
+        floats = {f"{word}[{j}]": KEPT for word in words for j in range(len(self.f_Hz))}
+        return TermBox(floats, (KEPT.high,) * self.size)
 
     def shape(self) -> Floats:
         """(2 m,) ln f_1, ln zeta_1, ln f_2, ..., f in Hz."""

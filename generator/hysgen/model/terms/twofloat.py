@@ -19,11 +19,14 @@ from typing import Final
 
 import numpy as np
 
+from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.terms.base import Floats32
 
 FLOOR: Final = np.float32(1.5 * 2.0**-37)
 LIMIT: Final = np.float32(2.0**20)
 FACTS: Final = {"floor": FLOOR, "limit": LIMIT}
+KEPT: Final[Interval] = symmetric(float(LIMIT))
+"""What `high` never leaves, in the unit of the state; and `low` neither, which is far smaller in truth."""
 
 _MAGNITUDE: Final = np.uint32(0x7FFFFFFF)
 

@@ -17,9 +17,8 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.proof.eva.boxes import instance_box, regressor_sizes
 from hysgen.checking.proof.eva.intervals import Interval, hexadecimal, symmetric
 from hysgen.errors import ModelError
-from hysgen.float32.coefficients import Floats32, coefficients
-from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.float32.learner_numbers import learner_numbers
+from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.model import Model
 
 SEEN: Final = 4.0

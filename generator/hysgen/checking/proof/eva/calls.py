@@ -9,10 +9,10 @@ from typing import Final
 from hysgen.checking.proof.eva.banks import told_gain
 from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.frama import Floats, Verdict, analyse
-from hysgen.checking.proof.eva.intervals import ANY
 from hysgen.checking.proof.eva.splits import annotated, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, bank_words, between, instance_words
 from hysgen.codegen.render import render
+from hysgen.model.intervals import ANY
 from hysgen.model.model import Model
 from hysgen.model.terms import channels_of
 

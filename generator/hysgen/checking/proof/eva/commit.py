@@ -11,14 +11,14 @@ from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY
 from hysgen.checking.proof.eva.contracts import with_beyond
 from hysgen.checking.proof.eva.frama import Verdict, analyse
-from hysgen.checking.proof.eva.intervals import symmetric
 from hysgen.checking.proof.eva.learner_box import LEARNED, RESTS
 from hysgen.checking.proof.eva.splits import Split, annotated, signs, splits
-from hysgen.checking.proof.eva.states import assumed
+from hysgen.checking.proof.eva.states import float_word, integer_word
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.float32.learner_numbers import learner_numbers
+from hysgen.model.intervals import symmetric
 from hysgen.model.model import Model
 
 
@@ -36,10 +36,10 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     boxes |= {f"base.{path}": box for path, box in banks.items()}
     boxes |= {path: symmetric(RESTS) for path in ("candidate.gain_rest_um_per_V", "candidate.slope_rest[0]")}
     boxes |= {"candidate.slope_rest[1]": symmetric(RESTS)}
-    known = [assumed("learner", path, box, None) for path, box in boxes.items()]
-    known += [assumed("self", f"bank[{b}].{path}", box, None) for b in range(2) for path, box in banks.items()]
-    known += [assumed("self", "active", None, 1), assumed("learner", "candidate.phase", None, 3)]
-    known += [assumed("learner", "age", None, None)]
+    known = [float_word("learner", path, box) for path, box in boxes.items()]
+    known += [float_word("self", f"bank[{b}].{path}", box) for b in range(2) for path, box in banks.items()]
+    known += [integer_word("self", "active", 1), integer_word("learner", "candidate.phase", 3)]
+    known += [integer_word("learner", "age")]
     facts = {"name": name, "words": known, "points": points}
     source = with_beyond(name, annotated(name, texts[f"{name}.c"], [*splits(model, KEPT), *_commit_splits(name)]))
     # Asked where commit returns, case by case: afterwards the cases are taken together.

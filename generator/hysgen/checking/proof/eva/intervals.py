@@ -1,45 +1,8 @@
-"""Intervals of float32 numbers, rounded outwards."""
+"""Numbers of an interval as C literals."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final
-
 import numpy as np
-
-LARGEST: Final = float(np.finfo(np.float32).max)
-
-
-@dataclass(frozen=True)
-class Interval:
-    """low <= x <= high."""
-
-    low: float
-    high: float
-
-    @property
-    def magnitude(self) -> float:
-        return max(abs(self.low), abs(self.high))
-
-    @property
-    def width(self) -> float:
-        return self.high - self.low
-
-    def outwards(self, by: float = 0.0) -> Interval:
-        """Both ends moved out by `by` and to the next float32 beyond."""
-        return Interval(_towards(self.low - by, -np.inf), _towards(self.high + by, np.inf))
-
-    def hull(self, other: Interval) -> Interval:
-        """The smallest interval that holds both."""
-        return Interval(min(self.low, other.low), max(self.high, other.high))
-
-
-ANY: Final = Interval(-LARGEST, LARGEST)
-
-
-def symmetric(magnitude: float) -> Interval:
-    """-magnitude <= x <= magnitude."""
-    return Interval(-magnitude, magnitude)
 
 
 def hexadecimal(x: float) -> str:
@@ -50,9 +13,3 @@ def hexadecimal(x: float) -> str:
     """
     mantissa, exponent = float(np.float32(x)).hex().split("p")
     return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}p{int(exponent)}f"
-
-
-def _towards(x: float, end: float) -> float:
-    nearest = np.float32(x)
-    beyond = float(nearest) < x if end > 0 else float(nearest) > x
-    return float(np.nextafter(nearest, np.float32(end)) if beyond else nearest)

@@ -24,7 +24,7 @@ from hysgen.checking.proof.eva.frama import Verdict, analyse
 from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.checking.proof.eva.learner_box import WILD, LearnerBox, learner_box
 from hysgen.checking.proof.eva.splits import Join, Split, annotated, displacements, joined, signs, splits
-from hysgen.checking.proof.eva.states import ANY_WORD, Assumed, assumed, bank_words, instance_words, ring_places
+from hysgen.checking.proof.eva.states import ANY_WORD, assumed, bank_words, instance_words
 from hysgen.checking.proof.layout import words
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
@@ -38,11 +38,13 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
     Inputs are any 32 bits; learn_init has none, but a model in any state and with any bank that may be committed.
     """
     name, box = model.name, learner_box(model)
-    integers = {**box.integers, **ring_places(model)}
-    known: list[Assumed] = []
-    for word in words(texts[f"{name}.h"], f"{name}_learner_t"):
-        if word.path.split("[")[0] not in WILD and not word.path.startswith(("candidate.", "base.")):
-            known.append(assumed("learner", word.path, box.floats.get(word.path), integers.get(word.path)))
+    struct = f"{name}_learner_t"
+    found = [
+        word
+        for word in words(texts[f"{name}.h"], struct)
+        if word.path.split("[")[0] not in WILD and not word.path.startswith(("candidate.", "base."))
+    ]
+    known = assumed("learner", struct, found, box.floats, box.integers)
     facts = {
         "name": name,
         "function": function,

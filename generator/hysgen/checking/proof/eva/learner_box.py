@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from typing import Final
 
 from hysgen.checking.proof.eva.banks import committed_box
-from hysgen.checking.proof.eva.boxes import regressor_sizes
-from hysgen.checking.proof.eva.intervals import Interval, hexadecimal, symmetric
+from hysgen.checking.proof.eva.boxes import parts_box, regressor_sizes
+from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import FAST, LearnerNumbers, learner_numbers
+from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.model import Model
 
 WILD: Final = ("d", "theta_low", "f", "g", "l", "k", "per_alpha", "u")
@@ -98,7 +99,7 @@ def learner_box(model: Model) -> LearnerBox:
     }
     floats |= {level.path: level.box for level in levels}
     floats |= {path: box for path, box in instance.items() if path.startswith(("terms.", "inputs."))}
-    integers = {"turn": numbers.size - 1, "phase": numbers.spread.phases}
+    integers = {**parts_box(model).integers, "turn": numbers.size - 1, "phase": numbers.spread.phases}
     integers |= dict.fromkeys(("fresh", "rested", "measuring"), 1)
     return LearnerBox(floats, integers, levels)
 

@@ -19,8 +19,7 @@ import numpy as np
 from hysgen.checking.proof.eva.banks import committed_gain
 from hysgen.checking.proof.eva.intervals import Interval, hexadecimal
 from hysgen.errors import ModelError
-from hysgen.float32.coefficients import Coefficients, coefficients
-from hysgen.model.float32_constants import INFINITY_BITS, LEAST, POWER_LIMIT
+from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 
 PIECES_PER_RULE: Final = 12

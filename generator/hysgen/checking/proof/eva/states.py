@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from hysgen.checking.proof.eva.banks import bank_box, state_box
-from hysgen.checking.proof.eva.intervals import Interval, hexadecimal
-from hysgen.checking.proof.layout import words
+from hysgen.checking.proof.eva.boxes import parts_box
+from hysgen.checking.proof.eva.intervals import hexadecimal
+from hysgen.checking.proof.layout import Word, words
+from hysgen.errors import ModelError
+from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
-from hysgen.model.path.delay import Delay
 
 ANY_WORD: Final = "Frama_C_unsigned_int_interval(0u, 0xffffffffu)"
 
@@ -32,9 +34,9 @@ class Assumed:
 
 def instance_words(model: Model, texts: Mapping[str, str]) -> list[Assumed]:
     """Every word of `<name>_t` but the banks: those are of `bank_words`, or as init wrote them."""
-    found = [word for word in words(texts[f"{model.name}.h"], f"{model.name}_t") if not word.path.startswith("bank[")]
-    floats, integers = state_box(model), {"active": 1, **ring_places(model)}
-    return [assumed("self", word.path, floats.get(word.path), integers.get(word.path)) for word in found]
+    struct = f"{model.name}_t"
+    found = [word for word in words(texts[f"{model.name}.h"], struct) if not word.path.startswith("bank[")]
+    return assumed("self", struct, found, state_box(model), {"active": 1, **parts_box(model).integers})
 
 
 def bank_words(model: Model) -> list[Assumed]:
@@ -43,23 +45,43 @@ def bank_words(model: Model) -> list[Assumed]:
     Not looked at afterwards: no call but commit writes a bank.
     """
     boxes = bank_box(model) if model.learner else {}
-    found = [assumed("self", f"bank[{b}].{path}", box, None) for b in range(2) for path, box in boxes.items()]
+    found = [float_word("self", f"bank[{b}].{path}", box) for b in range(2) for path, box in boxes.items()]
     return [dataclasses.replace(word, demanded="") for word in found]
 
 
-def ring_places(model: Model) -> dict[str, int]:
-    """Largest index into the ring of a delay, by the path of the index."""
-    return {"inputs.delay.newest": block.ring - 1 for block in model.blocks if isinstance(block, Delay)}  # noqa: B035
+def assumed(
+    name: str, struct: str, found: Sequence[Word], boxes: Mapping[str, Interval], largest: Mapping[str, int]
+) -> list[Assumed]:
+    """Words of the C object `name`, of type `struct`: each float in its box, each integer up to its largest value.
+
+    An integer without a largest value may have any. Raises ModelError for a float that has no box: a float taken for
+    any 32 bits, of which nothing is demanded afterwards, would make the proof say nothing of that float.
+    """
+    known: list[Assumed] = []
+    for word in found:
+        if word.type == "float":
+            if word.path not in boxes:
+                raise ModelError(
+                    f"{struct}: {word.path}: a float without a box; box() of its term or block has to give it"
+                )
+            known.append(float_word(name, word.path, boxes[word.path]))
+        else:
+            known.append(integer_word(name, word.path, largest.get(word.path)))
+    return known
 
 
-def assumed(struct: str, word: str, box: Interval | None, largest: int | None) -> Assumed:
-    """A word of `struct`: a float if it has a box, else an integer that is at most `largest`, or any."""
-    path, label = f"{struct}.{word}", re.sub(r"\W+", "_", word).strip("_")
-    if box is not None:
-        return Assumed(path, label, between(box), inside(path, box))
+def float_word(name: str, word: str, box: Interval) -> Assumed:
+    """A float of the C object `name` that is in its box before a call and has to be in its box afterwards."""
+    path = f"{name}.{word}"
+    return Assumed(path, _label(word), between(box), inside(path, box))
+
+
+def integer_word(name: str, word: str, largest: int | None = None) -> Assumed:
+    """An integer of the C object `name` that is at most `largest`, or may have any value."""
+    path = f"{name}.{word}"
     if largest is None:
-        return Assumed(path, label, ANY_WORD, "")
-    return Assumed(path, label, f"Frama_C_unsigned_int_interval(0u, {largest:#x}u)", f"{path} <= {largest}")
+        return Assumed(path, _label(word), ANY_WORD, "")
+    return Assumed(path, _label(word), f"Frama_C_unsigned_int_interval(0u, {largest:#x}u)", f"{path} <= {largest}")
 
 
 def between(interval: Interval) -> str:
@@ -71,3 +93,7 @@ def inside(path: str, interval: Interval) -> str:
     """That a float is finite and in an interval, as ACSL."""
     low, high = hexadecimal(interval.low)[:-1], hexadecimal(interval.high)[:-1]
     return rf"\is_finite({path}) && {low} <= {path} <= {high}"
+
+
+def _label(word: str) -> str:
+    return re.sub(r"\W+", "_", word).strip("_")

@@ -1,0 +1,51 @@
+"""Intervals of numbers, float64 ends that are rounded outwards to float32 on demand.
+
+Terms and input blocks say with them what their state never leaves; `proof/eva` demands it of the generated C.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+LARGEST: Final = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True)
+class Interval:
+    """low <= x <= high."""
+
+    low: float
+    high: float
+
+    @property
+    def magnitude(self) -> float:
+        return max(abs(self.low), abs(self.high))
+
+    @property
+    def width(self) -> float:
+        return self.high - self.low
+
+    def outwards(self, by: float = 0.0) -> Interval:
+        """Both ends moved out by `by` and to the next float32 beyond."""
+        return Interval(_towards(self.low - by, -np.inf), _towards(self.high + by, np.inf))
+
+    def hull(self, other: Interval) -> Interval:
+        """The smallest interval that holds both."""
+        return Interval(min(self.low, other.low), max(self.high, other.high))
+
+
+ANY: Final = Interval(-LARGEST, LARGEST)
+
+
+def symmetric(magnitude: float) -> Interval:
+    """-magnitude <= x <= magnitude."""
+    return Interval(-magnitude, magnitude)
+
+
+def _towards(x: float, end: float) -> float:
+    nearest = np.float32(x)
+    beyond = float(nearest) < x if end > 0 else float(nearest) > x
+    return float(np.nextafter(nearest, np.float32(end)) if beyond else nearest)

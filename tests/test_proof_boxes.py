@@ -1,0 +1,238 @@
+"""The box of every float of the state: each has one, it encloses what running C makes of the float, and Eva demands it.
+
+Eva shows that the box is never left. Running the C shows the other way round that the box is of that float: a value
+outside would be a proof of something else.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from codegen.test_terms_c import BLOCKS, FUNCTIONS, OTHERS, TERMS, extended, hard_inputs
+from conftest import need
+from fixtures.generated_models import diagnosed
+from fixtures.proof_models import model, shipped, texts
+from hysgen.checking.host import Host
+from hysgen.checking.proof.eva.banks import state_box
+from hysgen.checking.proof.eva.boxes import parts_box
+from hysgen.checking.proof.eva.calls import prove_call, step
+from hysgen.checking.proof.eva.learn import learn_step
+from hysgen.checking.proof.eva.learner_box import WILD, learner_box
+from hysgen.checking.proof.layout import words
+from hysgen.codegen import Options, generate
+from hysgen.errors import ModelError
+from hysgen.model import path as inputs
+from hysgen.model import terms
+from hysgen.model.intervals import Interval
+from hysgen.model.learner_settings import LearnerSettings
+from hysgen.model.model import Model
+from hysgen.model.path import InputBlock
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.terms import Term, TermBox
+from hysgen.model.terms.coupling import Coupling
+from hysgen.model.terms.creep import Creep
+
+SAMPLES = 8000
+ALL_TERMS = [*TERMS, *OTHERS, diagnosed().terms[0]]
+CHAINS: list[list[InputBlock]] = [*([block] for block in BLOCKS), BLOCKS, [Delay(0.0)], [Delay(0.7)]]
+
+
+@functools.lru_cache(maxsize=4)
+def host_of(name: str) -> Host:
+    return Host(name, texts(name))
+
+
+def floats_of(header: str, struct: str) -> list[str]:
+    return [word.path for word in words(header, struct) if word.type == "float"]
+
+
+def outside(ran: Mapping[str, np.ndarray], box: Mapping[str, Interval]) -> list[str]:
+    """Floats that were not finite or not in their box, by C path."""
+    return [
+        path
+        for path, values in ran.items()
+        if not ((values >= np.float32(box[path].low)) & (values <= np.float32(box[path].high))).all()
+    ]
+
+
+def of_instance(host: Host, header: str, function: str, seed: int) -> dict[str, np.ndarray]:
+    """Every float outside the banks after every sample of hard inputs, by C path."""
+    struct = f"{host.name}_t"
+    y, u, y_next, *aux = hard_inputs(SAMPLES, host.channels, seed)
+    columns = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
+    layout = host.layout(struct)
+    bits = [column.view(np.uint32) for column in (*columns, *aux)]
+    instance = host.instance(2.0, 30.0)
+    _, trace = host.run(function, instance, bits, words=layout["bank[0].slope[0]"])
+    values = np.ascontiguousarray(trace).view(np.float32)
+    return {path: values[:, layout[path]] for path in floats_of(header, struct) if not path.startswith("bank[")}
+
+
+def assert_in_box(found: Model, function: str) -> None:
+    generated = generate(found, Options(clock_Hz=2e9))
+    ran = of_instance(Host(found.name, generated), generated[f"{found.name}.h"], function, seed=5)
+    assert outside(ran, state_box(found)) == []
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("term", ALL_TERMS, ids=lambda term: f"{term.kind}{term.size}")
+def test_the_state_of_each_term_stays_in_its_box(term: Term, function: str) -> None:
+    assert_in_box(extended([term]), function)
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("blocks", CHAINS, ids=lambda blocks: "+".join(block.kind for block in blocks))
+def test_the_state_of_each_block_and_of_a_term_behind_it_stays_in_its_box(
+    blocks: list[InputBlock], function: str
+) -> None:
+    assert_in_box(extended([TERMS[0]], blocks), function)
+
+
+def test_every_kind_that_is_installed_is_among_them() -> None:
+    assert {term.kind for term in ALL_TERMS} == set(terms.kinds())
+    assert {block.kind for chain in CHAINS for block in chain} == set(inputs.kinds())
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
+    """Of the float32 mirrors, on what reaches the stage in the C."""
+    found = extended([*ALL_TERMS[:6]], BLOCKS)
+    ran = of_instance(Host(found.name, generate(found)), generate(found)[f"{found.name}.h"], function, seed=6)
+    v = np.where(np.isfinite(ran["inputs.v_V"]), ran["inputs.v_V"], np.float32(0.0))
+    for term in ALL_TERMS:
+        box = terms.box_of(term, parts_box(found).applied_V, found.Ts_s)
+        mirror = term.mirror(v[:1], found.Ts_s)
+        seen = np.zeros(term.size)
+        for k in range(0, SAMPLES, 4):
+            seen = np.maximum(seen, [abs(float(phi[0])) for phi in mirror.regressors()])
+            mirror.advance(v[k : k + 1])
+        assert (seen <= np.array(box.regressors)).all(), term.kind
+
+
+@pytest.mark.parametrize("name", ["plays", "extended", "everything_spread"])
+def test_every_float_of_a_learner_stays_in_its_box(name: str) -> None:
+    """What is not WILD, after every sample that is learnt from or refused."""
+    host, header, struct = host_of(name), texts(name)[f"{name}.h"], f"{name}_learner_t"
+    learner, layout = host.struct(struct), host.layout(struct)
+    host.call("learn_init", learner, host.instance(2.0, 30.0))
+    y, u, _, *aux = hard_inputs(SAMPLES, host.channels, seed=7)
+    traces = []
+    for first in range(0, SAMPLES, SAMPLES if not aux else 40):
+        if aux:
+            host.call("learn_aux", learner, [float(column[first]) for column in aux])
+        pieces = [column[first : first + (40 if aux else SAMPLES)].view(np.uint32) for column in (y, u)]
+        traces.append(host.run("learn", learner, pieces, words=len(layout))[1])
+    values = np.vstack(traces).view(np.float32)
+    paths = [p for p in floats_of(header, struct) if p.split("[")[0] not in WILD]
+    ran = {p: values[:, layout[p]] for p in paths if not p.startswith(("candidate.", "base."))}
+    box = learner_box(model(name)).floats
+    assert outside(ran, box) == []
+    assert {p for p in ran if p.startswith(("terms.", "inputs."))} == set(parts_box(model(name)).floats)
+    moved = [p for p, seen in ran.items() if np.ptp(seen) > 0]
+    for path in moved:
+        assert outside(ran, {**box, path: halved(ran[path])}) == [path]
+
+
+def halved(seen: np.ndarray) -> Interval:
+    """The lower half of where a float was seen: a box that is too small."""
+    low, high = float(np.nanmin(seen)), float(np.nanmax(seen))
+    return Interval(low, 0.5 * (low + high))
+
+
+@pytest.mark.parametrize("name", ["extended", "diagnosed", "everything"])
+def test_a_box_that_is_too_small_is_left(name: str) -> None:
+    ran = of_instance(host_of(name), texts(name)[f"{name}.h"], "predict", seed=8)
+    box = state_box(model(name))
+    assert set(ran) == set(box)
+    assert outside(ran, box) == []
+    moved = [path for path, seen in ran.items() if np.ptp(seen) > 0]
+    assert len(moved) > 0.7 * len(ran)
+    for path in moved:
+        assert outside(ran, {**box, path: halved(ran[path])}) == [path]
+
+
+class Halved(Creep):
+    """The fault that there was: with one weight for all lags, a box for the first of them only."""
+
+    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+        told = super().box(v_V, Ts_s)
+        return TermBox({path: told.floats[path] for path in ("high[0]", "low[0]")}, told.regressors)
+
+
+def halved_creep() -> tuple[Model, Mapping[str, str]]:
+    found = model("extended")
+    memory, creep = found.terms
+    assert isinstance(creep, Creep)
+    assert creep.shared
+    return dataclasses.replace(found, terms=(memory, Halved(creep.tau_s, shared=True))), shipped("extended").texts
+
+
+def test_a_float_without_a_box_is_refused() -> None:
+    altered, generated = halved_creep()
+    with pytest.raises(ModelError, match=r"extended_t: terms\.creep\.high\[1\]: a float without a box"):
+        step(altered, generated, "predict", "finite")
+    with pytest.raises(ModelError, match=r"extended_learner_t: terms\.creep\.high\[1\]: a float without a box"):
+        learn_step(altered, generated, "learn")
+
+
+@pytest.mark.parametrize("name", ["extended", "diagnosed", "everything"])
+def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(name: str) -> None:
+    sources, _ = step(model(name), texts(name), "predict", "finite")
+    for path in floats_of(texts(name)[f"{name}.h"], f"{name}_t"):
+        if not path.startswith("bank["):
+            assert f"self.{path} = Frama_C_float_interval(" in sources["step.c"], path
+            assert rf"\is_finite(self.{path}) && " in sources["step.c"], path
+
+
+def test_a_kind_without_a_box_and_one_with_too_few_regressors_are_refused() -> None:
+    class Unknown:
+        kind = "unknown"
+        size = 2
+
+    class Short(Unknown):
+        def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+            return TermBox({}, (1.0,))
+
+    altered = dataclasses.replace(model("appendix_a"))
+    for part, about in ((Unknown(), "unknown: gives no box"), (Short(), "bounds 1 regressors, the term has 2")):
+        object.__setattr__(altered, "terms", (part,))
+        with pytest.raises(ModelError, match=about):
+            parts_box(altered)
+    object.__setattr__(altered, "terms", ())
+    object.__setattr__(altered, "blocks", (Unknown(),))
+    with pytest.raises(ModelError, match="blocks: unknown: gives no box"):
+        parts_box(altered)
+
+
+def test_a_saturation_beyond_the_range_holds_the_input_at_its_level() -> None:
+    box = inputs.box_of(Saturation(130.0, 140.0), Interval(-20.0, 120.0), 1.0)
+    assert box.through_V == Interval(130.0, 130.0)
+
+
+def test_eva_says_that_a_box_of_the_creep_that_is_too_small_is_left() -> None:
+    need("frama-c")
+
+    class Small(Creep):
+        def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+            told = super().box(v_V, Ts_s)
+            return TermBox({**told.floats, "high[2]": v_V, "low[2]": Interval(0.0, 0.0)}, told.regressors)
+
+    found = diagnosed()
+    small = dataclasses.replace(found, terms=(found.terms[0], Small((1e-3, 1e-2, 0.1, 1.0), shared=True)))
+    verdict, _ = prove_call(small, texts("diagnosed"), "predict", "finite")
+    assert any("low_2" in alarm for alarm in verdict.alarms), verdict.alarms
+
+
+def test_taps_and_a_learner_take_their_boxes_along() -> None:
+    """Coupling with taps: each older sample has the box of the newest, in instance and learner."""
+    term = Coupling(("a", "b"), (20.0, -1.0), (24.0, 3.0), taps=3)
+    learner = dataclasses.replace(extended([term]), learner=LearnerSettings(learned=("terms",)))
+    floats = learner_box(learner).floats
+    for c in range(2):
+        assert len({floats[f"terms.coupling.sample[{c}][{i}]"] for i in range(3)}) == 1
