@@ -26,11 +26,10 @@ from hysgen.checking.proof.eva.learner_box import WILD, learner_box
 from hysgen.checking.proof.layout import words
 from hysgen.codegen import Options, generate
 from hysgen.errors import ModelError
-from hysgen.model import path as inputs
-from hysgen.model import terms
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.model import Model
+from hysgen.model.model import Model, terms
+from hysgen.model.model import path as inputs
 from hysgen.model.path import InputBlock
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.saturation import Saturation
@@ -188,6 +187,16 @@ def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(na
         if not path.startswith("bank["):
             assert f"self.{path} = Frama_C_float_interval(" in sources["step.c"], path
             assert rf"\is_finite(self.{path}) && " in sources["step.c"], path
+
+
+@pytest.mark.parametrize("name", ["plays", "extended", "everything_spread"])
+def test_every_float_that_learn_reads_is_assumed_and_demanded(name: str) -> None:
+    """The bank that a learner started from among them: it is any that was committed before, not the generated one."""
+    sources, _ = learn_step(model(name), texts(name), "learn")
+    for path in floats_of(texts(name)[f"{name}.h"], f"{name}_learner_t"):
+        if not path.startswith("candidate.") and path.split("[")[0] not in WILD:
+            assert f"learner.{path} = Frama_C_float_interval(" in sources["step.c"], path
+            assert rf"\is_finite(learner.{path}) && " in sources["step.c"], path
 
 
 def test_a_kind_without_a_box_and_one_with_too_few_regressors_are_refused() -> None:

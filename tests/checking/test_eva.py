@@ -12,7 +12,8 @@ from collections.abc import Mapping
 
 import pytest
 
-from fixtures.proof_models import model, texts
+from conftest import need
+from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.tools import need
 from hysgen.checking.proof.eva.calls import prove_call, step
 from hysgen.checking.proof.eva.commit import prove_commit
@@ -44,6 +45,24 @@ def test_every_call_of_appendix_a_is_proved_for_every_input() -> None:
     }
 
 
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_call_of_a_model_that_ships_is_proved(name: str) -> None:
+    """The folders of firmware/models to the byte, each with its learner: a good minute of one core each."""
+    need("frama-c")
+    folder = shipped(name)
+    found = prove(folder.model, folder.texts)
+    assert found.holds, "\n".join(found.lines())
+    assert {p.function for p in found.proofs} >= {"predict", "simulate", "inverse", "update", "learn", "commit"}
+
+
+def test_terms_as_the_diagnosis_delivers_them_are_proved() -> None:
+    need("frama-c")
+    for function in ("predict", "init"):
+        verdict, expected = prove_call(model("diagnosed"), texts("diagnosed"), function, "finite")
+        assert not verdict.alarms
+        assert verdict.held == verdict.checks >= expected > 20
+
+
 @pytest.mark.parametrize(("function", "inputs"), [("predict", "finite"), ("inverse", "any"), ("aux", "any")])
 def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Floats) -> None:
     need("frama-c")
@@ -64,7 +83,7 @@ def test_learn_is_proved_for_every_input_and_any_covariance() -> None:
     need("frama-c")
     found = prove(model("learning"), texts("learning"), calls=["update", "learn_init", "learn"])
     assert found.holds, "\n".join(found.lines())
-    assert [proof.expected for proof in found.proofs] == [20, 70, 70]
+    assert [proof.expected for proof in found.proofs] == [20, 88, 88]
 
 
 @pytest.mark.parametrize("about", ["a shadow beyond its limits has to start again", "a displacement far outside"])
@@ -176,14 +195,3 @@ def test_a_call_that_is_not_there_is_refused() -> None:
     need("frama-c")
     with pytest.raises(ModelError, match="no call learn to prove"):
         prove(model("appendix_a"), texts("appendix_a"), calls=["learn"])
-
-
-def test_models_of_another_kind_are_refused() -> None:
-    class Unknown:
-        kind = "unknown"
-        size = 1
-
-    altered = dataclasses.replace(model("appendix_a"))
-    object.__setattr__(altered, "terms", (Unknown(),))
-    with pytest.raises(ModelError, match="box is not known"):
-        step(altered, texts("appendix_a"), "predict", "finite")

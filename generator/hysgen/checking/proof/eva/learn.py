@@ -10,6 +10,7 @@ import dataclasses
 import re
 from collections.abc import Mapping
 
+from hysgen.checking.proof.eva.banks import bank_box
 from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY, finite_checked
 from hysgen.checking.proof.eva.contracts import (
@@ -24,7 +25,7 @@ from hysgen.checking.proof.eva.frama import Verdict, analyse
 from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.checking.proof.eva.learner_box import WILD, LearnerBox, learner_box
 from hysgen.checking.proof.eva.splits import Join, Split, annotated, displacements, joined, signs, splits
-from hysgen.checking.proof.eva.states import ANY_WORD, assumed, bank_words, instance_words
+from hysgen.checking.proof.eva.states import ANY_WORD, assumed, bank_words, float_word, instance_words
 from hysgen.checking.proof.layout import words
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
@@ -45,6 +46,9 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
         if word.path.split("[")[0] not in WILD and not word.path.startswith(("candidate.", "base."))
     ]
     known = assumed("learner", struct, found, box.floats, box.integers)
+    # The bank that the learner started from: any that may have been committed before learn_init.
+    if any(word.path.startswith("base.") for word in words(texts[f"{name}.h"], struct)):
+        known += [float_word("learner", f"base.{path}", bank) for path, bank in bank_box(model).items()]
     facts = {
         "name": name,
         "function": function,
@@ -107,6 +111,7 @@ def _learn_splits(model: Model) -> list[Split]:
         Split("learn", _plausible(model), "const float y = "),
         Split("keep", displacements(coefficients(model)), "const float y = "),
         Split("lost", signs("moved")),
+        Split("begin", ("sliding == 0u",), "const uint32_t sliding = "),
         Split("admit", signs("e"), "const float e = "),
         Split("limited", ("x <= high",)),
     ]
