@@ -14,9 +14,9 @@ ROOT = Path(__file__).resolve().parents[1]
 USE = """
 import numpy as np
 from hysgen import FitSettings, Record, cost, fit, generate, load_model, save_model, score, verify
-from hysgen.proof.eva.states import instance_words
-from hysgen.signals import nested_amplitudes
-from hysgen.terms.echo import Echo
+from hysgen.checking.proof.eva.states import instance_words
+from hysgen.stage.signals import nested_amplitudes
+from hysgen.model.terms.echo import Echo
 
 u_V = nested_amplitudes(1e-4, (50.0, 20.0), 40.0, 25.0, 4)
 y_um = np.full(u_V.size, 2.8)

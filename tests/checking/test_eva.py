@@ -12,7 +12,6 @@ from collections.abc import Mapping
 
 import pytest
 
-from conftest import need
 from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.tools import need
 from hysgen.checking.proof.eva.calls import prove_call, step

@@ -16,6 +16,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.errors import ModelError
+from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.status import Status
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox

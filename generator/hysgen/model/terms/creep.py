@@ -21,6 +21,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.machine.kernels import lag_states
+from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import mode_states
+from hysgen.machine.reproducible import exp, expm1, sine
 from hysgen.model.intervals import Interval
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate

@@ -15,8 +15,10 @@ import numpy as np
 
 from hysgen.certify.certificates import certify
 from hysgen.checking.proof.eva.boxes import instance_box, regressor_sizes
-from hysgen.checking.proof.eva.intervals import Interval, hexadecimal, symmetric
+from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.errors import ModelError
+from hysgen.float32.coefficients import Floats32, coefficients
+from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.float32.learner_numbers import learner_numbers
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.model import Model

@@ -17,8 +17,10 @@ from typing import Final
 import numpy as np
 
 from hysgen.checking.proof.eva.banks import committed_gain
-from hysgen.checking.proof.eva.intervals import Interval, hexadecimal
+from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.errors import ModelError
+from hysgen.float32.coefficients import Coefficients, coefficients
+from hysgen.model.float32_constants import INFINITY_BITS, LEAST, POWER_LIMIT
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 

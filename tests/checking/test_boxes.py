@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from codegen.test_terms_c import BLOCKS, FUNCTIONS, OTHERS, TERMS, extended, hard_inputs
-from conftest import need
 from fixtures.generated_models import diagnosed
 from fixtures.proof_models import model, shipped, texts
+from fixtures.tools import need
 from hysgen.checking.host import Host
 from hysgen.checking.proof.eva.banks import state_box
 from hysgen.checking.proof.eva.boxes import parts_box
@@ -26,10 +26,11 @@ from hysgen.checking.proof.eva.learner_box import WILD, learner_box
 from hysgen.checking.proof.layout import words
 from hysgen.codegen import Options, generate
 from hysgen.errors import ModelError
+from hysgen.model import path as inputs
+from hysgen.model import terms
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.model import Model, terms
-from hysgen.model.model import path as inputs
+from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.saturation import Saturation
