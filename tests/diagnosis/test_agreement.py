@@ -18,10 +18,10 @@ from hysgen.diagnosis import procedure, search, swaps
 from hysgen.diagnosis.advice import remainder
 from hysgen.diagnosis.bootstrap import Gain
 from hysgen.diagnosis.causes import Residual, Signature, causes
-from hysgen.diagnosis.noise import NoiseFloor
 from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.search import Found
+from hysgen.record.noise import NoiseFloor
 
 CHECKED = np.arange(60, SAMPLES, 3)
 AGED_UM = 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)

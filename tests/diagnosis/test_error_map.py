@@ -7,8 +7,8 @@ import pytest
 
 from hysgen.diagnosis.bootstrap import gain
 from hysgen.diagnosis.error_map import profile, spectrum, turning_points
-from hysgen.diagnosis.noise import noise_floor
 from hysgen.record import Record
+from hysgen.record.noise import residual_noise_floor
 
 
 def test_profile_counts_every_sample_once_and_keeps_its_power() -> None:
@@ -64,8 +64,8 @@ def test_noise_floor_comes_from_plateaus_if_there_are_any() -> None:
     rng = np.random.default_rng(4)
     u_V = np.repeat(rng.uniform(0, 50, 20), 100)
     left_um = 0.02 * rng.normal(size=2000) + 0.1 * np.repeat(rng.normal(size=20), 100)  # an inexact level on each
-    floor = noise_floor(Record.from_arrays(u_V, 0.1 * u_V, 1e-3), left_um, 1e-3)
-    assert floor.source == "plateaus"
+    floor = residual_noise_floor(Record.from_arrays(u_V, 0.1 * u_V, 1e-3), left_um, 1e-3)
+    assert floor.method == "plateaus"
     assert floor.rms_um == pytest.approx(0.02, rel=0.1)  # 20 plateaus of 88 samples: 2 %, the median of them 3 %
 
 
@@ -73,6 +73,6 @@ def test_noise_floor_without_plateaus_is_that_of_the_innovation() -> None:
     rng = np.random.default_rng(5)
     u_V = 30.0 * np.sin(np.linspace(0, 40, 3000))
     left_um = 0.02 * rng.normal(size=3000) + 0.3 * np.sin(np.linspace(0, 20, 3000))
-    floor = noise_floor(Record.from_arrays(u_V, 0.1 * u_V, 1e-3), left_um, 1e-3)
-    assert floor.source == "innovation"
+    floor = residual_noise_floor(Record.from_arrays(u_V, 0.1 * u_V, 1e-3), left_um, 1e-3)
+    assert floor.method == "innovation"
     assert floor.rms_um == pytest.approx(0.02, rel=0.1)

@@ -18,9 +18,9 @@ from hysgen.cli import main
 from hysgen.diagnosis import Diagnosis, diagnose, procedure, search
 from hysgen.diagnosis.causes import Estimate, Signature, periodic
 from hysgen.diagnosis.error_map import spectrum
-from hysgen.diagnosis.noise import innovation
 from hysgen.diagnosis.probe import Chain, Fit, Run, Scene, refine
 from hysgen.record import Record
+from hysgen.record.series import residual_noise
 from hysgen.studies.bank.scenario import scenario
 
 NOISE_NM = 0.5
@@ -123,8 +123,8 @@ def test_noise_is_measured_between_neighbours_however_long_the_record() -> None:
     part, checked = search.halves(seen)
     assert len(part.rows) == search.MOST_ROWS
     for rows in (part.dense, checked):
-        assert 1e3 * innovation(fit.error[rows]) == pytest.approx(NOISE_NM, rel=0.02)
-    assert 1e3 * innovation(fit.error[part.rows]) > 1.2 * NOISE_NM, "the record shows no difference"
+        assert 1e3 * residual_noise(fit.error[rows]) == pytest.approx(NOISE_NM, rel=0.02)
+    assert 1e3 * residual_noise(fit.error[part.rows]) > 1.2 * NOISE_NM, "the record shows no difference"
 
 
 def test_a_line_is_held_against_its_neighbours_however_long_the_record() -> None:
@@ -151,5 +151,5 @@ def test_noise_of_a_sensor_that_resolves_no_more_than_its_noise() -> None:
     rng = np.random.default_rng(5)
     left_nm = np.round(rng.normal(scale=0.43, size=40_000) + 40.0 * np.sin(np.arange(40_000) / 3000.0))
     left_nm -= 40.0 * np.sin(np.arange(40_000) / 3000.0)
-    assert innovation(left_nm) == pytest.approx(math.hypot(0.43, 1.0 / math.sqrt(12.0)), rel=0.05)
-    assert innovation(left_nm[:8000]) > 0.59
+    assert residual_noise(left_nm) == pytest.approx(math.hypot(0.43, 1.0 / math.sqrt(12.0)), rel=0.05)
+    assert residual_noise(left_nm[:8000]) > 0.59

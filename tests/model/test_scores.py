@@ -12,7 +12,8 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.model.scores import persistence, score, score_lines, score_prediction
 from hysgen.model.simulate import free_run, one_step
 from hysgen.record import Record, Segment
-from hysgen.record.noise import noise_floor, period_of
+from hysgen.record.noise import noise_floor
+from hysgen.record.series import period_of
 
 
 def record_of(*columns: tuple[list[float], list[float]]) -> Record:

@@ -10,7 +10,7 @@ import pytest
 
 from hysgen.errors import RecordError
 from hysgen.record import Record, check_for_fit, check_validation, load_record
-from hysgen.record.excitation import turning_rows
+from hysgen.record.series import turning_rows
 from hysgen.stage import Stage, run
 from hysgen.stage.signals import fig5, fig11_sine
 

@@ -8,9 +8,8 @@ from pathlib import Path
 from hysgen.cli.console import Console
 from hysgen.errors import RecordError
 from hysgen.record import Columns, Record, load_record
+from hysgen.record.checks import ACCEPTABLE
 from hysgen.record.sampling import JITTER
-
-ACCEPTABLE = ("constant", "saturation", "swapped")
 
 
 def add_record_options(parser: argparse.ArgumentParser) -> None:

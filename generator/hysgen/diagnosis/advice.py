@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.error_map import turning_points
-from hysgen.diagnosis.noise import NoiseFloor, plateaus
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.search import Found
+from hysgen.record.noise import NoiseFloor
+from hysgen.record.series import plateaus
 
 Floats = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.bootstrap import Gain
 from hysgen.diagnosis.causes import Estimate
-from hysgen.diagnosis.noise import NoiseFloor
 from hysgen.model.model import Model
+from hysgen.record.noise import NoiseFloor
 
 Floats = NDArray[np.float64]
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes
-from hysgen.diagnosis.noise import innovation
 from hysgen.diagnosis.probe import Chain, Fit, Scene, linear_fit, refine, rms
 from hysgen.machine.threads import in_threads
+from hysgen.record.series import residual_noise
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -64,7 +64,7 @@ def remaining(fit: Fit, rival: Fit, checked: Rows) -> float:
     A cause smaller than the noise is still there in many samples at once. Below SHARP of the noise nothing is known.
     checked: not thinned out, for the white noise is told from neighbours.
     """
-    noise_um = innovation(fit.error[checked])
+    noise_um = residual_noise(fit.error[checked])
     least = (SHARP * noise_um) ** 2
     beyond = [max(level**2 - noise_um**2, least) + 1e-300 for level in levels(fit.error[checked], rival.error[checked])]
     return float(np.sqrt(beyond[0] / beyond[1]))

@@ -18,7 +18,6 @@ from hysgen.diagnosis.causes.outliers import outliers_signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder, in_order
 from hysgen.diagnosis.memory_shape import with_best_memory, with_usual_memory
-from hysgen.diagnosis.noise import NoiseFloor, noise_floor
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.search import Found, present, search, without
@@ -28,6 +27,7 @@ from hysgen.fitting import FitSettings
 from hysgen.machine.threads import in_threads, one_blas_thread
 from hysgen.model.model import Model
 from hysgen.record import Record
+from hysgen.record.noise import NoiseFloor, residual_noise_floor
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -148,7 +148,7 @@ def name_causes(
     extensions = _extensions(found, signatures, prepared, weak)
     agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
     extensions = _extensions(found, signatures, prepared, [name for name in signatures if name not in agreed])
-    noise = noise_floor(prepared.identification(), _settled_error(found), found.fit.chain.lag_s)
+    noise = residual_noise_floor(prepared.identification(), _settled_error(found), found.fit.chain.lag_s)
     return Naming(
         prepared,
         found,

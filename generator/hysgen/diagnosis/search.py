@@ -32,7 +32,6 @@ from hysgen.diagnosis.comparison import (
     refined,
     remaining,
 )
-from hysgen.diagnosis.noise import innovation
 from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
 from hysgen.diagnosis.spikes import isolated
 from hysgen.diagnosis.swaps import (
@@ -42,6 +41,7 @@ from hysgen.diagnosis.swaps import (
     swap_similar_causes,
     swap_slow_causes,
 )
+from hysgen.record.series import residual_noise
 
 Progress = Callable[[str], None]
 
@@ -144,7 +144,7 @@ def forward_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     best = min(steps, key=lambda trial: ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
     helped = ratio(best, fit, checked) < HELPS_BELOW and remaining(best, fit, checked) < STEP_BELOW
     # Fitted rows that show nothing but noise have no say: there the fit has bent itself around what is missing.
-    silent = fit.rms_um < (1.0 + SHARP**2) * innovation(fit.error[part.dense])
+    silent = fit.rms_um < (1.0 + SHARP**2) * residual_noise(fit.error[part.dense])
     return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None
 
 

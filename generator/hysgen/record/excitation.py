@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.data import SAME_PERIOD, Record
-from hysgen.record.plausibility import white_noise
+from hysgen.record.series import turning_rows, white_noise
 
 PER_PARAMETER = 4
 """Steps y(k) to y(k+1) that each parameter needs at the least; a sound record has hundreds."""
@@ -153,24 +153,6 @@ def _alike(record: Record) -> Iterator[str]:
             f"{record.source}: all {len(sizes)} swings of the voltage are alike ({np.median(sizes):.4g} V in "
             f"{np.median(durations):.4g} s); memory, lag and creep cannot be told apart: add other sizes and speeds"
         )
-
-
-def turning_rows(u_V: Series, band_V: float) -> NDArray[np.intp]:
-    """Rows at which the voltage turns and then goes back by more than `band_V`; smaller wiggles do not count."""
-    slope = np.sign(np.diff(u_V))
-    moving = np.flatnonzero(slope)
-    # Only local extremes can be turning points; between them the walk below has nothing to see.
-    extremes = moving[1:][np.diff(slope[moving]) != 0.0]
-    rows: list[int] = []
-    best, direction = 0, 0.0
-    for row in (*extremes.tolist(), u_V.size - 1):
-        away = float(u_V[row] - u_V[best])
-        if direction * away > 0.0 or (direction == 0.0 and abs(away) > band_V):
-            best, direction = row, np.sign(away)
-        elif direction * away < -band_V:
-            rows.append(best)
-            best, direction = row, -direction
-    return np.array(rows, dtype=np.intp)
 
 
 def _fastest(record: Record) -> float:

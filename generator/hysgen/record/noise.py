@@ -1,18 +1,24 @@
-"""How much of a record no model can explain: the noise floor of its displacement.
+"""The noise floor of a record: the rms of its displacement that no model can explain.
 
-Three estimates, the first that the record allows is taken, and it says which:
+Of a record alone, by the first method that it allows:
 
-    periods      the input repeats itself: half the variance of y(k + P) - y(k), a straight line taken out of the latter
-    plateaus     the input rests: variance about a parabola over the last three quarters of each rest (creep is smooth)
+    periods      the input is periodic: half the variance of y(k + P) - y(k) about a straight line
+    plateaus     the input is constant: variance about a parabola over the last three quarters of each plateau
     differences  sum (D^m y)^2 / C(2m, m), m = 6: white noise on a displacement that is smooth over m samples
 
-The first two hold for noise of any colour faster than the piece looked at, the last for white noise only.
-Source of the last: P. Hall, J. W. Kay and D. M. Titterington, Biometrika 77 (1990) 521-528, on difference-based
-variance.
+Given the residual e of a model, so that an error with a cause, such as hum on a plateau, does not count as noise:
+
+    periods      as above
+    plateaus     variance of e about a straight line on each plateau, from 12 time constants of the stage on; the median
+    innovation   second differences of e, see `series.residual_noise`
+
+"differences" and "innovation" assume white noise, the others noise of any colour that is faster than the period or the
+plateau. Source: P. Hall, J. W. Kay and D. M. Titterington, Biometrika 77 (1990) 521-528, on difference-based variance.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -21,29 +27,36 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.record import Record, Segment
+from hysgen.record.data import Record, Segment
+from hysgen.record.series import SHORTEST_PLATEAU, period_of, plateaus, residual_noise
 
 Floats = NDArray[np.float64]
-Method = Literal["periods", "plateaus", "differences"]
+Method = Literal["periods", "plateaus", "differences", "innovation"]
 
 ORDER = 6
-SHORTEST_REST = 40
-"""Samples that a rest of the input must last to tell noise from creep."""
 
 FEWEST = 100
-"""Samples from which a variance is taken."""
+"""Samples that an estimate of the record alone needs."""
 
-REPEATS_WITHIN = 1e-3
-"""Rms difference of two periods of the input, relative to its spread, below which it repeats itself."""
+FEWEST_RESIDUALS, FEWEST_ON_PLATEAU = 200, 16
+"""Samples on plateaus that an estimate from a residual needs, in all and on each."""
+
+DECAY_LAGS = 12.0
+"""Time constants of the stage at the beginning of a plateau that are left out, so that the lag has decayed."""
 
 
 @dataclass(frozen=True)
 class NoiseFloor:
-    """Rms of the noise on the displacement in um, how it was estimated, and from how many samples."""
+    """Rms of the noise on the displacement in um, the method of its estimate, and the number of samples used."""
 
     rms_um: float
     method: Method
     samples: int
+
+    @property
+    def source(self) -> str:
+        """The method as the JSON and the report of a diagnosis name it."""
+        return "repeated periods" if self.method == "periods" else self.method
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -55,12 +68,13 @@ class NoiseFloor:
             "periods": "from repeated periods of the input",
             "plateaus": "from rests of the input",
             "differences": f"from differences of order {ORDER}, if the noise is white",
+            "innovation": "from second differences of the residual, if the noise is white",
         }
         return f"{self.rms_um:.4g} um rms {source[self.method]}"
 
 
 def noise_floor(record: Record) -> NoiseFloor:
-    """The noise floor of a record by the best estimate that it allows; 0 if no segment is long enough for any."""
+    """The noise floor of a record by the first method that it allows; 0 if no segment is long enough for any."""
     methods: Sequence[tuple[Method, list[tuple[float, float]]]] = (
         ("periods", [piece for segment in record.segments for piece in _periods(segment)]),
         ("plateaus", [piece for segment in record.segments for piece in _plateaus(segment)]),
@@ -73,35 +87,34 @@ def noise_floor(record: Record) -> NoiseFloor:
     return NoiseFloor(0.0, "differences", 0)
 
 
-def period_of(u_V: Floats) -> int | None:
-    """The period of an input in samples, if at least two periods of it repeat within REPEATS_WITHIN; else None.
+def residual_noise_floor(record: Record, residual_um: Floats, lag_s: float) -> NoiseFloor:
+    """The noise floor of a record, given the residual of a model.
 
-    Candidates are the peaks of the autocorrelation beyond its first zero.
+    residual_um: (n,) over all segments in order, NaN for samples to be left out. lag_s: time constant of the stage.
     """
-    n = u_V.size
-    centred = u_V - u_V.mean()
-    spread = float(centred.std())
-    if n < 2 * SHORTEST_REST or spread == 0.0:
-        return None
-    spectrum = np.fft.rfft(centred, 2 * n)
-    # Divided by the overlap, so that a late period is not worth less than an early one.
-    correlation = np.fft.irfft(np.abs(spectrum) ** 2)[: n // 2 + 1] / np.arange(n, n - n // 2 - 1, -1)
-    below = np.flatnonzero(correlation < 0.0)
-    if below.size == 0:
-        return None
-    late = correlation[below[0] :]
-    for lag in below[0] + np.flatnonzero(late > (1.0 - 1e-2) * late.max()):
-        gap = u_V[lag:] - u_V[:-lag]
-        if math.sqrt(float(np.mean(gap * gap))) <= REPEATS_WITHIN * spread:
-            return int(lag)
-    return None
+    repeated = noise_floor(record)
+    if repeated.method == "periods":
+        return repeated
+    skipped = max(4, round(DECAY_LAGS * lag_s / record.Ts_s))
+    edges = np.cumsum([0, *(segment.samples for segment in record.segments)])
+    scatter = [
+        part
+        for segment, (begin, end) in zip(record.segments, itertools.pairwise(edges), strict=True)
+        for part in _detrended_plateaus(segment.u_V, residual_um[begin:end], skipped)
+    ]
+    samples = sum(len(part) for part in scatter)
+    if samples >= FEWEST_RESIDUALS:
+        # The median over plateaus: on some of them the stage may still move.
+        variances = [float(part @ part) / (len(part) - 2) for part in scatter]
+        return NoiseFloor(float(np.sqrt(np.median(variances))), "plateaus", samples)
+    return NoiseFloor(residual_noise(residual_um), "innovation", len(residual_um) - 2)
 
 
 def _periods(segment: Segment) -> Iterator[tuple[float, float]]:
     period = period_of(segment.u_V)
     if period is None:
         return
-    # The first period may still hold the way there from another state.
+    # The first period may contain the transient from another state.
     y = segment.y_um[period:] if segment.samples >= 3 * period else segment.y_um
     difference = y[period:] - y[:-period]
     if difference.size >= FEWEST:
@@ -109,13 +122,10 @@ def _periods(segment: Segment) -> Iterator[tuple[float, float]]:
 
 
 def _plateaus(segment: Segment) -> Iterator[tuple[float, float]]:
-    tolerance = 1e-6 * float(np.ptp(segment.u_V))
-    resting = np.concatenate([[False], np.abs(np.diff(segment.u_V)) <= tolerance, [False]])
-    edges = np.flatnonzero(np.diff(resting.astype(np.int8)))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        if stop - start >= SHORTEST_REST:
-            rest = segment.y_um[start + (stop - start) // 4 : stop + 1]
-            yield _about_polynomial(rest, 2), rest.size - 3.0
+    tolerance_V = 1e-6 * float(np.ptp(segment.u_V))
+    for begin, end in plateaus(segment.u_V, SHORTEST_PLATEAU + 1, tolerance_V):
+        y = segment.y_um[begin + (end - begin - 1) // 4 : end]
+        yield _about_polynomial(y, 2), y.size - 3.0
 
 
 def _differences(segment: Segment) -> Iterator[tuple[float, float]]:
@@ -125,8 +135,18 @@ def _differences(segment: Segment) -> Iterator[tuple[float, float]]:
 
 
 def _about_polynomial(values: Floats, degree: int) -> float:
-    """Sum of squares about the polynomial that fits best."""
+    """Sum of squares about the least-squares polynomial."""
     place = np.linspace(-1.0, 1.0, values.size)
     basis = np.polynomial.legendre.legvander(place, degree)
     residual = values - basis @ np.linalg.lstsq(basis, values, rcond=None)[0]
     return float(residual @ residual)
+
+
+def _detrended_plateaus(u_V: Floats, residual_um: Floats, skipped: int) -> Iterator[Floats]:
+    """The residual about a straight line on each plateau, without its first `skipped` samples."""
+    for begin, end in plateaus(u_V):
+        y = residual_um[begin + skipped : end]
+        if len(y) >= FEWEST_ON_PLATEAU and np.isfinite(y).all():
+            time = np.arange(len(y)) - 0.5 * (len(y) - 1)
+            y = y - y.mean()
+            yield y - time * float(time @ y / (time @ time))

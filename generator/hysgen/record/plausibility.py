@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.record.channels import Channels
+from hysgen.record.series import plateaus, white_noise
 
 Series = NDArray[np.float64]
 
@@ -82,7 +83,9 @@ def _flats(runs: Sequence[Channels]) -> Iterator[_Flat]:
     rising = 1.0 if _correlation(runs) >= 0.0 else -1.0
     for name, end, side in ((*ends[0], rising), (*ends[1], -rising)):
         for run in runs:
-            for start, stop in _flat_ends(run.y_um, end):
+            for start, stop in plateaus(run.y_um, FLAT):
+                if run.y_um[start] != end:
+                    continue
                 halted = _runs_into(run, start, stop, quantum)
                 certain = stop - start >= still and (noisy or halted)
                 likely = halted or _goes_on(side * run.u_V, start, stop, max(4.0 * quantum, 0.005 * span) / gain)
@@ -130,8 +133,8 @@ def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
         return
     if -areas[areas < 0.0].sum() < 0.95 * np.abs(areas).sum():
         return
-    u_noise = max(white_noise(run.u_V) / _spread(run.u_V) for run in runs)
-    y_noise = max(white_noise(run.y_um) / _spread(run.y_um) for run in runs)
+    u_noise = max(white_noise(run.u_V) / _deviation(run.u_V) for run in runs)
+    y_noise = max(white_noise(run.y_um) / _deviation(run.y_um) for run in runs)
     yield (
         "swapped",
         u_noise > max(5.0 * y_noise, 1e-6),
@@ -152,7 +155,7 @@ def _loops(u: Series, y: Series) -> tuple[Series, float]:
     starts = _cycle_starts(u)
     if starts.size < 3:
         return nothing
-    u, y = ((values - values.mean()) / _spread(values) for values in (u, y))
+    u, y = ((values - values.mean()) / _deviation(values) for values in (u, y))
     steps = np.diff(u)
     area = np.concatenate([[0.0], np.cumsum(-0.5 * (y[1:] + y[:-1]) * steps)])
     return np.diff(area[starts]), float(np.abs(steps[starts[0] : starts[-1]]).sum())
@@ -164,13 +167,6 @@ def _cycle_starts(u: Series) -> NDArray[np.int64]:
     outside = np.flatnonzero(np.abs(u - middle) > 0.15 * half)
     above = u[outside] > middle
     return np.asarray(outside[1:][above[1:] & ~above[:-1]], dtype=np.int64)
-
-
-def _flat_ends(y: Series, end: float) -> list[tuple[int, int]]:
-    """Start and stop of every stretch of at least FLAT samples at exactly `end`."""
-    edges = np.diff(np.concatenate([[0], (y == end).astype(np.int8), [0]]))
-    starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    return [(int(a), int(b)) for a, b in zip(starts, stops, strict=True) if b - a >= FLAT]
 
 
 def _longest_repeat(y: Series, highest: float, lowest: float) -> int:
@@ -195,14 +191,5 @@ def _smallest_step(y: Series) -> float:
     return float(steps.min(where=steps > 0.0, initial=np.inf))
 
 
-def white_noise(values: Series) -> float:
-    """White noise, rms, from the median sixth difference, which smooth signals hardly have; 0 for under 12 samples."""
-    if values.size < 12:
-        return 0.0
-    # The sixth difference of white noise is sqrt(924) times as large, 924 = binomial(12, 6); 0.6745 is the median of
-    # |x| for a normal x.
-    return float(np.median(np.abs(np.diff(values, 6)))) / (0.6745 * float(np.sqrt(924.0)))
-
-
-def _spread(values: Series) -> float:
+def _deviation(values: Series) -> float:
     return float(values.std()) or 1.0
