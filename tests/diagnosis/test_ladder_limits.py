@@ -17,6 +17,7 @@ from hysgen.diagnosis.probe import Chain, linear_fit, rms
 from hysgen.fitting import FitSettings
 from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
+from hysgen.stage import Aging
 from hysgen.stage import run as measure
 from hysgen.studies.bank.scenario import JUDGED_TOO, Scenario, scenario
 from hysgen.studies.bank.truth import true_extensions
@@ -30,7 +31,7 @@ def measured(hidden: Scenario) -> Prepared:
 def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> None:
     # The gain falls by 8 %: what is fitted, the displacement with the aging taken out, goes beyond what was measured.
     hidden = scenario("aging", 1117)
-    aging = hidden.stage.aging
+    aging = hidden.stage.one(Aging)
     assert aging is not None
     prepared = measured(hidden)
     new = Extension(gain_per_s=aging.fraction / aging.over_s)

@@ -19,6 +19,7 @@ from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.search import eliminate_backward, search
 from hysgen.errors import RecordError
 from hysgen.record import Record
+from hysgen.stage import Aging, Drift
 from hysgen.studies.bank.excitation import good
 from hysgen.studies.bank.scenario import scenario
 
@@ -57,7 +58,7 @@ def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
 def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
     """Each takes what the other leaves: the aging of one fit beside the ramp of another adds up to neither."""
     hidden = scenario("pair", 1222)
-    aged, drifted = hidden.stage.aging, hidden.stage.drift
+    aged, drifted = hidden.stage.one(Aging), hidden.stage.one(Drift)
     assert aged is not None
     assert drifted is not None
     prepared = measured(hidden)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import dblquad, solve_ivp
 
 from hysgen.stage import BoucWen, Density, Preisach, Relays, Stage, StageError, run, static_loop, static_path
-from hysgen.stage.hysteresis import everett, everett_table
+from hysgen.stage.effects.memory import everett, everett_table
 
 Floats = NDArray[np.float64]
 NOMINAL = Stage.nominal()

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hysgen.studies.bank import BankResult, run, scenario
+from hysgen.studies.bank.judge_records import judge
 from hysgen.studies.bank.limits import PARAMETERS
 from hysgen.studies.bank.result import Verdict
-from hysgen.studies.bank.run import judge
 from hysgen.studies.bank.scenario import CATEGORIES, EFFECTS
 
 SMALL = (

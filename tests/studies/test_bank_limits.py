@@ -6,7 +6,6 @@ import dataclasses
 import io
 import json
 import math
-import sys
 from pathlib import Path
 
 import pytest
@@ -18,9 +17,6 @@ from hysgen.errors import HysgenError
 from hysgen.studies.bank import BankResult, Verdict, limits, limits_table, run
 from hysgen.studies.bank.limits import PARAMETERS, QUIET, RECORDS
 from hysgen.studies.bank.log import Log, read_log
-
-BANK_RUN = sys.modules[run.__module__]
-"""`hysgen.studies.bank.run`, the module; the package has a function of that name."""
 
 
 def right(category: str, seed: int) -> Verdict:
@@ -91,7 +87,7 @@ def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list
         begun.append(key)
         return dataclasses.replace(right(*key), fall=math.nan)
 
-    monkeypatch.setattr(BANK_RUN, "_one", one)
+    monkeypatch.setattr("hysgen.studies.bank.judge_records._one", one)
     return begun
 
 
@@ -138,7 +134,7 @@ def test_exit_code_says_whether_the_limits_are_met(
     def one(key: tuple[str, int]) -> Verdict:
         return dataclasses.replace(right(*key), fall=fall)
 
-    monkeypatch.setattr(BANK_RUN, "_one", one)
+    monkeypatch.setattr("hysgen.studies.bank.judge_records._one", one)
     out, told = io.StringIO(), tmp_path / "bank.json"
     words = ["bank", "--seeds", "1:3", "--categories", "memory", "creep", "--jobs", "1", "--json", str(told)]
     assert bank_verb.run(parser().parse_args(words), Console(str(told), out, io.StringIO())) == code

@@ -5,23 +5,21 @@ It shares no equation and no constant with the models that are fitted to its rec
 """
 
 from hysgen.stage.description import Stage
-from hysgen.stage.effects import (
-    Aging,
-    Bandwidth,
-    Coupling,
-    Creep,
-    Delay,
-    Drift,
-    Noise,
-    Outliers,
-    Periodic,
-    Resonance,
-    Saturation,
-    Slew,
-    StageError,
-    StickSlip,
-)
-from hysgen.stage.hysteresis import BoucWen, Curve, Density, Preisach, Relays
+from hysgen.stage.effects import Effect, StageError, effects
+from hysgen.stage.effects.aging import Aging
+from hysgen.stage.effects.bandwidth import Bandwidth
+from hysgen.stage.effects.coupling import Coupling
+from hysgen.stage.effects.creep import Creep
+from hysgen.stage.effects.delay import Delay
+from hysgen.stage.effects.drift import Drift
+from hysgen.stage.effects.memory import BoucWen, Curve, Density, Hysteresis, Preisach, Relays
+from hysgen.stage.effects.noise import Noise
+from hysgen.stage.effects.outliers import Outliers
+from hysgen.stage.effects.periodic import Periodic
+from hysgen.stage.effects.resonance import Resonance
+from hysgen.stage.effects.saturation import Saturation
+from hysgen.stage.effects.slew import Slew
+from hysgen.stage.effects.stick_slip import StickSlip
 from hysgen.stage.measure import Measurement, Truth, run, static_loop, without
 from hysgen.stage.state import StageState, static_path
 
@@ -35,6 +33,8 @@ __all__ = [
     "Delay",
     "Density",
     "Drift",
+    "Effect",
+    "Hysteresis",
     "Measurement",
     "Noise",
     "Outliers",
@@ -49,6 +49,7 @@ __all__ = [
     "StageState",
     "StickSlip",
     "Truth",
+    "effects",
     "run",
     "static_loop",
     "static_path",

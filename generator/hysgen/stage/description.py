@@ -1,49 +1,16 @@
-"""A virtual piezo stage, described by physical constants: what it is made of, and what it suffers from."""
+"""A virtual piezo stage, described by physical constants: what it is made of, and the effects it suffers from."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
-from hysgen.stage.effects import (
-    Aging,
-    Bandwidth,
-    Coupling,
-    Creep,
-    Delay,
-    Drift,
-    Noise,
-    Outliers,
-    Periodic,
-    Resonance,
-    Saturation,
-    Slew,
-    StageError,
-    StickSlip,
-    require,
-)
-from hysgen.stage.hysteresis import Memory, Preisach
+from hysgen.stage.effects import Effect, StageError, effects, require
+from hysgen.stage.effects.memory import Hysteresis, Preisach
+from hysgen.stage.effects.noise import Noise
 
-# Effects that a stage has or has not; of modes and disturbing lines it may have several.
-SINGLE: Mapping[str, type[Any]] = MappingProxyType(
-    {
-        "bandwidth": Bandwidth,
-        "saturation": Saturation,
-        "slew": Slew,
-        "creep": Creep,
-        "delay": Delay,
-        "drift": Drift,
-        "aging": Aging,
-        "outliers": Outliers,
-        "coupling": Coupling,
-        "stick_slip": StickSlip,
-        "noise": Noise,
-    }
-)
-SEVERAL: Mapping[str, type[Any]] = MappingProxyType({"resonance": Resonance, "periodic": Periodic})
+E = TypeVar("E", bound=Effect)
 
 
 @dataclass(frozen=True)
@@ -54,7 +21,8 @@ class Stage:
     lag_s: time constant of the one pole that amplifier, ceramic, stage and sensor make together.
     dac_*, adc_*: ranges and bits of the converters, 0 bits: ideal. sensor_step_um: resolution, 0: ideal.
     history_V: voltages visited, in order, before the record. zero_V: where the sensor reads 0 after them.
-    Every effect: None or () is off. `memory` None is a proportional ceramic.
+    memory: hysteresis of the ceramic, None: proportional. noise: of the sensor, None: without.
+    others: all further effects, in the order of their ranks; `with_effects` sets them by name.
     """
 
     stroke_um: float = 10.0
@@ -69,21 +37,9 @@ class Stage:
     adc_bits: int = 16
     history_V: tuple[float, ...] = (-20.0, 120.0, 0.0)
     zero_V: float = 0.0
-
-    memory: Memory | None = field(default_factory=Preisach)
-    bandwidth: Bandwidth | None = None
-    saturation: Saturation | None = None
-    slew: Slew | None = None
-    creep: Creep | None = None
-    resonance: tuple[Resonance, ...] = ()
-    delay: Delay | None = None
-    drift: Drift | None = None
-    periodic: tuple[Periodic, ...] = ()
-    aging: Aging | None = None
-    outliers: Outliers | None = None
-    coupling: Coupling | None = None
-    stick_slip: StickSlip | None = None
+    memory: Hysteresis | None = field(default_factory=Preisach)
     noise: Noise | None = field(default_factory=Noise)
+    others: tuple[Effect, ...] = ()
 
     def __post_init__(self) -> None:
         require(self.stroke_um > 0 and self.full_V > 0, "Stage: stroke_um and full_V must be above 0")
@@ -91,7 +47,11 @@ class Stage:
         require(math.isfinite(self.zero_V), f"Stage.zero_V: {self.zero_V} V is not a voltage; give a finite number")
         require(self.dac_low_V < self.dac_high_V, "Stage: the D/A's range is empty; dac_low_V must be below dac_high_V")
         require(self.adc_low_um < self.adc_high_um, "Stage: the A/D's range is empty; adc_low_um must be below")
-        require(len(self.resonance) <= 4 and len(self.periodic) <= 16, "Stage: at most 4 modes and 16 disturbing lines")
+        for kind in {type(effect) for effect in self.others}:
+            count = len(self.of(kind))
+            require(count <= kind.most, f"Stage: {count} times {kind.name}; a stage has at most {kind.most}")
+        ranked = sorted(self.others, key=lambda effect: (effect.rank, effect.name))
+        object.__setattr__(self, "others", tuple(ranked))
 
     @classmethod
     def nominal(cls) -> Stage:
@@ -105,56 +65,66 @@ class Stage:
     def laboratory(cls) -> Stage:
         """The nominal stage with the modest imperfections that any real one has, all at once."""
         return cls().with_effects(
-            bandwidth=Bandwidth(10e3),
-            slew=Slew(100e3),
-            creep=Creep(0.012),
-            resonance=Resonance(780.0, 0.03, 0.25),
-            drift=Drift(walk_um_per_rt_s=0.0005),
-            periodic=Periodic(50.0, 0.002, 0.6),
+            bandwidth=10e3,
+            slew=100e3,
+            creep=0.012,
+            resonance=(780.0, 0.03, 0.25),
+            drift=(0.0, 0.0005),
+            periodic=(50.0, 0.002, 0.6),
         )
 
-    def with_effects(self, **effects: object) -> Stage:
+    def with_effects(self, **values: object) -> Stage:
         """This stage with effects switched on, changed or (None) off, by name.
 
         Each value is the effect's dataclass, or the arguments of one: a number, or a tuple of numbers
-        (creep=0.03, resonance=(780.0, 0.02), delay=1.6 in samples, coupling={"axis2_V": 0.004}). `resonance` and
-        `periodic` also take a list of several. Raises StageError for a name or a value that is none.
+        (creep=0.03, resonance=(780.0, 0.02), delay=1.6 in samples, coupling={"axis2_V": 0.004}). An effect that a stage
+        may have several times also takes a list. Raises StageError for an unknown name or an impossible value.
         """
-        changes: dict[str, Any] = {name: _effect(name, value) for name, value in effects.items()}
-        return replace(self, **changes)
+        parts: dict[str, Any] = {}
+        others = self.others
+        for name, value in values.items():
+            given = _given(name, value)
+            if name in ("memory", "noise"):
+                parts[name] = given[0] if given else None
+            else:
+                others = (*(effect for effect in others if effect.name != name), *given)
+        return replace(self, others=others, **parts)
 
     def quiet(self) -> Stage:
-        """This stage with an ideal sensor and A/D: no noise, no resolution. What the others do is unchanged."""
+        """This stage with an ideal sensor and A/D: no noise, no resolution. The other effects stay."""
         return replace(self, noise=None, sensor_step_um=0.0, adc_bits=0)
 
     @property
+    def effects(self) -> tuple[Effect, ...]:
+        """All effects, memory first."""
+        return tuple(effect for effect in (self.memory, *self.others, self.noise) if effect is not None)
+
+    def of(self, kind: type[E]) -> tuple[E, ...]:
+        """The effects of a class; () if the stage has none."""
+        return tuple(effect for effect in self.effects if isinstance(effect, kind))
+
+    def one(self, kind: type[E]) -> E | None:
+        """The first effect of a class; None if the stage has none."""
+        return next(iter(self.of(kind)), None)
+
+    @property
     def active(self) -> tuple[str, ...]:
-        """Names of the effects that are on, memory first; `noise` is the sensor's and does not count."""
-        names = ("memory", *SINGLE, *SEVERAL)
-        return tuple(name for name in names if name != "noise" and getattr(self, name) not in (None, ()))
+        """Names of the effects that count, each once, in the order of their ranks."""
+        return tuple(dict.fromkeys(effect.name for effect in self.effects if effect.active))
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the further channels that act on the stage."""
+        return tuple(name for effect in self.effects for name in effect.channels)
 
 
-def _effect(name: str, value: object) -> object:
-    """The dataclass, tuple of them, or None that the field `name` of a Stage takes."""
-    if name == "memory":
-        require(value is None or hasattr(value, "form"), "memory: give Preisach, Relays, BoucWen, Curve or None")
-        return value
-    if name in SINGLE:
-        return None if value is None else _one(name, SINGLE[name], value)
-    if name in SEVERAL:
-        if value is None or value == ():
-            return ()
-        several = isinstance(value, list) or (isinstance(value, tuple) and isinstance(value[0], SEVERAL[name] | tuple))
-        listed: Any = value if several else [value]
-        return tuple(_one(name, SEVERAL[name], item) for item in listed)
-    known = ", ".join(("memory", *SINGLE, *SEVERAL))
-    raise StageError(f"{name}: no such effect; the stage knows {known}")
-
-
-def _one(name: str, kind: type[Any], value: Any) -> Any:
-    if isinstance(value, kind):
-        return value
-    try:
-        return kind(*value) if isinstance(value, tuple) else kind(value)
-    except TypeError as fault:
-        raise StageError(f"{name}: {value!r} makes no {kind.__name__}; give what its fields ask") from fault
+def _given(name: str, value: Any) -> tuple[Effect, ...]:
+    """The effects that `value` stands for; () if it switches the effect off."""
+    known = effects()
+    if name not in known:
+        raise StageError(f"{name}: no such effect; the stage knows {', '.join(known)}")
+    kind = known[name]
+    if value is None or value == ():
+        return ()
+    several = isinstance(value, list) or (isinstance(value, tuple) and isinstance(value[0], kind | tuple))
+    return tuple(kind.made(item) for item in (value if several else [value]))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hysgen.stage.description import Stage
 from hysgen.stage.effects import require
-from hysgen.stage.hysteresis import Curve
+from hysgen.stage.effects.memory import Curve, Hysteresis
 from hysgen.stage.state import StageState, Trace, static_path
 
 Floats = NDArray[np.float64]
@@ -85,14 +85,14 @@ def static_loop(stage: Stage, low_V: float, high_V: float, points: int = 401) ->
 
 def without(stage: Stage, effect: str, low_V: float, high_V: float) -> Stage:
     """The stage with one effect taken out. Memory leaves the middle of the loop over low_V .. high_V as a curve."""
-    if effect != "memory":
+    if effect != Hysteresis.name:
         return stage.with_effects(**{effect: None})
     u_V, rising_um, falling_um = static_loop(stage, low_V, high_V)
     return replace(stage, memory=Curve(low_V, float(u_V[1] - u_V[0]), tuple(((rising_um + falling_um) / 2).tolist())))
 
 
 def _drive(stage: Stage, u_V: Floats, Ts_s: float, seed: int, channels: Mapping[str, Floats], rest_V: float) -> Trace:
-    names = tuple(stage.coupling.um_per_unit) if stage.coupling else ()
+    names = stage.channels
     missing = [name for name in names if name not in channels]
     require(not missing, f"aux: the stage couples to {', '.join(missing)}, which is not given; pass it in aux")
     others = np.stack([channels[name] for name in names], axis=1) if names else np.zeros((len(u_V), 0))
@@ -111,7 +111,7 @@ def _shares(
     low_V, high_V = float(whole.actuator_V.min()), float(whole.actuator_V.max())
     rms: dict[str, float] = {}
     for effect in stage.active:
-        if effect == "memory" and not low_V < high_V:
+        if effect == Hysteresis.name and not low_V < high_V:
             continue
         part = _drive(without(quiet, effect, low_V, high_V), u_V, Ts_s, seed, channels, rest_V)
         rms[effect] = float(np.std(whole.reading_um - part.reading_um))

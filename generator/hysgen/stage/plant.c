@@ -134,7 +134,7 @@ static int struck(const plant_t *self, unsigned long long k)
 static void sense(plant_t *self)
 {
     const double t_s = (double)self->k * self->Ts_s;
-    double here_um = self->ring[self->ring_at] + self->drift_um;
+    double here_um = self->ring[self->ring_at] + self->drift_um + self->added_um;
     for (int i = 0; i < self->lines; i++)
         here_um += self->line_um[i] * sin(6.283185307179586 * self->line_Hz[i] * t_s + self->line_rad[i]);
     self->true_um = here_um;

@@ -94,8 +94,10 @@ typedef struct {
     int lines;
     const double *line_Hz, *line_um, *line_rad;
 
+    double added_um;                              /* by effects that act in Python, at the coming instant */
     double white_um, flicker_um;
-    double flicker_keep[FLICKER_STATES], flicker_x[FLICKER_STATES];
+    const double *flicker_keep;                   /* (FLICKER_STATES,) */
+    double flicker_x[FLICKER_STATES];
     double outlier_rate, outlier_um;
     double sensor_step_um, adc_low_um, adc_step_um;   /* steps 0: ideal */
     double adc_codes;

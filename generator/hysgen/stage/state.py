@@ -14,17 +14,16 @@ from numpy.typing import NDArray
 
 from hysgen.machine import native
 from hysgen.stage.description import Stage
-from hysgen.stage.discretise import Linear, Mesh, Spectrum, amplifier, creep_spectrum, mechanics, mesh
-from hysgen.stage.effects import Aging, Drift, Noise, Outliers, StageError, StickSlip, require
-from hysgen.stage.hysteresis import GRID_LOW_V, GRID_STEP_V, KIND_EVERETT, straight
+from hysgen.stage.effects import Action, Period, StageError, effects, require
+from hysgen.stage.effects.memory import GRID_LOW_V, GRID_STEP_V, KIND_EVERETT, straight
+from hysgen.stage.linear import Linear
+from hysgen.stage.mesh import Mesh, mesh
 
 Floats = NDArray[np.float64]
 
 SOURCES = ("plant.h", "hysteresis.c", "plant.c")
 TURNS = 65536  # nested turning points that are remembered
 OUT_OF_MEMORY = f"voltage: more than {TURNS} nested turning points; shorten the record or stop its amplitude's decay"
-NO_NOISE = Noise(0.0, 0.0)
-FLICKER_HZ = 10.0 ** np.arange(-3, 5)  # corner frequencies whose sum is 1/f between them
 
 
 @functools.cache
@@ -68,11 +67,14 @@ class StageState:
         self._plant = self._ffi.new("plant_t *")
         self._plant_step = self._library.lib.plant_step
         cells = mesh(stage, Ts_s)
-        self._fill_chain(cells, Ts_s)
-        self._fill_sensor(Ts_s, seed)
+        self._fill_converters(cells, Ts_s, seed)
+        self._fill_effects(Period(Ts_s, cells.h_s, stage.lag_s))
         _fill_hysteresis(self._library, self._plant.hysteresis, stage, self._kept)
         self._set_channels(channels if len(channels) else (0.0,) * self._plant.channels)
-        self._library.lib.plant_rest(self._plant, rest_V)
+        started = [effect.action(Ts_s, seed, rest_V) for effect in stage.effects]
+        self._actions: list[Action] = [action for action in started if action is not None]
+        self._given_V = rest_V
+        self._library.lib.plant_rest(self._plant, self._commanded_V(rest_V))
 
     @property
     def y_um(self) -> float:
@@ -91,7 +93,11 @@ class StageState:
 
     @property
     def address(self) -> tuple[int, int]:
-        """Of the compiled step, `double (*)(void *plant, double u_V)`, and of its plant: for C that drives a stage."""
+        """Of the compiled step, `double (*)(void *plant, double u_V)`, and of its plant: for C that drives a stage.
+
+        Raises StageError if an effect acts in Python, which the compiled step leaves out.
+        """
+        require(not self._actions, "address: an effect of this stage acts in Python; use step()")
         lib, ffi = self._library.lib, self._ffi
         step = ffi.addressof(lib, "plant_step")
         return int(ffi.cast("uintptr_t", step)), int(ffi.cast("uintptr_t", self._plant))
@@ -103,7 +109,7 @@ class StageState:
         """
         if channels:
             self._set_channels(channels)
-        y_um: float = self._plant_step(self._plant, u_V)
+        y_um: float = self._plant_step(self._plant, self._commanded_V(u_V) if self._actions else u_V)
         if y_um != y_um:
             raise StageError(OUT_OF_MEMORY)
         return y_um
@@ -118,13 +124,31 @@ class StageState:
         others = np.ascontiguousarray(channels, dtype=np.float64)
         reading, true, actuator, drift = (np.empty(n) for _ in range(4))
         outlier = np.empty(n, dtype=np.uint8)
-        pointers = [self._pointer(array) for array in (volts, others, reading, true, actuator, drift, outlier)]
-        if self._library.lib.plant_run(self._plant, n, *pointers):
-            raise StageError(OUT_OF_MEMORY)
+        columns = (reading, true, actuator, drift, outlier)
+        if not self._actions:
+            self._run(volts, others, columns)
+            return Trace(reading, true, actuator, drift, outlier.astype(np.bool_))
+        for k in range(n):
+            self._run(volts[k : k + 1], others[k : k + 1], tuple(column[k : k + 1] for column in columns))
+            if k < n - 1:
+                self.step(float(volts[k]), others[k].tolist())
         return Trace(reading, true, actuator, drift, outlier.astype(np.bool_))
 
-    def _pointer(self, array: NDArray[Any]) -> object:
-        return _pointer(self._library, array)
+    def _run(self, u_V: Floats, channels: Floats, columns: tuple[NDArray[Any], ...]) -> None:
+        """`plant_run` into `columns`: a run of one sample reads the present instant and leaves it."""
+        pointers = [_pointer(self._library, array) for array in (u_V, channels, *columns)]
+        if self._library.lib.plant_run(self._plant, len(u_V), *pointers):
+            raise StageError(OUT_OF_MEMORY)
+
+    def _commanded_V(self, u_V: float) -> float:
+        """The voltage for the D/A, changed by the effects in Python; sets the displacement that they add."""
+        if u_V == u_V:
+            self._given_V = u_V
+        given_V = commanded_V = self._given_V
+        for action in self._actions:
+            commanded_V = action.command_V(commanded_V)
+        self._plant.added_um = sum(action.added_um(given_V) for action in self._actions)
+        return commanded_V
 
     def _keep(self, array: NDArray[Any]) -> object:
         """A pointer to a copy of `array` that lives as long as this state."""
@@ -143,47 +167,25 @@ class StageState:
         place.c, place.rest = self._keep(part.c), self._keep(part.rest)
         place.x = self._keep(np.zeros(len(part.c)))
 
-    def _fill_chain(self, cells: Mesh, Ts_s: float) -> None:
-        """Everything from the D/A to the delayed displacement."""
+    def _fill_converters(self, cells: Mesh, Ts_s: float, seed: int) -> None:
+        """Timing, D/A, sensor and A/D."""
         p, stage = self._plant, self.stage
         p.Ts_s, p.substeps, p.tap, p.late = Ts_s, len(cells.h_s), cells.tap, cells.late
         p.h_s, p.ring = self._keep(cells.h_s), self._keep(np.zeros(cells.late + 1))
         p.dac_low_V, p.dac_high_V = stage.dac_low_V, stage.dac_high_V
         p.dac_step_V = (stage.dac_high_V - stage.dac_low_V) / 2**stage.dac_bits if stage.dac_bits else 0.0
-        clip = stage.saturation
-        p.clip_low_V, p.clip_high_V = (clip.low_V, clip.high_V) if clip else (-math.inf, math.inf)
-        p.slew_V_per_s = stage.slew.V_per_s if stage.slew else 0.0
-        self._fill_linear(p.amplifier, amplifier(stage.bandwidth, cells.h_s))
-        self._fill_linear(p.mechanics, mechanics(stage, cells.h_s))
-        spectrum: Spectrum = creep_spectrum(stage.creep, cells.h_s)
-        p.creeps, p.creep_x = len(spectrum.share), self._keep(np.zeros(len(spectrum.share)))
-        p.creep_keep, p.creep_g0, p.creep_g1 = (self._keep(a) for a in (spectrum.keep, spectrum.g0, spectrum.g1))
-        p.creep_share = self._keep(spectrum.share)
-        aging = stage.aging or Aging(0.0, 1.0)
-        p.age_fraction, p.age_s = aging.fraction, aging.over_s
-        gains = np.array(list(stage.coupling.um_per_unit.values()) if stage.coupling else [], dtype=np.float64)
-        p.channels, p.coupling_um, p.channel = len(gains), self._keep(gains), self._keep(np.zeros(len(gains)))
-        if stage.stick_slip:
-            slip: StickSlip = stage.stick_slip
-            p.stick_um, p.stick_left, p.stick_scatter = slip.breakaway_um, slip.left, slip.scatter
-
-    def _fill_sensor(self, Ts_s: float, seed: int) -> None:
-        """Everything from the displacement to the reading."""
-        p, stage = self._plant, self.stage
-        drift, outliers = stage.drift or Drift(), stage.outliers or Outliers(0.0, 0.0)
-        noise = stage.noise or NO_NOISE
-        p.drift_um_per_s, p.walk_um_per_rt_s = drift.ramp_um_per_s, drift.walk_um_per_rt_s
-        p.lines = len(stage.periodic)
-        p.line_Hz = self._keep(np.array([line.f_Hz for line in stage.periodic]))
-        p.line_um = self._keep(np.array([line.amplitude_um for line in stage.periodic]))
-        p.line_rad = self._keep(np.array([line.phase_rad for line in stage.periodic]))
-        p.white_um, p.flicker_um = noise.white_um, noise.flicker_um
-        for i, keep in enumerate(np.exp(-2 * np.pi * FLICKER_HZ * Ts_s)):
-            p.flicker_keep[i] = keep
-        p.outlier_rate, p.outlier_um = outliers.rate, outliers.size_um
         p.sensor_step_um, p.adc_low_um, p.adc_codes = stage.sensor_step_um, stage.adc_low_um, float(2**stage.adc_bits)
         p.adc_step_um = (stage.adc_high_um - stage.adc_low_um) / p.adc_codes if stage.adc_bits else 0.0
         p.seed = seed % 2**64
+
+    def _fill_effects(self, period: Period) -> None:
+        """The constants of every effect that the compiled plant runs."""
+        for kind in effects().values():
+            for member, value in kind.constants(self.stage.of(kind), period).items():
+                if isinstance(value, Linear):
+                    self._fill_linear(getattr(self._plant, member), value)
+                else:
+                    setattr(self._plant, member, self._keep(value) if isinstance(value, np.ndarray) else value)
 
 
 def static_path(stage: Stage, u_V: Floats) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hysgen.stage import effects
 from hysgen.studies.bank.result import BankResult, Verdict
 
 RECORDS, QUIET = 200, 100
@@ -17,17 +18,13 @@ ALARMS = 1
 LEAST_FALL = 7.0
 MOST_OVER_TRUTH = 2.0
 
-PARAMETERS = {
-    "resonance.f_Hz": 0.02,
-    "resonance.zeta": 0.30,
-    "delay.delay_samples": 0.2,
-    "periodic.f_Hz": 0.1,
-    "saturation.low_V": 0.01,
-    "saturation.high_V": 0.01,
-    "slew.rate_V_per_s": 0.05,
-    "creep.per_decade": 0.15,
+PARAMETERS: dict[str, float] = {
+    key: tolerance.limit
+    for kind in effects().values()
+    for key, tolerance in kind.tolerances.items()
+    if tolerance is not None and tolerance.limit is not None
 }
-"""What each parameter may be off by: relative, but a delay in samples, a line in Hz, levels in ranges of the input."""
+"""Largest error of each parameter, in the measure of its `Tolerance`."""
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hysgen.diagnosis.causes.vocabulary import VOCABULARY
+from hysgen.stage import Hysteresis
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class BankResult:
 
     def quiet(self) -> list[Verdict]:
         """Judged records with nothing hidden: memory only, or no effect at all."""
-        return [verdict for verdict in self.judged() if verdict.category in ("memory", "none")]
+        return [verdict for verdict in self.judged() if verdict.category in (Hysteresis.name, "none")]
 
     @property
     def exact_rate(self) -> float:
@@ -89,11 +90,13 @@ class BankResult:
         """How often each cause was named where each was required; "nothing": no cause but memory was planted."""
         table: dict[str, dict[str, int]] = {}
         for verdict in self.judged():
-            hidden = [name for name in verdict.required if name != "memory"]
-            planted = [name for name in verdict.planted if name != "memory"]
-            for row in hidden or ([] if planted else ["nothing"]):
+            required, planted, named = (
+                [name for name in names if name != Hysteresis.name]
+                for names in (verdict.required, verdict.planted, verdict.named)
+            )
+            for row in required or ([] if planted else ["nothing"]):
                 counts = table.setdefault(row, {})
-                others = [name for name in verdict.named if name != "memory" and (name == row or name not in planted)]
+                others = [name for name in named if name == row or name not in planted]
                 for column in others or ["nothing"]:
                     counts[column] = counts.get(column, 0) + 1
         return table
@@ -154,7 +157,7 @@ class BankResult:
 
     def table(self) -> str:
         """The confusion matrix and the rates, for people."""
-        columns = [*(name for name in VOCABULARY if name != "memory"), "nothing"]
+        columns = [*(name for name in VOCABULARY if name != Hysteresis.name), "nothing"]
         matrix = self.confusion()
         lines = ["hidden (rows) named as (columns)", f"{'':12}" + "".join(f"{name[:7]:>8}" for name in columns)]
         for row in columns:

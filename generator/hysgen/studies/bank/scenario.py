@@ -12,18 +12,32 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.stage import BoucWen, Curve, Density, Noise, Preisach, Relays, Stage
+from hysgen.stage import Noise, Stage, effects
+from hysgen.stage.effects import UNKNOWN, Effect, Setting
+from hysgen.stage.effects.memory import Hysteresis, draw_curve, draw_hysteresis
 from hysgen.studies.bank.excitation import POOR, good, poor, wandering
 
 Floats = NDArray[np.float64]
 
-EFFECTS = (
-    "creep", "resonance", "delay", "saturation", "slew", "drift", "periodic", "aging", "outliers", "coupling",
-)  # fmt: skip
 JUDGED_TOO = ("constant", "saturation")
 """Refused where a person can measure again; here a stage may rest, and a mode ring beyond the converter."""
 
-CATEGORIES = (*EFFECTS, "pair", "memory", "none", "unknown", "poor")
+DRAWN: Mapping[str, type[Effect]] = {
+    kind.cause(): kind
+    for kind in sorted((k for k in effects().values() if k.bank_index is not None), key=lambda k: k.bank_index or 0)
+}
+"""Effects that the bank draws, by the cause to be named, in the order of their numbers."""
+
+EFFECTS = tuple(name for name in DRAWN if name != UNKNOWN)
+NUMBERS = {name: kind.bank_index or 0 for name, kind in DRAWN.items()} | {
+    "pair": 10,
+    Hysteresis.name: 11,
+    "none": 12,
+    "poor": 14,
+}
+"""Number of each category; it seeds the category's scenarios and never changes."""
+
+CATEGORIES = tuple(sorted(NUMBERS, key=lambda name: NUMBERS[name]))
 RATES_HZ = (200.0, 1000.0, 5000.0, 10e3, 50e3)
 
 
@@ -41,19 +55,18 @@ class Scenario:
 
     @property
     def planted(self) -> tuple[str, ...]:
-        """Names of what is hidden, in the vocabulary of causes: what stands outside it is `unknown`."""
-        active = [name for name in self.stage.active if name != "memory" or not isinstance(self.stage.memory, Curve)]
-        return tuple("unknown" if name == "stick_slip" else name for name in active)
+        """The causes that a diagnosis should name: those of the stage's active effects."""
+        return tuple(effects()[name].cause() for name in self.stage.active)
 
 
 def scenario(category: str, seed: int) -> Scenario:
     """The scenario of a category and a seed; the same arguments give the same scenario."""
-    rng = np.random.default_rng([seed, CATEGORIES.index(category)])
+    rng = np.random.default_rng([seed, NUMBERS[category]])
     Ts_s = 1.0 / float(rng.choice(RATES_HZ))
     samples = int(rng.uniform(6000, 9000))
     low_V, high_V = float(rng.uniform(-18.0, 10.0)), float(rng.uniform(70.0, 118.0))
-    kind = "good" if category != "poor" else str(rng.choice(POOR))
-    u_V = good(rng, samples, low_V, high_V) if kind == "good" else poor(kind, rng, samples, low_V, high_V)
+    excitation = "good" if category != "poor" else str(rng.choice(POOR))
+    u_V = good(rng, samples, low_V, high_V) if excitation == "good" else poor(excitation, rng, samples, low_V, high_V)
     stroke_um = float(np.exp(rng.uniform(np.log(2.0), np.log(80.0))))
     span_um = stroke_um * (high_V - low_V) / 120.0
     # A converter resolves 16 bits of its range, whatever the stage; noise is 2e-5 to 5e-4 of the stroke.
@@ -73,61 +86,27 @@ def scenario(category: str, seed: int) -> Scenario:
         names = tuple(str(name) for name in rng.choice(EFFECTS, 2, replace=False))
     elif category == "poor":
         names = (str(rng.choice(EFFECTS)),)
-    elif category == "unknown":
-        stage = stage.with_effects(stick_slip=float(rng.uniform(0.02, 0.06)) * span_um)
-    aux = {"axis2_V": wandering(rng, samples, 0.0, 100.0)} if rng.random() < 0.3 or "coupling" in names else {}
-    for name in names:
-        stage = stage.with_effects(**{name: _strength(name, rng, u_V, Ts_s, stage, span_um)})
-    return Scenario(category, seed, stage, u_V, Ts_s, aux, kind)
+    elif category in DRAWN:
+        stage = _planted(stage, DRAWN[category], rng, Setting(u_V, Ts_s, span_um))
+    kinds = [DRAWN[name] for name in names]
+    aux: dict[str, Floats] = {}
+    if rng.random() < 0.3 or any(kind.needs_channel for kind in kinds):
+        aux["axis2_V"] = wandering(rng, samples, 0.0, 100.0)
+    for kind in kinds:
+        share = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05))))
+        stage = _planted(stage, kind, rng, Setting(u_V, Ts_s, span_um, share, tuple(aux)))
+    return Scenario(category, seed, stage, u_V, Ts_s, aux, excitation)
+
+
+def _planted(stage: Stage, kind: type[Effect], rng: np.random.Generator, setting: Setting) -> Stage:
+    return stage.with_effects(**{kind.name: kind.draw(rng, setting)})
 
 
 def memory_only(hidden: Scenario) -> Scenario:
-    """The same stage, driven the same way, with nothing but its hysteresis."""
-    bare = dict.fromkeys((*(name for name in hidden.stage.active if name != "memory"),))
-    return dataclasses.replace(hidden, category="memory", stage=hidden.stage.with_effects(**bare))
+    """The same stage, driven the same way, with no effect but its hysteresis."""
+    return dataclasses.replace(hidden, category=Hysteresis.name, stage=dataclasses.replace(hidden.stage, others=()))
 
 
-def _hysteresis(rng: np.random.Generator, category: str, stroke_um: float) -> Preisach | Relays | BoucWen | Curve:
-    choice = rng.random()
-    if category == "none":
-        bend = float(rng.uniform(0.0, 0.15)) * stroke_um
-        v = np.linspace(-0.5, 1.5, 201)
-        return Curve(-60.0, 1.2, tuple((stroke_um * v + bend * v * (1.0 - v)).tolist()))
-    density = Density(float(rng.uniform(25, 60)), float(rng.uniform(45, 75)), float(rng.uniform(5, 35)), 65.0)
-    share = float(rng.uniform(0.25, 0.5))
-    if choice < 0.55:
-        return Preisach(density, share)
-    if choice < 0.75:
-        return Relays(density, share, count=400)
-    return BoucWen(float(rng.uniform(0.04, 0.09)) * stroke_um, float(rng.uniform(10, 23)), float(rng.uniform(0.5, 0.8)))
-
-
-def _strength(name: str, rng: np.random.Generator, u_V: Floats, Ts_s: float, stage: Stage, span_um: float) -> object:
-    """Arguments of the effect `name`, drawn so that its own share of the error spans a decade or two."""
-    span_s = Ts_s * len(u_V)
-    low_V, high_V = float(u_V.min()), float(u_V.max())
-    share = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05))))
-    if name == "creep":
-        return (share * 0.8, span_s / 400.0, 1000.0 * span_s)
-    if name == "resonance":
-        f_Hz = float(np.exp(rng.uniform(np.log(0.01), np.log(0.12)))) / Ts_s
-        return (f_Hz, float(rng.uniform(0.01, 0.06)), float(rng.uniform(0.1, 0.7)))
-    if name == "delay":
-        return float(rng.uniform(0.5, 12.0))
-    if name == "saturation":
-        cut = float(rng.uniform(0.04, 0.25)) * (high_V - low_V)
-        side = rng.integers(3)
-        return (low_V + cut if side != 0 else -60.0, high_V - cut if side != 1 else 160.0)
-    if name == "slew":
-        rates = np.abs(np.diff(u_V)) / Ts_s
-        return float(np.quantile(rates[rates > 0], rng.uniform(0.75, 0.97)))
-    if name == "drift":
-        return (float(rng.choice([-1, 1])) * 2.0 * share * span_um / span_s,)
-    if name == "periodic":
-        f_Hz = float(np.exp(rng.uniform(np.log(40.0 / span_s), np.log(0.2 / Ts_s))))
-        return (f_Hz, share * span_um, float(rng.uniform(0.0, 6.0)))
-    if name == "aging":
-        return (float(rng.choice([-1, 1])) * 2.0 * share, span_s)
-    if name == "outliers":
-        return (float(rng.uniform(1e-3, 5e-3)), 8.0 * share * span_um)
-    return {"axis2_V": float(rng.choice([-1, 1])) * share * span_um / 30.0}
+def _hysteresis(rng: np.random.Generator, category: str, stroke_um: float) -> Hysteresis:
+    kind = rng.random()
+    return draw_curve(rng, stroke_um) if category == "none" else draw_hysteresis(rng, stroke_um, kind)

@@ -6,7 +6,11 @@ fitted to, because the plant is run without them. What remains to the fit are th
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.coupling import coupling_term
 from hysgen.diagnosis.causes.creep import creep_term
@@ -25,7 +29,46 @@ from hysgen.record import Record
 from hysgen.stage import run as measure
 from hysgen.studies.bank.scenario import JUDGED_TOO, Scenario
 
+Floats = NDArray[np.float64]
+
 UNSEEN = ("drift", "aging", "outliers")
+"""Causes whose extension is a treatment of the record: the model is fitted to a record without the effect."""
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What a true extension is made from: the plant's parameters, "cause.parameter", the record's span and channels.
+
+    low_V, high_V: range of the voltage across the ceramic.
+    """
+
+    parameters: Mapping[str, float]
+    low_V: float
+    high_V: float
+    span_s: float
+    channels: Mapping[str, Floats]
+
+
+def _coupling(known: Known) -> Extension:
+    ranges = {name: (float(values.min()), float(values.max())) for name, values in known.channels.items()}
+    return Extension(term=coupling_term(ranges))
+
+
+TRUE: Mapping[str, Callable[[Known], Extension]] = {
+    "saturation": lambda k: Extension(
+        block=Saturation(k.parameters["saturation.low_V"], k.parameters["saturation.high_V"])
+    ),
+    "memory": lambda k: Extension(term=usual_memory(k.low_V, k.high_V)),
+    "slew": lambda k: Extension(block=Slew(k.parameters["slew.rate_V_per_s"], k.parameters["slew.rate_V_per_s"])),
+    "delay": lambda k: Extension(block=Delay(k.parameters["delay.delay_samples"])),
+    "creep": lambda k: Extension(term=creep_term(k.parameters["creep.from_s"], k.span_s)),
+    "resonance": lambda k: Extension(
+        term=Resonance((k.parameters["resonance.f_Hz"],), (k.parameters["resonance.zeta"],))
+    ),
+    "periodic": lambda k: Extension(term=Periodic((k.parameters["periodic.f_Hz"],))),
+    "coupling": _coupling,
+}
+"""Extension with the plant's numbers, by cause."""
 
 
 def error_with_truth_known(hidden: Scenario) -> float:
@@ -39,29 +82,12 @@ def error_with_truth_known(hidden: Scenario) -> float:
 
 
 def true_extensions(hidden: Scenario) -> dict[str, Extension]:
-    """The extension of every planted cause that acts on the model, with the numbers of the plant."""
-    stage, found = hidden.stage, {}
+    """The extension of every planted cause that acts on the model, with the parameters of the plant."""
+    parameters: dict[str, float] = {}
     low_V, high_V = float(hidden.u_V.min()), float(hidden.u_V.max())
-    if stage.saturation:
-        level = stage.saturation
-        found["saturation"] = Extension(block=Saturation(level.low_V, level.high_V))
-        low_V, high_V = max(low_V, level.low_V), min(high_V, level.high_V)
-    if "memory" in hidden.planted:
-        found["memory"] = Extension(term=usual_memory(low_V, high_V))
-    if stage.slew:
-        found["slew"] = Extension(block=Slew(stage.slew.V_per_s, stage.slew.V_per_s))
-    if stage.delay:
-        found["delay"] = Extension(block=Delay(stage.delay.samples))
-    if stage.creep:
-        span_s = hidden.Ts_s * len(hidden.u_V)
-        found["creep"] = Extension(term=creep_term(stage.creep.tau_min_s, span_s))
-    if stage.resonance:
-        modes = sorted((mode.f_Hz, mode.zeta) for mode in stage.resonance)
-        found["resonance"] = Extension(term=Resonance(tuple(f for f, _ in modes), tuple(zeta for _, zeta in modes)))
-    if stage.periodic:
-        found["periodic"] = Extension(term=Periodic(tuple(sorted(line.f_Hz for line in stage.periodic))))
-    if stage.coupling:
-        channels = {name: np.asarray(hidden.aux[name]) for name in stage.coupling.um_per_unit}
-        ranges = {name: (float(values.min()), float(values.max())) for name, values in channels.items()}
-        found["coupling"] = Extension(term=coupling_term(ranges))
-    return found
+    for effect in hidden.stage.effects:
+        parameters |= effect.true_parameters()
+        low_V, high_V = effect.passes_V(low_V, high_V)
+    channels = {name: np.asarray(hidden.aux[name]) for name in hidden.stage.channels}
+    known = Known(parameters, low_V, high_V, hidden.Ts_s * len(hidden.u_V), channels)
+    return {name: extension(known) for name, extension in TRUE.items() if name in hidden.planted}

@@ -8,12 +8,12 @@ physics computed in two unrelated ways; each is the check on the other.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.stage.effects import require, require_finite
+from hysgen.stage.effects.base import Effect, StageError, require, require_finite
 
 Floats = NDArray[np.float64]
 
@@ -33,10 +33,21 @@ class Form:
     arrays: dict[str, NDArray[Any]]
 
 
-class Memory(Protocol):
-    """Whatever can be compiled to a `Form` that makes a closed stroke of stroke_um over 0 .. full_V."""
+class Hysteresis(Effect):
+    """Base of the hysteresis of the ceramic, the one effect that every stage of the bank has."""
 
-    def form(self, stroke_um: float, full_V: float) -> Form: ...
+    name = "memory"
+    rank = 0
+
+    @classmethod
+    def made(cls, value: Any) -> Hysteresis:
+        if not isinstance(value, cls):
+            raise StageError("memory: give Preisach, Relays, BoucWen, Curve or None")
+        return value
+
+    def form(self, stroke_um: float, full_V: float) -> Form:
+        """Form with a closed stroke of stroke_um over 0 .. full_V."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -71,7 +82,7 @@ class Density:
 
 
 @dataclass(frozen=True)
-class Preisach:
+class Preisach(Hysteresis):
     """Preisach hysteresis with a continuous density, exact through its turning points: no staircase.
 
         w = slope u + sum of +-E(M, m) over the remembered monotone pieces,
@@ -99,7 +110,7 @@ class Preisach:
 
 
 @dataclass(frozen=True)
-class Relays:
+class Relays(Hysteresis):
     """The same Preisach plane filled with `count` x `count` / 2 relays: the plain definition, with its staircase.
 
     Relay (alpha, beta): switches on at u >= alpha, off at u <= beta; its weight is the density at its place times the
@@ -141,7 +152,7 @@ class Relays:
 
 
 @dataclass(frozen=True)
-class BoucWen:
+class BoucWen(Hysteresis):
     """Bouc-Wen hysteresis as used for piezo actuators: w = slope u - z.
 
         dz/du = a - beta sign(du) |z|^(n-1) z - gamma |z|^n,   beta + gamma = a / loop_um^n
@@ -179,12 +190,14 @@ class BoucWen:
 
 
 @dataclass(frozen=True)
-class Curve:
+class Curve(Hysteresis):
     """No memory: w is a single-valued function of u, given at uniform voltages and linear between and beyond them."""
 
     low_V: float
     step_V: float
     w_um: tuple[float, ...]
+
+    active = False  # a curve remembers nothing
 
     def __post_init__(self) -> None:
         require(len(self.w_um) >= 2 and self.step_V > 0, "Curve: at least two points at rising voltages are needed")
@@ -230,3 +243,24 @@ def everett(nodes_V: Floats, table: Floats, high_V: float, low_V: float) -> floa
     """E(high, low) at two nodes of the table: what rising from low_V to high_V switches on."""
     high, low = (table[int(np.argmin(np.abs(nodes_V - at_V)))] for at_V in (high_V, low_V))
     return float(high[0] * (high[2] - low[2]) - (high[4] - low[4]))
+
+
+def draw_curve(rng: np.random.Generator, stroke_um: float) -> Curve:
+    """A ceramic without hysteresis for a bank scenario: a straight line bent by up to 4 % of the stroke."""
+    bend_um = float(rng.uniform(0.0, 0.15)) * stroke_um
+    v = np.linspace(-0.5, 1.5, 201)
+    return Curve(-60.0, 1.2, tuple((stroke_um * v + bend_um * v * (1.0 - v)).tolist()))
+
+
+def draw_hysteresis(rng: np.random.Generator, stroke_um: float, kind: float) -> Hysteresis:
+    """Hysteresis of a bank scenario. kind, uniform in 0 .. 1: Preisach below 0.55, relays below 0.75, else Bouc-Wen."""
+    density = Density(float(rng.uniform(25, 60)), float(rng.uniform(45, 75)), float(rng.uniform(5, 35)), 65.0)
+    share = float(rng.uniform(0.25, 0.5))
+    if kind < 0.55:
+        return Preisach(density, share)
+    if kind < 0.75:
+        return Relays(density, share, count=400)
+    return BoucWen(float(rng.uniform(0.04, 0.09)) * stroke_um, float(rng.uniform(10, 23)), float(rng.uniform(0.5, 0.8)))
+
+
+EFFECT = Hysteresis

@@ -21,8 +21,10 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.procedure import Naming, name_causes
 from hysgen.fitting import FitSettings
 from hysgen.record import Record
-from hysgen.stage import Preisach, Relays
+from hysgen.stage import Preisach, Relays, effects
 from hysgen.stage import run as measure
+from hysgen.stage.effects import UNKNOWN, Tolerance
+from hysgen.stage.effects.memory import Hysteresis
 from hysgen.studies.bank.log import Log, read_log
 from hysgen.studies.bank.result import BankResult, Verdict
 from hysgen.studies.bank.scenario import CATEGORIES, JUDGED_TOO, Scenario, memory_only, scenario
@@ -81,8 +83,7 @@ def judge(hidden: Scenario) -> Verdict:
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
     fall, over_truth = _climbed(hidden, naming, measured.truth.outlier)
-    names = {"stick_slip": "unknown"}
-    shares = {names.get(name, name): share for name, share in measured.truth.shares_um.items()}
+    shares = {effects()[name].cause(): share for name, share in measured.truth.shares_um.items()}
     return Verdict(
         category=hidden.category,
         seed=hidden.seed,
@@ -111,9 +112,9 @@ def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> 
     extensions = with_best_memory(prepared, naming.extensions, agreed, FitSettings())
     extended = rms(fit_ladder(prepared, extensions, agreed, FitSettings()).error_um[held])
     fall = math.nan
-    if hidden.planted == ("memory",) and isinstance(hidden.stage.memory, Preisach | Relays):
+    if hidden.planted == (Hysteresis.name,) and isinstance(hidden.stage.memory, Preisach | Relays):
         fall = rms(fit_ladder(prepared, {}, [], FitSettings()).error_um[held]) / extended
-    return fall, math.nan if "unknown" in hidden.planted else extended / error_with_truth_known(hidden)
+    return fall, math.nan if UNKNOWN in hidden.planted else extended / error_with_truth_known(hidden)
 
 
 def left_by_memory(hidden: Scenario) -> float:
@@ -122,41 +123,22 @@ def left_by_memory(hidden: Scenario) -> float:
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
     prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=JUDGED_TOO))
     extension = Extension(term=usual_memory(*prepared.record.u_range_V))
-    rung = fit_ladder(prepared, {"memory": extension}, ["memory"], FitSettings())
+    rung = fit_ladder(prepared, {Hysteresis.name: extension}, [Hysteresis.name], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
 
 
 def parameter_errors(hidden: Scenario, found: dict[str, float]) -> dict[str, float]:
-    """Errors of the parameters found, by "cause.parameter": relative to the truth; delays in samples, lines in Hz, and
-    levels relative to the range of the input."""
-    stage, errors = hidden.stage, {}
-    span_V = float(np.ptp(hidden.u_V))
+    """Signed errors of the parameters found, by "cause.parameter", each in the measure of its `Tolerance`.
 
-    def compare(key: str, truth: float, unit: float | None = None) -> None:
-        if key in found and math.isfinite(truth):
-            errors[key] = (found[key] - truth) / (truth if unit is None else unit)
-
-    if stage.resonance:
-        compare("resonance.f_Hz", stage.resonance[0].f_Hz)
-        compare("resonance.zeta", stage.resonance[0].zeta)
-    if stage.periodic:
-        compare("periodic.f_Hz", stage.periodic[0].f_Hz, 1.0)
-        compare("periodic.amplitude_um", stage.periodic[0].amplitude_um)
-    if stage.delay:
-        compare("delay.delay_samples", stage.delay.samples, 1.0)
-    if stage.saturation:
-        compare("saturation.low_V", stage.saturation.low_V, span_V)
-        compare("saturation.high_V", stage.saturation.high_V, span_V)
-    if stage.slew:
-        compare("slew.rate_V_per_s", stage.slew.V_per_s)
-    if stage.creep:
-        compare("creep.per_decade", stage.creep.per_decade)
-    if stage.drift:
-        compare("drift.ramp_um_per_s", stage.drift.ramp_um_per_s)
-    if stage.aging:
-        compare("aging.per_s", stage.aging.fraction / stage.aging.over_s)
-    if stage.coupling:
-        compare("coupling.axis2_V_um_per_unit", stage.coupling.um_per_unit["axis2_V"])
+    Of several effects of one kind, the first is compared.
+    """
+    errors: dict[str, float] = {}
+    range_V = float(np.ptp(hidden.u_V))
+    for effect in hidden.stage.effects:
+        for key, truth in effect.true_parameters().items():
+            tolerance = effect.tolerances.get(key, Tolerance())
+            if tolerance is not None and key in found and key not in errors and math.isfinite(truth):
+                errors[key] = tolerance.error(found[key], truth, range_V)
     return errors
 
 
