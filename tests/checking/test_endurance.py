@@ -1,4 +1,4 @@
-"""The endurance run: the learner holds in every case, and without its protections the run says that it does not."""
+"""The endurance run: every case passes, and a learner without its protections fails."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-import hysgen.checking.endurance.endure as endure
+import hysgen.checking.endurance.compiled_learner as compiled_learner
 from hysgen.checking.endurance import run
-from hysgen.checking.endurance.trials import CASES, Trial
+from hysgen.checking.endurance.results import CASES, EnduranceTest
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.model.model import Model
@@ -28,17 +28,17 @@ NO_REJECTION = [
 ]
 
 
-def test_the_learner_endures_and_eq_10_as_printed_does_not() -> None:
-    for outcome in run([Trial(case, 0.999, 1e6, SAMPLES) for case in CASES]):
-        assert outcome.holds, outcome
-        assert outcome.updates > 0.45 * SAMPLES
-        assert outcome.printed_dies_at is not None
+def test_the_learner_passes_every_case_and_eq_10_as_printed_loses_its_covariance() -> None:
+    for result in run([EnduranceTest(case, 0.999, 1e6, SAMPLES) for case in CASES]):
+        assert result.holds, result
+        assert result.updates > 0.45 * SAMPLES
+        assert result.paper_lost_at is not None
 
 
-def test_other_settings_endure_the_case_without_excitation() -> None:
+def test_other_settings_pass_the_case_without_excitation() -> None:
     settings = [(1.0, 1e6), (0.9999, 1e3), (0.99, 1e3)]
-    for outcome in run([Trial("constant", forgetting, alpha, SAMPLES) for forgetting, alpha in settings]):
-        assert outcome.holds, outcome
+    for result in run([EnduranceTest("constant", forgetting, alpha, SAMPLES) for forgetting, alpha in settings]):
+        assert result.holds, result
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_other_settings_endure_the_case_without_excitation() -> None:
     [("noise", NO_RESTORING), ("bursts", NO_REJECTION)],
     ids=["covariance not bounded, prior not put back", "not finite, and no restart"],
 )
-def test_without_its_protections_the_learner_is_seen_to_fail(
+def test_a_learner_without_its_protections_fails(
     case: str, edits: Sequence[tuple[str, str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def planted(model: Model, options: Options) -> Mapping[str, str]:
@@ -56,16 +56,16 @@ def test_without_its_protections_the_learner_is_seen_to_fail(
             assert found, pattern
         return texts
 
-    monkeypatch.setattr(endure, "generate", planted)
-    assert not run([Trial(case, 0.999, 1e6, SAMPLES)])[0].holds
+    monkeypatch.setattr(compiled_learner, "generate", planted)
+    assert not run([EnduranceTest(case, 0.999, 1e6, SAMPLES)])[0].holds
 
 
-def test_the_verb_prints_a_row_per_trial_and_exits_with_what_came_of_them(
+def test_the_verb_prints_a_row_per_test_and_its_exit_code_is_the_verdict(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     call = ["endurance", "--samples", "2000", "--cases", "sine", "--json", "-"]
     assert main(call) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert [(trial["trial"]["case"], trial["holds"]) for trial in told["trials"]] == [("sine", True)]
+    report = json.loads(capsys.readouterr().out)
+    assert [(trial["trial"]["case"], trial["holds"]) for trial in report["trials"]] == [("sine", True)]
     assert main(["endurance", "--samples", "10"]) == 2
     assert "choose at least 1000" in capsys.readouterr().err

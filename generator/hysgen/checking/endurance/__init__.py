@@ -1,92 +1,143 @@
-"""Endurance: the compiled learner under poor, broken and endless excitation, and what is left of it afterwards.
+"""Endurance test of the compiled learner: long runs under poor excitation and corrupted samples, then a recovery test.
 
-Every trial feeds the generated C, then lets one second of good excitation return and compares the free run of what was
-learned with that of a fresh fit of the same second. Beside it stands Eq. (10) as printed, in float32.
+Each test feeds the generated C with one excitation, then with one second of persistent excitation. The free-run error
+of the learned model is divided by that of a fresh fit to the same second. For comparison, Eq. (10) runs in float32,
+exactly as the paper prints it, over the same samples.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from importlib import resources
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.endurance.cases import Case, cases
-from hysgen.checking.endurance.endure import Endurance
-from hysgen.checking.endurance.printed import dies_at
+from hysgen.checking.endurance.compiled_learner import CompiledLearner
+from hysgen.checking.endurance.excitations import Excitation, excitations
 from hysgen.checking.endurance.recovery import Recovery, bench_model
-from hysgen.checking.endurance.trials import ALLOWED_RATIO, CASES, HEADINGS, Outcome, Trial, rows, trials
+from hysgen.checking.endurance.results import (
+    ALLOWED_RATIO,
+    CASES,
+    HEADINGS,
+    EnduranceResult,
+    EnduranceTest,
+    endurance_tests,
+    rows,
+)
 from hysgen.float32.learner_status import LEARNER_COUNTERS
+from hysgen.machine.native import build
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.model import Model
+from hysgen.model.membership import rule_regressors
+from hysgen.model.model import Grid, Model
 from hysgen.stage import Stage
 
-__all__ = ["ALLOWED_RATIO", "CASES", "HEADINGS", "Outcome", "Trial", "bench_model", "rows", "run", "trials"]
+__all__ = [
+    "ALLOWED_RATIO",
+    "CASES",
+    "HEADINGS",
+    "EnduranceResult",
+    "EnduranceTest",
+    "bench_model",
+    "endurance_tests",
+    "rows",
+    "run",
+]
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
-PRINTED_SAMPLES: Final = 100_000
+PAPER_SAMPLES: Final = 100_000
+"""Most samples over which Eq. (10) runs as printed."""
+
+_PAPER_DECLARATION = """
+uint64_t paper_recursion(size_t rows, size_t size, const float *regressors, const float *target, float lambda, float *P,
+    float *q);
+"""
 
 
 def run(
-    todo: Sequence[Trial], progress: Progress | None = None, stage: Stage | None = None, model: Model | None = None
-) -> list[Outcome]:
-    """Try each of `todo` in turn.
+    tests: Sequence[EnduranceTest],
+    progress: Progress | None = None,
+    stage: Stage | None = None,
+    model: Model | None = None,
+) -> list[EnduranceResult]:
+    """Run every test in turn.
 
-    progress: told the fraction done and which trial is under way. stage: default Stage.nominal(). model: default
-    `bench_model`; its learner settings, if any, apply but for forgetting and alpha.
+    progress: called with the fraction done and the test under way. stage: default Stage.nominal(). model: default
+    `bench_model`; its learner settings apply, except forgetting, alpha and rest_V, which the test sets.
     """
     chosen = stage or Stage.nominal()
     base = model or bench_model(chosen)
-    drives, recovery = cases(chosen), Recovery(chosen, base.grid.rules)
-    total, done = sum(trial.samples for trial in todo), 0
-    outcomes = []
-    for trial in todo:
+    by_case, recovery = excitations(chosen), Recovery(chosen, base.grid.rules)
+    total, done = sum(test.samples for test in tests), 0
+    results = []
+    for test in tests:
 
-        def advance(samples: int, trial: Trial = trial, before: int = done) -> None:
+        def advance(samples: int, test: EnduranceTest = test, before: int = done) -> None:
             if progress is not None:
-                progress((before + samples) / total, f"{trial.case}, lambda {trial.forgetting:g}")
+                progress((before + samples) / total, f"{test.case}, lambda {test.forgetting:g}")
 
-        outcomes.append(_outcome(trial, drives[trial.case], base, recovery, advance))
-        done += trial.samples
-    return outcomes
+        results.append(_result(test, by_case[test.case], base, recovery, advance))
+        done += test.samples
+    return results
 
 
-def _outcome(trial: Trial, case: Case, base: Model, recovery: Recovery, advance: Callable[[int], None]) -> Outcome:
+def covariance_lost_at(y_um: Floats, u_V: Floats, grid: Grid, forgetting: float, alpha: float) -> int | None:
+    """First sample after which Eq. (10) in float32 has P_ii <= 0 or a value that is not finite; None if there is none.
+
+        K = P x/(lambda + x' P x),   q <- q + K (y(k+1) - x' q),   P <- (I - K x') P/lambda,   P(0) = alpha I, q(0) = 0
+
+    y_um, u_V: (n,). All arithmetic is float32; x are the regressors of Eq. (9), not scaled.
+    """
+    text = resources.files(__package__).joinpath("paper_recursion.c").read_text(encoding="utf-8")
+    library = build([("paper_recursion.c", text)], _PAPER_DECLARATION)
+    x = np.ascontiguousarray(rule_regressors(y_um[:-1], u_V[:-1], grid), dtype=np.float32)
+    target = np.ascontiguousarray(y_um[1:], dtype=np.float32)
+    size = x.shape[1]
+    P, q = np.float32(alpha) * np.eye(size, dtype=np.float32), np.zeros(size, dtype=np.float32)
+    floats = [library.ffi.from_buffer("float *", array) for array in (x, target, P, q)]
+    lost = int(library.lib.paper_recursion(x.shape[0], size, *floats[:2], forgetting, *floats[2:]))
+    return lost or None
+
+
+def _result(
+    test: EnduranceTest, excitation: Excitation, base: Model, recovery: Recovery, advance: Callable[[int], None]
+) -> EnduranceResult:
     settings = base.learner or LearnerSettings()
-    # Rest would teach nothing and prove nothing: here even a constant input has to be endured.
-    settings = dataclasses.replace(settings, forgetting=trial.forgetting, alpha=trial.alpha, rest_V=0.0)
-    endurance = Endurance(dataclasses.replace(base, learner=settings))
-    endurance.begin(float(case.y_um[0]), float(case.u_V[0]))
-    endurance.feed(case, trial.samples, advance)
-    tally, learner = endurance.tally, endurance.learner
-    events = {name: int(getattr(learner, name)) for name in LEARNER_COUNTERS}
-    outcome = Outcome(
-        trial=trial,
+    # rest_V = 0 turns the detection of rest off: a learner that pauses at rest would pass the constant input untested.
+    settings = dataclasses.replace(settings, forgetting=test.forgetting, alpha=test.alpha, rest_V=0.0)
+    learner = CompiledLearner(dataclasses.replace(base, learner=settings))
+    learner.start(float(excitation.y_um[0]), float(excitation.u_V[0]))
+    learner.feed(excitation, test.samples, advance)
+    extremes = learner.extremes
+    events = {name: int(getattr(learner.learner, name)) for name in LEARNER_COUNTERS}
+    result = EnduranceResult(
+        test=test,
         updates=events.pop("updates"),
-        broken_at=int(tally.broken_at) or None,
-        least_d=float(tally.least_d),
-        largest_d=float(tally.largest_d),
-        largest_u=float(tally.largest_u),
-        largest_theta_um=float(tally.largest_theta),
-        bound_d=float(endurance.numbers.ceiling.max()),
-        bound_theta_um=float(endurance.numbers.limit_um),
+        broken_at=int(extremes.broken_at) or None,
+        least_d=float(extremes.least_d),
+        largest_d=float(extremes.largest_d),
+        largest_u=float(extremes.largest_u),
+        largest_theta_um=float(extremes.largest_theta),
+        bound_d=float(learner.numbers.ceiling.max()),
+        bound_theta_um=float(learner.numbers.limit_um),
         events=events,
         recovered=np.inf,
         recovered_whole=np.inf,
-        printed_dies_at=_printed(trial, case, base),
+        paper_lost_at=_paper_lost_at(test, excitation, base),
     )
-    recovered, whole = recovery.ratios(endurance, trial.forgetting)
-    return dataclasses.replace(outcome, recovered=recovered, recovered_whole=whole)
+    # The recovery feeds further samples, so it comes after the extremes were read.
+    recovered, whole = recovery.ratios(learner, test.forgetting)
+    return dataclasses.replace(result, recovered=recovered, recovered_whole=whole)
 
 
-def _printed(trial: Trial, case: Case, base: Model) -> int | None:
-    """Where Eq. (10) as printed dies in the first samples of the case: NaN and spikes left out, it has no defence."""
+def _paper_lost_at(test: EnduranceTest, excitation: Excitation, base: Model) -> int | None:
+    """`covariance_lost_at` over the first PAPER_SAMPLES, without NaN and spikes: Eq. (10) does not reject samples."""
     rng = np.random.default_rng(20120321)
-    repeated = np.arange(min(PRINTED_SAMPLES, trial.samples)) % case.u_V.size
-    y_um = case.y_um[repeated] + rng.normal(0.0, case.noise_um, repeated.size)
-    u_V = case.u_V[repeated] + rng.normal(0.0, max(case.noise_V, 1e-12), repeated.size)
-    return dies_at(y_um, u_V, base.grid, trial.forgetting, trial.alpha)
+    repeated = np.arange(min(PAPER_SAMPLES, test.samples)) % excitation.u_V.size
+    y_um = excitation.y_um[repeated] + rng.normal(0.0, excitation.noise_um, repeated.size)
+    u_V = excitation.u_V[repeated] + rng.normal(0.0, max(excitation.noise_V, 1e-12), repeated.size)
+    return covariance_lost_at(y_um, u_V, base.grid, test.forgetting, test.alpha)

@@ -1,4 +1,4 @@
-"""What good excitation makes of a learner that has endured: a second of it, held against fresh fits of that second."""
+"""Recovery test after an endurance run: a second of persistent excitation, compared with fresh fits to that second."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.endurance.cases import SECOND, TS_S, Case, good_drive, measured
-from hysgen.checking.endurance.endure import Endurance
+from hysgen.checking.endurance.compiled_learner import CompiledLearner
+from hysgen.checking.endurance.excitations import SECOND, TS_S, Excitation, measured, persistent_excitation
 from hysgen.fitting import FitSettings, fit
 from hysgen.model.model import Model
 from hysgen.model.simulate import simulate
@@ -19,52 +19,52 @@ from hysgen.stage import Stage
 
 Floats = NDArray[np.float64]
 
-FIT_SEED, GOOD_SEED, VALIDATION_SEED = 3, 1, 2
+FIT_SEED, RECOVERY_SEED, VALIDATION_SEED = 3, 1, 2
 VALIDATION_S: Final = 0.4
 
 
 def bench_model(stage: Stage, rules: int = 6) -> Model:
-    """The model whose learner is tried: fitted to one second of good excitation of the stage."""
-    u_V = good_drive(FIT_SEED)
+    """The model of the tested learner, fitted to one second of persistent excitation of the stage."""
+    u_V = persistent_excitation(FIT_SEED)
     return _fitted(measured(stage, u_V, FIT_SEED), u_V, rules)
 
 
 class Recovery:
-    """One second of good excitation of a stage, and a shorter drive that neither learner nor fit sees.
+    """One second of persistent excitation of a stage, and a shorter validation record of another seed.
 
-    The fits minimise what the learner does, the one-step error, in float64: one forgets as fast as the learner, the
-    other weighs the whole second alike.
+    The reference fits minimise the one-step error, as the learner does, in float64: one with the learner's forgetting,
+    one with equal weights.
     """
 
     def __init__(self, stage: Stage, rules: int) -> None:
-        u_V = good_drive(GOOD_SEED)
-        self._good = Case("good excitation", measured(stage, u_V, GOOD_SEED), u_V, noise_um=0.0)
-        self._check_V = good_drive(VALIDATION_SEED, VALIDATION_S)
-        self._check_um = measured(stage, self._check_V, VALIDATION_SEED)
+        u_V = persistent_excitation(RECOVERY_SEED)
+        self._excitation = Excitation("persistent excitation", measured(stage, u_V, RECOVERY_SEED), u_V, noise_um=0.0)
+        self._validation_V = persistent_excitation(VALIDATION_SEED, VALIDATION_S)
+        self._validation_um = measured(stage, self._validation_V, VALIDATION_SEED)
         self._rules = rules
-        self._fresh_rms_um = lru_cache(maxsize=None)(self._fresh)
+        self._fit_rms_um = lru_cache(maxsize=None)(self._compute_fit_rms_um)
 
-    def ratios(self, endurance: Endurance, forgetting: float) -> tuple[float, float]:
-        """Feed the second to the learner: its free-run error over those of the two fits, infinite if it is broken."""
-        endurance.feed(self._good, SECOND)
-        if endurance.tally.broken_at:
+    def ratios(self, learner: CompiledLearner, forgetting: float) -> tuple[float, float]:
+        """Feed the second; the learner's free-run rms divided by that of each fit, infinite if a factor is broken."""
+        learner.feed(self._excitation, SECOND)
+        if learner.extremes.broken_at:
             return np.inf, np.inf
-        learned = self._free_run_rms_um(endurance.shadow())
-        return learned / self._fresh_rms_um(forgetting), learned / self._fresh_rms_um(1.0)
+        learned = self._free_run_rms_um(learner.shadow())
+        return learned / self._fit_rms_um(forgetting), learned / self._fit_rms_um(1.0)
 
-    def _fresh(self, forgetting: float) -> float:
-        return self._free_run_rms_um(_fitted(self._good.y_um, self._good.u_V, self._rules, forgetting))
+    def _compute_fit_rms_um(self, forgetting: float) -> float:
+        return self._free_run_rms_um(_fitted(self._excitation.y_um, self._excitation.u_V, self._rules, forgetting))
 
     def _free_run_rms_um(self, model: Model) -> float:
-        """rms of the free run's error on the unseen drive; infinite if the run leaves the numbers."""
+        """rms error of the free run over the validation record; infinite if the run is not finite."""
         with np.errstate(all="ignore"):
-            run = simulate(model, Drive(self._check_V, TS_S), float(self._check_um[0]))
-            rms = float(np.sqrt(np.mean((run.y_um - self._check_um) ** 2)))
+            run = simulate(model, Drive(self._validation_V, TS_S), float(self._validation_um[0]))
+            rms = float(np.sqrt(np.mean((run.y_um - self._validation_um) ** 2)))
         return rms if np.isfinite(rms) else np.inf
 
 
 def _fitted(y_um: Floats, u_V: Floats, rules: int, forgetting: float = 1.0) -> Model:
-    """Least squares over a record, (n,) each; 1 % of its range is added at each end."""
+    """Batch least squares over y_um and u_V, (n,) each; the grid extends the range by 1 % at each end."""
     record = Record.from_arrays(u_V, y_um, TS_S, source="endurance")
     settings = FitSettings(name="bench", rules=rules, method="batch", margin=0.01, forgetting=forgetting)
     return fit(record, settings)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
-from hysgen.checking.endurance.cases import Case, good_drive
-from hysgen.checking.endurance.endure import Endurance
+from hysgen.checking.endurance.compiled_learner import CompiledLearner
+from hysgen.checking.endurance.excitations import Excitation, persistent_excitation
 from hysgen.fitting import FitSettings, fit
 from hysgen.float32.learner_status import Commit
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
@@ -107,10 +107,10 @@ def agreement(experiment: Experiment) -> Agreement:
     unseen = measure(experiment.validation(), VALIDATION_SEED, f"{experiment.name} validation", before_V=drive_V)
     recursive = identify(known, "bench", "paper")
     settings = LearnerSettings(learned=LEARNED["rules"], forgetting=1.0, alpha=1e6, rest_V=0.0, window=2**24)
-    learner = Endurance(dataclasses.replace(_datasheet(recursive), learner=settings))
+    learner = CompiledLearner(dataclasses.replace(_datasheet(recursive), learner=settings))
     segment = known.segments[0]
-    learner.begin(float(segment.y_um[0]), float(segment.u_V[0]))
-    learner.feed(Case("identification", segment.y_um, segment.u_V, noise_um=0.0), segment.y_um.size)
+    learner.start(float(segment.y_um[0]), float(segment.u_V[0]))
+    learner.feed(Excitation("identification", segment.y_um, segment.u_V, noise_um=0.0), segment.y_um.size)
     scores = [score(model, unseen).one_step.e_rms_um for model in (recursive, learner.shadow())]
     return Agreement(experiment.title, *scores)
 
@@ -123,15 +123,15 @@ def change(what: str, settings: LearnerSettings | None = None) -> Change:
     spoil = CHANGES[what]
     old, new = bench_stage(), bench_stage().with_effects(aging=(-GAIN_LOST, 1e-3))
     model = fit(_record(old, 3), FitSettings(name="bench", method="batch", margin=0.02, input_range_V=(0.0, 100.0)))
-    learner = Endurance(dataclasses.replace(model, learner=settings or LearnerSettings()))
+    learner = CompiledLearner(dataclasses.replace(model, learner=settings or LearnerSettings()))
     known, check_old, check_new = _record(old, 1), _record(old, 2), _record(new, 2)
     segment = known.segments[0]
-    learner.begin(float(segment.y_um[0]), float(segment.u_V[0]))
-    learner.feed(Case("before", segment.y_um, segment.u_V, noise_um=0.0), segment.y_um.size)
+    learner.start(float(segment.y_um[0]), float(segment.u_V[0]))
+    learner.feed(Excitation("before", segment.y_um, segment.u_V, noise_um=0.0), segment.y_um.size)
     learner.commit()
     before_um, stale_um = (_free_run_rms_um(learner.active(), check) for check in (check_old, check_new))
     measured_um = _record(new, 1).segments[0].y_um
-    after = Case("after", measured_um if spoil is None else spoil(measured_um), segment.u_V, noise_um=0.0)
+    after = Excitation("after", measured_um if spoil is None else spoil(measured_um), segment.u_V, noise_um=0.0)
     looks, samples = round(CHANGE_S / LOOK_S), round(LOOK_S / TS_S)
     errors, answers, unsafe = np.empty(looks), [], 0
     for look in range(looks):
@@ -156,7 +156,7 @@ def _datasheet(like: Model) -> Model:
 
 
 def _record(stage: Stage, seed: int) -> Record:
-    u_V = good_drive(seed)
+    u_V = persistent_excitation(seed)
     return Record.from_arrays(u_V, run(stage, u_V, TS_S, seed).displacement_um, TS_S, source=f"drive {seed}")
 
 

@@ -1,21 +1,24 @@
 /* Eq. (10) in float32 exactly as printed: K = P x / (lambda + x' P x), q += K e, P = (I - K x') P / lambda.
- * Returns the first row after which P had a diagonal element that was not positive, or anything was not finite, plus 1;
- * 0 if none had. regressors: rows of `size`; targets in um. P and q are worked on. */
+ *
+ * regressors: rows of `size`; target in um; P and q are updated in place.
+ * Returns 1 + index of the first row after which a diagonal element of P is not positive or a value is not finite;
+ * 0 if there is no such row. */
 
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { MOST = 64 };
+enum { MOST_PARAMETERS = 64 };
 
-uint64_t printed_run(size_t rows, size_t size, const float *regressors, const float *target, float lambda, float *P, float *q)
+uint64_t paper_recursion(size_t rows, size_t size, const float *regressors, const float *target, float lambda, float *P,
+    float *q)
 {
     for (size_t k = 0; k < rows; ++k) {
         const float *x = &regressors[k * size];
-        float Px[MOST], xP[MOST], K[MOST];
+        float Px[MOST_PARAMETERS], xP[MOST_PARAMETERS], K[MOST_PARAMETERS];
         float error = target[k];
         float denominator = lambda;
-        int whole = 1;
+        int valid = 1;
 
         for (size_t i = 0; i < size; ++i) {
             Px[i] = 0.0f;
@@ -39,9 +42,9 @@ uint64_t printed_run(size_t rows, size_t size, const float *regressors, const fl
             }
         }
         for (size_t i = 0; i < size; ++i) {
-            whole &= P[i * size + i] > 0.0f && isfinite(P[i * size + i]) && isfinite(q[i]);
+            valid &= P[i * size + i] > 0.0f && isfinite(P[i * size + i]) && isfinite(q[i]);
         }
-        if (!whole) {
+        if (!valid) {
             return (uint64_t)k + 1u;
         }
     }
