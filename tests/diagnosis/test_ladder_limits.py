@@ -10,6 +10,7 @@ import pytest
 
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.causes import causes
+from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import checked_error, fit_ladder, levelled
 from hysgen.diagnosis.prepare import Prepared, prepare
@@ -108,6 +109,6 @@ def test_a_channel_that_goes_further_behind_the_cut_is_not_held_at_the_edge_of_w
     channel = np.asarray(hidden.aux["axis2_V"])
     assert np.ptp(channel) > np.ptp(channel[: prepared.cut])
     scene = prepared.scene()
-    extension = causes()["coupling"].extension(scene, linear_fit(scene, Chain(0.08, coupled=("axis2_V",))))
+    extension = causes()["coupling"].extension(scene, linear_fit(scene, Chain(0.08, (CouplingPart(("axis2_V",)),))))
     assert extension.term is not None
     assert extension.term.to_json() | {"low": [channel.min()], "high": [channel.max()]} == extension.term.to_json()

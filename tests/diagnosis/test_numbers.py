@@ -18,7 +18,7 @@ from hysgen.cli import main
 from hysgen.diagnosis import Diagnosis, diagnose, procedure, search
 from hysgen.diagnosis.causes import Estimate, Signature, periodic
 from hysgen.diagnosis.error_map import spectrum
-from hysgen.diagnosis.probe import Chain, Fit, Run, Scene, refine
+from hysgen.diagnosis.probe import Chain, Fit, Scene, Trace, refine
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
 from hysgen.studies.bank.scenario import scenario
@@ -113,7 +113,7 @@ def planted(samples: int) -> tuple[Scene, Fit]:
     """A fit that leaves 0.5 nm of white noise and 5 nm of misfit with a period of 400 samples."""
     wave = 5.0 * np.sin(2.0 * np.pi * np.arange(samples) / 400.0)
     left_um = 1e-3 * (wave + NOISE_NM * np.random.default_rng(3).normal(size=samples))
-    seen = Scene((Run(np.zeros(samples), left_um, {}),), 1e-4, np.arange(50, samples), LINEAR)
+    seen = Scene((Trace(np.zeros(samples), left_um, {}),), 1e-4, np.arange(50, samples), LINEAR)
     return seen, Fit(LAG, np.zeros(1), left_um, 1.0)
 
 
@@ -133,7 +133,7 @@ def test_a_line_is_held_against_its_neighbours_however_long_the_record() -> None
     time_s = 1e-4 * np.arange(samples)
     beside_um = np.sin(2.0 * np.pi * (line_Hz + 1.25) * time_s)
     noise_um = 0.1 * np.random.default_rng(4).normal(size=samples)
-    seen = Scene((Run(np.zeros(samples), noise_um, {}),), 1e-4, np.arange(samples), LINEAR)
+    seen = Scene((Trace(np.zeros(samples), noise_um, {}),), 1e-4, np.arange(samples), LINEAR)
     look = SimpleNamespace(fit=SimpleNamespace(error=beside_um + noise_um), scene=seen)
     dense, _ = periodic._standing(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
     look.scene = search.thinned(seen)

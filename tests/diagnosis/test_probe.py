@@ -9,8 +9,18 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import StateSpace, lfilter, lsim
 
-from hysgen.diagnosis.probe import Chain, Mode, Operator, Run, Scene, refine, standard_errors
-from hysgen.diagnosis.probe.dynamics import crept_step, respond
+from hysgen.diagnosis.causes import causes
+from hysgen.diagnosis.causes.aging import AgingPart
+from hysgen.diagnosis.causes.coupling import CouplingPart
+from hysgen.diagnosis.causes.creep import CreepPart, crept_step
+from hysgen.diagnosis.causes.delay import DelayPart
+from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis.causes.periodic import PeriodicPart
+from hysgen.diagnosis.causes.resonance import ResonancePart
+from hysgen.diagnosis.causes.saturation import SaturationPart
+from hysgen.diagnosis.causes.slew import SlewPart
+from hysgen.diagnosis.probe import Chain, Mode, Operator, Scene, Trace, refine, standard_errors
+from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, left_out
 from hysgen.diagnosis.spikes import isolated
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, rate_limited
@@ -42,7 +52,7 @@ def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: fl
     )
     late = round(delay * fine)
     expected = h[0] + np.concatenate([np.zeros(late), np.ravel(y)])[::fine][: h.size]
-    got = respond(h, Chain(4e-3, delay, modes=(mode,)), TS_S)
+    got = respond(h, Chain(4e-3, (DelayPart(delay), ResonancePart((mode,)))), TS_S)
     # Both are exact for held inputs; what remains is rounding over 400 steps.
     np.testing.assert_allclose(got, expected, atol=1e-9)
 
@@ -68,11 +78,11 @@ def test_all_columns_pass_through_creep_and_filters_like_one(columns: int, late:
 
 def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
     step = np.where(np.arange(600) > 0, 1.0, 0.0)
-    chain = Chain(1e-9, creep=0.1, creep_from_s=5 * TS_S)
+    chain = Chain(1e-9, (CreepPart(0.1, 5 * TS_S),))
     bare = respond(step, Chain(1e-9), TS_S)
     crept = respond(step, chain, TS_S) - bare
     # The record's step comes at its second sample and answers one later: two samples behind one before the record.
-    np.testing.assert_allclose(crept[2:], 0.1 * crept_step(598, TS_S, chain.creep_from_s), atol=1e-4)
+    np.testing.assert_allclose(crept[2:], 0.1 * crept_step(598, TS_S, 5 * TS_S), atol=1e-4)
     assert crept[-1] > 0.1
 
 
@@ -82,42 +92,38 @@ def test_rate_limiter_reaches_every_level_it_can_and_never_faster() -> None:
 
 
 def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
-    chain = Chain(
-        lag_s=2e-3,
-        delay=1.4,
-        delayed=True,
-        low_V=-3.0,
-        high_V=80.0,
-        rate_V_per_s=5e3,
-        creep=0.02,
-        creep_from_s=0.1,
-        modes=(Mode(100.0, 0.03, 0.5),),
-        aging_per_s=-0.01,
-        drift=True,
-        since_s=0.7,
-        lines_Hz=(50.0, 120.0),
-        coupled=("a",),
+    parts = (
+        DelayPart(1.4),
+        SaturationPart(-3.0, 80.0),
+        SlewPart(5e3),
+        CreepPart(0.02, 0.1),
+        ResonancePart((Mode(100.0, 0.03, 0.5),)),
+        AgingPart(-0.01),
+        DriftPart(0.7),
+        PeriodicPart((50.0, 120.0)),
+        CouplingPart(("a",)),
     )
+    assert {part.cause for part in parts} == {name for name, cause in causes().items() if cause.part is not None}
+    chain = Chain(2e-3, parts)
     assert len(chain.names()) == len(chain.coordinates())
     again = chain.at(chain.coordinates())
     np.testing.assert_allclose(again.coordinates(), chain.coordinates(), rtol=1e-14)
-    for name in ("delayed", "drift", "coupled", "taps", "memory"):
-        assert getattr(again, name) == getattr(chain, name)
-    assert again.since_s == pytest.approx(chain.since_s)
+    assert [type(part) for part in again.parts] == [type(part) for part in parts]
+    np.testing.assert_allclose(again.at(chain.coordinates()).coordinates(), chain.coordinates(), rtol=1e-14)
 
 
 def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
     rng = np.random.default_rng(2)
     u_V = np.cumsum(rng.normal(size=3000)) * 0.3
-    clean = 0.1 * respond(u_V, Chain(6e-3, 1.7), TS_S)
+    clean = 0.1 * respond(u_V, Chain(6e-3, (DelayPart(1.7),)), TS_S)
     found, errors = [], []
     for _ in range(20):
         y_um = clean + 0.05 * rng.normal(size=3000)
         operator = Operator(float(u_V.min()), float(u_V.max()), hats=0, curve=1, reaches=())
-        scene = Scene((Run(u_V, y_um, {}),), TS_S, np.arange(50, 3000), operator)
-        fit = refine(scene, Chain(3e-3, 0.5, delayed=True))
+        scene = Scene((Trace(u_V, y_um, {}),), TS_S, np.arange(50, 3000), operator)
+        fit = refine(scene, Chain(3e-3, (DelayPart(0.5),)))
         found.append(fit.chain.delay)
-        errors.append(standard_errors(scene, fit).coordinates["delay"])
+        errors.append(standard_errors(scene, fit).coordinates["delay.samples"])
     # The mean of 20 lies within 4 standard errors of the mean; the spread of 20 is known to 1/sqrt(38) = 16 %,
     # and 3 of those either way is a factor of 2.
     assert abs(np.mean(found) - 1.7) < 4 * np.std(found) / math.sqrt(20)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping
 
@@ -11,13 +10,20 @@ import pytest
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import Residual, Signature, causes, slew
+from hysgen.diagnosis.causes.aging import AgingPart
+from hysgen.diagnosis.causes.coupling import CouplingPart
+from hysgen.diagnosis.causes.creep import CreepPart, crept_step
+from hysgen.diagnosis.causes.delay import DelayPart
+from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.outliers import outliers_signature
-from hysgen.diagnosis.causes.resonance import mode_evidence
+from hysgen.diagnosis.causes.periodic import PeriodicPart
+from hysgen.diagnosis.causes.resonance import ResonancePart, mode_evidence
+from hysgen.diagnosis.causes.saturation import SaturationPart
+from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.comparison import levels, remaining
-from hysgen.diagnosis.probe import Chain, Errors, Fit, Mode, Operator, Run, Scene, linear_fit, refine
-from hysgen.diagnosis.probe.amplifier import amplified
-from hysgen.diagnosis.probe.dynamics import crept_step, respond
-from hysgen.diagnosis.search import drop_unsupported_parts, eliminate_backward, search
+from hysgen.diagnosis.probe import Chain, Errors, Fit, Mode, Operator, Scene, Trace, linear_fit, refine
+from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.search import drop_unsupported_parts, eliminate_backward, present, search
 from hysgen.studies.bank.excitation import good
 
 Floats = NDArray[np.float64]
@@ -32,9 +38,14 @@ LINEAR = Operator(0.0, 100.0, hats=0, curve=1, reaches=())
 
 def scene(chain: Chain, more_um: Floats | float = 0.0, aux: Mapping[str, Floats] | None = None) -> Scene:
     """A linear stage of 10 um behind `chain`, with 1 nm of noise, and more_um on top of it."""
-    y_um = 0.1 * respond(amplified(COMMAND_V, chain, TS_S), chain, TS_S) + more_um
+    y_um = 0.1 * respond(chain.amplified(COMMAND_V, TS_S), chain, TS_S) + more_um
     y_um = y_um + NOISE_UM * np.random.default_rng(6).normal(size=SAMPLES)
-    return Scene((Run(COMMAND_V, y_um, aux or {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+    return Scene((Trace(COMMAND_V, y_um, aux or {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+
+
+def lines_Hz(chain: Chain) -> tuple[float, ...]:
+    part = chain.get(PeriodicPart)
+    return () if part is None else part.lines_Hz
 
 
 def evidence(name: str, seen: Scene, chain: Chain) -> Signature:
@@ -43,15 +54,15 @@ def evidence(name: str, seen: Scene, chain: Chain) -> Signature:
     return causes()[name].signature(Residual.at(seen, fit), refine(seen, causes()[name].without(chain)))
 
 
-CREEP = dataclasses.replace(LAG, creep=0.02, creep_from_s=0.05)
-RINGING = dataclasses.replace(LAG, modes=(Mode(60.0, 0.03, 0.4),))
-LATE = dataclasses.replace(LAG, delay=1.7, delayed=True)
-CLIPPED = dataclasses.replace(LAG, high_V=80.0)
-SLOW_AMPLIFIER = dataclasses.replace(LAG, rate_V_per_s=800.0)
-DRIFTING = dataclasses.replace(LAG, drift=True)
-AGING = dataclasses.replace(LAG, aging_per_s=0.003)
-HUMMING = dataclasses.replace(LAG, lines_Hz=(50.3,))
-COUPLED = dataclasses.replace(LAG, coupled=("axis2_V",))
+CREEP = LAG.having(CreepPart(0.02, 0.05))
+RINGING = LAG.having(ResonancePart((Mode(60.0, 0.03, 0.4),)))
+LATE = LAG.having(DelayPart(1.7))
+CLIPPED = LAG.having(SaturationPart(high_V=80.0))
+SLOW_AMPLIFIER = LAG.having(SlewPart(800.0))
+DRIFTING = LAG.having(DriftPart())
+AGING = LAG.having(AgingPart(0.003))
+HUMMING = LAG.having(PeriodicPart((50.3,)))
+COUPLED = LAG.having(CouplingPart(("axis2_V",)))
 AXIS2_V = np.cumsum(np.random.default_rng(7).normal(size=SAMPLES))
 
 PRESENT: dict[str, tuple[Chain, Floats | float]] = {
@@ -77,13 +88,13 @@ def test_evidence_holds_where_the_cause_is(name: str) -> None:
 def test_evidence_does_not_hold_where_the_stage_has_nothing_but_a_lag(name: str) -> None:
     chain, _ = PRESENT[name]
     if name == "slew":
-        chain = dataclasses.replace(chain, rate_V_per_s=3e5)  # faster than the command, but for its few steps
+        chain = chain.having(SlewPart(3e5))  # faster than the command, but for its few steps
     told = evidence(name, scene(LAG, 0.0, {"axis2_V": AXIS2_V}), chain)
     assert not told.holds, told.text
 
 
 def test_output_that_creeps_back_is_no_creep() -> None:
-    back = dataclasses.replace(CREEP, creep=-0.02)
+    back = CREEP.having(CreepPart(-0.02, 0.05))
     assert evidence("creep", scene(back), back).z < -4.0
     assert not evidence("creep", scene(back), back).holds
 
@@ -94,10 +105,10 @@ def test_output_that_creeps_back_is_no_creep() -> None:
 def test_rate_that_is_not_known_or_holds_a_few_samples_back_is_no_slew(
     monkeypatch: pytest.MonkeyPatch, rate_V_per_s: float, error: float, holds: bool
 ) -> None:
-    limited = dataclasses.replace(LAG, rate_V_per_s=rate_V_per_s)
+    limited = LAG.having(SlewPart(rate_V_per_s))
     seen = scene(limited)
     look = Residual.at(seen, linear_fit(seen, limited))
-    errors = Errors({"rate": error}, np.zeros(1))  # of the logarithm
+    errors = Errors({"slew.rate_V_per_s": error}, np.zeros(1))  # of the logarithm
     monkeypatch.setattr(slew, "standard_errors", lambda at, fit: errors)
     assert causes()["slew"].signature(look, look.fit).holds == holds
 
@@ -110,7 +121,7 @@ def test_creep_of_a_move_before_the_record_does_not_change_what_the_record_tells
 
 
 def test_creep_that_begins_when_the_record_ends_is_none() -> None:
-    late = dataclasses.replace(CREEP, creep=0.3, creep_from_s=0.15 * SPAN_S)
+    late = CREEP.having(CreepPart(0.3, 0.15 * SPAN_S))
     told = evidence("creep", scene(late), late)
     assert told.z > 4.0
     assert not told.holds
@@ -118,7 +129,7 @@ def test_creep_that_begins_when_the_record_ends_is_none() -> None:
 
 def test_slope_beyond_a_level_that_only_falls_is_no_saturation() -> None:
     bent_V = np.minimum(COMMAND_V, 80.0) + 0.6 * np.maximum(COMMAND_V - 80.0, 0.0)
-    bent = Scene((Run(COMMAND_V, 0.1 * respond(bent_V, LAG, TS_S), {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+    bent = Scene((Trace(COMMAND_V, 0.1 * respond(bent_V, LAG, TS_S), {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
     # Fitted where the command is below the level, so that the gain there is the stage's own.
     found = linear_fit(bent.using(bent.rows[np.convolve(COMMAND_V > 80.0, np.ones(40))[bent.rows] == 0]), CLIPPED)
     told = causes()["saturation"].signature(Residual.at(bent, found), found)
@@ -141,13 +152,13 @@ def test_slow_wave_is_no_drift_though_both_ways_show_it() -> None:
 def test_ramp_that_an_uncertain_zero_of_an_aging_gain_explains_is_no_drift(zero_um: float, holds: bool) -> None:
     """y (1 + a t) - zero a t: a gain that turns about `zero`, of a span of 10 um."""
     aged_um = 0.02 * T_S * (0.1 * respond(COMMAND_V, LAG, TS_S) - zero_um)
-    told = evidence("drift", scene(LAG, aged_um), dataclasses.replace(AGING, drift=True))
+    told = evidence("drift", scene(LAG, aged_um), AGING.having(DriftPart()))
     assert told.holds == holds, told.text
 
 
 def test_more_is_asked_of_a_drift_that_slows_down() -> None:
     drift = causes()["drift"]
-    assert drift.needed_in(dataclasses.replace(DRIFTING, since_s=0.1)) >= 3.0 > 1.5 > drift.needed_in(DRIFTING)
+    assert drift.needed_in(DRIFTING.having(DriftPart(0.1))) >= 3.0 > 1.5 > drift.needed_in(DRIFTING)
 
 
 def test_line_that_loses_its_phase_is_none() -> None:
@@ -182,7 +193,7 @@ def test_memory_is_what_past_extremes_explain(play_V: float) -> None:
         path_V[k] = min(max(path_V[k - 1], COMMAND_V[k] - play_V), COMMAND_V[k] + play_V)
     y_um = 0.1 * respond(path_V, LAG, TS_S) + NOISE_UM * np.random.default_rng(8).normal(size=SAMPLES)
     rows = np.arange(400, SAMPLES)
-    seen = Scene((Run(COMMAND_V, y_um, {}),), TS_S, rows[rows // 300 % 2 == 0], Operator(0.0, 100.0))
+    seen = Scene((Trace(COMMAND_V, y_um, {}),), TS_S, rows[rows // 300 % 2 == 0], Operator(0.0, 100.0))
     found, rival = linear_fit(seen, Chain(4e-3)), linear_fit(seen, LAG)
     told = causes()["memory"].signature(Residual.at(seen.using(rows[rows // 300 % 2 == 1]), found), rival)
     assert told.holds == (play_V > 0.0), told.text
@@ -191,34 +202,33 @@ def test_memory_is_what_past_extremes_explain(play_V: float) -> None:
 def test_what_is_not_needed_goes_and_what_is_needed_stays() -> None:
     """A delay and a ramp of 1 nm rms that are there, beside a mode and a change of gain that are not."""
     seen = scene(LATE, 4e-3 * T_S / SPAN_S)
-    more = dataclasses.replace(LATE, drift=True, modes=(Mode(90.0, 0.1, 1e-4),), aging_per_s=1e-6)
+    more = LATE.having(DriftPart()).having(ResonancePart((Mode(90.0, 0.1, 1e-4),))).having(AgingPart(1e-6))
     pruned = eliminate_backward(seen, refine(seen, more), np.arange(60, SAMPLES, 3)).chain
-    assert pruned.drift
-    assert pruned.names() == ("lag", "delay")
+    assert present(pruned) == ["delay", "drift"]
 
 
 @pytest.mark.parametrize(
     ("mode", "worse", "holds"),
     [
         (Mode(60.0, 0.03, 0.4), {}, True),
-        (Mode(60.0, 0.03, 0.4), {"share0": 0.09}, False),
-        (Mode(60.0, 0.03, 0.4), {"f0": 0.06}, False),
-        (Mode(60.0, 0.03, 0.4), {"zeta0": 0.6}, False),
+        (Mode(60.0, 0.03, 0.4), {"resonance.0.share": 0.09}, False),
+        (Mode(60.0, 0.03, 0.4), {"resonance.0.f_Hz": 0.06}, False),
+        (Mode(60.0, 0.03, 0.4), {"resonance.0.zeta": 0.6}, False),
         (Mode(60.0, 9e-4, 0.4), {}, False),
         (Mode(460.0, 0.03, 0.4), {}, False),
     ],
 )
 def test_mode_is_known_in_share_frequency_and_damping(mode: Mode, worse: dict[str, float], holds: bool) -> None:
-    chain = dataclasses.replace(LAG, modes=(mode,))
+    chain = LAG.having(ResonancePart((mode,)))
     look = Residual.at(scene(RINGING), linear_fit(scene(RINGING), chain))
-    told = mode_evidence(look, {"share0": 0.07, "f0": 0.04, "zeta0": 0.4} | worse)
+    told = mode_evidence(look, {"resonance.0.share": 0.07, "resonance.0.f_Hz": 0.04, "resonance.0.zeta": 0.4} | worse)
     assert [sound for _, sound, _ in told] == [holds]
     assert causes()["resonance"].admissible(look.scene, chain) == (mode.zeta > 1e-3)
 
 
 def test_mode_without_evidence_of_its_own_does_not_deny_the_other() -> None:
     seen = scene(RINGING)
-    both = linear_fit(seen, dataclasses.replace(RINGING, modes=(*RINGING.modes, Mode(3.0, 5e-4, 1e-4))))
+    both = linear_fit(seen, RINGING.having(ResonancePart((*RINGING.modes, Mode(3.0, 5e-4, 1e-4)))))
     sound = drop_unsupported_parts(seen, both, seen.rows).chain
     assert [round(mode.f_Hz) for mode in sound.modes] == [60]
 
@@ -260,12 +270,14 @@ def test_the_one_block_that_excites_a_mode_decides_though_the_richer_chain_is_wo
 def test_a_line_has_three_periods_in_each_quarter_at_least(periods: float, proposed: bool) -> None:
     seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))
     chains = causes()["periodic"].proposals(Residual.at(seen, refine(seen, LAG)))
-    assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in chain.lines_Hz) == proposed
+    assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in lines_Hz(chain)) == proposed
 
 
 def test_a_line_that_hardly_stands_out_goes_beside_one_that_does() -> None:
     seen = scene(HUMMING, 0.01 * np.sin(2.0 * np.pi * 50.3 * T_S))
-    both = refine(seen, dataclasses.replace(LAG, lines_Hz=(50.3, 97.1)))
-    assert [round(line_Hz, 1) for line_Hz in causes()["periodic"].supported(Residual.at(seen, both)).lines_Hz] == [50.3]
-    alone = refine(seen, dataclasses.replace(LAG, lines_Hz=(97.1,)))
+    both = refine(seen, LAG.having(PeriodicPart((50.3, 97.1))))
+    assert [round(line_Hz, 1) for line_Hz in lines_Hz(causes()["periodic"].supported(Residual.at(seen, both)))] == [
+        50.3
+    ]
+    alone = refine(seen, LAG.having(PeriodicPart((97.1,))))
     assert causes()["periodic"].supported(Residual.at(seen, alone)) == alone.chain

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,9 +9,11 @@ from numpy.typing import NDArray
 from diagnosis.test_ladder_limits import measured
 from hysgen.diagnosis.bootstrap import certainty, gain, surely_lower
 from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes.aging import AgingPart
+from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.comparison import fitted
 from hysgen.diagnosis.prepare import prepare
-from hysgen.diagnosis.probe import Chain, Operator, Run, Scene, refine
+from hysgen.diagnosis.probe import Chain, Operator, Scene, Trace, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.search import eliminate_backward, search
@@ -35,7 +35,7 @@ def drifting(course_um: Floats, seed: int = 5) -> Scene:
     u_V = good(rng, SAMPLES, 0.0, 100.0)
     y_um = 0.1 * respond(u_V, Chain(4e-3), TS_S) + course_um + 1e-3 * rng.normal(size=SAMPLES)
     operator = Operator(0.0, 100.0, hats=0, curve=1, reaches=())
-    return Scene((Run(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), operator)
+    return Scene((Trace(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), operator)
 
 
 def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
@@ -63,7 +63,7 @@ def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
     assert drifted is not None
     prepared = measured(hidden)
     scene = prepared.scene()
-    start = Chain(hidden.stage.lag_s, drift=True, aging_per_s=aged.fraction / aged.over_s)
+    start = Chain(hidden.stage.lag_s, (DriftPart(), AgingPart(aged.fraction / aged.over_s)))
     fit = refine(scene, start)
     drift = causes()["drift"].extension(scene, fit).drift
     aging = causes()["aging"].extension(scene, fit)
@@ -76,10 +76,9 @@ def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
 
 def test_drift_at_one_rate_stays_a_ramp() -> None:
     scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
-    slowing = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=2.0, memory=False))
+    slowing = refine(scene, Chain(4e-3, (DriftPart(2.0),), memory=False))
     pruned = eliminate_backward(scene, slowing, scene.rows)
-    assert pruned.chain.drift
-    assert pruned.chain.since_s is None
+    assert pruned.chain.parts == (DriftPart(),)
 
 
 def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_it() -> None:
@@ -96,9 +95,9 @@ def test_aging_is_looked_for_with_either_sign() -> None:
     part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
     aging = causes()["aging"]
     proposals = aging.proposals(Residual.at(part, refine(part, Chain(hidden.stage.lag_s))))
-    assert {np.sign(chain.aging_per_s or 0.0) for chain in proposals[1:]} == {-1.0, 1.0}
+    assert {np.sign(chain.gain_per_s) for chain in proposals[1:]} == {-1.0, 1.0}
     trials = fitted(part, proposals)
-    rates = [refine(part, trial.chain).chain.aging_per_s or 0.0 for trial in aging.select_starts(trials)]
+    rates = [refine(part, trial.chain).chain.gain_per_s for trial in aging.select_starts(trials)]
     assert sorted(np.sign(rates)) == [-1.0, 1.0]
 
 
@@ -162,6 +161,7 @@ def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> No
 
 def test_refining_a_slow_drift_keeps_its_beginning_inside_the_record() -> None:
     scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
-    fit = refine(scene, dataclasses.replace(Chain(4e-3), drift=True, since_s=0.1, memory=False))
-    assert fit.chain.since_s is not None
-    assert 0.0 < fit.chain.since_s <= SPAN_S
+    fit = refine(scene, Chain(4e-3, (DriftPart(0.1),), memory=False))
+    (drift,) = fit.chain.parts
+    assert isinstance(drift, DriftPart)
+    assert 0.0 < (drift.since_s or 0.0) <= SPAN_S

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from diagnosis.test_agreement import AGED_UM
 from diagnosis.test_signatures import AGING, CREEP, DRIFTING, LAG, SPAN_S, T_S, scene
 from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes.aging import AgingPart
+from hysgen.diagnosis.causes.creep import CreepPart
+from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, refine, whitened_fit
 from hysgen.diagnosis.search import present
@@ -51,10 +54,10 @@ def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() 
         u_V = good(np.random.default_rng([seed, 77]), 7000, 0.0, 100.0)
         y_um = measure(stage.with_effects(creep=(0.006, 0.015, 7000.0)), u_V, 1e-3, seed).displacement_um
         seen = prepare(Record.from_arrays(u_V, y_um, 1e-3)).scene()
-        fit = refine(seen, Chain(8e-3, creep=0.003, creep_from_s=0.05), rounds=30)
+        fit = refine(seen, Chain(8e-3, (CreepPart(0.003, 0.05),)), rounds=30)
         signature = causes()["creep"].signature(Residual.at(seen, fit), fit)
         if signature.holds:
-            plain.append(abs((fit.chain.creep or 0.0) / 0.006 - 1.0))
+            plain.append(abs((fit.chain.parts[0].values[0]) / 0.006 - 1.0))
             told.append(abs(signature.parameters["per_decade"].value / 0.006 - 1.0))
     assert len(told) >= 4
     assert max(told) < 0.15
@@ -81,7 +84,7 @@ def test_a_slow_cause_makes_room_for_one_that_is_far_likelier(
 
 def test_slow_causes_that_are_all_sound_stay() -> None:
     seen = scene(CREEP, 0.01 * T_S / SPAN_S)
-    both = refine(seen, dataclasses.replace(CREEP, drift=True))
+    both = refine(seen, CREEP.having(DriftPart()))
     assert likeliest_slow_causes(seen, both) == both.chain
 
 
@@ -89,7 +92,7 @@ def test_slow_causes_that_are_all_sound_stay() -> None:
 def test_slow_causes_that_are_not_all_sound_go_for_those_that_are(right: list[str]) -> None:
     more_um = (0.1 * T_S / SPAN_S if "drift" in right else 0.0) + (AGED_UM if "aging" in right else 0.0)
     seen = scene(CREEP if "creep" in right else LAG, more_um)
-    wrong = dataclasses.replace(LAG, creep=0.001, creep_from_s=0.05, aging_per_s=1e-5)
+    wrong = LAG.having(CreepPart(0.001, 0.05)).having(AgingPart(1e-5))
     chain = likeliest_slow_causes(seen, refine(seen, wrong))
     assert sorted(present(chain)) == right
 
@@ -97,7 +100,7 @@ def test_slow_causes_that_are_not_all_sound_go_for_those_that_are(right: list[st
 def test_a_drift_beside_creep_is_needed_though_creep_could_do_its_work() -> None:
     for more_um, needed in ((0.004 * T_S / SPAN_S, ["creep", "drift"]), (0.0, ["creep"])):
         seen = scene(CREEP, more_um)
-        both = refine(seen, dataclasses.replace(CREEP, drift=True))
+        both = refine(seen, CREEP.having(DriftPart()))
         rivals = {name: refine(seen, causes()[name].without(both.chain)) for name in ("creep", "drift")}
         assert compare_likelihood(seen, both, rivals) == needed
         assert compare_likelihood(seen, rivals["drift"], {}) == []

@@ -8,23 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.scene import drift_course
 from hysgen.model.path import InputBlock
 from hysgen.model.terms import Term
 
 Floats = NDArray[np.float64]
 
 
+def trend_course(t_s: Floats | float, since_s: float | None) -> Floats:
+    """Course of a drift of unit size at time t: t, or log10(1 + t / since) if it slows down."""
+    return np.asarray(t_s, dtype=np.float64) if since_s is None else np.log10(1.0 + np.asarray(t_s) / since_s)
+
+
 @dataclass(frozen=True)
 class Trend:
-    """A drift over a segment: size_um times `drift_course`, i.e. per second, or per decade if it slows down."""
+    """A drift over a segment: size_um times `trend_course`, i.e. per second, or per decade if it slows down."""
 
     size_um: float
     since_s: float | None = None
 
     def at(self, t_s: Floats) -> Floats:
         """(n,) um at times t_s after the start of a segment."""
-        return self.size_um * drift_course(t_s, self.since_s)
+        return self.size_um * trend_course(t_s, self.since_s)
 
 
 @dataclass(frozen=True, eq=False)

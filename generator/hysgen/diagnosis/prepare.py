@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe import Operator, Run, Scene
+from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.diagnosis.spikes import EDGE
 from hysgen.errors import RecordError
 from hysgen.machine.cache import LruCache
@@ -121,7 +121,7 @@ class Prepared:
     def scene(self) -> Scene:
         """What the probe may see: the identification part."""
         part = self.identification()
-        runs = tuple(Run(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
+        runs = tuple(Trace(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
         # Ranges are those of the whole command and channels, known beforehand; the probe must not extrapolate.
         low_V, high_V = self.record.u_range_V
         rows = self.fit_rows[self.forgotten[self.fit_rows]]

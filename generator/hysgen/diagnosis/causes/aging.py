@@ -1,15 +1,17 @@
-"""Aging: the gain changes during the record, so the error is proportional to the displacement and grows with time."""
+"""Aging: the gain changes during the record; the error is proportional to the displacement and grows with time."""
 
 from __future__ import annotations
 
-import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Residual, Signature
-from hysgen.diagnosis.causes.drift import ZERO_UNCERTAIN
+from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors, whitened_fit
+from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors, whitened_fit
+from hysgen.diagnosis.probe.part import STEP
 
 FORGET = 0.35
 """Time constant of forgetting, as a share of the record: short enough to follow, long enough to average."""
@@ -24,18 +26,31 @@ Hysteresis that was fitted without aging has bent towards it: a change of the wr
 """
 
 
-class Aging(Cause):
+@dataclass(frozen=True)
+class AgingPart(Part):
+    """The gain of the stage is 1 + per_s t about its displacement at 0 V."""
+
+    cause: ClassVar[str] = "aging"
+    order: ClassVar[int] = 50
+    table: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("per_s", "1/s", lambda e: (-0.9 / e.span_s, 9.0 / e.span_s), step=lambda e: STEP / e.span_s),
+    )
+    per_s: float
+
+    @property
+    def gain_per_s(self) -> float:
+        return self.per_s
+
+
+class AgingCause(Cause):
     name = "aging"
-
-    def present(self, chain: Chain) -> bool:
-        return chain.aging_per_s is not None
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, aging_per_s=None)
+    rank = 100
+    slow = True
+    part = AgingPart
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
-        if chain.aging_per_s is not None:
+        if self.present(chain):
             return []
         scene = residual.scene
         zero_um = scene.zero_um(chain, residual.fit.weights) - float(residual.fit.weights[scene.hysteresis_size(chain)])
@@ -43,17 +58,17 @@ class Aging(Cause):
         most = MOST_CHANGE / scene.span_s
         rate = float(np.clip(residual.amount(np.concatenate(growing)), -most, most))
         rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in TRIED))
-        return [dataclasses.replace(chain, aging_per_s=rate) for rate in rates]
+        return [chain.having(AgingPart(rate)) for rate in rates]
 
     def select_starts(self, trials: list[Fit]) -> list[Fit]:
         """The best of either sign: no way may lead from one to the other, see TRIED."""
-        return list({(trial.chain.aging_per_s or 0.0) > 0.0: trial for trial in reversed(trials)}.values())
+        return list({trial.chain.gain_per_s > 0.0: trial for trial in reversed(trials)}.values())
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The change of gain against its standard error, measured as creep is."""
         scene, fit = whitened_fit(residual.scene, residual.fit)
-        rate = fit.chain.aging_per_s or 0.0
-        error = standard_errors(scene, fit).coordinates["aging"]
+        rate = fit.chain.gain_per_s
+        error = standard_errors(scene, fit).coordinates["aging.per_s"]
         z = abs(rate) / max(error, 1e-15)
         return Signature(
             holds=z > SLOW_Z,
@@ -68,18 +83,16 @@ class Aging(Cause):
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         _, fit = whitened_fit(scene, fit)
         # A ramp beside the aging that is no drift of its own says only that the gain turns about another point.
-        ramp = (
-            scene.drift_column(fit.chain) + scene.hysteresis_size(fit.chain)
-            if fit.chain.drift and fit.chain.since_s is None
-            else None
-        )
-        shift_um = 0.0 if ramp is None else float(fit.weights[ramp]) / scene.span_s / (fit.chain.aging_per_s or 1.0)
+        drift, rate = fit.chain.get(DriftPart), fit.chain.gain_per_s
+        shift_um = 0.0
+        if drift is not None and drift.since_s is None:
+            shift_um = float(fit.weights[scene.column_of(fit.chain, DriftPart)]) / scene.span_s / (rate or 1.0)
         hidden = abs(shift_um) < ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
         return Extension(
-            gain_per_s=fit.chain.aging_per_s or 0.0,
+            gain_per_s=rate,
             zero_um=scene.zero_um(fit.chain, fit.weights) - (shift_um if hidden else 0.0),
             forgetting_s=FORGET * scene.span_s,
         )
 
 
-CAUSE = Aging()
+CAUSE = AgingCause()

@@ -15,14 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Projector, Scene
+from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene
 from hysgen.diagnosis.probe.dynamics import respond
 
 Floats = NDArray[np.float64]
 
 
 SLOW_Z = 4.0
-"""Standard errors by which creep, drift and aging must stand out: few blocks decide on them, and the errors know."""
+"""Least size of a slow cause in standard errors: few blocks of the record determine it."""
+
+ZERO_UNCERTAIN = 0.25
+"""Uncertainty of the stage's zero as a share of the span: a gain that changes about another zero adds a ramp."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,23 +75,35 @@ class Cause(abc.ABC):
 
     name: ClassVar[str]
 
+    rank: ClassVar[int]
+    """Place on the ladder and in the vocabulary: sensor's faults, path of the command, disturbances, slow changes."""
+
+    part: ClassVar[type[Part] | None] = None
+    """Its part of the chain, None if it has none."""
+
+    slow: ClassVar[bool] = False
+    """Whether it acts over the length of the record, so that it can take the place of another slow cause."""
+
+    mistaken_for: ClassVar[tuple[str, ...]] = ()
+    """Other causes that the search may add in place of this one, and this one in place of them."""
+
     needed: ClassVar[float] = 1.2
     """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
 
     tried: ClassVar[int] = 1
     """How many of its proposals are refined in a step, the best first; `select_starts` may choose otherwise."""
 
-    @abc.abstractmethod
     def present(self, chain: Chain) -> bool:
         """Whether the chain holds this cause's part."""
+        return self.part is not None and chain.get(self.part) is not None
 
     def needed_in(self, chain: Chain) -> float:
         """`needed`, for the form that the cause has in this chain."""
         return self.needed
 
-    @abc.abstractmethod
     def without(self, chain: Chain) -> Chain:
         """The chain with this cause's part taken out."""
+        return chain if self.part is None else chain.without(self.part)
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         """Chains with one part of this cause taken out: one mode, line or channel of several, or all there is."""

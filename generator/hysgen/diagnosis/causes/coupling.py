@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
-from hysgen.model.terms.coupling import Coupling as CouplingTerm
+from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Part, Scene, standard_errors
+from hysgen.model.terms.coupling import Coupling
 
 Floats = NDArray[np.float64]
 
@@ -19,34 +21,57 @@ TAPS = 32
 """Samples of a channel's past where one is not enough."""
 
 
-class Coupling(Cause):
+@dataclass(frozen=True)
+class CouplingPart(Part):
+    """Auxiliary `channels` behind the lag and the delay, each with `taps` samples of its past as columns."""
+
+    cause: ClassVar[str] = "coupling"
+    order: ClassVar[int] = 80
+    channels: tuple[str, ...]
+    taps: int = 1
+
+    @property
+    def added(self) -> int:
+        return len(self.channels) * self.taps
+
+    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        lagged = [seen(run.aux[name]) for name in self.channels]
+        return [
+            np.concatenate([np.full(tap, one[0]), one[: len(one) - tap]]) for one in lagged for tap in range(self.taps)
+        ]
+
+    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
+        return (self, lag_s, delay)
+
+
+class CouplingCause(Cause):
     name = "coupling"
-
-    def present(self, chain: Chain) -> bool:
-        return bool(chain.coupled)
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, coupled=(), taps=1)
+    rank = 70
+    part = CouplingPart
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
-        parts = chain.coupled
-        less = [dataclasses.replace(chain, coupled=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
-        return less if chain.taps == 1 else [*less, dataclasses.replace(chain, taps=1)]
+        part = _part(chain)
+        names = part.channels
+        fewer = [names[:i] + names[i + 1 :] for i in range(len(names))]
+        less = [chain.having(CouplingPart(left, part.taps)) if left else self.without(chain) for left in fewer]
+        return less if part.taps == 1 else [*less, chain.having(dataclasses.replace(part, taps=1))]
 
     def supported(self, residual: Residual) -> Chain:
         """One sample of each channel, where none of several has evidence of its own: a slow channel needs no more."""
         chain = residual.fit.chain
-        if chain.taps == 1 or self.signature(residual, residual.fit).holds:
+        part = _part(chain)
+        if part.taps == 1 or self.signature(residual, residual.fit).holds:
             return chain
-        return dataclasses.replace(chain, taps=1)
+        return chain.having(dataclasses.replace(part, taps=1))
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
-        left = [name for name in residual.scene.runs[0].aux if name not in chain.coupled and _moves(residual, name)]
-        alone = [dataclasses.replace(chain, coupled=(*chain.coupled, name)) for name in left]
+        part = chain.get(CouplingPart) or CouplingPart(())
+        left = [name for name in residual.scene.runs[0].aux if name not in part.channels and _moves(residual, name)]
+        alone = [chain.having(CouplingPart((*part.channels, name), part.taps)) for name in left]
         # A channel may act through the mechanics of the stage: then one sample of it is not enough.
-        if chain.taps == 1 and (left or chain.coupled):
-            alone.append(dataclasses.replace(chain, coupled=(*chain.coupled, *left), taps=TAPS))
+        if part.taps == 1 and (left or part.channels):
+            alone.append(chain.having(CouplingPart((*part.channels, *left), TAPS)))
         return alone
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
@@ -55,38 +80,45 @@ class Coupling(Cause):
         The gain over several samples is their sum; it counts as many standard errors as their root mean square does.
         """
         scene, chain = residual.scene, residual.fit.chain
-        first = len(residual.fit.weights) - len(chain.coupled) * chain.taps
-        weights = residual.fit.weights[first:].reshape(-1, chain.taps)
-        errors = standard_errors(scene, residual.fit).disturbances[first - scene.hysteresis_size(chain) :]
-        errors = errors.reshape(-1, chain.taps)
+        part = _part(chain)
+        first, beside = scene.column_of(chain, CouplingPart), chain.first_column(CouplingPart)
+        weights = residual.fit.weights[first : first + part.added].reshape(-1, part.taps)
+        errors = standard_errors(scene, residual.fit).added[beside : beside + part.added].reshape(-1, part.taps)
         z = np.sqrt(np.mean((weights / np.maximum(errors, 1e-15)) ** 2, axis=1))
         gains, spread = weights.sum(axis=1), np.sqrt((errors**2).sum(axis=1))
         listed = ", ".join(
             f"{name} {gain:.4g} +- {error:.1g} um per unit"
-            for name, gain, error in zip(chain.coupled, gains, spread, strict=True)
+            for name, gain, error in zip(part.channels, gains, spread, strict=True)
         )
         return Signature(
             holds=bool((z > 5.0).all()),
             z=float(z.min()),
-            text=f"the error follows {listed}" + (f", over {chain.taps} samples" if chain.taps > 1 else ""),
+            text=f"the error follows {listed}" + (f", over {part.taps} samples" if part.taps > 1 else ""),
             parameters={
                 f"{name}_um_per_unit": Estimate(float(gain), float(error))
-                for name, gain, error in zip(chain.coupled, gains, spread, strict=True)
+                for name, gain, error in zip(part.channels, gains, spread, strict=True)
             },
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        return Extension(term=coupling_term({name: scene.range_of(name) for name in fit.chain.coupled}, fit.chain.taps))
+        part = _part(fit.chain)
+        return Extension(term=coupling_term({name: scene.range_of(name) for name in part.channels}, part.taps))
 
 
-def coupling_term(ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> CouplingTerm:
+def coupling_term(ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> Coupling:
     """The term for some channels, each with its range."""
     low, high = zip(*ranges.values(), strict=True)
-    return CouplingTerm(tuple(ranges), low, high, taps)
+    return Coupling(tuple(ranges), low, high, taps)
+
+
+def _part(chain: Chain) -> CouplingPart:
+    part = chain.get(CouplingPart)
+    assert part is not None
+    return part
 
 
 def _moves(residual: Residual, name: str) -> bool:
     return all(float(np.ptp(run.aux[name])) > 0.0 for run in residual.scene.runs)
 
 
-CAUSE = Coupling()
+CAUSE = CouplingCause()

@@ -2,33 +2,103 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors, whitened_fit
-from hysgen.model.terms.creep import Creep as CreepTerm
+from hysgen.diagnosis.probe import (
+    Chain,
+    Drive,
+    Extent,
+    Fit,
+    Parameter,
+    Part,
+    Scene,
+    SlowStates,
+    standard_errors,
+    whitened_fit,
+)
+from hysgen.model.terms.creep import Creep
+
+Floats = NDArray[np.float64]
 
 LEAST_DECADES = 10.0
 STATES = 4
 """Slow states of the term, spread over the decades between the start of the creep and the length of the record."""
 
 
-class Creep(Cause):
+PAST_DECAYS = (1 / 30, 1 / 8)
+"""Time constants, as shares of the record's length, with which creep from before the record may fade."""
+
+
+@dataclass(frozen=True)
+class CreepPart(Part):
+    """After a step the output moves on by `per_decade` of it in every decade of time, from from_s on.
+
+    Two slow states per decade, up to ten times the length of the run. Added columns: creep from before the record,
+    where the hysteresis stood at an unknown place, as two exponentials and the creep of a step at the start.
+    """
+
+    cause: ClassVar[str] = "creep"
+    order: ClassVar[int] = 30
+    table: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("per_decade", "1", lambda e: (-1.0, 1.0)),
+        Parameter("from_s", "s", lambda e: (2 * e.Ts_s, 0.2 * e.span_s), logarithm=True),
+    )
+    per_decade: float
+    from_s: float
+
+    def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
+        return SlowStates(self.per_decade, np.exp(-Ts_s / _times_s(self.from_s, _slowest_s(samples, Ts_s))))
+
+    @property
+    def added(self) -> int:
+        return len(PAST_DECAYS) + 1
+
+    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
+        fading = [np.exp(-t_s / (share * extent.span_s)) for share in PAST_DECAYS]
+        return [*fading, crept_step(len(t_s), extent.Ts_s, self.from_s)]
+
+    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
+        return (self.cause, self.from_s)
+
+
+def crept_step(samples: int, Ts_s: float, from_s: float) -> Floats:
+    """(samples,) logarithmic creep of a unit step at the first sample, per unit of `per_decade`.
+
+    sum_i (1 - exp(-t / tau_i)) / 2,    with the tau_i of `CreepPart.slow_states`
+    """
+    t_s = Ts_s * np.arange(samples)
+    return np.asarray(sum(-0.5 * np.expm1(-t_s / tau_s) for tau_s in _times_s(from_s, _slowest_s(samples, Ts_s))))
+
+
+def _slowest_s(samples: int, Ts_s: float) -> float:
+    """Ten times the length of the record: slower creep cannot be told from standing still."""
+    return 10.0 * samples * Ts_s
+
+
+def _times_s(from_s: float, to_s: float) -> Floats:
+    """Time constants, two per decade, from from_s to at most to_s."""
+    count = max(1, int(2 * math.log10(to_s / from_s)) + 1)
+    return np.asarray(from_s * 10.0 ** (0.5 * np.arange(count) + 0.25))
+
+
+class CreepCause(Cause):
     name = "creep"
-
-    def present(self, chain: Chain) -> bool:
-        return chain.creep is not None
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, creep=None, creep_from_s=0.0)
+    rank = 50
+    slow = True
+    part = CreepPart
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene
-        if chain.creep is not None:
+        if self.present(chain):
             return []
         fastest_s = max(5.0 * scene.Ts_s, 3.0 * chain.lag_s)
         slowest_s = 0.05 * scene.span_s
@@ -37,9 +107,9 @@ class Creep(Cause):
         still = np.concatenate(residual.responses(chain))
         trials = []
         for start_s in starts:
-            unit = dataclasses.replace(chain, creep=1.0, creep_from_s=start_s)
+            unit = chain.having(CreepPart(1.0, start_s))
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
-            trials.append(dataclasses.replace(unit, creep=float(np.clip(creep, -1.0, 1.0))))
+            trials.append(chain.having(CreepPart(float(np.clip(creep, -1.0, 1.0)), start_s)))
         return trials
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
@@ -48,8 +118,9 @@ class Creep(Cause):
         Plateaus tell it best: there the hysteresis rests, and what it leaves does not change.
         """
         scene, fit = whitened_fit(residual.scene, residual.fit)
-        creep, from_s = fit.chain.creep or 0.0, fit.chain.creep_from_s
-        error = standard_errors(scene, fit).coordinates["creep"]
+        part = _part(fit.chain)
+        creep, from_s = part.per_decade, part.from_s
+        error = standard_errors(scene, fit).coordinates["creep.per_decade"]
         z = creep / max(error, 1e-15)
         return Signature(
             holds=z > SLOW_Z and from_s < scene.span_s / LEAST_DECADES,
@@ -60,17 +131,23 @@ class Creep(Cause):
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         _, fit = whitened_fit(scene, fit)
-        longest_s = max(scene.span_s, 4.0 * fit.chain.creep_from_s)
-        return Extension(term=creep_term(fit.chain.creep_from_s, longest_s))
+        from_s = _part(fit.chain).from_s
+        return Extension(term=creep_term(from_s, max(scene.span_s, 4.0 * from_s)))
 
 
-def creep_term(from_s: float, longest_s: float) -> CreepTerm:
+def creep_term(from_s: float, longest_s: float) -> Creep:
     """The same creep in every decade from from_s to longest_s: one weight for all states.
 
     With a weight for each, a fit takes the slowest for a drift that the identification part happens to have: weights of
     -0.4 and +2.2 of the gain lower its error by a fifth and double that of the held-out part.
     """
-    return CreepTerm.spread(STATES, from_s, longest_s, shared=True)
+    return Creep.spread(STATES, from_s, longest_s, shared=True)
 
 
-CAUSE = Creep()
+def _part(chain: Chain) -> CreepPart:
+    part = chain.get(CreepPart)
+    assert part is not None
+    return part
+
+
+CAUSE = CreepCause()

@@ -3,39 +3,54 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
-from hysgen.model.path.delay import Delay as DelayBlock
+from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.model.path.delay import Delay
 
 
-class Delay(Cause):
+@dataclass(frozen=True)
+class DelayPart(Part):
+    """Delay by `samples`, whole or fractional; negative where the channels of the record are not aligned."""
+
+    cause: ClassVar[str] = "delay"
+    order: ClassVar[int] = 0
+    table: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("samples", "samples", lambda e: (-3.0, 200.0), step=lambda e: 1e-3),
+    )
+    samples: float
+
+    @property
+    def late(self) -> float:
+        return self.samples
+
+
+class DelayCause(Cause):
     name = "delay"
-
-    def present(self, chain: Chain) -> bool:
-        return chain.delayed
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, delayed=False, delay=0.0)
+    rank = 30
+    mistaken_for = ("resonance",)
+    part = DelayPart
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
-        if chain.delayed:
+        if self.present(chain):
             return []
         # What was taken for lag is shared out between lag and delay in several ways.
         trials = []
         for share in (0.1, 0.4, 0.8):
             late = share * chain.lag_s / Ts_s
             if 0.05 < late < 200.0:
-                trials.append(dataclasses.replace(chain, delayed=True, delay=late, lag_s=(1.0 - share) * chain.lag_s))
-        trials.append(dataclasses.replace(chain, delayed=True, delay=0.5))
+                trials.append(dataclasses.replace(chain.having(DelayPart(late)), lag_s=(1.0 - share) * chain.lag_s))
+        trials.append(chain.having(DelayPart(0.5)))
         return trials
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The delay itself against its standard error, with lag, modes and hysteresis free to take its place."""
         late = residual.fit.chain.delay
-        error = standard_errors(residual.scene, residual.fit).coordinates["delay"]
+        error = standard_errors(residual.scene, residual.fit).coordinates["delay.samples"]
         z = late / max(error, 1e-12)
         return Signature(
             holds=z > 5.0 and late > 0.05,
@@ -45,7 +60,7 @@ class Delay(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        return Extension(block=DelayBlock(max(fit.chain.delay, 0.0)))
+        return Extension(block=Delay(max(fit.chain.delay, 0.0)))
 
 
-CAUSE = Delay()
+CAUSE = DelayCause()

@@ -5,18 +5,22 @@ It may go on at one rate, or slow down by the logarithm of time, as what a stage
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Residual, Signature
-from hysgen.diagnosis.extension import Extension, Trend
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors, whitened_fit
-from hysgen.diagnosis.probe.scene import drift_course
+from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.extension import Extension, Trend, trend_course
+from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, Scene, standard_errors, whitened_fit
 
-ZERO_UNCERTAIN = 0.25
-"""Share of the span by which the stage's zero is uncertain: an aging gain turns that into a ramp of its own."""
+Floats = NDArray[np.float64]
+
+SOONEST = 0.003
+"""Least time before the record, as a share of it, at which a drift that slows down may have begun."""
 
 NEEDED_SLOWING = 3.0
 """By how much the error must grow without a drift that slows down: a little of that course is in whatever the memory's
@@ -26,30 +30,53 @@ SINCE = (0.01, 0.05, 0.25)
 """Shares of the record at which a drift that slows down is tried to have begun before it."""
 
 
-class Drift(Cause):
+@dataclass(frozen=True)
+class DriftPart(Part):
+    """A ramp as one added column, 1 at the end of the longest run.
+
+    since_s: None for a constant rate; otherwise the drift slows down like the creep of a move that was made since_s
+    before the run, log(1 + t / since_s).
+    """
+
+    cause: ClassVar[str] = "drift"
+    order: ClassVar[int] = 60
+    table: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("since_s", "s", lambda e: (SOONEST * e.span_s, e.span_s), logarithm=True),
+    )
+    since_s: float | None = None
+
+    @property
+    def added(self) -> int:
+        return 1
+
+    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
+        return [trend_course(t_s, self.since_s) / trend_course(extent.span_s, self.since_s)]
+
+
+class DriftCause(Cause):
     name = "drift"
-
-    def present(self, chain: Chain) -> bool:
-        return chain.drift
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, drift=False, since_s=None)
+    rank = 90
+    slow = True
+    mistaken_for = ("aging", "creep")
+    part = DriftPart
 
     def needed_in(self, chain: Chain) -> float:
         """A drift that slows down can stand for the memory's unknown start too, so more is asked of it."""
-        return self.needed if chain.since_s is None else NEEDED_SLOWING
+        return self.needed if _part(chain).since_s is None else NEEDED_SLOWING
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """A ramp in place of a drift that slows down."""
-        return [] if chain.since_s is None else [dataclasses.replace(chain, since_s=None)]
+        return [] if _part(chain).since_s is None else [chain.having(DriftPart())]
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """A ramp, and drifts that slow down."""
         chain = residual.fit.chain
-        slowing = [dataclasses.replace(chain, drift=True, since_s=share * residual.scene.span_s) for share in SINCE]
-        if chain.drift:
-            return [] if chain.since_s is not None else slowing
-        return [dataclasses.replace(chain, drift=True), *slowing]
+        slowing = [chain.having(DriftPart(share * residual.scene.span_s)) for share in SINCE]
+        part = chain.get(DriftPart)
+        if part is not None:
+            return [] if part.since_s is not None else slowing
+        return [chain.having(DriftPart()), *slowing]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The drift against its standard error, and the same drift seen on rising and on falling input.
@@ -57,27 +84,27 @@ class Drift(Cause):
         A ramp is measured as creep is. The misfit would leave nothing certain of a drift that slows down: blocks that
         were not fitted decide on it, see `needed_in`.
         """
-        slowing = residual.fit.chain.since_s is not None
+        slowing = _part(residual.fit.chain).since_s is not None
         scene, fit = (residual.scene, residual.fit) if slowing else whitened_fit(residual.scene, residual.fit)
         chain, drift = fit.chain, _drift(scene, fit)
-        course = float(drift_course(scene.span_s, chain.since_s))
-        error = float(standard_errors(scene, fit).disturbances[scene.drift_column(chain)]) / course
+        course = float(trend_course(scene.span_s, drift.since_s))
+        error = float(standard_errors(scene, fit).added[chain.first_column(DriftPart)]) / course
         z = abs(drift.size_um) / max(error, 1e-15)
-        hidden = abs(chain.aging_per_s or 0.0) * ZERO_UNCERTAIN * float(np.ptp(residual.scene.y_um))
+        hidden = abs(chain.gain_per_s) * ZERO_UNCERTAIN * float(np.ptp(residual.scene.y_um))
         shares = [_seen(residual, sign) for sign in (1.0, -1.0)]
         alike = f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
         size = f"{1e3 * drift.size_um:.3g} nm {{}} +- {1e3 * error:.1g}"
-        if chain.since_s is None:
+        if drift.since_s is None:
             text = f"{size.format('per second')} whatever the input does {alike}"
             parameters = {"ramp_um_per_s": Estimate(drift.size_um, error)}
         else:
             text = (
                 f"{size.format('per decade of time')} whatever the input does {alike}, "
-                f"slowing down like the creep of a move {chain.since_s:.2g} s before the record"
+                f"slowing down like the creep of a move {drift.since_s:.2g} s before the record"
             )
             parameters = {
                 "um_per_decade": Estimate(drift.size_um, error),
-                "since_s": Estimate(chain.since_s, math.nan),
+                "since_s": Estimate(drift.since_s, math.nan),
             }
         return Signature(
             holds=z > SLOW_Z
@@ -95,9 +122,14 @@ class Drift(Cause):
 
 def _drift(scene: Scene, fit: Fit) -> Trend:
     """The drift that a fit found."""
-    at = scene.hysteresis_size(fit.chain) + scene.drift_column(fit.chain)
-    since_s = fit.chain.since_s
-    return Trend(float(fit.weights[at]) / float(drift_course(scene.span_s, since_s)), since_s)
+    weight, since_s = float(fit.weights[scene.column_of(fit.chain, DriftPart)]), _part(fit.chain).since_s
+    return Trend(weight / float(trend_course(scene.span_s, since_s)), since_s)
+
+
+def _part(chain: Chain) -> DriftPart:
+    part = chain.get(DriftPart)
+    assert part is not None
+    return part
 
 
 def _seen(residual: Residual, direction: float) -> float:
@@ -114,4 +146,4 @@ def _seen(residual: Residual, direction: float) -> float:
     return float(course @ (error - error.mean()) / (course @ course))
 
 
-CAUSE = Drift()
+CAUSE = DriftCause()

@@ -12,7 +12,7 @@ from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene
 from hysgen.machine.kernels import play_operators
-from hysgen.model.terms.memory import Memory as MemoryTerm
+from hysgen.model.terms.memory import Memory
 
 Floats = NDArray[np.float64]
 
@@ -27,8 +27,9 @@ WITNESS = 0.25
 """Half-width, in half ranges of the input, of the play that measures the opening of the loop."""
 
 
-class Memory(Cause):
+class MemoryCause(Cause):
     name = "memory"
+    rank = 40
 
     def present(self, chain: Chain) -> bool:
         return chain.memory
@@ -64,10 +65,8 @@ class Memory(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        # What a clamp cuts off never reaches the plays.
-        low_V = scene.operator.low_V if fit.chain.low_V is None else fit.chain.low_V
-        high_V = scene.operator.high_V if fit.chain.high_V is None else fit.chain.high_V
-        return Extension(term=MemoryTerm.polynomial(PLAYS, DEGREE, low_V, high_V))
+        low_V, high_V = fit.chain.passes_V(scene.operator.low_V, scene.operator.high_V)
+        return Extension(term=Memory.polynomial(PLAYS, DEGREE, low_V, high_V))
 
 
 def swings(u_V: Floats) -> NDArray[np.int64]:
@@ -92,4 +91,4 @@ def _opening(residual: Residual, rival: Fit) -> float:
     return 2.0 * WITNESS * half * abs(float(slack @ error)) / (float(slack @ slack) + 1e-300)
 
 
-CAUSE = Memory()
+CAUSE = MemoryCause()

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
-from hysgen.model.terms.periodic import Periodic as PeriodicTerm
+from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.model.terms.periodic import Periodic
 
 Floats = NDArray[np.float64]
 
@@ -27,31 +29,60 @@ LEAST_RATIO = 30.0
 """Power of a line over its background, with the line taken out, from which on it is one."""
 
 
-class Periodic(Cause):
+LINE = Parameter("lines_Hz", "Hz", lambda e: (0.5 / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s)
+
+
+@dataclass(frozen=True)
+class PeriodicPart(Part):
+    """Disturbing lines at `lines_Hz`: a sine and a cosine each as added columns."""
+
+    cause: ClassVar[str] = "periodic"
+    order: ClassVar[int] = 70
+    lines_Hz: tuple[float, ...]
+
+    @property
+    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+        return tuple((f"periodic.{i}.f_Hz", LINE) for i, _ in enumerate(self.lines_Hz))
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        return self.lines_Hz
+
+    def with_values(self, values: Sequence[float]) -> Self:
+        return type(self)(tuple(values))
+
+    @property
+    def added(self) -> int:
+        return 2 * len(self.lines_Hz)
+
+    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
+        return [wave(2 * np.pi * line_Hz * t_s) for line_Hz in self.lines_Hz for wave in (np.sin, np.cos)]
+
+
+class PeriodicCause(Cause):
     name = "periodic"
-
-    def present(self, chain: Chain) -> bool:
-        return bool(chain.lines_Hz)
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, lines_Hz=())
+    rank = 80
+    part = PeriodicPart
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
-        parts = chain.lines_Hz
-        return [dataclasses.replace(chain, lines_Hz=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+        lines = _lines_Hz(chain)
+        fewer = [lines[:i] + lines[i + 1 :] for i in range(len(lines))]
+        return [chain.having(PeriodicPart(left)) if left else self.without(chain) for left in fewer]
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
-        if len(chain.lines_Hz) >= MOST_LINES:
+        lines = _lines_Hz(chain)
+        if len(lines) >= MOST_LINES:
             return []
-        return [dataclasses.replace(chain, lines_Hz=(*chain.lines_Hz, line_Hz)) for line_Hz in _peaks(residual, 3)]
+        return [chain.having(PeriodicPart((*lines, line_Hz))) for line_Hz in _peaks(residual, 3)]
 
     def supported(self, residual: Residual) -> Chain:
         """The chain without those lines, of several, that hardly stand out or do not keep their phase."""
         chain = residual.fit.chain
-        told = zip(chain.lines_Hz, _line_evidence(residual), strict=True)
+        told = zip(_lines_Hz(chain), _line_evidence(residual), strict=True)
         kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in told if steady and ratio > LEAST_RATIO)
-        return dataclasses.replace(chain, lines_Hz=kept or chain.lines_Hz)
+        return chain.having(PeriodicPart(kept)) if kept else chain
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Each line's power against the local background, and its phase in each quarter of the record."""
@@ -59,9 +90,9 @@ class Periodic(Cause):
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
         told = _line_evidence(residual)
-        for i, (line_Hz, (amplitude_um, ratio, _)) in enumerate(zip(chain.lines_Hz, told, strict=True)):
+        for i, (line_Hz, (amplitude_um, ratio, _)) in enumerate(zip(_lines_Hz(chain), told, strict=True)):
             suffix = "" if i == 0 else f"_{i + 1}"
-            parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"line{i}"])
+            parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"periodic.{i}.f_Hz"])
             parameters[f"amplitude{suffix}_um"] = Estimate(amplitude_um, amplitude_um / np.sqrt(max(ratio, 1e-9)))
             texts.append(f"line at {line_Hz:.5g} Hz, {amplitude_um:.3g} um, {ratio:.2g} times its background")
         least, steady = min(ratio for _, ratio, _ in told), all(keeps for _, _, keeps in told)
@@ -69,15 +100,21 @@ class Periodic(Cause):
         return Signature(steady and least > LEAST_RATIO, float(np.sqrt(least)), "; ".join(texts), parameters)
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        return Extension(term=PeriodicTerm(tuple(sorted(fit.chain.lines_Hz))))
+        return Extension(term=Periodic(tuple(sorted(_lines_Hz(fit.chain)))))
+
+
+def _lines_Hz(chain: Chain) -> tuple[float, ...]:
+    """The lines of a chain, none without a part for them."""
+    part = chain.get(PeriodicPart)
+    return () if part is None else part.lines_Hz
 
 
 def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
     """For each line its amplitude in um, its power over the local background, and whether it keeps its phase."""
     chain, scene, weights = residual.fit.chain, residual.scene, residual.fit.weights
-    first = scene.hysteresis_size(chain) + scene.line_column(chain)
+    first = scene.column_of(chain, PeriodicPart)
     found = []
-    for i, line_Hz in enumerate(chain.lines_Hz):
+    for i, line_Hz in enumerate(_lines_Hz(chain)):
         sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
         ratio, steady = _standing(residual, line_Hz, sine, cosine)
         found.append((math.hypot(sine, cosine), ratio, bool(steady)))
@@ -160,4 +197,4 @@ def _standing(residual: Residual, line_Hz: float, sine: float, cosine: float) ->
     return float(abs(whole) ** 2 / (np.mean(around) + 1e-300)), steady
 
 
-CAUSE = Periodic()
+CAUSE = PeriodicCause()

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
 
 import numpy as np
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Mode, Scene, standard_errors
-from hysgen.diagnosis.probe.solve import MOST_DAMPING
-from hysgen.model.terms.resonance import Resonance as ResonanceTerm
+from hysgen.diagnosis.probe import Chain, Fit, Mode, Parameter, Part, Scene, standard_errors
+from hysgen.model.terms.resonance import Resonance
 
 PER_DECADE = 45
 """Trial frequencies per decade: a mode half a step off still rings alike for as long as its damping lets it."""
@@ -20,21 +20,47 @@ PER_DECADE = 45
 DAMPINGS = (0.03, 0.12)
 MOST_MODES = 3
 LEAST_DAMPING = 1e-3
+MOST_DAMPING = 0.4
+"""A mode damped more than this no longer rings: the fit would use it in place of a delay."""
+
+MODE = (
+    Parameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True),
+    Parameter("zeta", "1", lambda e: (5e-4, MOST_DAMPING), logarithm=True),
+    Parameter("share", "1", lambda e: (-3.0, 3.0)),
+)
+"""Parameters of one mode."""
 
 
-class Resonance(Cause):
+@dataclass(frozen=True)
+class ResonancePart(Part):
+    """Modes side by side behind the hysteresis."""
+
+    cause: ClassVar[str] = "resonance"
+    order: ClassVar[int] = 40
+    modes: tuple[Mode, ...] = ()
+
+    @property
+    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+        return tuple((f"resonance.{i}.{one.field}", one) for i, _ in enumerate(self.modes) for one in MODE)
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        return tuple(value for mode in self.modes for value in (mode.f_Hz, mode.zeta, mode.share))
+
+    def with_values(self, values: Sequence[float]) -> Self:
+        return type(self)(tuple(Mode(*values[i : i + 3]) for i in range(0, len(values), 3)))
+
+
+class ResonanceCause(Cause):
     name = "resonance"
+    rank = 60
+    part = ResonancePart
     tried = 3  # slow misfit can resemble a mode before the mode does; a fit keeps to one side of the true damping
 
-    def present(self, chain: Chain) -> bool:
-        return bool(chain.modes)
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, modes=())
-
     def without_one_part(self, chain: Chain) -> list[Chain]:
-        parts = chain.modes
-        return [dataclasses.replace(chain, modes=parts[:i] + parts[i + 1 :]) for i in range(len(parts))]
+        modes = chain.modes
+        fewer = [modes[:i] + modes[i + 1 :] for i in range(len(modes))]
+        return [chain.having(ResonancePart(left)) if left else self.without(chain) for left in fewer]
 
     def admissible(self, scene: Scene, chain: Chain) -> bool:
         """A mode that hardly decays at all is a line in disguise, one that the fit lets decay no faster a delay."""
@@ -43,7 +69,7 @@ class Resonance(Cause):
     def supported(self, residual: Residual) -> Chain:
         chain = residual.fit.chain
         kept = tuple(mode for mode, holds, _ in mode_evidence(residual) if holds)
-        return dataclasses.replace(chain, modes=kept or chain.modes)
+        return chain.having(ResonancePart(kept)) if kept else chain
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """The best few of a grid of modes, judged by how much of the error their ringing alone would explain."""
@@ -54,7 +80,7 @@ class Resonance(Cause):
         # A mode far above the lag's corner moves nothing, one below it rings freely.
         low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
         error = residual.projector.rest(residual.fit.error[scene.rows])
-        still = dataclasses.replace(chain, modes=())
+        still = self.without(chain)
         bare = residual.responses(still)
         found = []
         count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
@@ -62,7 +88,7 @@ class Resonance(Cause):
             grid_Hz = np.geomspace(low_Hz, high_Hz, count).tolist()
             rings = np.empty((count, len(scene.rows)))
             for i, f_Hz in enumerate(grid_Hz):
-                alone = dataclasses.replace(chain, modes=(Mode(f_Hz, zeta, 1.0),))
+                alone = chain.having(ResonancePart((Mode(f_Hz, zeta, 1.0),)))
                 ring = [seen - stiff for seen, stiff in zip(residual.responses(alone), bare, strict=True)]
                 rings[i] = np.concatenate(ring)[scene.rows]
             rings = residual.projector.rest(rings)
@@ -76,7 +102,7 @@ class Resonance(Cause):
                 chosen.append(Mode(f_Hz, zeta, float(np.clip(share, -1.0, 1.0))))
             if len(chosen) == 6:
                 break
-        return [dataclasses.replace(chain, modes=(*chain.modes, mode)) for mode in chosen]
+        return [chain.having(ResonancePart((*chain.modes, mode))) for mode in chosen]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Frequency, damping and share against their standard errors; it decays, inside the band."""
@@ -86,7 +112,7 @@ class Resonance(Cause):
         told = mode_evidence(residual, errors)
         for i, mode in enumerate(chain.modes):
             suffix = "" if i == 0 else f"_{i + 1}"
-            df, dz, ds = errors[f"f{i}"], errors[f"zeta{i}"], errors[f"share{i}"]
+            df, dz, ds = (errors[f"resonance.{i}.{one.field}"] for one in MODE)
             parameters[f"f{suffix}_Hz"] = Estimate(mode.f_Hz, mode.f_Hz * df)
             parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
             parameters[f"share{suffix}"] = Estimate(mode.share, ds)
@@ -96,7 +122,7 @@ class Resonance(Cause):
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
         modes = sorted(fit.chain.modes, key=lambda mode: mode.f_Hz)
-        return Extension(term=ResonanceTerm(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
+        return Extension(term=Resonance(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
 
 
 def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
@@ -105,11 +131,11 @@ def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None)
     errors = errors or standard_errors(residual.scene, residual.fit).coordinates
     found = []
     for i, mode in enumerate(chain.modes):
-        z = abs(mode.share) / max(errors[f"share{i}"], 1e-15)
-        known = errors[f"f{i}"] < 0.05 and errors[f"zeta{i}"] < 0.5
+        z = abs(mode.share) / max(errors[f"resonance.{i}.share"], 1e-15)
+        known = errors[f"resonance.{i}.f_Hz"] < 0.05 and errors[f"resonance.{i}.zeta"] < 0.5
         inside = mode.zeta > LEAST_DAMPING and mode.f_Hz * Ts_s < 0.45
         found.append((mode, bool(known and inside and z > 5.0), z))
     return found
 
 
-CAUSE = Resonance()
+CAUSE = ResonanceCause()

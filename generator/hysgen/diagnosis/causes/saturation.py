@@ -5,13 +5,18 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
-from hysgen.model.path.saturation import Saturation as SaturationBlock
+from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.model.path.saturation import Saturation
+
+Floats = NDArray[np.float64]
 
 LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
 # Closer than LEVELS: with both ends open, a level too far out is a minimum of its own, the curve bent flat before it.
@@ -25,72 +30,91 @@ LEAST_BEYOND = 0.01
 RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
 
 
-class Saturation(Cause):
+@dataclass(frozen=True)
+class SaturationPart(Part):
+    """v = clamp(u, low_V, high_V); None where a side does not clip."""
+
+    cause: ClassVar[str] = "saturation"
+    order: ClassVar[int] = 10
+    amplifies: ClassVar[bool] = True
+    table: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("low_V", "V", lambda e: (e.low_V, e.middle_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
+        Parameter("high_V", "V", lambda e: (e.middle_V, e.high_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
+    )
+    low_V: float | None = None
+    high_V: float | None = None
+
+    def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
+        return np.clip(u_V, self.low_V, self.high_V)
+
+    def passes_V(self, low_V: float, high_V: float) -> tuple[float, float]:
+        return (low_V if self.low_V is None else self.low_V, high_V if self.high_V is None else self.high_V)
+
+
+class SaturationCause(Cause):
     name = "saturation"
+    rank = 10
+    mistaken_for = ("slew",)
+    part = SaturationPart
     needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
     tried = 3  # a fit seldom leaves the level of one stroke for that of another
 
-    def present(self, chain: Chain) -> bool:
-        return chain.low_V is not None or chain.high_V is not None
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, low_V=None, high_V=None)
-
     def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
         """Levels further in: a level too far out can hide where the curve has been bent flat instead."""
-        span_V = scene.operator.high_V - scene.operator.low_V
+        span_V, part = scene.operator.high_V - scene.operator.low_V, _part(chain)
         trials = []
         for step in RESTARTS:
-            if chain.high_V is not None:
-                trials.append(dataclasses.replace(chain, high_V=chain.high_V - step * span_V))
-            if chain.low_V is not None:
-                trials.append(dataclasses.replace(chain, low_V=chain.low_V + step * span_V))
+            if part.high_V is not None:
+                trials.append(chain.having(dataclasses.replace(part, high_V=part.high_V - step * span_V)))
+            if part.low_V is not None:
+                trials.append(chain.having(dataclasses.replace(part, low_V=part.low_V + step * span_V)))
         return trials
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, operator = residual.fit.chain, residual.scene.operator
         middle, half = 0.5 * (operator.low_V + operator.high_V), 0.5 * (operator.high_V - operator.low_V)
-        trials = []
-        if chain.high_V is None:
-            trials += [dataclasses.replace(chain, high_V=middle + level * half) for level in LEVELS]
-        if chain.low_V is None:
-            trials += [dataclasses.replace(chain, low_V=middle - level * half) for level in LEVELS]
-        if chain.low_V is None and chain.high_V is None:
+        part, trials = _part(chain), []
+        if part.high_V is None:
+            trials += [chain.having(dataclasses.replace(part, high_V=middle + level * half)) for level in LEVELS]
+        if part.low_V is None:
+            trials += [chain.having(dataclasses.replace(part, low_V=middle - level * half)) for level in LEVELS]
+        if part.low_V is None and part.high_V is None:
             # Where both ends clip, a limit at one of them alone may help too little to be a step towards the other.
             for low, high in itertools.product(PAIRED, PAIRED):
-                trials.append(dataclasses.replace(chain, low_V=middle - low * half, high_V=middle + high * half))
+                trials.append(chain.having(SaturationPart(middle - low * half, middle + high * half)))
         return trials
 
     def select_starts(self, trials: list[Fit]) -> list[Fit]:
         """The best, and beside it the next levels further in: a fit finds outward more readily than inward."""
         if not trials:
             return []
-        best = trials[0].chain
-        inside = [trial for trial in trials if 0.0 < _further_in(trial.chain, best) < math.inf]
-        inside.sort(key=lambda trial: _further_in(trial.chain, best))
+        best = _part(trials[0].chain)
+        inside = [trial for trial in trials if 0.0 < _further_in(_part(trial.chain), best) < math.inf]
+        inside.sort(key=lambda trial: _further_in(_part(trial.chain), best))
         return trials[: self.tried] + [trial for trial in inside[:FURTHER_IN] if trial not in trials[: self.tried]]
 
     def supported(self, residual: Residual) -> Chain:
         """Without a level at the end of the range, of two."""
-        chain = residual.fit.chain
-        low_V, high_V = (level if _inside(residual.scene, level) else None for level in (chain.low_V, chain.high_V))
-        return chain if low_V is None and high_V is None else dataclasses.replace(chain, low_V=low_V, high_V=high_V)
+        chain, part = residual.fit.chain, _part(residual.fit.chain)
+        low_V, high_V = (level if _inside(residual.scene, level) else None for level in (part.low_V, part.high_V))
+        return chain if low_V is None and high_V is None else chain.having(SaturationPart(low_V, high_V))
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """One end clips instead of both."""
-        if chain.low_V is None or chain.high_V is None:
+        part = _part(chain)
+        if part.low_V is None or part.high_V is None:
             return []
-        return [dataclasses.replace(chain, low_V=None), dataclasses.replace(chain, high_V=None)]
+        return [chain.having(SaturationPart(high_V=part.high_V)), chain.having(SaturationPart(low_V=part.low_V))]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The slope of the output over the command beyond the level, as a share of the slope just inside it."""
-        chain = residual.fit.chain
+        part = _part(residual.fit.chain)
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts, shares = {}, [], []
-        for name, level_V, sign in (("low", chain.low_V, -1.0), ("high", chain.high_V, 1.0)):
+        for name, level_V, sign in (("low_V", part.low_V, -1.0), ("high_V", part.high_V, 1.0)):
             if level_V is None:
                 continue
-            parameters[f"{name}_V"] = Estimate(level_V, errors[name])
+            parameters[name] = Estimate(level_V, errors[f"saturation.{name}"])
             shares.append(_slope_beyond(residual, level_V, sign))
             texts.append(f"beyond {level_V:.4g} V the slope is {shares[-1]:.2f} of that inside")
         return Signature(
@@ -102,15 +126,20 @@ class Saturation(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        low_V, high_V = fit.chain.low_V, fit.chain.high_V
+        part = _part(fit.chain)
         span_V = scene.operator.high_V - scene.operator.low_V
         # A side that does not clip gets a level that the record never reaches.
         return Extension(
-            block=SaturationBlock(
-                scene.operator.low_V - span_V if low_V is None else low_V,
-                scene.operator.high_V + span_V if high_V is None else high_V,
+            block=Saturation(
+                scene.operator.low_V - span_V if part.low_V is None else part.low_V,
+                scene.operator.high_V + span_V if part.high_V is None else part.high_V,
             )
         )
+
+
+def _part(chain: Chain) -> SaturationPart:
+    """The chain's clamp; one that clips nowhere if it has none."""
+    return chain.get(SaturationPart) or SaturationPart()
 
 
 def _inside(scene: Scene, level_V: float | None) -> bool:
@@ -120,10 +149,10 @@ def _inside(scene: Scene, level_V: float | None) -> bool:
     return level_V is not None and low_V + least_V <= level_V <= high_V - least_V
 
 
-def _further_in(chain: Chain, other: Chain) -> float:
+def _further_in(part: SaturationPart, other: SaturationPart) -> float:
     """By how many V, low and high together, the same ends clip further in than those of `other`; inf if they do not."""
     total = 0.0
-    for level_V, other_V, sign in ((chain.low_V, other.low_V, 1.0), (chain.high_V, other.high_V, -1.0)):
+    for level_V, other_V, sign in ((part.low_V, other.low_V, 1.0), (part.high_V, other.high_V, -1.0)):
         if (level_V is None) != (other_V is None):
             return math.inf
         if level_V is not None and other_V is not None:
@@ -151,4 +180,4 @@ def _slope_beyond(residual: Residual, level_V: float, sign: float) -> float:
     return float(x @ e / (x @ x) / (sign * gain))
 
 
-CAUSE = Saturation()
+CAUSE = SaturationCause()

@@ -4,38 +4,67 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
-from hysgen.diagnosis.probe.amplifier import amplified
-from hysgen.model.path.slew import Slew as SlewBlock
+from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.machine.kernels import rate_limited
+from hysgen.model.path.slew import Slew
+
+Floats = NDArray[np.float64]
 
 QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.77, 0.83, 0.87, 0.9, 0.925, 0.95, 0.965, 0.98, 0.99)
 """Of the command's rates: where a limit is looked for."""
 
 
-class Slew(Cause):
+@dataclass(frozen=True)
+class SlewPart(Part):
+    """v(k) = v(k-1) + clamp(u(k) - v(k-1), -rate Ts, rate Ts)."""
+
+    cause: ClassVar[str] = "slew"
+    order: ClassVar[int] = 20
+    amplifies: ClassVar[bool] = True
+    table: ClassVar[tuple[Parameter, ...]] = (
+        Parameter(
+            "rate_V_per_s",
+            "V/s",
+            lambda e: (0.1 * e.half_V / e.span_s, 4 * e.half_V / e.Ts_s),
+            logarithm=True,
+            step=lambda e: 1e-3,
+        ),
+    )
+    rate_V_per_s: float
+
+    def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
+        return rate_limited(u_V, self.rate_V_per_s * Ts_s)
+
+    def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:
+        """A limited amplifier moves for the share |dv| / (rate Ts) of a period; the mean is behind by half of that."""
+        moving = np.minimum(np.abs(np.diff(v_V)) / (self.rate_V_per_s * Ts_s), 1.0)
+        columns[:, 1:] -= 0.5 * moving * np.diff(columns, axis=1)
+        return columns
+
+
+class SlewCause(Cause):
     name = "slew"
+    rank = 20
+    part = SlewPart
     needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
-
-    def present(self, chain: Chain) -> bool:
-        return chain.rate_V_per_s is not None
-
-    def without(self, chain: Chain) -> Chain:
-        return dataclasses.replace(chain, rate_V_per_s=None)
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene
-        if chain.rate_V_per_s is not None:
+        if self.present(chain):
             return []
         rates = np.concatenate([np.abs(np.diff(run.u_V)) for run in scene.runs]) / scene.Ts_s
         levels = np.unique(np.quantile(rates[rates > 1e-6 * rates.max()], QUANTILES))
         # A slow amplifier was taken for lag, so the lag is tried shorter too.
         return [
-            dataclasses.replace(chain, rate_V_per_s=float(rate), lag_s=share * chain.lag_s)
+            dataclasses.replace(chain.having(SlewPart(float(rate))), lag_s=share * chain.lag_s)
             for rate in levels
             for share in (1.0, 0.25, 0.05)
         ]
@@ -43,11 +72,12 @@ class Slew(Cause):
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The rate against its standard error, and the share of the command's steps that the limit holds back."""
         scene, chain = residual.scene, residual.fit.chain
-        rate = chain.rate_V_per_s or math.inf
-        error = rate * standard_errors(scene, residual.fit).coordinates["rate"]
-        free = dataclasses.replace(chain, rate_V_per_s=None)
+        part = chain.get(SlewPart)
+        rate = math.inf if part is None else part.rate_V_per_s
+        error = rate * standard_errors(scene, residual.fit).coordinates["slew.rate_V_per_s"]
+        free = self.without(chain)
         behind = np.concatenate(
-            [np.abs(amplified(run.u_V, chain, scene.Ts_s) - amplified(run.u_V, free, scene.Ts_s)) for run in scene.runs]
+            [np.abs(chain.amplified(run.u_V, scene.Ts_s) - free.amplified(run.u_V, scene.Ts_s)) for run in scene.runs]
         )
         held = int(np.count_nonzero(behind[scene.rows] > 1e-3 * (scene.operator.high_V - scene.operator.low_V)))
         z = rate / max(error, 1e-15)
@@ -60,9 +90,9 @@ class Slew(Cause):
         )
 
     def extension(self, scene: Scene, fit: Fit) -> Extension:
-        rate = fit.chain.rate_V_per_s
-        assert rate is not None
-        return Extension(block=SlewBlock(rate, rate))
+        part = fit.chain.get(SlewPart)
+        assert part is not None
+        return Extension(block=Slew(part.rate_V_per_s, part.rate_V_per_s))
 
 
-CAUSE = Slew()
+CAUSE = SlewCause()

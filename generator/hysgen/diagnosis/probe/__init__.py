@@ -1,25 +1,31 @@
-"""The probe: a physical model that is fitted only to look.
+"""The probe: a physical model of the stage, fitted to the free run to find causes; it is never delivered.
 
-It stands beside the Takagi-Sugeno model and shares nothing with it: a Preisach operator between the amplifier's limits
-and a linear chain, fitted to the free run. Where it leaves only noise, every part of it that matters is a cause.
+It shares nothing with the Takagi-Sugeno model: a hysteresis operator between the amplifier's limits and a linear chain.
+Where its residual is only noise, every part of the chain that the fit needs is a cause.
 """
 
-from hysgen.diagnosis.probe.chain import Chain, Mode
+from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.operator import Operator
-from hysgen.diagnosis.probe.scene import Run, Scene
+from hysgen.diagnosis.probe.part import Drive, Extent, Mode, Parameter, Part, SlowStates
+from hysgen.diagnosis.probe.scene import Scene, Trace
 from hysgen.diagnosis.probe.solve import Fit, Projector, linear_fit, refine, rms
 from hysgen.diagnosis.probe.uncertainty import Errors, standard_errors
 from hysgen.diagnosis.probe.whitened import WhitenedScene, schwarz, whitened_fit
 
 __all__ = [
     "Chain",
+    "Drive",
     "Errors",
+    "Extent",
     "Fit",
     "Mode",
     "Operator",
+    "Parameter",
+    "Part",
     "Projector",
-    "Run",
     "Scene",
+    "SlowStates",
+    "Trace",
     "WhitenedScene",
     "linear_fit",
     "refine",

@@ -1,9 +1,9 @@
-"""What the probe assumes between command and sensor.
+"""The probe's chain: the hypothesis about what stands between command and sensor.
 
-    u -> clamp -> rate limit -> h(u) -> (1 + creep) -> modes -> 1/(lag s + 1) -> delay -> (1 + aging t)  + disturbances
+    u -> amplifier -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain t)  + added columns
 
-h is linear in its coefficients (`operator`), everything after it is linear in h: given the few shape parameters of this
-chain, all other unknowns follow from linear least squares. A part that is None or empty is absent.
+h is linear in its coefficients (`operator`), everything after it is linear in h: given the few shape parameters of the
+chain, all other unknowns follow from linear least squares. Each part belongs to a cause and is declared in its file.
 """
 
 from __future__ import annotations
@@ -12,113 +12,123 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.probe.part import Extent, Mode, Parameter, Part, SlowStates
+
 Floats = NDArray[np.float64]
+P = TypeVar("P", bound=Part)
 
-
-@dataclass(frozen=True)
-class Mode:
-    """share / (1 + 2 zeta s/w + s^2/w^2), w = 2 pi f_Hz; what no mode carries follows stiffly."""
-
-    f_Hz: float
-    zeta: float
-    share: float
+LAG = Parameter("lag_s", "s", lambda extent: (0.02 * extent.Ts_s, 0.3 * extent.span_s), logarithm=True)
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Shape parameters of one hypothesis about the stage.
+    """One hypothesis about the stage.
 
-    lag_s: time constant of the one pole that every stage has. delay: in samples, whole or fractional, beyond the one
-    sample that sampling costs, negative where the channels of the record are not aligned; delayed: whether it is free.
-    low_V, high_V: clamp. rate_V_per_s: rate limit. memory: whether h is a hysteresis operator or a single-valued curve.
-    creep: share of a step moved per decade of time, from creep_from_s on. aging_per_s: relative change of the gain.
-    drift: whether there is a ramp; since_s: if not None, it slows down as the creep of a move does that long before the
-    run, log(1 + t / since). lines_Hz: disturbing lines. coupled: auxiliary channels, each
-    with `taps` samples of its past.
+    lag_s: time constant of the one pole that every stage has.
+    parts: at most one of each cause, in their order. memory: whether h is a hysteresis operator or a single-valued
+    curve.
     """
 
     lag_s: float
-    delay: float = 0.0
-    low_V: float | None = None
-    high_V: float | None = None
-    rate_V_per_s: float | None = None
-    creep: float | None = None
-    creep_from_s: float = 0.0
-    modes: tuple[Mode, ...] = ()
-    aging_per_s: float | None = None
-    drift: bool = False
-    since_s: float | None = None
-    lines_Hz: tuple[float, ...] = ()
-    coupled: tuple[str, ...] = ()
-    taps: int = 1
-    delayed: bool = False
+    parts: tuple[Part, ...] = ()
     memory: bool = True
 
+    def __post_init__(self) -> None:
+        parts = tuple(sorted(self.parts, key=lambda part: part.order))
+        if len({type(part) for part in parts}) < len(parts):
+            raise ValueError("a chain holds at most one part of each cause")
+        object.__setattr__(self, "parts", parts)
+
+    def get(self, kind: type[P]) -> P | None:
+        """The part of a kind, None if the chain has none."""
+        return next((part for part in self.parts if isinstance(part, kind)), None)
+
+    def having(self, part: Part) -> Chain:
+        """The chain with this part, in place of one of its kind if there is one."""
+        return dataclasses.replace(self, parts=(*self.without(type(part)).parts, part))
+
+    def without(self, kind: type[Part]) -> Chain:
+        """The chain without its part of a kind."""
+        return dataclasses.replace(self, parts=tuple(part for part in self.parts if not isinstance(part, kind)))
+
     @property
-    def amplifier(self) -> tuple[float | None, ...]:
-        """What stands before the hysteresis: the clamp's two levels and the rate limit."""
-        return (self.low_V, self.high_V, self.rate_V_per_s)
+    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+        """Name and table entry of every free shape parameter: the lag's, then those of the parts in their order."""
+        return (("lag_s", LAG), *(named for part in self.parts for named in part.parameters))
+
+    def names(self) -> tuple[str, ...]:
+        """Names of the coordinates, in their order: "lag_s", or "cause.field"."""
+        return tuple(name for name, _ in self.parameters)
 
     def coordinates(self) -> Floats:
-        """The free shape parameters as one vector; those that must stay positive as logarithms."""
-        values = [math.log(self.lag_s)]
-        if self.delayed:
-            values.append(self.delay)
-        values.extend(level for level in (self.low_V, self.high_V) if level is not None)
-        if self.rate_V_per_s is not None:
-            values.append(math.log(self.rate_V_per_s))
-        if self.creep is not None:
-            values.extend((self.creep, math.log(self.creep_from_s)))
-        for mode in self.modes:
-            values.extend((math.log(mode.f_Hz), math.log(mode.zeta), mode.share))
-        if self.aging_per_s is not None:
-            values.append(self.aging_per_s)
-        if self.since_s is not None:
-            values.append(math.log(self.since_s))
-        values.extend(self.lines_Hz)
-        return np.array(values)
+        """The free shape parameters as the fit sees them: logarithms of those whose table says so."""
+        values = (self.lag_s, *(value for part in self.parts for value in part.values))
+        return np.array([one.coordinate(value) for (_, one), value in zip(self.parameters, values, strict=True)])
 
     def at(self, coordinates: Sequence[float] | Floats) -> Chain:
         """The same structure with other numbers; inverse of `coordinates`."""
-        left = iter([float(value) for value in coordinates])
-        lag_s = math.exp(next(left))
-        return dataclasses.replace(
-            self,
-            lag_s=lag_s,
-            delay=next(left) if self.delayed else self.delay,
-            low_V=None if self.low_V is None else next(left),
-            high_V=None if self.high_V is None else next(left),
-            rate_V_per_s=None if self.rate_V_per_s is None else math.exp(next(left)),
-            creep=None if self.creep is None else next(left),
-            creep_from_s=0.0 if self.creep is None else math.exp(next(left)),
-            modes=tuple(Mode(math.exp(next(left)), math.exp(next(left)), next(left)) for _ in self.modes),
-            aging_per_s=None if self.aging_per_s is None else next(left),
-            since_s=None if self.since_s is None else math.exp(next(left)),
-            lines_Hz=tuple(next(left) for _ in self.lines_Hz),
-        )
+        values = iter([one.value(float(x)) for (_, one), x in zip(self.parameters, coordinates, strict=True)])
+        lag_s = next(values)
+        parts = tuple(part.with_values([next(values) for _ in part.values]) for part in self.parts)
+        return dataclasses.replace(self, lag_s=lag_s, parts=parts)
 
-    def names(self) -> tuple[str, ...]:
-        """Names of the coordinates, in their order."""
-        names = ["lag"]
-        names.extend(["delay"] if self.delayed else [])
-        names.extend(
-            name
-            for name, part in (
-                ("low", self.low_V),
-                ("high", self.high_V),
-                ("rate", self.rate_V_per_s),
-                ("creep", self.creep),
-                ("creep_from", self.creep),
-            )
-            if part is not None
-        )
-        for i, _ in enumerate(self.modes):
-            names.extend((f"f{i}", f"zeta{i}", f"share{i}"))
-        names.extend(["aging"] if self.aging_per_s is not None else [])
-        names.extend(["since"] if self.since_s is not None else [])
-        names.extend(f"line{i}" for i, _ in enumerate(self.lines_Hz))
-        return tuple(names)
+    def bounded(self, coordinates: Floats, extent: Extent) -> Chain:
+        """The chain at `coordinates`, each first moved to the nearest bound if it lies outside."""
+        entries = [one for _, one in self.parameters]
+        return self.at([one.bounded(float(x), extent) for one, x in zip(entries, coordinates, strict=True)])
+
+    def steps(self, extent: Extent) -> Floats:
+        """Step of the forward difference in each coordinate."""
+        return np.array([one.step(extent) for _, one in self.parameters])
+
+    @property
+    def amplifier(self) -> tuple[Part, ...]:
+        """The parts that stand before the hysteresis."""
+        return tuple(part for part in self.parts if part.amplifies)
+
+    def amplified(self, u_V: Floats, Ts_s: float) -> Floats:
+        """(n,) voltage behind the amplifier for the commands u_V."""
+        for part in self.amplifier:
+            u_V = part.amplify(u_V, Ts_s)
+        return u_V
+
+    def passes_V(self, low_V: float, high_V: float) -> tuple[float, float]:
+        """Range behind the amplifier of commands from low_V to high_V."""
+        for part in self.amplifier:
+            low_V, high_V = part.passes_V(low_V, high_V)
+        return low_V, high_V
+
+    def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
+        """The slow states behind the hysteresis; without a part that has them, none."""
+        found = [part.slow_states(samples, Ts_s) for part in self.parts]
+        return next((states for states in found if states is not None), SlowStates(0.0, np.zeros(0)))
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Second-order modes behind the hysteresis."""
+        return tuple(mode for part in self.parts for mode in part.modes)
+
+    @property
+    def delay(self) -> float:
+        """Delay in samples, whole or fractional, beyond the one sample that sampling costs; negative where the
+        channels of the record are not aligned."""
+        return math.fsum(part.late for part in self.parts)
+
+    @property
+    def gain_per_s(self) -> float:
+        """Relative change of the gain per second."""
+        return math.fsum(part.gain_per_s for part in self.parts)
+
+    def first_column(self, kind: type[Part]) -> int:
+        """Place of the first added column of a part among all added columns; the constant has place 0."""
+        count = 1
+        for part in self.parts:
+            if isinstance(part, kind):
+                break
+            count += part.added
+        return count

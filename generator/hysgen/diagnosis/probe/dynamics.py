@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from hysgen.diagnosis.probe.chain import Chain, Mode
+from hysgen.diagnosis.probe.chain import Chain
+from hysgen.diagnosis.probe.part import Mode
 from hysgen.machine.kernels import Branch, LinearPart, linear_response
 
 Floats = NDArray[np.float64]
 
 
 def respond(h: Floats, chain: Chain, Ts_s: float) -> Floats:
-    """What creep, modes, lag and delay make of h, (n,) or (m, n) along the last axis; at rest before the record.
+    """Response of slow states, modes, lag and delay to h, (n,) or (m, n) along the last axis; at rest at first.
 
-    y(k) answers h(k-1), h(k-2), ... : one sample of delay is in every record.
+    y(k) depends on h(k-1), h(k-2), ...: every record has one sample of delay.
     """
     out = np.empty(np.atleast_2d(h).shape)
     respond_into(out, 0, np.atleast_2d(h), chain, Ts_s)
@@ -27,35 +29,26 @@ def respond(h: Floats, chain: Chain, Ts_s: float) -> Floats:
 
 def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float) -> None:
     """`respond` of h, (m, n), written to out[:, first : first + n]."""
-    whole = math.floor(chain.delay)
-    late = chain.delay - whole
-    keep = np.zeros(0)
-    if chain.creep is not None:
-        keep = np.exp(-Ts_s / creep_times_s(chain.creep_from_s, _slowest_s(h.shape[-1], Ts_s)))
-    stiff = 1.0 - sum(mode.share for mode in chain.modes)
-    branches = [Branch(stiff, *_lag(chain.lag_s, None, Ts_s, late))]
-    branches += [Branch(mode.share, *_lag(chain.lag_s, mode, Ts_s, late)) for mode in chain.modes]
-    linear_response(h, LinearPart(chain.creep or 0.0, keep, branches, whole), out, first)
+    slow = chain.slow_states(h.shape[-1], Ts_s)
+    branches, whole = _branches(chain.lag_s, chain.delay, chain.modes, Ts_s)
+    linear_response(h, LinearPart(slow.share, slow.keep, branches, whole), out, first)
 
 
-def crept_step(samples: int, Ts_s: float, from_s: float) -> Floats:
-    """(samples,) logarithmic creep of a unit step at the first one, per unit of `creep` per decade.
-
-    sum_i (1 - exp(-t / tau_i)) / 2,    two tau_i per decade, as `respond` has them
-    """
-    t_s = Ts_s * np.arange(samples)
-    return np.asarray(sum(-0.5 * np.expm1(-t_s / tau_s) for tau_s in creep_times_s(from_s, _slowest_s(samples, Ts_s))))
-
-
-def _slowest_s(samples: int, Ts_s: float) -> float:
-    """Ten times the length of the record: slower creep cannot be told from standing still."""
-    return 10.0 * samples * Ts_s
+def lagged(signal: Floats, lag_s: float, delay: float, Ts_s: float) -> Floats:
+    """Response of the lag and the delay alone to a signal, (n,); at rest before the record."""
+    out = np.empty((1, len(signal)))
+    branches, whole = _branches(lag_s, delay, (), Ts_s)
+    linear_response(signal[None], LinearPart(0.0, np.zeros(0), branches, whole), out, 0)
+    return np.asarray(out[0])
 
 
-def creep_times_s(from_s: float, to_s: float) -> Floats:
-    """Time constants, two per decade, from from_s to at most to_s."""
-    count = max(1, int(2 * math.log10(to_s / from_s)) + 1)
-    return np.asarray(from_s * 10.0 ** (0.5 * np.arange(count) + 0.25))
+def _branches(lag_s: float, delay: float, modes: Sequence[Mode], Ts_s: float) -> tuple[list[Branch], int]:
+    """The lag with the stiff share, the lag with each mode, all behind the fractional delay; and the whole delay."""
+    whole = math.floor(delay)
+    late = delay - whole
+    stiff = 1.0 - sum(mode.share for mode in modes)
+    branches = [Branch(stiff, *_lag(lag_s, None, Ts_s, late))]
+    return branches + [Branch(mode.share, *_lag(lag_s, mode, Ts_s, late)) for mode in modes], whole
 
 
 @functools.lru_cache(maxsize=64)

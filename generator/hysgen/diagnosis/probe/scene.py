@@ -1,37 +1,29 @@
-"""What the probe looks at: the channels of a record, and which of its rows may be used."""
+"""The data that the probe is fitted to: the channels of a record, and which of its rows are used."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.amplifier import amplified
 from hysgen.diagnosis.probe.chain import Chain
-from hysgen.diagnosis.probe.dynamics import crept_step, respond, respond_into
+from hysgen.diagnosis.probe.dynamics import lagged, respond, respond_into
 from hysgen.diagnosis.probe.operator import Operator
+from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.machine.cache import LruCache
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-NUISANCE_DECAYS = (1 / 30, 1 / 8)
-"""Time constants, as shares of the record's length, by which creep of an unknown past may fade."""
-
 CURVE_ALONE = 7
 """Degree of the curve where it has no plays beside it."""
 
 
-def drift_course(t_s: Floats | float, since_s: float | None) -> Floats:
-    """How far a drift has come at time t, up to its size: t, or log10(1 + t / since) if it slows down."""
-    return np.asarray(t_s, dtype=np.float64) if since_s is None else np.log10(1.0 + np.asarray(t_s) / since_s)
-
-
 @dataclass(frozen=True, eq=False)
-class Run:
+class Trace:
     """One unbroken run: u_V, y_um (n,), auxiliary channels, and where the plays stood before it (-1 to 1)."""
 
     u_V: Floats
@@ -48,10 +40,10 @@ class Scene:
     thinned_from: the rows before they were thinned out, if they were (`dense`).
     known_ranges: lowest and highest value of auxiliary channels over all that will be simulated; a channel that it does
     not hold has the range of its runs.
-    The columns of the last few settings of the amplifier, and of the last few sets of disturbances, are kept.
+    The columns for the last few settings of the amplifier and the last few sets of added columns are cached.
     """
 
-    runs: tuple[Run, ...]
+    runs: tuple[Trace, ...]
     Ts_s: float
     rows: Rows
     operator: Operator
@@ -59,7 +51,7 @@ class Scene:
     lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     thinned_from: Rows | None = None
     _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(3), repr=False)
-    _disturbances: LruCache[Floats] = field(default_factory=lambda: LruCache(6), repr=False)
+    _added: LruCache[Floats] = field(default_factory=lambda: LruCache(6), repr=False)
 
     @property
     def samples(self) -> int:
@@ -82,6 +74,11 @@ class Scene:
         """Length of the longest run in s."""
         return max(len(run.u_V) for run in self.runs) * self.Ts_s
 
+    @property
+    def extent(self) -> Extent:
+        """What bounds and steps of the chain's parameters depend on."""
+        return Extent(self.Ts_s, self.span_s, self.operator.low_V, self.operator.high_V)
+
     def using(self, rows: Rows, thinned_from: Rows | None = None) -> Scene:
         """The same runs, other rows; what was kept stays. thinned_from: more rows, of which these are some."""
         return dataclasses.replace(self, rows=rows, thinned_from=thinned_from)
@@ -91,17 +88,12 @@ class Scene:
         """The rows before they were thinned out: neighbours in time but where a block ends or a sample is not used."""
         return self.rows if self.thinned_from is None else self.thinned_from
 
-    def _path(self, run: Run, chain: Chain) -> Floats:
-        """(size, n) columns of h, averaged over each sampling period.
-
-        A limited amplifier spends the share |dv| / (rate Ts) of a period on its way; the mean is that much behind.
-        """
-        v_V = amplified(run.u_V, chain, self.Ts_s)
+    def _path(self, run: Trace, chain: Chain) -> Floats:
+        """(size, n) columns of h, averaged over each sampling period."""
+        v_V = chain.amplified(run.u_V, self.Ts_s)
         columns = self._operator(chain).columns(v_V, run.start)
-        if chain.rate_V_per_s is None:
-            return columns
-        under_way = np.minimum(np.abs(np.diff(v_V)) / (chain.rate_V_per_s * self.Ts_s), 1.0)
-        columns[:, 1:] -= 0.5 * under_way * np.diff(columns, axis=1)
+        for part in chain.amplifier:
+            columns = part.averaged(columns, v_V, self.Ts_s)
         return columns
 
     def hysteresis_size(self, chain: Chain) -> int:
@@ -120,8 +112,8 @@ class Scene:
         )
 
     def columns(self, chain: Chain) -> Floats:
-        """(p, n) everything that is linear: hysteresis seen through the chain, then `disturbances`."""
-        size, below = self.hysteresis_size(chain), self.disturbances(chain)
+        """(p, n) everything that is linear: hysteresis seen through the chain, then `added_columns`."""
+        size, below = self.hysteresis_size(chain), self.added_columns(chain)
         out = np.empty((size + len(below), self.samples))
         out[size:] = below
         first = 0
@@ -136,12 +128,12 @@ class Scene:
         return [weights[: len(h)] @ h for h in self.hysteresis(chain)]
 
     def seen(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
-        """(n,) what the linear part of the chain and the disturbances make of `paths`."""
+        """(n,) the prediction: response of the linear part of the chain to `paths`, and the added columns."""
         size = self.hysteresis_size(chain)
         parts = [respond(path, chain, self.Ts_s) for path in paths]
         for part in parts:
             self._age(part, chain, weights[:size])
-        return np.concatenate(parts) + weights[size:] @ self.disturbances(chain)
+        return np.concatenate(parts) + weights[size:] @ self.added_columns(chain)
 
     def zero_um(self, chain: Chain, weights: Floats) -> float:
         """Where the stage stands at 0 V in the middle of its loops."""
@@ -149,46 +141,28 @@ class Scene:
         return float(weights[:size] @ self._operator(chain).at(0.0) + weights[size])
 
     def _age(self, seen: Floats, chain: Chain, weights: Floats | None = None) -> None:
-        """Gives `seen` a gain 1 + aging t about where the stage stands at 0 V; t from the start of the run."""
-        if chain.aging_per_s is None:
+        """Gives `seen` a gain 1 + gain_per_s t about where the stage stands at 0 V; t from the start of the run."""
+        if chain.gain_per_s == 0.0:
             return
         rest = self._operator(chain).at(0.0)
         zero = rest[:, None] if weights is None else weights @ rest
-        seen += chain.aging_per_s * self.Ts_s * np.arange(seen.shape[-1]) * (seen - zero)
+        seen += chain.gain_per_s * self.Ts_s * np.arange(seen.shape[-1]) * (seen - zero)
 
-    def drift_column(self, chain: Chain) -> int:
-        """Place of the ramp among the disturbances."""
-        return 1 + (len(NUISANCE_DECAYS) + 1 if chain.creep is not None else 0)
+    def column_of(self, chain: Chain, kind: type[Part]) -> int:
+        """Place of a part's first added column among all columns, and of its weight among the weights of a fit."""
+        return self.hysteresis_size(chain) + chain.first_column(kind)
 
-    def line_column(self, chain: Chain) -> int:
-        """Place of the first line's sine among the disturbances."""
-        return self.drift_column(chain) + int(chain.drift)
+    def added_columns(self, chain: Chain) -> Floats:
+        """(q, n) a constant, then the columns that the parts of the chain add in their order."""
+        adding = [part for part in chain.parts if part.added]
+        key: Hashable = tuple(part.columns_depend_on(chain.lag_s, chain.delay) for part in adding)
+        return self._added.get(key, lambda: np.hstack([self._added_to(run, chain) for run in self.runs]))
 
-    def disturbances(self, chain: Chain) -> Floats:
-        """Constant, fading past (with creep), ramp, lines, and coupled channels seen through the lag: (q, n).
-
-        The past fades like creep of a step at the start too: where the hysteresis stood before the record is unknown.
-        """
-        slow = None if chain.creep is None else chain.creep_from_s
-        lag = (chain.lag_s, chain.delay, chain.taps) if chain.coupled else None
-        key = (slow, chain.drift, chain.since_s, chain.lines_Hz, chain.coupled, lag)
-        return self._disturbances.get(key, lambda: np.hstack([self._beside(run, chain) for run in self.runs]))
-
-    def _beside(self, run: Run, chain: Chain) -> Floats:
-        """(q, n_i) `disturbances` of one run."""
-        t_s: Floats = self.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
-        columns: list[Floats] = [np.ones(len(t_s))]
-        if chain.creep is not None:
-            columns.extend(np.exp(-t_s / (share * self.span_s)) for share in NUISANCE_DECAYS)
-            columns.append(crept_step(len(t_s), self.Ts_s, chain.creep_from_s))
-        if chain.drift:
-            columns.append(drift_course(t_s, chain.since_s) / drift_course(self.span_s, chain.since_s))
-        for line_Hz in chain.lines_Hz:
-            columns.extend((np.sin(2 * np.pi * line_Hz * t_s), np.cos(2 * np.pi * line_Hz * t_s)))
-        bare = Chain(chain.lag_s, chain.delay)
-        for name in chain.coupled:
-            seen = respond(run.aux[name], bare, self.Ts_s)
+    def _added_to(self, run: Trace, chain: Chain) -> Floats:
+        """(q, n_i) `added_columns` of one run."""
+        columns: list[Floats] = [np.ones(len(run.u_V))]
+        for part in chain.parts:
             columns.extend(
-                np.concatenate([np.full(tap, seen[0]), seen[: len(seen) - tap]]) for tap in range(chain.taps)
+                part.columns(run, self.extent, lambda signal: lagged(signal, chain.lag_s, chain.delay, self.Ts_s))
             )
         return np.stack(columns)

@@ -8,7 +8,6 @@ theta is eliminated (variable projection; Golub and Pereyra, 1973), in Kaufman's
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,11 +20,6 @@ from hysgen.diagnosis.probe.scene import Scene
 Floats = NDArray[np.float64]
 
 RIDGE = 1e-9
-SOONEST = 0.003
-"""Least time before the record, as a share of it, at which a drift that slows down may have begun."""
-STEP = 1e-5
-MOST_DAMPING = 0.4
-"""A mode damped more than this no longer rings: it would stand in for a delay."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +90,7 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
         before = best.rms_um
         for _ in range(5):
             step = np.linalg.solve(gram + damping * np.eye(len(norm)), slope) / norm
-            trial, beside = _solved(scene, bounded(best.chain, best.chain.coordinates() + step, scene))
+            trial, beside = _solved(scene, best.chain.bounded(best.chain.coordinates() + step, scene.extent))
             if trial.rms_um < best.rms_um:
                 best, projector, damping = trial, beside, damping * 0.2
                 break
@@ -116,53 +110,13 @@ def sensitivities(scene: Scene, fit: Fit, projector: Projector) -> Floats:
     base = scene.seen(paths, fit.chain, fit.weights)[scene.rows]
     at = fit.chain.coordinates()
     moved = np.empty((len(at), len(base)))
-    for i, size in enumerate(step_sizes(fit.chain, scene)):
+    for i, size in enumerate(fit.chain.steps(scene.extent)):
         shifted = at.copy()
         shifted[i] += size
         chain = fit.chain.at(shifted)
         here = paths if chain.amplifier == fit.chain.amplifier else scene.paths(chain, fit.weights)
         moved[i] = (scene.seen(here, chain, fit.weights)[scene.rows] - base) / size
     return projector.rest(moved)
-
-
-def step_sizes(chain: Chain, scene: Scene) -> Floats:
-    """Step of the differences for each coordinate, in its own unit."""
-    span_V = scene.operator.high_V - scene.operator.low_V
-    sizes = {"delay": 1e-3, "low": 1e-3 * span_V, "high": 1e-3 * span_V, "aging": STEP / scene.span_s, "rate": 1e-3}
-    line = 1e-3 / scene.span_s
-    return np.array([line if name.startswith("line") else sizes.get(name, STEP) for name in chain.names()])
-
-
-def bounded(chain: Chain, coordinates: Floats, scene: Scene) -> Chain:
-    """The chain at `coordinates`, each first put back to where it still means something."""
-    Ts_s, span_s = scene.Ts_s, scene.span_s
-    low_V, high_V = scene.operator.low_V, scene.operator.high_V
-    middle, half = 0.5 * (low_V + high_V), 0.5 * (high_V - low_V)
-    limits = {
-        "lag": (math.log(0.02 * Ts_s), math.log(0.3 * span_s)),
-        "delay": (-3.0, 200.0),
-        "low": (low_V, middle),
-        "high": (middle, high_V),
-        "rate": (math.log(0.1 * half / span_s), math.log(4 * half / Ts_s)),
-        "creep": (-1.0, 1.0),
-        "creep_from": (math.log(2 * Ts_s), math.log(0.2 * span_s)),
-        "since": (math.log(SOONEST * span_s), math.log(span_s)),
-        "aging": (-0.9 / span_s, 9.0 / span_s),
-    }
-    values = coordinates.copy()
-    for i, name in enumerate(chain.names()):
-        if name.startswith("f"):
-            low, high = math.log(3.0 / span_s), math.log(0.48 / Ts_s)
-        elif name.startswith("zeta"):
-            low, high = math.log(5e-4), math.log(MOST_DAMPING)
-        elif name.startswith("share"):
-            low, high = -3.0, 3.0
-        elif name.startswith("line"):
-            low, high = 0.5 / span_s, 0.5 / Ts_s
-        else:
-            low, high = limits[name]
-        values[i] = min(max(values[i], low), high)
-    return chain.at(values)
 
 
 def rms(values: Floats) -> float:

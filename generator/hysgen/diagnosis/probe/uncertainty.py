@@ -29,10 +29,10 @@ MOST_LEVERAGE = 0.99
 
 @dataclass(frozen=True)
 class Errors:
-    """Standard errors of the chain's coordinates by name, and of the linear weights of the disturbances, (q,)."""
+    """Standard errors of the chain's coordinates by name, and of the linear weights of the added columns, (q,)."""
 
     coordinates: Mapping[str, float]
-    disturbances: Floats
+    added: Floats
 
 
 def standard_errors(scene: Scene, fit: Fit) -> Errors:
@@ -41,7 +41,7 @@ def standard_errors(scene: Scene, fit: Fit) -> Errors:
     moved = sensitivities(scene, fit, Projector.of(columns))
     error = left_out(np.vstack([columns, moved]), fit.error[scene.rows])
     shape = _sandwich(moved, error)
-    # For a disturbance, everything else is eliminated: its own column less what all the others explain of it.
+    # For an added column, everything else is eliminated: the column less its projection on all others.
     size = scene.hysteresis_size(fit.chain)
     rest = np.vstack([columns[size:], moved])
     linear = _sandwich(_off(rest, columns[:size]), error)[: len(columns) - size]

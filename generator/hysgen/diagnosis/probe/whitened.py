@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from hysgen.diagnosis.probe.amplifier import amplified
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import Fit, refine, rms
@@ -113,7 +112,7 @@ def _way(scene: Scene, chain: Chain) -> Floats:
     span_V = scene.operator.high_V - scene.operator.low_V
     ways = []
     for run in scene.runs:
-        v_V = amplified(run.u_V, chain, scene.Ts_s)
+        v_V = chain.amplified(run.u_V, scene.Ts_s)
         v_V = np.concatenate([np.full(late, v_V[0]), v_V[: len(v_V) - late]])
         behind_V = lag_states(v_V, rate, v_V[:1].copy())[:, 0]
         ways.append(np.abs(np.diff(behind_V, prepend=np.inf)) / span_V)

@@ -1,0 +1,178 @@
+"""The contract of a part of the probe's chain: its parameters, and where it acts on the signal.
+
+    u -> amplify -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain_per_s t)  + added columns
+
+A cause declares its part in its own file (`hysgen.diagnosis.causes`): a frozen dataclass whose fields are the shape
+parameters, and a table of these parameters. A part overrides the hooks of the places where it acts and inherits "no
+effect" for all others.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+STEP = 1e-5
+"""Step of a forward difference in a parameter of the order of 1, or in a logarithm."""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """What bounds and steps of parameters depend on: sampling period, longest run and range of the command."""
+
+    Ts_s: float
+    span_s: float
+    low_V: float
+    high_V: float
+
+    @property
+    def middle_V(self) -> float:
+        return 0.5 * (self.low_V + self.high_V)
+
+    @property
+    def half_V(self) -> float:
+        return 0.5 * (self.high_V - self.low_V)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One shape parameter of a part.
+
+    field: attribute of the part; unit: its unit; bounds: lowest and highest value for an extent, in that unit.
+    logarithm: whether the fit sees ln(value). step: of the forward difference, in the coordinate that the fit sees.
+    """
+
+    field: str
+    unit: str
+    bounds: Callable[[Extent], tuple[float, float]]
+    logarithm: bool = False
+    step: Callable[[Extent], float] = lambda extent: STEP
+
+    def coordinate(self, value: float) -> float:
+        """The value as the fit sees it."""
+        return math.log(value) if self.logarithm else value
+
+    def value(self, coordinate: float) -> float:
+        """Inverse of `coordinate`."""
+        return math.exp(coordinate) if self.logarithm else coordinate
+
+    def bounded(self, coordinate: float, extent: Extent) -> float:
+        """The coordinate, moved to the nearest bound if it lies outside."""
+        low, high = (self.coordinate(bound) for bound in self.bounds(extent))
+        return min(max(coordinate, low), high)
+
+
+@dataclass(frozen=True)
+class Mode:
+    """share / (1 + 2 zeta s/w + s^2/w^2), w = 2 pi f_Hz; the share that no mode carries follows stiffly."""
+
+    f_Hz: float
+    zeta: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class SlowStates:
+    """y = x + share sum_i s_i / 2,  s_i(k+1) = keep_i s_i(k) + (1 - keep_i) x(k)."""
+
+    share: float
+    keep: Floats
+
+
+class Drive(Protocol):
+    """One run as an added column sees it: the command and the auxiliary channels, (n,) each."""
+
+    @property
+    def u_V(self) -> Floats: ...
+
+    @property
+    def aux(self) -> Mapping[str, Floats]: ...
+
+
+class Part:
+    """One part of the chain: a frozen dataclass that overrides the hooks of the places where it acts.
+
+    cause: name of the cause that it belongs to; prefix of its parameters' names.
+    order: of the parts in the chain, and of their coordinates and columns.
+    table: the parameters that are fitted; one whose attribute is None is absent.
+    amplifies: whether `amplify` or `averaged` do anything; the hysteresis is evaluated again when such a part changes.
+    """
+
+    cause: ClassVar[str]
+    order: ClassVar[int]
+    table: ClassVar[tuple[Parameter, ...]] = ()
+    amplifies: ClassVar[bool] = False
+
+    @property
+    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+        """Name "cause.field" and table entry of each fitted parameter."""
+        found = (one for one in self.table if getattr(self, one.field) is not None)
+        return tuple((f"{self.cause}.{one.field}", one) for one in found)
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Value of each fitted parameter, in the order of `parameters`."""
+        return tuple(float(getattr(self, one.field)) for _, one in self.parameters)
+
+    def with_values(self, values: Sequence[float]) -> Self:
+        """The same part with other values; inverse of `values`."""
+        fields = [one.field for _, one in self.parameters]
+        return dataclasses.replace(self, **dict(zip(fields, values, strict=True))) if fields else self  # type: ignore[type-var]
+
+    # Before the hysteresis.
+
+    def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
+        """(n,) voltage behind this part of the amplifier for the voltage before it."""
+        return u_V
+
+    def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:
+        """(p, n) means over each sampling period of the columns of h, given at the samples of v_V, (n,)."""
+        return columns
+
+    def passes_V(self, low_V: float, high_V: float) -> tuple[float, float]:
+        """Range behind this part of the amplifier of commands from low_V to high_V."""
+        return low_V, high_V
+
+    # Behind the hysteresis; linear.
+
+    def slow_states(self, samples: int, Ts_s: float) -> SlowStates | None:
+        """Slow first-order states that the hysteresis drives; one part of a chain may have them."""
+        return None
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Second-order modes side by side."""
+        return ()
+
+    @property
+    def late(self) -> float:
+        """Delay in samples, whole or fractional."""
+        return 0.0
+
+    @property
+    def gain_per_s(self) -> float:
+        """Relative change of the stage's gain per second."""
+        return 0.0
+
+    # Beside the hysteresis.
+
+    @property
+    def added(self) -> int:
+        """Number of added columns."""
+        return 0
+
+    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        """`added` columns of one run, (n,) each. seen: a signal, (n,), behind the chain's lag and delay."""
+        return []
+
+    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
+        """Key of a cache for the columns: equal keys, equal columns."""
+        return self
