@@ -16,15 +16,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from c674x import test_packets as rules
-from c674x.test_latency import CYCLES, arrival, bench
-from c674x.test_semantics import bench as bench_of_operations
-from c674x.test_semantics import executed, specified
-from c674x.test_semantics import test_loads_and_stores_give_the_known_answers as known_accesses
-from c674x.test_wrong_rules import LOOSE_LIMITS, WRONG_RULES, notices
+from fixtures import c674x_rules as rules
 from fixtures.c674x_answers import ACCESSES, ANSWERS
+from fixtures.c674x_arrivals import CYCLES, arrival, bench
 from fixtures.c674x_compiler import firmware, host, need_compiler
 from fixtures.c674x_mistakes import MISTAKES, RIGHT, WRONG_ACTIONS
+from fixtures.c674x_operations import accesses_give_the_known_answers, executed, specified
+from fixtures.c674x_operations import bench as bench_of_operations
+from fixtures.c674x_wrong_rules import LOOSE_LIMITS, WRONG_RULES, notices
 from hysgen.c674x import decode, latency, toolchain, translation
 from hysgen.c674x.assembly import Instruction
 from hysgen.c674x.decode import MODELLED, Action
@@ -35,11 +34,11 @@ LEARNER_WORDS = 2 * 18 + 18 * 17 // 2
 
 
 STEERING: Mapping[str, Callable[[bool], None]] = {
-    "b": rules.test_a_branch_lands_after_five_delay_slots,
-    "bnop": rules.test_bnop_waits_even_where_it_does_not_branch,
-    "callp": rules.test_a_call_returns_to_the_packet_behind_it,
-    "addkpc": rules.test_addkpc_gives_a_code_address_and_waits,
-    "nop": lambda interpreted: rules.test_nop_n_takes_n_cycles(9, interpreted),
+    "b": rules.a_branch_lands_after_five_delay_slots,
+    "bnop": rules.bnop_waits_even_where_it_does_not_branch,
+    "callp": rules.a_call_returns_to_the_packet_behind_it,
+    "addkpc": rules.addkpc_gives_a_code_address_and_waits,
+    "nop": lambda interpreted: rules.nop_n_takes_n_cycles(9, interpreted),
 }
 KINDS = ("what it does", "a cycle too late", "a cycle too early", "in the engine alone")
 
@@ -136,7 +135,7 @@ def table(planted: list[Planted]) -> str:
     rules_and_limits = (
         f"Wrong pipeline rules: {len(WRONG_RULES)} in either engine; packet limits too loose: {len(LOOSE_LIMITS)}."
     )
-    lines += ["", rules_and_limits, "Each has a test of its own in `test_target_wrong_rules.py`."]
+    lines += ["", rules_and_limits, "Each has a test of its own in `test_wrong_rules.py`."]
     return "\n".join([*lines, "", ""])
 
 
@@ -158,7 +157,7 @@ def action_checks(mnemonic: str, turn: Callable[[Any], Any], monkeypatch: pytest
             if mnemonic in STEERING:
                 noticed = notices(STEERING[mnemonic], interpreted)
             else:
-                noticed = notices(lambda each: known_accesses(mnemonic, each), interpreted)
+                noticed = notices(lambda each: accesses_give_the_known_answers(mnemonic, each), interpreted)
             if noticed:
                 yield f"packets, {engine}"
 
