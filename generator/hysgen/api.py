@@ -21,8 +21,7 @@ from hysgen.codegen import Options, write
 from hysgen.codegen import generate as generate_texts
 from hysgen.codegen.manifest import read_folder
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.study import Study
-from hysgen.diagnosis.study import study as make_study
+from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
@@ -112,7 +111,7 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     if chosen.price is None:
         chosen = dataclasses.replace(chosen, price=price_of)
-    return make_study(record, holdout, chosen, progress)
+    return diagnose_and_evaluate(record, holdout, chosen, progress)
 
 
 def generate(model: Model, options: Options | None = None) -> Generated:

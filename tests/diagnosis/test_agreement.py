@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from diagnosis.test_signatures import COMMAND_V, CREEP, LAG, LATE, RINGING, SAMPLES, SPAN_S, T_S, TS_S, scene
 from hysgen.diagnosis import procedure, search, swaps
-from hysgen.diagnosis.advice import remainder
+from hysgen.diagnosis.advice import unexplained_structure
 from hysgen.diagnosis.bootstrap import Gain
 from hysgen.diagnosis.causes import Residual, Signature, causes
 from hysgen.diagnosis.causes.creep import CreepPart
@@ -95,7 +95,7 @@ def test_an_extension_that_takes_one_per_cent_away_is_no_cause(
 
     monkeypatch.setattr(procedure, "checked_error", checked_error)
     gains = procedure._alone(None, found(), {}, ["creep"], None)  # type: ignore[arg-type]
-    assert (gains["creep"].sure > procedure.SURE) == pays
+    assert (gains["creep"].confidence > procedure.SURE) == pays
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_what_is_left_is_unknown_only_above_a_thousandth_of_the_span_and_above_t
     seen = SimpleNamespace(
         scene=SimpleNamespace(rows=np.arange(SAMPLES)), fit=SimpleNamespace(error=math.sqrt(2.0) * left_um * wave)
     )
-    told = remainder(prepared, cast(Found, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
+    told = unexplained_structure(prepared, cast(Found, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
     assert (told is not None) == said
 
 

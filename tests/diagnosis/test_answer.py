@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose, ladder, procedure
+from hysgen.diagnosis.evaluation import evaluate
 from hysgen.diagnosis.ladder import Rung, fit_ladder
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.procedure import name_causes
-from hysgen.diagnosis.study import studied
 from hysgen.errors import RecordError
 from hysgen.fitting import FitSettings
 from hysgen.record import Record
@@ -71,7 +71,7 @@ def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
     assert {cause.name: cause.extended for cause in found.causes} == {"memory": True, "periodic": False}
     assert [term.kind for term in found.model.terms] == ["memory"]
     assert found.causes[-1].share == 0.0
-    assert "periodic is not extended" in str(studied(found, hum[0], None, 0.65))
+    assert "periodic is not extended" in str(evaluate(found, hum[0], None, 0.65))
 
 
 def test_a_certificate_that_the_extended_model_lacks_is_told(hum: tuple[Record, Diagnosis]) -> None:
@@ -80,7 +80,7 @@ def test_a_certificate_that_the_extended_model_lacks_is_told(hum: tuple[Record, 
     lacking = dataclasses.replace(found, model=dataclasses.replace(found.model, certificates=told))
     assert lacking.missing_certificates == ("inverse",)
     assert lacking.to_json()["missing_certificates"] == ["inverse"]
-    assert "not certified in the extended model: inverse" in str(studied(lacking, record, None, 0.65))
+    assert "not certified in the extended model: inverse" in str(evaluate(lacking, record, None, 0.65))
 
 
 def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]) -> None:
@@ -110,7 +110,7 @@ def test_nothing_hidden_is_answered_with_no_cause_at_all() -> None:
     record = record_of(scenario("none", 2))
     found = diagnose(record, settings=QUICK)
     assert found.names == ()
-    assert "no cause" in repr(studied(found, record, None, 0.65))
+    assert "no cause" in repr(evaluate(found, record, None, 0.65))
 
 
 def test_stick_slip_is_unknown_and_described() -> None:

@@ -43,7 +43,7 @@ def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> No
     assert grid.y_min_um <= level_um.min()
     assert level_um.max() <= grid.y_max_um
     late = prepared.held_rows
-    assert rms(rung.error_um[late]) < 3.0 * rms(rung.error_um[prepared.fit_rows])
+    assert rms(rung.error_um[late]) < 3.0 * rms(rung.error_um[prepared.training_rows])
 
 
 def test_a_corrupted_last_reading_moves_no_model() -> None:
@@ -78,7 +78,7 @@ def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse(
     extensions = true_extensions(hidden) | {"memory": Extension(term=Memory.polynomial(6, 3, low_V, high_V, True))}
     causes = [cause for cause in hidden.planted if cause in extensions]
     without, beside = (
-        rms(fit_ladder(prepared, extensions, names, FitSettings()).error_um[prepared.fit_rows])
+        rms(fit_ladder(prepared, extensions, names, FitSettings()).error_um[prepared.training_rows])
         for names in ([cause for cause in causes if cause != "resonance"], causes)
     )
     assert beside < 1.02 * without

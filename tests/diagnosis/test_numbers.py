@@ -59,7 +59,7 @@ def test_command_line_writes_json_of_a_record_with_corrupted_samples(spiked: Rec
 def test_confidence_is_the_share_of_draws_and_nothing_else(found: Diagnosis) -> None:
     outliers, memory = found.causes
     assert memory.alone is not None
-    assert memory.to_json()["confidence"] == memory.alone.sure
+    assert memory.to_json()["confidence"] == memory.alone.confidence
     assert outliers.to_json()["confidence"] is None
 
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from diagnosis.test_ladder_limits import measured
-from hysgen.diagnosis.bootstrap import certainty, gain, surely_lower
+from hysgen.diagnosis.bootstrap import blockwise_confidence, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.drift import DriftPart
@@ -108,7 +108,7 @@ def test_rows_that_count_begin_when_the_first_stroke_has_faded_and_end_before_th
     u_V = 50.0 - 50.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
     prepared = prepare(Record.from_arrays(u_V, 0.1 * respond(u_V, Chain(lag_s), TS_S), TS_S), identify=0.5)
     # A cosine has come through 0.98 of its range after 455 samples; what lags fades in at most 0.03 * 6000 more.
-    for rows, lags in ((prepared.fit_rows, 3.0), (prepared.scene().rows, 8.0)):
+    for rows, lags in ((prepared.training_rows, 3.0), (prepared.scene().rows, 8.0)):
         assert 0.8 * min(lags * lag, 180.0) <= rows[0] - 455 <= min(1.3 * lags * lag + 1.0, 180.0)
         assert rows[-1] == 3000 - 3
     assert prepared.held_rows[[0, -1]].tolist() == [3000, 5999]
@@ -125,11 +125,11 @@ def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
     before, after = rng.normal(size=2400), 0.5 * rng.normal(size=2400)
     after[600:700] *= 40.0  # a stroke that this fit never saw
     assert gain(before, after).fall_um < 0.0
-    assert surely_lower(before, after) > 0.99
-    assert surely_lower(after, before) < 0.01
-    assert surely_lower(before, before) == 0.0
-    assert surely_lower(before, 0.99 * before) == 1.0
-    assert surely_lower(before, 0.99 * before, 0.02) == 0.0
+    assert blockwise_confidence(before, after) > 0.99
+    assert blockwise_confidence(after, before) < 0.01
+    assert blockwise_confidence(before, before) == 0.0
+    assert blockwise_confidence(before, 0.99 * before) == 1.0
+    assert blockwise_confidence(before, 0.99 * before, 0.02) == 0.0
 
 
 def test_a_quiet_block_that_gets_worse_does_not_decide_either() -> None:
@@ -138,12 +138,12 @@ def test_a_quiet_block_that_gets_worse_does_not_decide_either() -> None:
     before[1200:1600] *= 0.01  # nothing moves here
     after = 0.8 * before
     after[1200:1600] *= 2.6
-    assert 0.7 < surely_lower(before, after, 0.02) < 0.95
-    assert certainty(before, after, 0.02) > 0.95
+    assert 0.7 < blockwise_confidence(before, after, 0.02) < 0.95
+    assert combined_confidence(before, after, 0.02) > 0.95
     after[1200:1600] *= 8.0  # now the mean over blocks is sure of the opposite
-    assert certainty(before, after, 0.02) < 0.7
-    assert gain(before, after, 0.02).sure > 0.95
-    assert gain(before, after, 0.3).sure == 0.0
+    assert combined_confidence(before, after, 0.02) < 0.7
+    assert gain(before, after, 0.02).confidence > 0.95
+    assert gain(before, after, 0.3).confidence == 0.0
 
 
 def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> None:
@@ -153,7 +153,7 @@ def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> No
     y_um = 0.1 * respond(u_V, Chain(0.04), TS_S)
     prepared = prepare(Record.from_arrays(u_V, y_um, TS_S), identify=4000 / 6000)
     seen = prepared.identification().y_range_um
-    low_um, high_um = prepared.reach_um
+    low_um, high_um = prepared.predicted_range_um
     assert seen[1] < 9.0 < high_um
     assert high_um == pytest.approx(10.0, rel=0.03)
     assert low_um < seen[0]

@@ -58,7 +58,7 @@ def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_
 def test_the_grid_reaches_where_the_command_leads_on_rows_that_are_held_out(seed: int) -> None:
     # The identification part of these goes to the ends in passing only; a straight line through it falls short of them.
     prepared = measured(scenario("memory", seed))
-    low, high = prepared.reach_um
+    low, high = prepared.predicted_range_um
     held_um = prepared.y_um[prepared.held_rows]
     assert low <= held_um.min()
     assert held_um.max() <= high

@@ -15,7 +15,7 @@ import pytest
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.study import Study, study
+from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.fitting import FitSettings, fit
 from hysgen.model.file import load_model
 from hysgen.model.scores import score
@@ -53,7 +53,9 @@ def hum_record() -> Record:
 
 @pytest.fixture(scope="module")
 def hum(hum_record: Record) -> Study:
-    return study(hum_record, settings=DiagnoseSettings(fit=FitSettings(certified=False), price=price_of))
+    return diagnose_and_evaluate(
+        hum_record, settings=DiagnoseSettings(fit=FitSettings(certified=False), price=price_of)
+    )
 
 
 @pytest.fixture(scope="module")

@@ -26,18 +26,19 @@ ALIKE = 0.7
 """Swings are all alike if the small ones (20 %) reach this share of the large ones (80 %), in size or in length."""
 
 
-def remainder(prepared: Prepared, found: Found, noise: NoiseFloor) -> str | None:
+def unexplained_structure(prepared: Prepared, found: Found, noise: NoiseFloor) -> str | None:
     """What the structure left looks like; None if the probe leaves no more than noise and inexact hysteresis."""
     rows = found.scene.rows
     left = found.fit.error[rows]
     level, span = rms(left), float(np.ptp(prepared.y_um[: prepared.cut]))
     if level < UNKNOWN_ABOVE * span or level < OVER_NOISE * noise.rms_um:
         return None
-    return f"{1e3 * level:.3g} nm are left ({100 * level / span:.2g} % of the span), {appearance(left, prepared, rows)}"
+    words = residual_in_words(left, prepared, rows)
+    return f"{1e3 * level:.3g} nm are left ({100 * level / span:.2g} % of the span), {words}"
 
 
-def appearance(left: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:
-    """The remainder in words: jumps or smooth, fast or slow, where in the stroke, in which direction."""
+def residual_in_words(left: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:
+    """The residual in words: jumps or smooth, fast or slow, where in the stroke, in which direction."""
     words = []
     moves = np.diff(left)
     typical = 1.4826 * float(np.median(np.abs(moves))) + 1e-300
@@ -60,7 +61,7 @@ def appearance(left: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:
     return ", ".join(words)
 
 
-def experiment_for(prepared: Prepared) -> str:
+def next_experiment(prepared: Prepared) -> str:
     """How to drive the stage to learn what this record cannot tell; empty if it can tell everything."""
     u_V = prepared.u_V[: prepared.cut]
     turns = turning_points(u_V)

@@ -58,10 +58,10 @@ class NamedCause:
     def confidence(self) -> float | None:
         """Share of bootstrap draws, on blocks left out of the fit, in which its extension lowers the error by over 2 %.
 
-        In the mean over blocks or in the rms (`bootstrap.certainty`). It says how sure the gain is, nothing about the
-        evidence. None where no such gain is measured: for corrupted samples.
+        In the mean over blocks or in the rms (`bootstrap.combined_confidence`). It is no part of the evidence. None for
+        corrupted samples: no such gain is measured.
         """
-        return None if self.alone is None else self.alone.sure
+        return None if self.alone is None else self.alone.confidence
 
     def to_json(self) -> dict[str, Any]:
         """As in DESIGN.md, section 8, and more; null where a quantity does not exist or is not finite.

@@ -21,13 +21,13 @@ LEEWAY = 0.25
 
 @dataclass(frozen=True)
 class Gain:
-    """Free-run rms before and after in um, the 95 % interval of the fall, and in what share of draws it is a fall."""
+    """Free-run rms before and after in um, the 95 % interval of the fall, and in what share of draws it is one."""
 
     before_um: float
     after_um: float
     low_um: float
     high_um: float
-    sure: float
+    confidence: float
 
     @property
     def fall_um(self) -> float:
@@ -51,7 +51,7 @@ def gain(before_um: Floats, after_um: Floats, by: float = 0.0) -> Gain:
     return Gain(root[0], root[1], float(low), float(high), float(np.mean(falls > by * before)))
 
 
-def surely_lower(before_um: Floats, after_um: Floats, by: float = 0.0) -> float:
+def blockwise_confidence(before_um: Floats, after_um: Floats, by: float = 0.0) -> float:
     """In what share of draws the error falls by more than the share `by` of it, in the geometric mean over 24 blocks.
 
     The blocks are drawn again 400 times.
@@ -65,13 +65,13 @@ def surely_lower(before_um: Floats, after_um: Floats, by: float = 0.0) -> float:
     return float(np.mean((levels[0] - levels[1])[chosen].mean(axis=1) > -2.0 * np.log1p(-by)))
 
 
-def certainty(before_um: Floats, after_um: Floats, by: float = 0.0) -> float:
+def combined_confidence(before_um: Floats, after_um: Floats, by: float = 0.0) -> float:
     """How sure it is that the error falls by more than the share `by`, in the geometric mean over blocks or in the rms.
 
     The geometric mean hears no single wild block, but a quiet one as loud as any; the rms the other way round. So the
     rms is believed where the mean over blocks, g, is not much less sure: max(g, min(r, g + LEEWAY)).
     """
-    blocks, power = surely_lower(before_um, after_um, by), gain(before_um, after_um, by).sure
+    blocks, power = blockwise_confidence(before_um, after_um, by), gain(before_um, after_um, by).confidence
     return max(blocks, min(power, blocks + LEEWAY))
 
 

@@ -57,7 +57,7 @@ class Spectrum:
 
 
 @dataclass(frozen=True)
-class Misfit:
+class ErrorMap:
     """Everything about the error of a free run over a record.
 
     above_noise: share of the error's power above the noise floor, 0 to 1.
@@ -82,9 +82,9 @@ class Misfit:
         }
 
 
-def misfit(
+def error_map(
     model: Model, record: Record, noise_um: float = 0.0, error_um: Floats | None = None, first: int = 0
-) -> Misfit:
+) -> ErrorMap:
     """What a model's free run over a record gets wrong; noise_um: the noise floor.
 
     error_um: (n,) simulated - measured over the joined record, if it is known already.
@@ -111,7 +111,7 @@ def misfit(
         profile("time in the record", "s", time_s, error),
     )
     power = float(np.mean(error * error))
-    return Misfit(
+    return ErrorMap(
         rms_um=float(np.sqrt(power)),
         largest_um=float(np.abs(error).max()),
         above_noise=max(0.0, 1.0 - noise_um**2 / max(power, 1e-300)),
@@ -158,7 +158,7 @@ def profile(
     )
 
 
-def spread(profile: Profile) -> str:
+def range_in_words(profile: Profile) -> str:
     """Smallest and largest rms of a profile, and where, in words."""
     rms = np.array(profile.rms_um)
     edges = zip(profile.edges[:-1], profile.edges[1:], strict=True)

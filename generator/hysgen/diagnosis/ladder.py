@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from hysgen.codegen.operations.cycles import budget
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.prepare import Prepared, reach_um
+from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, fit
 from hysgen.float32.learner_numbers import MOST_PARAMETERS
@@ -110,7 +110,7 @@ def fit_ladder(
         blocks=blocks,
         settle=0,
         input_range_V=prepared.record.u_range_V,
-        displacement_range_um=_reach_um(prepared, level),
+        displacement_range_um=_model_range_um(prepared, level),
     )
     weights = _by_segment(trust, [s.samples for s in part.segments])
     try:
@@ -176,17 +176,17 @@ def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
     return Record.from_segments(level, record.Ts_s, record.source)
 
 
-def _reach_um(prepared: Prepared, level: Record) -> tuple[float, float]:
+def _model_range_um(prepared: Prepared, level: Record) -> tuple[float, float]:
     """The range that the model visits: fitted and scored on the levelled record, it runs on the stage as it is."""
-    ranges = [prepared.reach_um]
+    ranges = [prepared.predicted_range_um]
     if level is not prepared.record:
-        ranges.append(reach_um(level, prepared.fit_rows))
+        ranges.append(predicted_range_um(level, prepared.training_rows))
     return min(low for low, _ in ranges), max(high for _, high in ranges)
 
 
 def left_out(prepared: Prepared) -> list[Rows]:
     """Thirds of 12 blocks of the identification part, to be left out of a fit in turn; of a long record one third."""
-    rows = prepared.fit_rows
+    rows = prepared.training_rows
     block = np.arange(len(rows)) * CHECK_BLOCKS // len(rows)
     thirds = [rows[block % 3 == third] for third in (1, 0, 2)]
     return thirds if len(rows) <= MOST_IN_TURN else thirds[:1]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
-from hysgen.diagnosis.bootstrap import gain, surely_lower
+from hysgen.diagnosis.bootstrap import blockwise_confidence, gain
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import checked_error
 from hysgen.diagnosis.prepare import Prepared
@@ -64,7 +64,7 @@ def with_best_memory(
     for plays, degree, past_input in OTHERS:
         other = _with_term(extensions, Memory.polynomial(plays, degree, low_V, high_V, past_input))
         _, other_um = checked_error(prepared, other, names, settings)
-        sure = min(gain(usual_um, other_um).sure, surely_lower(usual_um, other_um))
+        sure = min(gain(usual_um, other_um).confidence, blockwise_confidence(usual_um, other_um))
         if sure >= SURE and rms(other_um) < best_um:
             best, best_um = other, rms(other_um)
     return best

@@ -77,7 +77,7 @@ class Prepared:
     checked: LruCache[tuple[Rows, Floats]] = field(default_factory=lambda: LruCache(MOST_CHECKED))
 
     @cached_property
-    def fit_rows(self) -> Rows:
+    def training_rows(self) -> Rows:
         """Rows of the identification part that count in full."""
         return np.flatnonzero(self.trust == 1.0)
 
@@ -114,9 +114,9 @@ class Prepared:
         return self.record if self.cut == self.record.samples else self.record.rows(0, self.cut)
 
     @cached_property
-    def reach_um(self) -> tuple[float, float]:
+    def predicted_range_um(self) -> tuple[float, float]:
         """The range of displacement that the whole command visits, foreseen from the identification part."""
-        return reach_um(self.record, self.fit_rows)
+        return predicted_range_um(self.record, self.training_rows)
 
     def scene(self) -> Scene:
         """What the probe may see: the identification part."""
@@ -124,12 +124,12 @@ class Prepared:
         runs = tuple(Trace(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
         # Ranges are those of the whole command and channels, known beforehand; the probe must not extrapolate.
         low_V, high_V = self.record.u_range_V
-        rows = self.fit_rows[self.forgotten[self.fit_rows]]
+        rows = self.training_rows[self.forgotten[self.training_rows]]
         lost = np.flatnonzero(self.lost[: self.cut])
         return Scene(runs, self.record.Ts_s, rows, Operator(low_V, high_V), self.record.aux_ranges, lost)
 
 
-def reach_um(record: Record, rows: Rows) -> tuple[float, float]:
+def predicted_range_um(record: Record, rows: Rows) -> tuple[float, float]:
     """The range of displacement that the whole command of a record visits, as far as its rows `rows` tell.
 
     That of the quasi-static fit, and beyond its ends twice the rms it leaves. A model whose grid ends where the

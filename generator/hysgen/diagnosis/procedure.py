@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.advice import experiment_for, remainder
+from hysgen.diagnosis.advice import next_experiment, unexplained_structure
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
-from hysgen.diagnosis.bootstrap import Gain, certainty, gain
+from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, Signature, causes
 from hysgen.diagnosis.causes.outliers import outliers_signature
 from hysgen.diagnosis.extension import Extension
@@ -158,8 +158,8 @@ def name_causes(
         alone,
         refused,
         noise,
-        remainder(prepared, found, noise),
-        experiment_for(prepared),
+        unexplained_structure(prepared, found, noise),
+        next_experiment(prepared),
     )
 
 
@@ -255,8 +255,8 @@ def _gaining(
     left: list[str] = []
     while True:
         alone = _alone(prepared, found, extensions, kept, settings)
-        worst = min(alone, key=lambda name: (alone[name].sure, alone[name].before_um), default=None)
-        if worst is None or alone[worst].sure >= sure:
+        worst = min(alone, key=lambda name: (alone[name].confidence, alone[name].before_um), default=None)
+        if worst is None or alone[worst].confidence >= sure:
             return kept, alone, left
         kept.remove(worst)
         left.append(worst)
@@ -282,8 +282,8 @@ def _alone(
     clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
     for name, (_, without_um) in zip(judged, checked[1:], strict=True):
-        sure = certainty(without_um[clean], whole_um[clean], WORTH)
-        gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), sure=sure)
+        sure = combined_confidence(without_um[clean], whole_um[clean], WORTH)
+        gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), confidence=sure)
     return gains
 
 

@@ -7,7 +7,7 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.bits import verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.codegen import Options, generate
-from hysgen.diagnosis.study import LADDER, Study, confidence_text
+from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text
 from hysgen.errors import HysgenError
 from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
 from hysgen.report.plots.diagnosis import pictures

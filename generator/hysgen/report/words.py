@@ -11,8 +11,8 @@ from hysgen.codegen.operations import figures
 from hysgen.codegen.operations.cycles import cycles_of, per_sample
 from hysgen.diagnosis.answer import Price
 from hysgen.diagnosis.causes import Estimate
-from hysgen.diagnosis.error_map import spread
-from hysgen.diagnosis.study import LADDER, Study
+from hysgen.diagnosis.error_map import range_in_words
+from hysgen.diagnosis.evaluation import LADDER, Study
 from hysgen.display import table
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model.model import Model
@@ -131,7 +131,7 @@ def where_rows(study: Study) -> list[list[str]]:
     """One row per error profile: its quantity, smallest and largest rms of the base, the same of the extended model."""
     rows = []
     for before, after in zip(study.before.profiles, study.after.profiles, strict=True):
-        rows.append([before.quantity, spread(before), *([spread(after)] if study.improved else [])])
+        rows.append([before.quantity, range_in_words(before), *([range_in_words(after)] if study.improved else [])])
     return rows
 
 

@@ -14,7 +14,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.records import add_record_options, parse_rows, read_records
 from hysgen.cli.verbs.fit import c_name
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.study import Study, study
+from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.fitting import FitSettings
 from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
             settings = dataclasses.replace(settings, identify=(stop - start) / (record.samples - start))
             stop = record.samples
         record = record.rows(start, stop)
-    found = study(record, holdout, settings, console.progress)
+    found = diagnose_and_evaluate(record, holdout, settings, console.progress)
     console.say(diagnosis_text(found) + "\n")
     if arguments.output:
         save_model(scored(found), Path(arguments.output))

@@ -23,7 +23,7 @@ from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
 from hysgen.codegen.manifest import MANIFEST, read_folder
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.study import study
+from hysgen.diagnosis.evaluation import diagnose_and_evaluate
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
 from hysgen.fitting.compare import compare
@@ -86,7 +86,7 @@ def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
     """What the diagnosis of the new record finds, and what of it the old structure lacks."""
     settings = DiagnoseSettings(fit=FitSettings(name=old.name, rules=old.grid.rules), price=price_of)
     try:
-        found = study(record, settings=settings, progress=console.progress)
+        found = diagnose_and_evaluate(record, settings=settings, progress=console.progress)
     except HysgenError as fault:
         console.say(f"diagnosis: {fault}")
         return {"error": str(fault)}

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.error_map import Misfit, spread
-from hysgen.diagnosis.study import Study
+from hysgen.diagnosis.error_map import ErrorMap, range_in_words
+from hysgen.diagnosis.evaluation import Study
 from hysgen.report.plots import style
 from hysgen.report.plots.style import Picture
 from hysgen.report.plots.traces import envelope
@@ -61,7 +61,7 @@ def loop_pictures(study: Study) -> list[Picture]:
     return found
 
 
-def horizon_picture(shown: list[tuple[str, Misfit]], study: Study) -> Picture:
+def horizon_picture(shown: list[tuple[str, ErrorMap]], study: Study) -> Picture:
     """Error against the horizon, with noise floor and persistence."""
     fig, axis = _figure("horizon [samples]", "error rms [µm]")
     for label, error in shown:
@@ -92,7 +92,7 @@ def time_picture(study: Study) -> Picture:
     return Picture("time", "Error in time", f"Error of the free run over the held-out part: {worst}.", fig)
 
 
-def spectrum_picture(shown: list[tuple[str, Misfit]]) -> Picture:
+def spectrum_picture(shown: list[tuple[str, ErrorMap]]) -> Picture:
     """The error per frequency band."""
     fig, axis = _figure("frequency [Hz]", "error, rms per band [µm]")
     for label, error in shown:
@@ -106,7 +106,7 @@ def spectrum_picture(shown: list[tuple[str, Misfit]]) -> Picture:
     return Picture("spectrum", "Error over frequency", f"Largest bands: {'; '.join(peaks)}.", fig)
 
 
-def profile_picture(shown: list[tuple[str, Misfit]], number: int) -> Picture:
+def profile_picture(shown: list[tuple[str, ErrorMap]], number: int) -> Picture:
     """The error sorted by one quantity: rms as solid or dashed steps, mean dotted."""
     first = shown[0][1].profiles[number]
     fig, axis = _figure(f"{first.quantity} [{first.unit}]", "error [µm]: rms, mean")
@@ -123,7 +123,7 @@ def profile_picture(shown: list[tuple[str, Misfit]], number: int) -> Picture:
         axis.set_xscale("log")
         axis.xaxis.set_major_formatter(_PLAIN)
     axis.legend(loc="upper left", ncols=2)
-    ends = "; ".join(f"{label} {spread(error.profiles[number])}" for label, error in shown)
+    ends = "; ".join(f"{label} {range_in_words(error.profiles[number])}" for label, error in shown)
     alt = f"Error rms by {first.quantity}: {ends}."
     return Picture(f"error-by-{first.quantity.split(' of ')[0].replace(' ', '-')}", f"By {first.quantity}", alt, fig)
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from hysgen.c674x.cost import Cost
 from hysgen.certify.dynamics import dynamics
-from hysgen.diagnosis.study import Study
+from hysgen.diagnosis.evaluation import Study
 from hysgen.errors import HysgenError
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores

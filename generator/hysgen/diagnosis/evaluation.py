@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.answer import Diagnosis, NamedCause
-from hysgen.diagnosis.error_map import Misfit, misfit
+from hysgen.diagnosis.error_map import ErrorMap, error_map
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.procedure import DiagnoseSettings, Progress, diagnose
 from hysgen.display import Displayed, Summary
@@ -51,8 +51,8 @@ class Study(Displayed):
     diagnosis: Diagnosis
     record: Record
     cut: int
-    before: Misfit
-    after: Misfit
+    before: ErrorMap
+    after: ErrorMap
     span_um: float
 
     @property
@@ -155,7 +155,7 @@ def confidence_text(cause: NamedCause) -> str:
     return "" if cause.confidence is None else f"{cause.confidence:.3f}"
 
 
-def study(
+def diagnose_and_evaluate(
     record: Record,
     holdout: Record | None = None,
     settings: DiagnoseSettings | None = None,
@@ -163,10 +163,10 @@ def study(
 ) -> Study:
     """Diagnose a record and sort the error of its held-out part. Raises RecordError or FitError with one line."""
     chosen = settings or DiagnoseSettings()
-    return studied(diagnose(record, holdout, chosen, progress), record, holdout, chosen.identify)
+    return evaluate(diagnose(record, holdout, chosen, progress), record, holdout, chosen.identify)
 
 
-def studied(diagnosis: Diagnosis, record: Record, holdout: Record | None, identify: float) -> Study:
+def evaluate(diagnosis: Diagnosis, record: Record, holdout: Record | None, identify: float) -> Study:
     """A diagnosis that was made of these records, with the error of its held-out part."""
     prepared = prepare(record, holdout, identify)
     first, noise_um = int(diagnosis.held_rows[0]), diagnosis.noise.rms_um
@@ -176,7 +176,7 @@ def studied(diagnosis: Diagnosis, record: Record, holdout: Record | None, identi
         diagnosis,
         prepared.record,
         prepared.cut,
-        misfit(diagnosis.base, prepared.record, noise_um, base, first),
-        misfit(diagnosis.model, prepared.record, noise_um, extended, first),
+        error_map(diagnosis.base, prepared.record, noise_um, base, first),
+        error_map(diagnosis.model, prepared.record, noise_um, extended, first),
         max(high_um - low_um, math.ulp(1.0)),
     )
