@@ -33,14 +33,14 @@ typedef struct {
 
 /** One instance of the model, 176 bytes. */
 typedef struct {
-    uint32_t active;      /**< which bank is in use, 0 or 1 */
-    float y_um;           /**< last model output: the state of the free run */
-    float u_V;            /**< last accepted input */
-    uint32_t status;      /**< bits APPENDIX_A_STATUS_..., sticky */
-    uint32_t y_clamped;   /**< calls with y outside its range; counters stop at their largest value */
-    uint32_t u_clamped;   /**< calls with u outside its range */
-    uint32_t y_rejected;  /**< calls with y not finite */
-    uint32_t u_rejected;  /**< calls with u not finite */
+    uint32_t active;            /**< index of the bank in use, 0 or 1 */
+    float y_um;                 /**< last model output [um]: the state of the free run */
+    float u_V;                  /**< last accepted input [V] */
+    uint32_t status;            /**< bits APPENDIX_A_STATUS_..., sticky */
+    uint32_t y_clamped;         /**< calls with y outside its range; counters stop at their largest value */
+    uint32_t u_clamped;         /**< calls with u outside its range */
+    uint32_t y_rejected;        /**< calls with y not finite */
+    uint32_t u_rejected;        /**< calls with u not finite */
     appendix_a_bank_t bank[2];  /**< active and idle parameters */
 } appendix_a_t;
 
@@ -120,60 +120,60 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
 
 /** A shadow on its way to become active. */
 typedef struct {
-    uint32_t phase;  /**< 0: none, 1: being checked, 2: to be written, 3: to be made active */
-    uint32_t point;  /**< check point that comes next */
-    float gain_rest_um_per_V;  /**< what b(y) may fall below its value near a check point, beyond its slope there */
-    float slope_rest[2];       /**< the same for |df/dy|, at the least and the largest input */
-    float theta[APPENDIX_A_LEARNED];  /**< the shadow as it was taken */
+    uint32_t phase;                   /**< 0: none, 1: being checked, 2: to be written, 3: to be made active */
+    uint32_t point;                   /**< check point that comes next */
+    float gain_rest_um_per_V;         /**< bound of the gain's Taylor remainder near a check point [um/V] */
+    float slope_rest[2];              /**< the same of |df/dy|, at the least and the largest input */
+    float theta[APPENDIX_A_LEARNED];  /**< the shadow when it was taken [um] */
     appendix_a_bank_t bank;           /**< the same as a bank */
 } appendix_a_candidate_t;
 
 /** A learner: the covariance P = U D U' of Eq. (10), the shadow parameters theta, and what it needs between samples.
  * theta = scale * (number in a bank), x = regressor / scale; U is unit upper triangular, its columns packed. */
 typedef struct {
-    float d[APPENDIX_A_LEARNED];          /**< D > 0 */
-    float x[APPENDIX_A_LEARNED];          /**< regressors of the sample before */
-    float theta[APPENDIX_A_LEARNED];      /**< shadow parameters [um] */
-    float theta_low[APPENDIX_A_LEARNED];  /**< what the rounding of theta loses */
-    float reference[APPENDIX_A_LEARNED];  /**< parameters last committed, or of the model it was initialised from */
+    float d[APPENDIX_A_LEARNED];          /**< diagonal D of P = U D U', larger than 0 */
+    float x[APPENDIX_A_LEARNED];          /**< regressors of the sample before, scaled */
+    float theta[APPENDIX_A_LEARNED];      /**< shadow parameters, scaled [um] */
+    float theta_low[APPENDIX_A_LEARNED];  /**< rounding error of theta, carried along [um] */
+    float reference[APPENDIX_A_LEARNED];  /**< parameters last committed, at first those of the model [um] */
     float f[APPENDIX_A_LEARNED];          /**< U' x */
     float g[APPENDIX_A_LEARNED];          /**< D U' x */
-    float l[APPENDIX_A_LEARNED];          /**< -f_j / alpha_j */
+    float l[APPENDIX_A_LEARNED];          /**< -f_j / alpha_(j-1) */
     float k[APPENDIX_A_LEARNED];          /**< P x */
-    float per_alpha;     /**< 1 / alpha_n */
-    float inflate;       /**< 1 / lambda of this update */
-    float innovation_um; /**< y - x' theta of this update */
-    float fixed_um;      /**< part of the prediction that is not learned */
-    float y_um;          /**< last displacement and input accepted */
-    float u_V;           /**< last input accepted [V] */
-    float mean_u_V;      /**< mean of the input: does it rest? */
-    float scale_um;      /**< usual |innovation| */
-    float moving_um;     /**< usual |y(k) - y(k-1)| */
-    float error;         /**< mean squares [um^2] of the innovation, of that of the reference parameters, */
-    float reference_error; /**< see `error` */
-    float step_error;    /**< and of y(k) - y(k-1) */
-    uint32_t phase;      /**< of the update or restart in work, 0: none */
-    uint32_t fresh;      /**< the regressors belong to the sample before, */
-    uint32_t rested;     /**< at which the input rested */
-    uint32_t measuring;  /**< this update learns from a sample, it does not put back the prior */
-    uint32_t since_refresh; /**< updates since a prior was put back */
-    uint32_t turn;       /**< parameter whose prior is put back next */
-    uint32_t run;        /**< outliers in a row */
-    uint32_t age;        /**< updates since the last restart */
-    uint32_t status;     /**< bits APPENDIX_A_LEARN_..., sticky */
-    uint32_t updates; /**< counter */
-    uint32_t rejected; /**< counter */
-    uint32_t outside; /**< counter */
-    uint32_t resting; /**< counter */
-    uint32_t outliers; /**< counter */
-    uint32_t changes; /**< counter */
-    uint32_t quiet; /**< counter */
-    uint32_t limited; /**< counter */
-    uint32_t clamped; /**< counter */
-    uint32_t restarts; /**< counter */
-    float u[APPENDIX_A_FACTORS]; /**< U above its diagonal */
-    appendix_a_bank_t base;  /**< the parameters that are not learned */
-    appendix_a_candidate_t candidate; /**< the shadow that is being committed */
+    float per_alpha;                      /**< 1 / alpha_n of this update */
+    float inflate;                        /**< 1 / lambda of this update */
+    float innovation_um;                  /**< y - x' theta of this update [um] */
+    float fixed_um;                       /**< part of the prediction that is not learned [um] */
+    float y_um;                           /**< last accepted displacement [um] */
+    float u_V;                            /**< last accepted input [V] */
+    float mean_u_V;                       /**< running mean of the input [V]; the input rests near it */
+    float scale_um;                       /**< running mean of |innovation|, outliers limited [um] */
+    float moving_um;                      /**< running mean of |y(k) - y(k-1)| [um] */
+    float error;                          /**< mean square innovation of the shadow [um^2] */
+    float reference_error;                /**< mean square innovation of the reference parameters [um^2] */
+    float step_error;                     /**< mean square of y(k) - y(k-1) [um^2] */
+    uint32_t phase;                       /**< next call of the update or restart in progress, 0: none */
+    uint32_t fresh;                       /**< 1: the regressors belong to the sample before */
+    uint32_t rested;                      /**< 1: the input rested at the sample before */
+    uint32_t measuring;                   /**< 1: this update learns from a sample, 0: it restores a prior */
+    uint32_t since_refresh;               /**< updates since a prior was restored */
+    uint32_t turn;                        /**< parameter whose prior is restored next */
+    uint32_t run;                         /**< outliers in a row */
+    uint32_t age;                         /**< updates since the last restart */
+    uint32_t status;                      /**< bits APPENDIX_A_LEARN_..., sticky */
+    uint32_t updates;                     /**< updates that changed the parameters */
+    uint32_t rejected;                    /**< samples that were not finite or not plausible */
+    uint32_t outside;                     /**< displacements outside the identified range */
+    uint32_t resting;                     /**< samples at which the input rested */
+    uint32_t outliers;                    /**< innovations refused as outliers */
+    uint32_t changes;                     /**< runs of outliers that were accepted as a change */
+    uint32_t quiet;                       /**< innovations inside the dead zone */
+    uint32_t limited;                     /**< updates whose step was shortened */
+    uint32_t clamped;                     /**< updates that limited a variance */
+    uint32_t restarts;                    /**< returns to the reference parameters and the prior */
+    float u[APPENDIX_A_FACTORS];          /**< U above its diagonal */
+    appendix_a_bank_t base;               /**< the parameters that are not learned */
+    appendix_a_candidate_t candidate;     /**< the shadow that is being committed */
 } appendix_a_learner_t;
 
 /** Start to learn from the active parameters of a model, whose state of terms and inputs is taken over.

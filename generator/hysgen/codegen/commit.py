@@ -7,6 +7,7 @@ import numpy as np
 from hysgen.certify.certificates import Certificates
 from hysgen.codegen.concerns import Concern
 from hysgen.codegen.parameters import Constant, Section, Table
+from hysgen.codegen.structs import candidate_struct, rows
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.commit_numbers import CommitNumbers, commit_numbers
 from hysgen.float32.learner_numbers import learner_numbers
@@ -28,6 +29,7 @@ def commit_concern(model: Model, numbers: Coefficients, certificates: Certificat
             f"#define {upper}_{answer.name:<15}  {int(answer)}u  /**< {meaning} */"
             for answer, meaning in COMMIT_MEANINGS.items()
         ],
+        "members": rows(candidate_struct(model, numbers).members),
         "bias": "bias" in model.learner.learned,
         "weights": bool(model.terms) and "terms" in model.learner.learned,
         "points_per_call": model.learner.points_per_call,

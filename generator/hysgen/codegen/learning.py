@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from hysgen.codegen.concerns import Concern
 from hysgen.codegen.parameters import Constant, Section, Table
 from hysgen.codegen.pipeline import Turn, pipelined
 from hysgen.codegen.polynomials import polynomial, powers
+from hysgen.codegen.structs import learner_struct, rows
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.learner_numbers import (
     FACTOR_GRID,
@@ -26,7 +27,9 @@ from hysgen.float32.learner_numbers import (
     learner_numbers,
 )
 from hysgen.float32.learner_status import LEARNER_COUNTERS, LEARNER_MEANINGS
-from hysgen.float32.update_schedule import COLUMNS_PER_PASS, WRITTEN_OUT, Spread
+from hysgen.float32.learner_words import LearnerWords
+from hysgen.float32.struct_words import Described, Holds, Restart, Start
+from hysgen.float32.update_schedule import COLUMNS_PER_PASS, WRITTEN_OUT, Spread, factors
 from hysgen.model.float32_constants import NEWTON_STEPS, ROUNDING
 from hysgen.model.model import Model
 
@@ -151,11 +154,15 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
     firing = any(found.learns(group) for group in ("slope", "gain", "offset"))
     ends = [Element(j - 1, j) for j in range(n)]
     every = _blocks(ends)
+    described = LearnerWords.described()
     one_after_another = [Turn(stage, block) for stage in ("multiply", "add") for block in every]
     facts = {
         "n": n,
         "written_out": written_out,
-        "factors": n * (n - 1) // 2 if written_out else n * n,
+        "factors": factors(n),
+        "members": rows(learner_struct(model, numbers).members),
+        "start": _written({member: _start(member) for member in described if member.start}),
+        "restart": _written({member: _restart(member, model.name) for member in _restarted(described)}),
         "columns_per_pass": COLUMNS_PER_PASS,
         "learned": [_learned(i, parameter, model.name) for i, parameter in enumerate(found.parameters)],
         "groups": {parameter.group for parameter in found.parameters},
@@ -218,6 +225,44 @@ def _learned(i: int, parameter: Parameter, name: str) -> Learned:
         return Learned(i, f"weight[{j}]", f"phi[{j}] * {name}_learn_per_phi[{j}]")
     share = {"slope": " * y_share", "gain": " * u_share", "offset": ""}[parameter.group]
     return Learned(i, f"{parameter.group}[{j}]", f"firing{j}{share}")
+
+
+def _start(member: Described) -> str:
+    """What `_learn_init` writes into a word, as C; "" if another function writes it."""
+    zero, one = ("0.0f", "1.0f") if member.type == "float" else ("0u", "1u")
+    texts = {Start.ZERO: zero, Start.ONE: one, Start.MODEL_Y: "model->y_um", Start.MODEL_U: "model->u_V"}
+    return texts[member.start] if member.start else ""
+
+
+def _written(values: Mapping[Described, str]) -> dict[str, dict[str, str]]:
+    """C text per word, for vectors, numbers and integers apart."""
+    kinds = {
+        "vectors": (Holds.VECTOR,),
+        "numbers": (Holds.NUMBER,),
+        "integers": (Holds.INTEGER, Holds.FLAG),
+    }
+    return {
+        kind: {member.name: text for member, text in values.items() if member.holds in holds}
+        for kind, holds in kinds.items()
+    }
+
+
+def _restarted(members: Sequence[Described]) -> list[Described]:
+    """Members that a restart writes: vectors in the order of `Restart`, the others in the order of the struct."""
+    found = [member for member in members if member.restart]
+    order = list(Restart)
+    return sorted(found, key=lambda m: order.index(m.restart) if m.restart and m.holds is Holds.VECTOR else len(order))
+
+
+def _restart(member: Described, name: str) -> str:
+    """What a restart writes into a word, as C; {j}: index of the parameter."""
+    texts = {
+        Restart.REFERENCE: "self->reference[{j}]",
+        Restart.ZERO: "0.0f" if member.type == "float" else "0u",
+        Restart.PRIOR: f"{name}_learn_prior[{{j}}]",
+        Restart.LEVEL: f"{name.upper()}_LEARN_LEVEL_UM",
+    }
+    return texts[member.restart] if member.restart else ""
 
 
 def _fixed_sums(found: LearnerNumbers) -> str:

@@ -13,13 +13,13 @@ import numpy as np
 from hysgen.codegen.literals import bits, literal
 from hysgen.codegen.parameters import Constant
 from hysgen.codegen.polynomials import Sum, pairs, polynomial, powers, squares
-from hysgen.codegen.structs import members
+from hysgen.codegen.structs import bank_struct, instance_struct, members, rows
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.installed import data_folder, version
 from hysgen.model import float32_constants as arithmetic
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
-from hysgen.model.status import MEANINGS
+from hysgen.model.status import COUNTERS, MEANINGS
 from hysgen.model.terms import Term, channels_of, part_facts
 from hysgen.model.terms.base import Mirror
 
@@ -120,6 +120,9 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "Ts_us": f"{1e6 * model.Ts_s:.9g}",
         "rules": numbers.rules,
         "bank_rules": numbers.bank_rules,
+        "bank_members": rows(bank_struct(model, numbers).members),
+        "instance_members": rows(instance_struct(model, numbers).members),
+        "counters": list(COUNTERS),
         "windowed": numbers.windowed,
         "window": WINDOW,
         "terms": terms,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import enum
 
+from hysgen.model.structs import Counter
+
 
 class LearnerStatus(enum.IntFlag):
     """Bits of a learner's `status`; set when it happened at least once, cleared by the caller or by `_learn_init`."""
@@ -31,19 +33,19 @@ LEARNER_MEANINGS = {
     LearnerStatus.RESTARTED: "the shadow went back to the reference parameters and the prior",
 }
 
-# Each counter of the struct, in its order, and the bit that goes with it. They stop at their largest value.
-LEARNER_COUNTERS: dict[str, LearnerStatus | None] = {
-    "updates": None,
-    "rejected": LearnerStatus.REJECTED,
-    "outside": LearnerStatus.OUTSIDE,
-    "resting": LearnerStatus.RESTING,
-    "outliers": LearnerStatus.OUTLIER,
-    "changes": LearnerStatus.CHANGED,
-    "quiet": LearnerStatus.QUIET,
-    "limited": LearnerStatus.LIMITED,
-    "clamped": LearnerStatus.CLAMPED,
-    "restarts": LearnerStatus.RESTARTED,
+LEARNER_COUNTERS = {
+    "updates": Counter("updates that changed the parameters", written_by=("step",)),
+    "rejected": Counter("samples that were not finite or not plausible", LearnerStatus.REJECTED),
+    "outside": Counter("displacements outside the identified range", LearnerStatus.OUTSIDE),
+    "resting": Counter("samples at which the input rested", LearnerStatus.RESTING),
+    "outliers": Counter("innovations refused as outliers", LearnerStatus.OUTLIER),
+    "changes": Counter("runs of outliers that were accepted as a change", LearnerStatus.CHANGED),
+    "quiet": Counter("innovations inside the dead zone", LearnerStatus.QUIET),
+    "limited": Counter("updates whose step was shortened", LearnerStatus.LIMITED, written_by=("step",)),
+    "clamped": Counter("updates that limited a variance", LearnerStatus.CLAMPED),
+    "restarts": Counter("returns to the reference parameters and the prior", LearnerStatus.RESTARTED),
 }
+"""The counters of the struct in its order; each stops at its largest value."""
 
 
 class Commit(enum.IntEnum):

@@ -58,6 +58,12 @@ class Spread:
         return self.calls if self.at_once else self.calls + len(self.factor) - 1
 
 
+def factors(parameters: int) -> int:
+    """Words of U that the C keeps: packed columns above the diagonal, or whole columns."""
+    n = parameters
+    return n * (n - 1) // 2 if n <= WRITTEN_OUT else n * n
+
+
 @functools.lru_cache(maxsize=256)
 def spread(parameters: int, calls: int) -> Spread:
     """An update of so many parameters over so many calls.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import enum
 
+from hysgen.model.structs import Counter
+
 
 class Status(enum.IntFlag):
     """Bits of `status`; set when it happened at least once, cleared by the caller or by `_init`."""
@@ -29,10 +31,10 @@ MEANINGS = {
     Status.AUX_REJECTED: "an auxiliary channel was not finite; its last good sample was used",
 }
 
-# Each counter of the struct, in its order, and the bit that goes with it. They stop at their largest value.
 COUNTERS = {
-    "y_clamped": Status.Y_CLAMPED,
-    "u_clamped": Status.U_CLAMPED,
-    "y_rejected": Status.Y_REJECTED,
-    "u_rejected": Status.U_REJECTED,
+    "y_clamped": Counter("calls with y outside its range; counters stop at their largest value", Status.Y_CLAMPED),
+    "u_clamped": Counter("calls with u outside its range", Status.U_CLAMPED),
+    "y_rejected": Counter("calls with y not finite", Status.Y_REJECTED),
+    "u_rejected": Counter("calls with u not finite", Status.U_REJECTED),
 }
+"""The counters of the struct in its order; each stops at its largest value."""

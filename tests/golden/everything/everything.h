@@ -104,22 +104,22 @@ typedef struct {
     float slope[EVERYTHING_BANK_RULES];   /**< q1 [um/um] */
     float offset[EVERYTHING_BANK_RULES];  /**< q3 [um] */
     float gain[EVERYTHING_BANK_RULES];    /**< q2 [um/V] */
-    float weight[EVERYTHING_WEIGHTS];  /**< theta_j of the terms, in their order */
+    float weight[EVERYTHING_WEIGHTS];     /**< theta_j of the terms, in their order */
 } everything_bank_t;
 
 /** One instance of the model, 396 bytes. */
 typedef struct {
-    uint32_t active;      /**< which bank is in use, 0 or 1 */
-    float y_um;           /**< last model output: the state of the free run */
-    float u_V;            /**< last accepted input */
-    uint32_t status;      /**< bits EVERYTHING_STATUS_..., sticky */
-    uint32_t y_clamped;   /**< calls with y outside its range; counters stop at their largest value */
-    uint32_t u_clamped;   /**< calls with u outside its range */
-    uint32_t y_rejected;  /**< calls with y not finite */
-    uint32_t u_rejected;  /**< calls with u not finite */
-    everything_inputs_t inputs;  /**< what the input passes through */
-    everything_terms_t terms;  /**< state of the terms */
-    everything_bank_t bank[2];  /**< active and idle parameters */
+    uint32_t active;             /**< index of the bank in use, 0 or 1 */
+    float y_um;                  /**< last model output [um]: the state of the free run */
+    float u_V;                   /**< last accepted input [V] */
+    uint32_t status;             /**< bits EVERYTHING_STATUS_..., sticky */
+    uint32_t y_clamped;          /**< calls with y outside its range; counters stop at their largest value */
+    uint32_t u_clamped;          /**< calls with u outside its range */
+    uint32_t y_rejected;         /**< calls with y not finite */
+    uint32_t u_rejected;         /**< calls with u not finite */
+    everything_inputs_t inputs;  /**< state of the input blocks */
+    everything_terms_t terms;    /**< state of the terms */
+    everything_bank_t bank[2];   /**< active and idle parameters */
 } everything_t;
 
 /** Start anew, with the parameters of everything_params.h in both banks.

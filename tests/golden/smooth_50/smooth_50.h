@@ -34,14 +34,14 @@ typedef struct {
 
 /** One instance of the model, 1472 bytes. */
 typedef struct {
-    uint32_t active;      /**< which bank is in use, 0 or 1 */
-    float y_um;           /**< last model output: the state of the free run */
-    float u_V;            /**< last accepted input */
-    uint32_t status;      /**< bits SMOOTH_50_STATUS_..., sticky */
-    uint32_t y_clamped;   /**< calls with y outside its range; counters stop at their largest value */
-    uint32_t u_clamped;   /**< calls with u outside its range */
-    uint32_t y_rejected;  /**< calls with y not finite */
-    uint32_t u_rejected;  /**< calls with u not finite */
+    uint32_t active;           /**< index of the bank in use, 0 or 1 */
+    float y_um;                /**< last model output [um]: the state of the free run */
+    float u_V;                 /**< last accepted input [V] */
+    uint32_t status;           /**< bits SMOOTH_50_STATUS_..., sticky */
+    uint32_t y_clamped;        /**< calls with y outside its range; counters stop at their largest value */
+    uint32_t u_clamped;        /**< calls with u outside its range */
+    uint32_t y_rejected;       /**< calls with y not finite */
+    uint32_t u_rejected;       /**< calls with u not finite */
     smooth_50_bank_t bank[2];  /**< active and idle parameters */
 } smooth_50_t;
 

@@ -6,27 +6,27 @@ u(k)   = ((y(k+1) - sum_j theta_j phi_j) W - (y S + O)) / G        inverse, Eq. 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from hysgen.float32.coefficients import Bank, Coefficients, coefficients
+from hysgen.float32.instance_words import InstanceWords
 from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, reciprocal
 from hysgen.float32.reference.rules import RuleSums, rule_sums
 from hysgen.float32.reference.safety import finite, limited, settled
 from hysgen.model.model import Model
 from hysgen.model.path.chain import ChainMirror
-from hysgen.model.status import COUNTERS, Status
-from hysgen.model.terms import Mirror, channels_of
+from hysgen.model.status import Status
+from hysgen.model.terms import channels_of
 
 _LAST = np.uint32(0xFFFFFFFF)
 
 
-class Instance:
+class Instance(InstanceWords):
     """State of (lanes,) instances, initialised as `<name>_init(self, y_um, u_V)` does.
 
-    y_um, u_V: last model output in um and last accepted input in V; status, counters: as in the C struct; bank: the
-    active parameters, shared by all lanes; terms: the mirrors of the model's terms.
+    bank: the active parameters, shared by all lanes; inputs, terms: the mirrors of the input blocks and of the terms.
     """
 
     def __init__(self, model: Model, y_um: Floats32, u_V: Floats32) -> None:
@@ -39,10 +39,10 @@ class Instance:
     def init(self, y_um: Floats32, u_V: Floats32) -> None:
         """Start at y_um under the input u_V, (lanes,) each; a start that is not finite is replaced by the rest."""
         lanes = np.broadcast_shapes(np.shape(y_um), np.shape(u_V))
-        self.status: Words = np.zeros(lanes, dtype=np.uint32)
-        self.counters: dict[str, Words] = {name: np.zeros(lanes, dtype=np.uint32) for name in COUNTERS}
-        self.y_um: Floats32 = np.full(lanes, self.numbers.rest_um)
-        self.u_V: Floats32 = np.full(lanes, self.numbers.rest_V)
+        self.status = np.zeros(lanes, dtype=np.uint32)
+        self.counters = {name: np.zeros(lanes, dtype=np.uint32) for name in self.COUNTERS}
+        self.y_um = np.full(lanes, self.numbers.rest_um)
+        self.u_V = np.full(lanes, self.numbers.rest_V)
         self.y_um, self.u_V = self._checked_y(y_um), self._checked_u(u_V)
         self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s)
         self.terms = [term.mirror(self.inputs.v_V, self._model.Ts_s) for term in self._model.terms]
@@ -94,30 +94,6 @@ class Instance:
         self._apply(sums, extra, y, v)
         return self.u_V
 
-    def words(self) -> Mapping[str, Words]:
-        """Every word of the C struct between `active` and `bank`, in its order.
-
-        Those of the input blocks are `inputs[i]`, those of a term `terms[<its place>][i]`.
-        """
-        named: dict[str, Words] = {"y_um": bits_of(self.y_um), "u_V": bits_of(self.u_V), "status": self.status}
-        named |= self.counters
-        named |= {f"inputs[{i}]": word.view(np.uint32) for i, word in enumerate(self.inputs.state())}
-        for place, term in enumerate(self.terms):
-            named |= {f"terms[{place}][{i}]": word.view(np.uint32) for i, word in enumerate(term.state())}
-        return named
-
-    def restore(self, words: Sequence[Words]) -> None:
-        """Take over the states whose `words` are given, in their order, (lanes,) each, any number of lanes."""
-        self.y_um, self.u_V = (word.view(np.float32) for word in words[:2])
-        self.status = words[2]
-        self.counters = dict(zip(COUNTERS, words[3:], strict=False))
-        first = 3 + len(COUNTERS)
-        mirrors: list[ChainMirror | Mirror] = [self.inputs, *self.terms]
-        for mirror in mirrors:
-            count = len(mirror.state())
-            mirror.restore(words[first : first + count])
-            first += count
-
     def _forward(self, y: Floats32, u: Floats32) -> Floats32:
         self.u_V = u
         v = self.inputs.apply(u)
@@ -156,7 +132,7 @@ class Instance:
     def _note(self, event: Status, happened: Words) -> None:
         """Set the bit of `event`, and step its counter if it has one up to its largest value, where `happened` is 1."""
         self.status = self.status | happened * np.uint32(event)
-        for name, owner in COUNTERS.items():
-            if owner is event:
+        for name, counter in self.COUNTERS.items():
+            if counter.flag == event:
                 count = self.counters[name]
                 self.counters[name] = count + (happened & (count < _LAST))

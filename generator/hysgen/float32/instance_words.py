@@ -1,0 +1,25 @@
+"""The words of `<name>_t` between `active` and the banks: one list for the C struct and for the mirror."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
+
+from hysgen.float32.struct_words import COUNTERS_OF, INPUTS_OF, TERMS_OF, Floats32, StructWords, Words, integer, number
+from hysgen.model.path.chain import ChainMirror
+from hysgen.model.status import COUNTERS
+from hysgen.model.structs import Counter
+from hysgen.model.terms import Mirror
+
+
+class InstanceWords(StructWords):
+    """State of (lanes,) instances: every scalar is (lanes,)."""
+
+    COUNTERS: ClassVar[Mapping[str, Counter]] = COUNTERS
+
+    y_um: Annotated[Floats32, number("last model output [um]: the state of the free run")]
+    u_V: Annotated[Floats32, number("last accepted input [V]")]
+    status: Annotated[Words, integer("bits {NAME}_STATUS_..., sticky")]
+    counters: Annotated[dict[str, Words], COUNTERS_OF]
+    inputs: Annotated[ChainMirror, INPUTS_OF]
+    terms: Annotated[list[Mirror], TERMS_OF]

@@ -1,0 +1,169 @@
+"""A mirror's state as the description of its C struct: one list of words, from which both are made.
+
+The annotated attributes of a class below `StructWords` are the members of a generated struct in its order. An
+annotation (`vector`, `number`, `integer`, ...) says what the member holds, how it starts and what the proof may assume
+of it; the struct, its initialisation, the mirror's order of words and the proof's sets are made from the annotations.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Final, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.model.path.chain import ChainMirror
+from hysgen.model.structs import Counter, Scalar
+from hysgen.model.terms import Mirror
+
+Floats32 = NDArray[np.float32]
+Words = NDArray[np.uint32]
+
+
+class Holds(enum.Enum):
+    """What a member of the struct is, and with it the attribute of the mirror."""
+
+    VECTOR = "float per learned parameter; (n, lanes)"
+    MATRIX = "float per stored element of U; (n, n, lanes)"
+    NUMBER = "float; (lanes,)"
+    INTEGER = "uint32_t; (lanes,)"
+    FLAG = "uint32_t, 0 or 1; (lanes,)"
+    COUNTERS = "uint32_t each; by name, (lanes,)"
+    INPUTS = "state of the input blocks; a ChainMirror"
+    TERMS = "state of the terms; a Mirror per term"
+
+
+class Start(enum.Enum):
+    """What a word holds after the initialisation, where no function of its own writes it."""
+
+    ZERO = 0
+    ONE = 1
+    MODEL_Y = "y_um of the instance"
+    MODEL_U = "u_V of the instance"
+
+
+class Restart(enum.Enum):
+    """What a word holds after a restart of the shadow; the generated code writes vectors in this order."""
+
+    REFERENCE = "the reference parameters"
+    ZERO = 0
+    PRIOR = "the prior"
+    LEVEL = "the level that errors start from"
+
+
+@dataclass(frozen=True)
+class Described:
+    """A member of the struct: annotation of the mirror's attribute of that name.
+
+    meaning: its comment, with unit. start, restart: None if another function of the generated code writes it.
+    any_bits: the proof assumes nothing of it. parameter: finite and inside the limit of the parameters, by proof.
+    written_by: kinds of functions of an update that write it (`project`, `factor`, `clear`, `step`).
+    """
+
+    holds: Holds
+    meaning: str = ""
+    name: str = ""
+    start: Start | None = None
+    restart: Restart | None = None
+    any_bits: bool = False
+    parameter: bool = False
+    written_by: tuple[str, ...] = ()
+
+    @property
+    def type(self) -> Scalar:
+        """C type of its scalars."""
+        return "float" if self.holds in (Holds.VECTOR, Holds.MATRIX, Holds.NUMBER) else "uint32_t"
+
+
+vector = functools.partial(Described, Holds.VECTOR)
+matrix = functools.partial(Described, Holds.MATRIX)
+number = functools.partial(Described, Holds.NUMBER)
+integer = functools.partial(Described, Holds.INTEGER)
+flag = functools.partial(Described, Holds.FLAG)
+COUNTERS_OF: Final = Described(Holds.COUNTERS)
+INPUTS_OF: Final = Described(Holds.INPUTS, "state of the input blocks")
+TERMS_OF: Final = Described(Holds.TERMS, "state of the terms")
+
+
+class StructWords:
+    """State over lanes whose annotated attributes are the members of a C struct, in its order."""
+
+    COUNTERS: ClassVar[Mapping[str, Counter]] = {}
+
+    @classmethod
+    @functools.cache
+    def described(cls) -> tuple[Described, ...]:
+        """The members of the struct, in its order."""
+        found = []
+        for name, hint in get_type_hints(cls, include_extras=True).items():
+            members = [each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Described)]
+            found += [dataclasses.replace(member, name=name) for member in members]
+        return tuple(found)
+
+    def words(self) -> Mapping[str, Words]:
+        """The bits of every word of the struct in its order, (lanes,) each.
+
+        Named by C path; the words of the input blocks are `inputs[i]`, those of a term `terms[<its place>][i]`, the
+        stored elements of U `u[i,j]`.
+        """
+        named: dict[str, Words] = {}
+        for member in self.described():
+            name, value = member.name, getattr(self, member.name)
+            match member.holds:
+                case Holds.VECTOR:
+                    named |= {f"{name}[{i}]": _bits(row) for i, row in enumerate(value)}
+                case Holds.MATRIX:
+                    named |= {f"{name}[{i},{j}]": _bits(value[i, j]) for i, j in self.stored()}
+                case Holds.NUMBER:
+                    named[name] = _bits(value)
+                case Holds.INTEGER | Holds.FLAG:
+                    named[name] = value
+                case Holds.COUNTERS:
+                    named |= value
+                case Holds.INPUTS:
+                    named |= {f"{name}[{i}]": word.view(np.uint32) for i, word in enumerate(value.state())}
+                case Holds.TERMS:
+                    for place, term in enumerate(value):
+                        named |= {f"{name}[{place}][{i}]": w.view(np.uint32) for i, w in enumerate(term.state())}
+        return named
+
+    def restore(self, words: Sequence[Words]) -> None:
+        """Take over the states whose `words` are given, in their order, (lanes,) each, any number of lanes."""
+        left = iter(words)
+        lanes = words[0].size
+        for member in self.described():
+            name = member.name
+            match member.holds:
+                case Holds.VECTOR:
+                    rows = [next(left) for _ in range(len(getattr(self, name)))]
+                    setattr(self, name, np.stack(rows).view(np.float32))
+                case Holds.MATRIX:
+                    size = len(getattr(self, name))
+                    elements: Floats32 = np.zeros((size, size, lanes), np.float32)
+                    for i, j in self.stored():
+                        elements[i, j] = next(left).view(np.float32)
+                    setattr(self, name, elements)
+                case Holds.NUMBER:
+                    setattr(self, name, next(left).view(np.float32))
+                case Holds.INTEGER | Holds.FLAG:
+                    setattr(self, name, next(left))
+                case Holds.COUNTERS:
+                    setattr(self, name, {counter: next(left) for counter in getattr(self, name)})
+                case Holds.INPUTS | Holds.TERMS:
+                    value = getattr(self, name)
+                    mirrors: list[ChainMirror | Mirror] = [value] if member.holds is Holds.INPUTS else value
+                    for mirror in mirrors:
+                        mirror.restore([next(left) for _ in mirror.state()])
+
+    def stored(self) -> list[tuple[int, int]]:
+        """(i, j) of every element of a matrix that the C keeps, in its order."""
+        return []
+
+
+def _bits(x: Floats32) -> Words:
+    return np.asarray(x, np.float32).view(np.uint32)
