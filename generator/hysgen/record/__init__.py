@@ -1,4 +1,4 @@
-"""Measured records: reading them, and refusing what no model should be fitted to."""
+"""Measured records: reading, checking, noise floor."""
 
 from hysgen.record.columns import Columns
 from hysgen.record.data import Record, Segment

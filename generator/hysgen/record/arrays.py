@@ -1,6 +1,6 @@
-"""NPZ, MAT (v5 and v7.3) and HDF5 files to arrays by name, and picking series out of them.
+"""Reading NPZ, MAT (v5 and v7.3) and HDF5 files into arrays by name, and selecting series from arrays.
 
-Only plain numbers are taken. Pickled Python objects, which could run code, are refused without being opened.
+Only numeric arrays are read. Pickled Python objects, which could run code, are refused without being opened.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MATLAB_BLOCK = 512
 
 
 def read_npz(path: Path) -> dict[str, Array]:
-    """All arrays of an NPZ file by name. Raises RecordError for pickled objects and for what is no NPZ file."""
+    """All arrays of an NPZ file by name. Raises RecordError for pickled objects and for other files."""
     if not zipfile.is_zipfile(path):
         raise RecordError(f"{path.name}: is not an NPZ file; write it with numpy.savez, or give it its own suffix")
     arrays: dict[str, Array] = {}
@@ -55,7 +55,7 @@ def read_mat(path: Path) -> dict[str, Array]:
         raise RecordError(f"{path.name}: is not a MAT file of version 5 or 7.3; save it with MATLAB's -v7 or -v7.3")
     try:
         content = scipy.io.loadmat(str(path), simplify_cells=True)
-    except Exception as fault:  # the parser meets foreign bytes and may fail in any way
+    except Exception as fault:  # SciPy's parser may raise any exception on a damaged file
         raise RecordError(f"{path.name}: is damaged ({_one_line(fault)}); save it again") from fault
     return dict(_flat("", content))
 
@@ -63,8 +63,8 @@ def read_mat(path: Path) -> dict[str, Array]:
 def read_hdf5(path: Path) -> dict[str, Array]:
     """All numeric datasets of an HDF5 file by path, without the leading slash.
 
-    MATLAB stores the axes of an array in reverse; datasets marked as MATLAB's are turned back, and their vectors made
-    one-dimensional, so that a selection reads as in MATLAB. Links are not followed.
+    MATLAB stores the axes of an array in reverse order. Datasets with MATLAB's attribute are transposed, and their
+    vectors made one-dimensional, so that indices have the order of MATLAB. Links are not followed.
     """
     arrays: dict[str, Array] = {}
 
@@ -82,10 +82,10 @@ def read_hdf5(path: Path) -> dict[str, Array]:
 
 
 def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list[tuple[str, Array]]:
-    """The series that `text`, "name" or "group/name" or "name[selection]", stands for.
+    """The series named by `text`: "name", "group/name" or "name[selection]".
 
-    In a selection a number picks from its axis, the first ':' (or 'a:b') is time and every further one makes segments;
-    indices count from 0. Returns (label, (n,) array) for each segment.
+    In a selection, a number is an index on its axis, the first ':' (or 'a:b') is the time axis, and each further ':' is
+    an axis of segments; indices start at 0. Returns (label, (n,) array) for each segment.
     Raises RecordError if there is no such array, if it has several axes and no selection, or if an index is outside.
     """
     name, index = (text, None) if key_of(arrays, text) else _cut_selection(text)
@@ -110,7 +110,7 @@ def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list
 
 
 def key_of(arrays: Mapping[str, Array], name: str) -> str | None:
-    """The key of the array called `name`: in full, or by the last part of its path if only one ends so."""
+    """The key of the array `name`: its full path, or the last part of the path where that is unique; else None."""
     name = name.strip("/")
     if name in arrays:
         return name

@@ -1,4 +1,4 @@
-"""The channels of one unbroken run while it is being read, with the words that a message about them needs."""
+"""The channels of one unbroken run during reading, with the names that error messages need."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hysgen.errors import RecordError
 
 
 def index_of(row: int) -> str:
-    """How a person finds a row of an array."""
+    """The position of a row of an array in an error message."""
     return f"index {row}"
 
 
@@ -34,7 +34,7 @@ class Channels:
 
     @classmethod
     def of_arrays(cls, source: str, u_V: ArrayLike, y_um: ArrayLike, aux: Mapping[str, ArrayLike]) -> Channels:
-        """Channels from anything that NumPy can take as numbers. Raises RecordError if it cannot."""
+        """Channels from array-likes. Raises RecordError if one of them is not a series of real numbers."""
         named = {"voltage_V": u_V, "displacement_um": y_um, **aux}
         arrays = {name: one_series(source, name, values) for name, values in named.items()}
         return cls(source, arrays.pop("voltage_V"), arrays.pop("displacement_um"), arrays)

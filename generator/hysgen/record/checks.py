@@ -1,4 +1,4 @@
-"""What is refused in the values of a record, whatever file they came from."""
+"""Checks of the values of a record, independent of its file format."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from hysgen.record.channels import Channels
 from hysgen.record.plausibility import saturation, swapped
 
 ACCEPTABLE = ("constant", "saturation", "swapped")
-"""Refusals that a caller who knows better may turn into warnings."""
+"""Refusals that the caller may turn into warnings."""
 
 SHORTEST = 3
-"""Samples that a run needs: two steps, the least that shows a sampling period and a change of it."""
+"""Samples that a run needs: two steps are the least from which a sampling period and its variation follow."""
 
 
 def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tuple[str, ...]:
-    """Refuse what no model can be fitted to; return warnings about what looks odd. `runs`: of one file, in order.
+    """Refuse values that no model can be fitted to; return warnings about suspicious values.
 
-    Refused, in this order: different lengths, NaN or infinity, fewer than 3 samples in a run, an input or output that
-    never moves; exchanged columns and a sensor at its end where that is certain, elsewhere a warning.
-    `accept` turns the refusals it names into warnings. Raises RecordError with one line.
+    runs: of one file, in order. Refused, in this order: different lengths, NaN or infinity, fewer than 3 samples in a
+    run, a constant input or output; exchanged columns and a saturated sensor if certain, else a warning.
+    accept: names of refusals that become warnings. Raises RecordError with one line.
     """
     for name in accept:
         if name not in ACCEPTABLE:
@@ -31,13 +31,13 @@ def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tupl
     for run in runs:
         check_finite(run)
     warnings = []
-    for look in (constant, swapped, saturation):
-        for name, certain, line in look(runs):
+    for check in (constant, swapped, saturation):
+        for name, certain, line in check(runs):
             if certain and name not in accept:
                 raise RecordError(f"{line}; if it is sound all the same, accept {name}")
             warnings.append(line)
-        if look is constant and warnings:
-            break  # nothing that rests can be judged by how it moves
+        if check is constant and warnings:
+            break  # the other checks need channels that move
     return tuple(warnings)
 
 
@@ -64,7 +64,7 @@ def check_finite(run: Channels) -> None:
 
 
 def constant(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
-    """("constant", True, message) for an input or output that never moves in any of the runs."""
+    """("constant", True, message) for an input or output that is constant over all runs."""
     first = runs[0]
     for name, channels, cure in (
         (first.u_name, [run.u_V for run in runs], "drive the stage with a signal that moves"),

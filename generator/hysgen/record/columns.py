@@ -1,4 +1,4 @@
-"""Which columns of a file are time, voltage and displacement, in which units, and how the text is separated."""
+"""Description of a file: columns of time, voltage and displacement, their units, separator and decimal sign."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ class Columns:
     """Names, units and separators of a file.
 
     time, voltage, displacement: names of the columns (CSV) or arrays (NPZ, MAT, HDF5; there also a path "group/name",
-        and a selection "u[:,0,:,:]": the first ':' counts samples, every further ':' makes segments, a number picks).
-        time = "" ignores any time column; then Ts_s must be given.
+        and a selection "u[:,0,:,:]": the first ':' is the time axis, each further ':' an axis of segments, a number an
+        index). time = "" ignores any time column; then Ts_s must be given.
     time_unit, voltage_unit, displacement_unit: None takes the unit that ends the name ("x_nm" is nm), else s, V, um.
-    segment: column or array whose value numbers the unbroken runs; used if it is there.
+    segment: column or array with the number of the unbroken run; used if the file has it.
     aux: further channels to read, each "name" or "new_name=name"; None reads every other numeric column, () reads none.
-    separator: one character, or comma, semicolon, tab, space; None finds it in the header.
-    decimal: "." or ","; None takes a comma if the columns are not separated by commas and the first numbers hold one.
-    Ts_s: sampling period in s, for files without time; with a time column it must agree with it.
+    separator: one character, or comma, semicolon, tab, space; None detects it in the header.
+    decimal: "." or ","; None means a comma if commas are not the separator and the first row has one in a number.
+    Ts_s: sampling period in s, for files without time; with a time column both must agree.
 
     Raises RecordError for an unknown unit, a separator that is not one character, or a period that is not positive.
     """
@@ -95,14 +95,14 @@ class Columns:
         return cls(**given)
 
     def unit(self, role: str) -> str:
-        """Unit of `role` ("time", "voltage", "displacement"): as given, else as its name ends, else s, V, um."""
+        """Unit of `role` ("time", "voltage", "displacement"): as given, else the suffix of its name, else s, V, um."""
         given = getattr(self, f"{role}_unit")
         if given is not None:
             return _plain(given)
         return self.unit_in_name(role) or BASE[role]
 
     def unit_in_name(self, role: str) -> str | None:
-        """Unit that the column's name ends in, as "x_nm", "x [nm]" or "x (nm)"; None if it ends in no known unit."""
+        """Unit in the suffix of the column's name, as in "x_nm", "x [nm]" or "x (nm)"; None without a known unit."""
         name = re.sub(r"\[[^\]]*[:,][^\]]*\]$", "", getattr(self, role))
         ending = re.search(r"(?:_|\s|\[|\()([a-zA-Zµμ]+)[\])]?$", name.strip())
         unit = _plain(ending.group(1)) if ending else ""
@@ -116,13 +116,13 @@ class Columns:
         return values * multiply / divide
 
     def aux_pairs(self) -> tuple[tuple[str, str], ...] | None:
-        """(name in the record, name in the file) of the further channels asked for; None if nothing was said."""
+        """(name in the record, name in the file) of the requested further channels; None if `aux` is None."""
         if self.aux is None:
             return None
         return tuple((label.strip(), name.strip()) for label, _, name in (_renamed(one) for one in self.aux))
 
     def remarks(self) -> tuple[str, ...]:
-        """A line for each unit that was taken from a name and is not the usual one."""
+        """A line for each unit that comes from a column's name and is not the base unit."""
         return tuple(
             f"{getattr(self, role)} is read in {unit}, as its name says; give {role}_unit if that is wrong"
             for role in UNITS
@@ -133,7 +133,7 @@ class Columns:
 
 
 def nearest(name: str, there: Iterable[str]) -> str:
-    """The words "(did you mean 'x'?)" for the name out of `there` that is spelled most like `name`, or none."""
+    """The text " (did you mean 'x'?)" with the name in `there` of closest spelling, or "" if none is close."""
     by_spelling = {one.lower(): one for one in there}
     close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.5)
     return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""
@@ -144,5 +144,5 @@ def _renamed(text: str) -> tuple[str, str, str]:
 
 
 def _plain(unit: str) -> str:
-    """The unit with the micro sign, in either of its two code points, written as u."""
+    """The unit with the micro sign (U+00B5 or U+03BC) replaced by u."""
     return unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")

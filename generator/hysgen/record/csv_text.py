@@ -1,7 +1,7 @@
-"""CSV text to columns of numbers and back.
+"""Conversion between CSV text and columns of numbers.
 
-A million rows are parsed by NumPy's compiled reader. Only if that fails is the text walked line by line, to find the
-line, the column and the fault.
+NumPy's compiled reader parses the text. If it fails, a slow reader parses line by line and reports the line, the column
+and the fault.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ COMMENT = "#"
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class CsvTable:
     """Columns of a CSV file.
 
-    names: of all columns, numbers or not. columns: (n,) numbers by name.
-    locate: row to "line 12". remarks: for the user.
+    names: of all columns, numeric or not. columns: (n,) numbers by name.
+    locate: row number to "line 12". remarks: one line each, for the user.
     """
 
     names: tuple[str, ...]
@@ -37,9 +37,9 @@ class Table:
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where the numbers are.
+    """Layout of a CSV text.
 
-    names: of all columns. separator: one character. body: the text behind the header. first: line number of its start.
+    names: of all columns. separator: one character. body: the text after the header. first: line number of its start.
     """
 
     source: str
@@ -49,7 +49,7 @@ class _Layout:
     first: int
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number as an editor counts, and the fields, of every data line."""
+        """Line number, from 1, and fields of every data line."""
         for number, line in enumerate(io.StringIO(self.body), self.first):
             if _is_data(line):
                 yield number, _split(line, self.separator)
@@ -58,10 +58,10 @@ class _Layout:
         return next(f"line {number}" for position, (number, _) in enumerate(self.rows()) if position == row)
 
 
-def read_csv(path: Path, columns: Columns) -> Table:
+def read_csv(path: Path, columns: Columns) -> CsvTable:
     """The numeric columns of a CSV file, in the units of the file.
 
-    Tolerated: a byte order mark, CRLF, blank lines, lines and line ends behind '#', quotes, a header behind '#'.
+    Accepted: a byte order mark, CRLF, blank lines, comments after '#', quotes, a header after '#'.
     Columns whose first value is not a number are left out with a remark, unless `columns` names them.
     Raises RecordError with file, line, column and cure.
     """
@@ -83,11 +83,11 @@ def read_csv(path: Path, columns: Columns) -> Table:
             remarks.append(f"{layout.source}: column {name} holds '{value}', not numbers, and is left out")
     values = _parse(layout, use, comma)
     table = {layout.names[position]: values[:, place] for place, position in enumerate(use)}
-    return Table(tuple(filter(None, layout.names)), table, layout.locate, tuple(remarks))
+    return CsvTable(tuple(filter(None, layout.names)), table, layout.locate, tuple(remarks))
 
 
 def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
-    """CSV text of equally long columns; every number with the digits that bring its float64 back exactly."""
+    """CSV text of equally long columns; every number reads back as the same float64."""
     body = zip(*(map(repr, values) for values in columns.values()), strict=True)
     return "\n".join((",".join(columns), *map(",".join, body), ""))
 
@@ -105,13 +105,13 @@ def _text(path: Path) -> str:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        # Older loggers write the micro sign of a header in Latin-1; every byte is a character there.
+        # Older loggers write the micro sign of a header in Latin-1, in which every byte is valid.
         text = data.decode("latin-1")
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 
 def _layout(source: str, text: str, columns: Columns) -> _Layout:
-    """Find the header: the first line that is no comment, or the comment before the first line of numbers."""
+    """The layout. Its header is the first line that is no comment, or the last comment before the first numbers."""
     end, header, remark = 0, "", ""
     for number, line in enumerate(io.StringIO(text), 1):  # noqa: B007 the line number is used behind the loop
         if _is_data(line):
@@ -140,7 +140,7 @@ def _layout(source: str, text: str, columns: Columns) -> _Layout:
 
 
 def _split(line: str, separator: str) -> list[str]:
-    """The fields of one line, without quotes and what stands behind a comment sign."""
+    """The fields of one line, without quotes and without a comment at its end."""
     line = line.partition(COMMENT)[0].strip(" \r\n")
     if separator == " ":
         return line.split()
@@ -149,20 +149,20 @@ def _split(line: str, separator: str) -> list[str]:
 
 
 def _parse(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64]:
-    """Columns `use` as (n, len(use)); by the slow walk whenever the fast reader fails or may have missed a fault."""
+    """Columns `use` as (n, len(use)); by the slow reader where the fast one fails or may have missed a fault."""
     values = _fast(layout, use, comma)
     if values is None:
-        return _walk(layout, use, comma)
+        return _slow(layout, use, comma)
     if len(use) == len(layout.names):
         regular = values.shape[1] == len(layout.names)
     else:
-        # With columns left out, the fast reader does not see that a row is too long or too short.
+        # If columns are left out, the fast reader does not detect rows of the wrong length.
         regular = layout.body.count(layout.separator) == values.shape[0] * (len(layout.names) - 1)
-    return values if regular else _walk(layout, use, comma)
+    return values if regular else _slow(layout, use, comma)
 
 
 def _fast(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64] | None:
-    """The numbers by NumPy's compiled reader, or None: its message names no line and no column of the file."""
+    """The numbers by NumPy's compiled reader, or None if it fails: its messages name no line and no column."""
     try:
         return np.loadtxt(
             io.StringIO(layout.body.replace(",", ".") if comma else layout.body),
@@ -177,8 +177,8 @@ def _fast(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float6
         return None
 
 
-def _walk(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64]:
-    """The same as the fast reader, one line at a time, stopping at the first fault with its line and column."""
+def _slow(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64]:
+    """The numbers by Python, one line at a time. Raises RecordError at the first fault, with its line and column."""
     table = []
     for number, fields in layout.rows():
         if len(fields) != len(layout.names):
@@ -198,7 +198,7 @@ def _walk(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float6
 
 
 def _number(text: str, comma: bool) -> float | None:
-    """The number that `text` spells, or None. Python's underscores in numbers are not numbers in a record."""
+    """The number in `text`, or None. An underscore, which Python's float accepts, is not allowed."""
     try:
         return float(text.replace(",", ".") if comma else text) if "_" not in text else None
     except ValueError:

@@ -1,4 +1,4 @@
-"""What a measured record is: segments of voltage and displacement at one sampling period."""
+"""The measured record: segments of voltage and displacement at one sampling period."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from hysgen.record.channels import Channels
 from hysgen.record.checks import check_values
 
 SAME_PERIOD = 1e-4
-"""Relative difference of two sampling periods below which they count as the same clock."""
+"""Largest relative difference of two sampling periods that count as equal."""
 
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """One unbroken run of samples with its own, unknown, initial state.
+    """One unbroken run of samples with an unknown initial state of its own.
 
     name: label of the run, for messages.
     u_V, y_um: (n,) applied voltage in V and measured displacement in um, float64, read-only.
@@ -42,7 +42,7 @@ class Segment:
         u_V = _channel(self.u_V, "voltage", self.name)
         object.__setattr__(self, "u_V", u_V)
         object.__setattr__(self, "y_um", _channel(self.y_um, "displacement", self.name))
-        # Sorted, because HDF5 files do not keep the order in which the channels were written.
+        # Sorted, because HDF5 files do not store the order of the channels.
         aux = {key: _channel(self.aux[key], key, self.name) for key in sorted(self.aux)}
         object.__setattr__(self, "aux", aux)
         for key, values in chain([("displacement", self.y_um)], self.aux.items()):
@@ -75,8 +75,8 @@ class Record(Displayed):
     segments: in the order of the file, or of the files.
     Ts_s: sampling period in s.
     source: file name(s) without folder, or "arrays".
-    digest: SHA-256 of channels, segment lengths and Ts_s; the same whatever file format the numbers came from.
-    warnings: what looked odd but did not stop the reading, one line each.
+    digest: SHA-256 of channels, segment lengths and Ts_s; independent of the file format.
+    warnings: suspicious values that were not refused, one line each.
     """
 
     segments: tuple[Segment, ...]
@@ -91,8 +91,8 @@ class Record(Displayed):
     ) -> Record:
         """A record of these segments, with its digest.
 
-        Values are not checked (a part of a record may rest at one voltage). Channels that some segments lack are left
-        out of all, with a warning. Raises RecordError for no segment at all or a sampling period that is not positive.
+        Values are not checked: a part of a record may be constant. A channel that a segment lacks is removed from all
+        segments, with a warning. Raises RecordError for no segment or for a sampling period that is not positive.
         """
         if not segments:
             raise RecordError(f"{source}: holds no samples; record at least one segment")
@@ -119,10 +119,10 @@ class Record(Displayed):
         start_s: float = 0.0,
         accept: Collection[str] = (),
     ) -> Record:
-        """A record of one segment from arrays, after the same checks of values as a file gets.
+        """A record of one segment from arrays, after the same checks of values as for files.
 
-        u_V, y_um: (n,) in V and um. aux: further channels, each (n,). `accept` turns the refusals it names
-        ("constant", "saturation", "swapped") into warnings.
+        u_V, y_um: (n,) in V and um. aux: further channels, each (n,).
+        accept: names of refusals ("constant", "saturation", "swapped") that become warnings.
         Raises RecordError with one line: source, index, channel, fault and cure.
         """
         if not (math.isfinite(Ts_s) and Ts_s > 0.0):
@@ -155,7 +155,7 @@ class Record(Displayed):
         )
 
     def summary(self) -> Summary:
-        """Its segments with their ranges."""
+        """Table of the segments with their ranges."""
         rows = [
             [
                 part.name,
@@ -197,7 +197,7 @@ class Record(Displayed):
         return tuple(self.segments[0].aux)
 
     def rows(self, start: int, stop: int) -> Record:
-        """Rows start..stop-1 of the joined record. Segments are cut where they must be and kept in order.
+        """Rows start..stop-1 of the joined record. Segments keep their order; the first and last may be cut.
 
         Raises RecordError if no row is left or a bound lies outside 0..samples.
         """
@@ -231,7 +231,7 @@ def _channel(values: ArrayLike, field_name: str, segment: str) -> NDArray[np.flo
     if array.ndim != 1:
         raise RecordError(f"segment {segment}: {field_name} has shape {array.shape}; give a one-dimensional array")
     if array.flags.writeable:
-        # The caller may go on writing to this array; the record must not change with it.
+        # A copy, because the caller may modify this array later.
         array = array.copy()
         array.setflags(write=False)
     return array
@@ -243,7 +243,7 @@ def _range(channels: Iterator[NDArray[np.float64]]) -> tuple[float, float]:
 
 
 def _common_aux(segments: Sequence[Segment]) -> tuple[tuple[Segment, ...], list[str]]:
-    """The segments with only those further channels that all have, and a line for each channel left out."""
+    """The segments with the further channels that all of them have, and a line for each removed channel."""
     shared = [key for key in segments[0].aux if all(key in segment.aux for segment in segments)]
     if all(len(segment.aux) == len(shared) for segment in segments):
         return tuple(segments), []
@@ -268,6 +268,6 @@ def _digest(segments: Sequence[Segment], Ts_s: float) -> str:
         channels.update((f"aux {key}", values) for key, values in segment.aux.items())
         for key, values in channels.items():
             state.update(f"{key} {values.size}\n".encode())
-            # Adding zero turns -0.0, which text formats may lose, into 0.0.
+            # Adding 0.0 turns -0.0 into 0.0: text formats may lose the sign.
             state.update((values + 0.0).astype("<f8").tobytes())
     return state.hexdigest()

@@ -1,4 +1,4 @@
-"""Is there enough in the record: for the chosen rules and parameters, and for the validation that follows."""
+"""Sufficiency of a record: excitation for the chosen rules and parameters, and range of the validation."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from hysgen.record.data import SAME_PERIOD, Record
 from hysgen.record.series import turning_rows, white_noise
 
 PER_PARAMETER = 4
-"""Steps y(k) to y(k+1) that each parameter needs at the least; a sound record has hundreds."""
-APART = 0.03
-"""Part of the displacement's movement in a rule's cell, rms, that the voltage must not explain to count as apart."""
+"""Least number of steps y(k) to y(k+1) per parameter; typical records have hundreds."""
+SEPARATE = 0.03
+"""Least rms of y about its regression line on u in a rule's cell, relative to the rms of y there, to separate both."""
 OUTSIDE = 0.005
-"""Part of the identified range by which validation may exceed it without a word: noise at the turning points."""
+"""Part of the identified range by which validation may exceed it without a warning: noise at the turning points."""
 
 Series = NDArray[np.float64]
 
@@ -24,10 +24,10 @@ Series = NDArray[np.float64]
 def check_for_fit(record: Record, rules: int, parameters: int) -> tuple[str, ...]:
     """Refuse a record with too few samples for the model; return warnings, one line each, on poor excitation.
 
-    rules: L of Eq. (1), whose cells are the equal parts of the displacement's range nearest to each centre, Eq. (6).
-    parameters: all coefficients that will be fitted, 3 L and those of the extensions.
+    rules: L of Eq. (1); the cell of a rule is the part of the range of y that is nearest to its centre, Eq. (6).
+    parameters: number of all fitted coefficients, 3 L and those of the extensions.
 
-    Warned about: rules whose cell is hardly visited; fewer coefficients told apart than there are; swings all alike.
+    Warnings: rules with too few samples; coefficients that the record does not determine; equal swings of the voltage.
     Raises RecordError if there are fewer than 4 steps for each parameter.
     """
     if rules < 1 or parameters < 1:
@@ -43,10 +43,10 @@ def check_for_fit(record: Record, rules: int, parameters: int) -> tuple[str, ...
 
 
 def check_validation(identification: Record, validation: Record) -> tuple[str, ...]:
-    """Warnings, one line each, on what the validation record asks of a model and the identification did not show.
+    """Warnings, one line each, where the validation record exceeds the conditions of the identification record.
 
-    Ranges of voltage and displacement that it leaves, with how far and how often; a faster voltage; channels that are
-    missing; the very same record. Raises RecordError if the sampling periods differ, for then no model fits both.
+    Voltages and displacements outside its ranges, faster voltage, missing channels, and the identical record.
+    Raises RecordError if the sampling periods differ.
     """
     source = validation.source
     if abs(validation.Ts_s - identification.Ts_s) > SAME_PERIOD * identification.Ts_s:
@@ -70,10 +70,10 @@ def check_validation(identification: Record, validation: Record) -> tuple[str, .
                 f"{low:.6g}..{high:.6g} {unit} in {outside} of {values.size} samples; the model is clamped there: "
                 "identify over the whole range"
             )
-    seen, asked = _fastest(identification), _fastest(validation)
-    if asked > 1.2 * seen:
+    identified, needed = _fastest(identification), _fastest(validation)
+    if needed > 1.2 * identified:
         warnings.append(
-            f"{source}: voltage moves by up to {asked:.4g} V/s, in identification by up to {seen:.4g} V/s; "
+            f"{source}: voltage moves by up to {needed:.4g} V/s, in identification by up to {identified:.4g} V/s; "
             "identify with signals as fast"
         )
     for name in identification.aux_names:
@@ -85,11 +85,11 @@ def check_validation(identification: Record, validation: Record) -> tuple[str, .
 
 
 def _cells(record: Record, rules: int) -> Iterator[str]:
-    """Warnings on rules that are hardly visited, or in whose cell voltage and displacement do not move apart.
+    """Warnings on rules with few samples, and on rules in whose cell y is a function of u.
 
-    A visited rule determines its constant; its slope in y too if y varies in the cell; its slope in u too if y is no
+    A cell with samples determines the constant of its rule; the slope in y if y varies there; the slope in u if y is no
     function of u there:  rms(y - line in u) > max(0.03 s, min(3 noise, 0.7 s)),  s = rms(y - mean).
-    Noise alone separates nothing; but what looks like noise of a signal near half the sampling rate is signal.
+    The limit of 3 noise keeps noise from counting; 0.7 s is for fast signals, which the noise estimate takes for noise.
     """
     u = np.concatenate([one.u_V[:-1] for one in record.segments])
     y = np.concatenate([one.y_um[:-1] for one in record.segments])
@@ -105,10 +105,10 @@ def _cells(record: Record, rules: int) -> Iterator[str]:
     u = u - mean(u)[cell]
     y = y - mean(y)[cell]
     uu, yy, uy = mean(u * u), mean(y * y), mean(u * y)
-    apart = yy - np.divide(uy * uy, uu, out=np.zeros(rules), where=uu > 0.0)
+    unexplained = yy - np.divide(uy * uy, uu, out=np.zeros(rules), where=uu > 0.0)
     poor = count < 3 * PER_PARAMETER
     moving = ~poor & (yy > 0.0)
-    separate = moving & (uu > 0.0) & (apart > np.maximum(APART**2 * yy, np.minimum(9.0 * noise**2, 0.5 * yy)))
+    separate = moving & (uu > 0.0) & (unexplained > np.maximum(SEPARATE**2 * yy, np.minimum(9.0 * noise**2, 0.5 * yy)))
     if poor.any():
         shown = _listed(
             [f"{rule + 1} (y near {low + rule * step:.4g} um: {count[rule]})" for rule in np.flatnonzero(poor)]
@@ -117,12 +117,12 @@ def _cells(record: Record, rules: int) -> Iterator[str]:
             f"{record.source}: {np.count_nonzero(poor)} of {rules} rules see fewer than {3 * PER_PARAMETER} samples: "
             f"rule {shown}; choose fewer rules, or dwell there"
         )
-    told = int(np.count_nonzero(~poor) + np.count_nonzero(moving) + np.count_nonzero(separate))
-    if told < 3 * rules:
+    determined = int(np.count_nonzero(~poor) + np.count_nonzero(moving) + np.count_nonzero(separate))
+    if determined < 3 * rules:
         together = _listed([str(rule + 1) for rule in np.flatnonzero(moving & ~separate)])
         because = f": voltage and displacement move as one in rules {together}" if together else ""
         yield (
-            f"{record.source}: excitation tells about {told} of {3 * rules} rule coefficients apart{because}; "
+            f"{record.source}: excitation tells about {determined} of {3 * rules} rule coefficients apart{because}; "
             "add nested amplitudes and other frequencies, or choose fewer rules"
         )
 
@@ -132,7 +132,7 @@ def _listed(words: list[str]) -> str:
 
 
 def _alike(record: Record) -> Iterator[str]:
-    """A warning if the voltage hardly turns, or if all its swings have one size and one duration."""
+    """A warning if the voltage has fewer than two full swings, or if all swings have one size and one duration."""
     low, high = record.u_range_V
     sizes: list[float] = []
     durations: list[float] = []
@@ -140,7 +140,7 @@ def _alike(record: Record) -> Iterator[str]:
     for one in record.segments:
         rows = turning_rows(one.u_V, 0.02 * (high - low))
         turns += rows.size
-        # The swings before the first and after the last turning point are cut off by the record's ends.
+        # Swings before the first and after the last turning point are incomplete.
         sizes.extend(np.abs(np.diff(one.u_V[rows])).tolist())
         durations.extend((np.diff(rows) * record.Ts_s).tolist())
     if len(sizes) < 2:
@@ -156,6 +156,6 @@ def _alike(record: Record) -> Iterator[str]:
 
 
 def _fastest(record: Record) -> float:
-    """Speed of the voltage in V/s that 99.9 % of the steps stay below; a jump or two is no excitation."""
+    """99.9 % quantile of the speed of the voltage in V/s; the quantile ignores single jumps."""
     steps = np.concatenate([np.abs(np.diff(one.u_V)) for one in record.segments])
     return float(np.quantile(steps, 0.999)) / record.Ts_s if steps.size else 0.0

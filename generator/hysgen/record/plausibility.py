@@ -1,7 +1,6 @@
-"""Does the record look like a sensor watching a stage? A sensor at its end, and columns that were exchanged.
+"""Plausibility of a record: detection of a saturated sensor and of exchanged columns.
 
-Both are judged from the numbers alone. What is certain is refused, what is only likely is a warning: a sound record
-must never be turned away.
+Both use the numbers alone. A certain finding is refused, a likely one is a warning: a valid record must not be refused.
 """
 
 from __future__ import annotations
@@ -18,25 +17,25 @@ from hysgen.record.series import plateaus, white_noise
 Series = NDArray[np.float64]
 
 FLAT = 5
-"""Samples in a row at exactly the extreme value that make a flat end."""
+"""Consecutive samples at exactly the extreme value that make a flat end."""
 STILL = 8
-"""Samples that noise of half a quantum and more does not leave at one value, least of all at the extreme one."""
+"""Consecutive equal samples that do not occur with noise of half a quantum or more."""
 BEFORE = 20
-"""Samples before a flat end in which the voltage must not turn, or not have been higher: room for delays up to that."""
+"""Samples before a flat end in which the voltage must not turn or be higher; allows delays up to this length."""
 CYCLE = 64
-"""Points per cycle of the input that the loop is looked at with; averaging down to them takes the noise out."""
+"""Points per cycle of the input for the area of the loop; averaging down to them reduces the noise."""
 
 
 def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
     """("saturation", certain, message) for a displacement that stays at exactly its extreme value.
 
-    Certain, a sensor at its end, if it rests there for 8 samples and three times longer than at any other value, and
-      - noise that moves all other samples is gone there, or
-      - the displacement ran into it without slowing down while the voltage neither turned nor rested.
-    Likely if only the last holds, or if the voltage goes on, beyond what it reached before, by as much as would move
-    the stage (by the record's overall gain) 4 quanta of the displacement and 0.5 % of its range.
-    So holds, slow signals inside one quantum, sticking, and plays at a turning point do not count; and an amplifier
-    that clips is not taken for a sensor, because the stage settles there and the sensor's noise stays.
+    Certain (a saturated sensor) if y is constant for 8 samples and three times longer than at any other value, and
+      - the noise of all other samples is absent there, or
+      - y reached the value without slowing down while the voltage neither turned nor stopped.
+    Likely if only the last condition holds, or if the voltage rises further, beyond its previous maximum, by an amount
+    that corresponds (by the record's overall gain) to 4 quanta of the displacement and 0.5 % of its range.
+    Plateaus of the input, slow signals within one quantum, stiction, and plays at a turning point thus do not count. A
+    clipping amplifier is not mistaken for a saturated sensor: y settles to its value, and the sensor noise remains.
     """
     best: dict[str, _Flat] = {}
     for flat in _flats(runs):
@@ -51,14 +50,14 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
 
 
 def at_end(runs: Sequence[Channels]) -> list[NDArray[np.bool_]]:
-    """Samples of each run, (n_i,), at exactly an extreme value that is the end of the sensor for `saturation`."""
+    """Flags of each run, (n_i,): samples at exactly an extreme value that `saturation` finds certain."""
     ends_um = {flat.end_um for flat in _flats(runs) if flat.certain}
     return [np.isin(run.y_um, list(ends_um)) for run in runs]
 
 
 @dataclass(frozen=True)
 class _Flat:
-    """A stretch of a run at exactly its "highest" or "lowest" value, end_um, and whether that is the sensor's end."""
+    """Samples start .. stop - 1 of a run at exactly its "highest" or "lowest" value, end_um, and their verdict."""
 
     name: str
     end_um: float
@@ -70,7 +69,7 @@ class _Flat:
 
 
 def _flats(runs: Sequence[Channels]) -> Iterator[_Flat]:
-    """Every stretch of FLAT samples or more at an extreme value, the highest before the lowest."""
+    """Every flat end of FLAT samples or more, those at the highest value first."""
     values = np.concatenate([run.y_um for run in runs])
     ends = (("highest", float(values.max())), ("lowest", float(values.min())))
     quantum = min(_smallest_step(run.y_um) for run in runs)
@@ -93,7 +92,7 @@ def _flats(runs: Sequence[Channels]) -> Iterator[_Flat]:
 
 
 def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:
-    """Whether y stopped within a sample at `start`, having come at a steady pace, while u went on one way."""
+    """Whether y stopped within one sample at `start` after a steady approach, while u moved on in one direction."""
     y, u = run.y_um, run.u_V
     reach = FLAT
     while abs(y[start] - y[max(0, start - reach)]) < 8.0 * quantum and reach < stop - start:
@@ -108,21 +107,21 @@ def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:
 
 
 def _goes_on(towards: Series, start: int, stop: int, movement_V: float) -> bool:
-    """Whether the voltage, counted towards this end, goes on in a flat end by more than `movement_V` to new heights."""
+    """Whether, in a flat end, the voltage exceeds its previous maximum (towards this end) by more than `movement_V`."""
     beyond = towards[start:stop] - towards[max(0, start - BEFORE) : start + 1].max()
     return bool(beyond.max() > movement_V and np.count_nonzero(beyond > beyond.max() / 2.0) >= 3)
 
 
 def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
-    """("swapped", certain, message) for a displacement that runs ahead of the voltage.
+    """("swapped", certain, message) for a displacement that leads the voltage.
 
-        w = -sum y du / (std(y) sum |du|) > 0  for every passive stage: y follows u, its loop loses energy
+        w = -sum y du / (std(y) sum |du|) > 0  for every passive stage: y lags u, the loop dissipates energy
 
-    Looked at only where voltage and displacement move together (correlation above 0.7, so that no resonance has turned
-    the phase over) for two cycles or more, nearly all of them run through the wrong way round.
+    Conditions: at least two cycles, nearly all with the wrong sense of rotation, and a correlation of u and y above 0.7,
+    which excludes records above a resonance, whose phase is turned over.
 
-    A voltage that was logged too late looks the same. So it is certain only if the voltage also carries the noise of
-    a sensor, and the displacement is as clean as a command.
+    A voltage logged too late gives the same loops. The finding is therefore certain only if the voltage also has the
+    noise of a sensor, and the displacement has none.
     """
     first = runs[0]
     correlation = _correlation(runs)
@@ -144,7 +143,7 @@ def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
 
 
 def _loops(u: Series, y: Series) -> tuple[Series, float]:
-    """-sum y du over each cycle of u, for u and y scaled to unit spread, and the path sum |du| of all the cycles."""
+    """-sum y du over each cycle of u, and sum |du| over all cycles; u and y scaled to unit standard deviation."""
     nothing = np.zeros(0), 0.0
     starts = _cycle_starts(u)
     if starts.size < 3:
@@ -162,7 +161,7 @@ def _loops(u: Series, y: Series) -> tuple[Series, float]:
 
 
 def _cycle_starts(u: Series) -> NDArray[np.int64]:
-    """Samples at which u comes up through the upper 15 % line of its half range after having been below the lower."""
+    """Samples at which u rises above mid-range + 15 % of its half range after having been below mid-range - 15 %."""
     middle, half = (u.max() + u.min()) / 2.0, (u.max() - u.min()) / 2.0
     outside = np.flatnonzero(np.abs(u - middle) > 0.15 * half)
     above = u[outside] > middle
@@ -170,14 +169,14 @@ def _cycle_starts(u: Series) -> NDArray[np.int64]:
 
 
 def _longest_repeat(y: Series, highest: float, lowest: float) -> int:
-    """Samples in the longest stretch of one value other than the extremes: slow sensors and sticking repeat values."""
+    """Most consecutive samples at one value that is not an extreme; slow sensors and stiction repeat values."""
     bounds = np.concatenate([[0], np.flatnonzero(np.diff(y)) + 1, [y.size]])
     inner = (y[bounds[:-1]] != highest) & (y[bounds[:-1]] != lowest)
     return int(np.diff(bounds)[inner].max(initial=1))
 
 
 def _correlation(runs: Sequence[Channels]) -> float:
-    """Correlation of voltage and displacement, each run about its own mean; 0 if one of them rests."""
+    """Correlation of voltage and displacement, each run about its own mean; 0 if one of them is constant."""
     uu = yy = uy = 0.0
     for run in runs:
         u, y = run.u_V - run.u_V.mean(), run.y_um - run.y_um.mean()
@@ -186,7 +185,7 @@ def _correlation(runs: Sequence[Channels]) -> float:
 
 
 def _smallest_step(y: Series) -> float:
-    """The smallest change from one sample to the next that is not zero: the quantum of a sensor that has one."""
+    """The smallest change between consecutive samples that is not zero: the quantum of a digital sensor."""
     steps = np.abs(np.diff(y))
     return float(steps.min(where=steps > 0.0, initial=np.inf))
 

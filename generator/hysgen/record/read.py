@@ -1,4 +1,4 @@
-"""Files to a record: choosing the reader, checking time and values, joining several files."""
+"""Reading a record from files: choice of the reader, checks of time and values, joining of files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hysgen.record.checks import check_finite, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record, Segment
-from hysgen.record.runs import Run, at_gaps, runs_of_arrays, runs_of_table, scalar_period
+from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays, runs_of_table, scalar_period
 from hysgen.record.sampling import JITTER, Stamps, sampling_period
 
 CSV_SUFFIXES = (".csv", ".txt", ".tsv", ".dat")
@@ -25,12 +25,12 @@ ARRAY_READERS: Mapping[str, Callable[[Path], dict[str, Array]]] = {
     ".hdf": read_hdf5,
 }
 SUFFIXES = (*CSV_SUFFIXES, *ARRAY_READERS)
-USUAL = Columns()
+DEFAULT = Columns()
 
 
 def load_record(
     path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
-    columns: Columns = USUAL,
+    columns: Columns = DEFAULT,
     *,
     jitter: float = JITTER,
     accept: Collection[str] = (),
@@ -40,8 +40,8 @@ def load_record(
 
     path: CSV (.csv .txt .tsv .dat), NPZ, MAT v5 or v7.3, HDF5 (.h5 .hdf5 .hdf).
     columns: names, units and separators, the same for all files.
-    jitter: largest deviation of a time step, as a part of the period.
-    accept: refusals to turn into warnings, out of "constant", "saturation", "swapped".
+    jitter: largest deviation of a time step, relative to the period.
+    accept: refusals that become warnings, out of "constant", "saturation", "swapped".
     split_at_gaps: start a new segment after a gap in time instead of refusing it.
 
     Nothing in the files can run code. Raises RecordError with one line: file, row, field, fault and cure.
@@ -55,7 +55,7 @@ def load_record(
 
 
 def record_csv(record: Record) -> str:
-    """The record as CSV text that `load_record` reads back: same numbers, same digest.
+    """The record as CSV text; `load_record` reads back the same numbers and the same digest.
 
     Columns time_s, voltage_V, displacement_um, the further channels, and segment (0, 1, ...) if there are several.
     """
@@ -76,7 +76,7 @@ def record_csv(record: Record) -> str:
 
 def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Record:
     runs, remarks, given_s = _runs(path, columns)
-    # Before the time is looked at: channels of unequal length would be cut wrongly at gaps.
+    # Before the check of the time: channels of unequal length would be cut at the wrong rows.
     for run in runs:
         check_finite(run.channels)
     if split_at_gaps:
@@ -96,8 +96,8 @@ def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[s
     return Record.from_segments(segments, Ts_s, path.name, (*named, *warnings))
 
 
-def _runs(path: Path, columns: Columns) -> tuple[list[Run], tuple[str, ...], float | None]:
-    """The runs of a file, remarks about it, and the period it or the user states apart from any time column."""
+def _runs(path: Path, columns: Columns) -> tuple[list[RawRun], tuple[str, ...], float | None]:
+    """The runs of a file, remarks about it, and the sampling period from its scalars or from the user, if any."""
     suffix = path.suffix.lower()
     if path.is_dir():
         raise RecordError(f"{path}: is a folder; name the record in it")
@@ -119,7 +119,7 @@ def _runs(path: Path, columns: Columns) -> tuple[list[Run], tuple[str, ...], flo
 
 
 def _named_after(record: Record, stem: str) -> Record:
-    """The record with its segments named after the file, so that messages tell the files apart."""
+    """The record with its segments named after the file, for messages about several files."""
     alone = len(record.segments) == 1
     segments = (replace(one, name=stem if alone else f"{stem}:{one.name}") for one in record.segments)
     return replace(record, segments=tuple(segments))

@@ -1,4 +1,4 @@
-"""The contents of a file to unbroken runs: naming the channels, applying units, cutting at segment numbers and gaps."""
+"""Splitting the contents of a file into unbroken runs: channel names, units, segment numbers, gaps in time."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from hysgen.errors import RecordError
 from hysgen.record.arrays import Array, find, key_of
 from hysgen.record.channels import Channels, index_of, one_series
 from hysgen.record.columns import Columns, nearest
-from hysgen.record.csv_text import Table
+from hysgen.record.csv_text import CsvTable
 from hysgen.record.sampling import gap_rows
 
 SCALARS = {"ts_s": 1.0, "fs_hz": -1.0}
-"""Names, in lower case, of single numbers that tell the sampling period, and the power of it that they hold."""
+"""Lower-case names of scalars that give the sampling period to the power of +1 (period) or -1 (rate)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
-    """One unbroken run as it stands in the file, already in s, V and um. time_s is None if the file has no time."""
+class RawRun:
+    """One unbroken run of a file, in s, V and um. time_s is None if the file has no time."""
 
     name: str
     time_s: NDArray[np.float64] | None
     channels: Channels
 
-    def cut(self, name: str, start: int, stop: int) -> Run:
-        """Rows start..stop-1; messages go on to name the rows of the file."""
+    def cut(self, name: str, start: int, stop: int) -> RawRun:
+        """Rows start..stop-1; messages still give the rows of the file."""
         c = self.channels
         channels = replace(
             c,
@@ -39,11 +39,11 @@ class Run:
             aux={key: values[start:stop] for key, values in c.aux.items()},
             locate=lambda row: c.locate(start + row),
         )
-        return Run(name, None if self.time_s is None else self.time_s[start:stop], channels)
+        return RawRun(name, None if self.time_s is None else self.time_s[start:stop], channels)
 
 
-def runs_of_table(source: str, table: Table, columns: Columns) -> list[Run]:
-    """The runs of a CSV file. Raises RecordError for a column that is missing, naming those that are there."""
+def runs_of_table(source: str, table: CsvTable, columns: Columns) -> list[RawRun]:
+    """The runs of a CSV file. Raises RecordError for a missing column, with the names that exist."""
     there = table.columns
 
     def column(role: str, name: str) -> NDArray[np.float64]:
@@ -67,7 +67,7 @@ def runs_of_table(source: str, table: Table, columns: Columns) -> list[Run]:
         used = {columns.time, columns.voltage, columns.displacement, columns.segment, Columns.time}
         pairs = tuple((name, name) for name in there if name not in used)
     aux = {label: column("aux", name) for label, name in pairs}
-    whole = Run("0", time, Channels(source, u_V, y_um, aux, columns.voltage, columns.displacement, table.locate))
+    whole = RawRun("0", time, Channels(source, u_V, y_um, aux, columns.voltage, columns.displacement, table.locate))
     if columns.segment not in there:
         if columns.segment != Columns.segment:
             column("segment", columns.segment)
@@ -75,7 +75,7 @@ def runs_of_table(source: str, table: Table, columns: Columns) -> list[Run]:
     return list(_at_numbers(whole, there[columns.segment], columns.segment))
 
 
-def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -> list[Run]:
+def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -> list[RawRun]:
     """The runs of an NPZ, MAT or HDF5 file.
 
     Raises RecordError for an array that is missing, of another length, or of several axes without a selection.
@@ -108,7 +108,7 @@ def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -
         if time is not None:
             stamps = columns.in_base_unit("time", one_series(source, columns.time, time[number]))
             _same_length(source, columns.time, stamps, columns.voltage, channels.u_V)
-        runs.append(Run(label, stamps, channels))
+        runs.append(RawRun(label, stamps, channels))
     if len(runs) == 1 and (key := key_of(arrays, columns.segment)) is not None:
         numbers = one_series(source, columns.segment, np.squeeze(arrays[key]))
         _same_length(source, columns.segment, numbers, columns.voltage, runs[0].channels.u_V)
@@ -117,7 +117,7 @@ def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -
 
 
 def scalar_period(arrays: Mapping[str, Array]) -> float | None:
-    """The sampling period in s that a single number called Ts_s or fs_Hz in the file tells, or None."""
+    """The sampling period in s from a scalar Ts_s or fs_Hz in the file, or None."""
     for key, array in arrays.items():
         power = SCALARS.get(key.rpartition("/")[2].lower())
         if power is not None and array.size == 1 and array.dtype.kind in "fiu":
@@ -126,8 +126,8 @@ def scalar_period(arrays: Mapping[str, Array]) -> float | None:
     return None
 
 
-def at_gaps(run: Run) -> Iterator[Run]:
-    """The run cut before every sample that follows a gap in time."""
+def at_gaps(run: RawRun) -> Iterator[RawRun]:
+    """The parts of the run between gaps in time."""
     if run.time_s is None or run.time_s.size < 2:
         yield run
         return
@@ -136,8 +136,8 @@ def at_gaps(run: Run) -> Iterator[Run]:
         yield run.cut(run.name if len(bounds) == 2 else f"{run.name}.{number}", start, stop)
 
 
-def _at_numbers(run: Run, numbers: NDArray[np.float64], column: str) -> Iterator[Run]:
-    """The run cut wherever the segment number changes. A number that comes back is refused: its rows are no one run."""
+def _at_numbers(run: RawRun, numbers: NDArray[np.float64], column: str) -> Iterator[RawRun]:
+    """The parts of the run with one segment number each. Raises RecordError if a number occurs in two parts."""
     c = run.channels
     if not np.isfinite(numbers).all():
         row = int(np.argmin(np.isfinite(numbers)))
@@ -156,7 +156,7 @@ def _at_numbers(run: Run, numbers: NDArray[np.float64], column: str) -> Iterator
 
 
 def _neighbours(arrays: Mapping[str, Array], columns: Columns) -> tuple[tuple[str, str], ...]:
-    """The other vectors that stand in the same folder as the voltage; none if the voltage is a selection."""
+    """The other vectors in the folder of the voltage; none if the voltage is a selection."""
     voltage = key_of(arrays, columns.voltage)
     if voltage is None:
         return ()
@@ -179,7 +179,7 @@ def _index_in_segment(label: str, row: int) -> str:
 
 
 def _as_many(source: str, name: str, series: Sequence[tuple[str, Array]], count: int) -> list[Array]:
-    """One series for each of `count` segments; a single one is shared by all."""
+    """One series for each of `count` segments; a single series is used for all."""
     if len(series) not in (1, count):
         raise RecordError(f"{source}: '{name}' selects {len(series)} series, the voltage {count}; select as many")
     return [series[number % len(series)][1] for number in range(count)]

@@ -1,4 +1,4 @@
-"""The sampling period from time stamps, and what is refused in them: gaps, jitter, stamps that do not rise."""
+"""The sampling period from time stamps, and checks of the stamps: gaps, jitter, stamps that do not rise."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from hysgen.errors import RecordError
 
 JITTER = 0.05
-"""Largest deviation of one step from the period, as a part of the period.
+"""Largest deviation of one step from the period, relative to the period.
 
-A sample taken 5 % of a period off is wrong by 5 % of what the stage moves in one step; and a 22.7 us clock (44.1 kHz)
-written in whole microseconds, which is a sound record, has steps 3 % off.
+A sample taken 5 % of a period late has an error of 5 % of the movement in one step. A 22.7 us clock (44.1 kHz) written
+in whole microseconds, which is valid, has steps that are 3 % off.
 """
 GAP = 1.5
-"""A step longer than this many periods is missing samples."""
+"""A step longer than this many periods is a gap: samples are missing."""
 AGREEMENT = 0.01
-"""Largest relative difference between a period that the user gives and the one that the time stamps show."""
+"""Largest relative difference between the period given by the user and the period of the time stamps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,17 +33,17 @@ class Stamps:
 
 
 def gap_rows(time_s: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Rows that come after a gap: their step is longer than 1.5 times the median step."""
+    """Rows after a gap: the step before them is longer than 1.5 times the median step."""
     steps = np.diff(time_s)
     return np.flatnonzero(steps > GAP * np.median(steps)) + 1
 
 
 def sampling_period(runs: Sequence[Stamps], jitter: float = JITTER, given_s: float | None = None) -> float:
-    """The period in s that the stamps of all runs share.
+    """The sampling period in s of all runs.
 
-    The median step is what every step is held against. The period returned is the mean step, sharper by the number of
-    samples, as the number with the fewest digits that the rounding of the stamps allows, in s or in Hz: stamps
-    0, 0.00133333333, 0.00266666667 ... give 1/750 s.
+    Each step is compared with the median step. The result is the mean step, whose rounding error falls with the number
+    of samples, as the number with the fewest digits within that error, in s or in Hz: stamps 0, 0.00133333333,
+    0.00266666667 ... give 1/750 s.
 
     Raises RecordError with file, row and cure for stamps that are not finite or do not rise, for a gap, for a step more
     than `jitter` periods off, and for a period `given_s` that differs by more than 1 %.
@@ -107,13 +107,13 @@ def _check_even(run: Stamps, period: float, jitter: float) -> None:
 
 
 def _rounding(run: Stamps, period: float) -> float:
-    """Largest distance in s of a stamp from the even grid through the run's first stamp."""
+    """Largest distance in s of a stamp from the uniform grid through the run's first stamp."""
     grid = run.time_s[0] + period * np.arange(run.time_s.size)
     return float(max(np.max(np.abs(run.time_s - grid)), np.spacing(np.max(np.abs(run.time_s)))))
 
 
 def _simplest(period: float, uncertainty: float) -> float:
-    """The period, or one over the rate, with the fewest digits within `uncertainty` of `period`."""
+    """The number with the fewest digits, as a period or as a rate, within `uncertainty` of `period`."""
     for digits in range(1, 16):
         for candidate in (float(f"{period:.{digits}g}"), 1.0 / float(f"{1.0 / period:.{digits}g}")):
             if abs(candidate - period) <= uncertainty:
