@@ -1,4 +1,4 @@
-"""What a model is as a dynamic system: lag, rest line, and whether its loop stays open."""
+"""What a model is as a dynamic system: lag, state line, and whether its loop stays open."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hysgen.certify.certificates import steady_input
-from hysgen.certify.dynamics import dynamics, loop, rest_line
+from hysgen.certify.dynamics import dynamics, loop, steady_states
 from hysgen.errors import ModelError
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
@@ -23,12 +23,12 @@ LAG = Model("lag", TS_S, Grid(-5.0, 15.0, 6), np.tile([A, B, C], (6, 1)), 0.0, 1
 
 def test_appendix_a_is_a_lag_of_a_millisecond_whose_loop_closes() -> None:
     found = dynamics(load_model("appendix_a"))
-    inner = [rest for rest in found.rests if rest.inside and rest.tau_s is not None]
+    inner = [state for state in found.steady_states if state.inside and state.tau_s is not None]
     # DESIGN.md, finding 2: time constant of 1 ms, DC gain 0.083 um/V.
-    middle = min(inner, key=lambda rest: abs(rest.u_V - 50.0))
+    middle = min(inner, key=lambda state: abs(state.u_V - 50.0))
     assert middle.tau_s == pytest.approx(1e-3, rel=0.05)
     assert middle.gain_um_per_V == pytest.approx(0.083, rel=0.05)
-    assert not found.remembers
+    assert not found.has_memory
     lowest, next_one = found.loops[:2]
     # The area of a lag's loop falls with its frequency.
     assert next_one.area_umV / lowest.area_umV == pytest.approx(next_one.f_Hz / lowest.f_Hz, rel=0.02)
@@ -38,8 +38,8 @@ def test_appendix_a_is_a_lag_of_a_millisecond_whose_loop_closes() -> None:
 def test_play_operators_keep_the_loop_open_at_any_frequency() -> None:
     model = dataclasses.replace(LAG, terms=(Memory((5.0, 15.0)),), weights=np.array([2e-4, 2e-4]))
     found = dynamics(model, f_Hz=[0.2, 2.0, 20.0], amplitude_V=40.0)
-    assert found.remembers
-    # At rest a play under amplitude A traces a parallelogram: 2 r across, 2 (A - r) high in its own output.
+    assert found.has_memory
+    # In the steady state a play under amplitude A traces a parallelogram: 2 r across, 2 (A - r) high in its own output.
     area = sum(2e-4 / (1 - A) * 4 * r * (40.0 - r) for r in (5.0, 15.0))
     # The lag of 1 ms adds pi/4 of 2 pi 0.2 Hz 1 ms, 0.1 % of its box, of which the plays fill 3.6 %.
     assert area < found.loops[0].area_umV < 1.04 * area
@@ -47,12 +47,12 @@ def test_play_operators_keep_the_loop_open_at_any_frequency() -> None:
 
 
 def test_a_linear_lag_has_its_own_time_constant_gain_and_ellipse() -> None:
-    for rest in rest_line(LAG, np.array([10.0, 60.0])):
-        assert rest.inside
-        assert rest.slope == pytest.approx(A, rel=1e-12)
-        assert rest.tau_s == pytest.approx(-TS_S / np.log(A), rel=1e-12)
-        assert rest.gain_um_per_V == pytest.approx(B / (1 - A), rel=1e-6)
-        assert rest.y_um == pytest.approx((B * rest.u_V + C) / (1 - A), abs=1e-9)
+    for state in steady_states(LAG, np.array([10.0, 60.0])):
+        assert state.inside
+        assert state.slope == pytest.approx(A, rel=1e-12)
+        assert state.tau_s == pytest.approx(-TS_S / np.log(A), rel=1e-12)
+        assert state.gain_um_per_V == pytest.approx(B / (1 - A), rel=1e-6)
+        assert state.y_um == pytest.approx((B * state.u_V + C) / (1 - A), abs=1e-9)
     found = loop(LAG, 100.0, 50.0, 40.0)
     response = B / (np.exp(2j * np.pi * 100.0 * TS_S) - A)
     # Trapezoids under 500 samples a period fall short of an ellipse by (2 pi/500)^2/6 = 3e-5.
@@ -60,25 +60,25 @@ def test_a_linear_lag_has_its_own_time_constant_gain_and_ellipse() -> None:
     assert found.span_um == pytest.approx(2 * 40.0 * abs(response), rel=1e-4)
 
 
-def test_the_rest_line_is_the_certificates_steady_line() -> None:
+def test_steady_states_without_terms_are_the_steady_inputs_of_the_rules() -> None:
     model = load_model("appendix_a")
-    rests = [rest for rest in rest_line(model, np.linspace(35.0, 65.0, 6)) if rest.inside]
-    assert len(rests) == 6
-    lines = steady_input(model, np.array([rest.y_um for rest in rests]))
-    np.testing.assert_allclose(lines, [rest.u_V for rest in rests], atol=1e-6, rtol=0)
+    states = [state for state in steady_states(model, np.linspace(35.0, 65.0, 6)) if state.inside]
+    assert len(states) == 6
+    lines = steady_input(model, np.array([state.y_um for state in states]))
+    np.testing.assert_allclose(lines, [state.u_V for state in states], atol=1e-6, rtol=0)
 
 
-def test_appendix_b_is_shown_as_it_is_and_as_json() -> None:
+def test_dynamics_of_appendix_b_are_text_and_json() -> None:
     found = dynamics(load_model("appendix_b"), f_Hz=[10.0, 100.0])
     assert [loop.f_Hz for loop in found.loops] == [10.0, 100.0]
     assert json.loads(json.dumps(found.to_json(), allow_nan=False))["model"] == "appendix_b"
     assert "appendix_b: first-order lag" in found.describe()
 
 
-def test_a_model_with_channels_is_looked_at_without_them() -> None:
+def test_a_model_with_channels_is_analysed_with_channels_at_zero() -> None:
     term = Coupling(("other_V",), (-1.0,), (1.0,), taps=1)
     model = dataclasses.replace(LAG, terms=(term,), weights=np.array([0.5]))
-    coupled, plain = (rest_line(m, np.array([50.0]))[0] for m in (model, LAG))
+    coupled, plain = (steady_states(m, np.array([50.0]))[0] for m in (model, LAG))
     assert coupled.y_um == pytest.approx(plain.y_um, abs=1e-9)
 
 

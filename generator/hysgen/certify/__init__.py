@@ -1,1 +1,1 @@
-"""What is guaranteed of a model: contraction, gain, slopes, enclosures of its range."""
+"""Guarantees for a model: contraction, gain, stability of the inverse, with rigorous enclosures over its range."""

@@ -1,21 +1,24 @@
-"""What is guaranteed of a model over its operating range, y in [y_min, y_max] and u in [u_min, u_max].
+"""Certificates of a model over its operating range, y in [y_min, y_max] and u in [u_min, u_max].
 
-    gain         b(y) keeps one sign, at least 1 % of its largest magnitude: Eq. (11) may divide by it
-    contraction  |df/dy| < 1: two free runs under the same input approach each other, whatever they started from
-    inverse      the inputs that Eq. (11) computes stay bounded, although the terms feed past inputs back into it
+    gain         b(y) has one sign, and |b(y)| >= 1 % of its largest value: Eq. (11) may divide by it
+    contraction  |df/dy| < 1: two free runs under the same input converge, for any initial states
+    inverse      the inputs that Eq. (11) computes are bounded, with the feedback of past inputs through the terms
 
-The inverse solves b u(k) = y(k+1) - f(y(k), 0) - sum_j theta_j phi_j(k), where phi(k) remembers u(k-1), u(k-2), ...
-Linear terms x(k+1) = A x + B u, phi = C x turn it into a filter with the zeros eig(A - B theta C/b), looked at for
-frozen b between the extrema of b(y). Nonlinear terms (play operators) close a second loop around that filter. For the
-steps d(k) = u(k) - u(k-1) it is stable by the small-gain theorem if
+The inverse solves b u(k) = r(k) - sum_j theta_j phi_j(k) for the right-hand side r(k) = y(k+1) - f(y(k), 0). The
+regressors phi(k) depend on u(k-1), u(k-2), ... Linear terms x(k+1) = A x + B u, phi = C x, with transfer function T,
+make the inverse a filter (b + T)^-1 with the poles eig(A - B theta C/b), evaluated for frozen b between the extrema of
+b(y). Nonlinear terms (play operators) are a second feedback loop around this filter. With the input steps
+d(k) = u(k) - u(k-1), this loop is stable by the small-gain theorem if
 
-    loop = ||(b + T)^-1||_1  N < 1,     N a bound of |theta . phi(k+1) - theta . phi(k)| / |d(k)| over all nonlinear
-                                        terms: sum_j |theta_j| gamma_j with the terms' gains, or sharper and of slopes
-                                        that play operators can have at a time, see `play_slopes`.
+    loop = ||(b + T)^-1||_1  N < 1,     N >= |theta . phi(k+1) - theta . phi(k)| / |d(k)|,  phi of the nonlinear terms
 
-Then sup |d| <= ||(b + T)^-1||_1 / (1 - loop) times the largest step of what is asked: steps do not build up, which is
-how an inverse fails that answers one sample late. Nor do the inputs: b + dw/du >= (1 - loop) b > 0 on every branch of
-the hysteresis w, so b u + w(u), which differs from what is asked by N |d| at most, is bounded only with u.
+N = sum_j |theta_j| gamma_j with the gains gamma_j of the terms, or a sharper bound from the slopes that play operators
+can have at the same time, see `play_slopes`. Then
+
+    sup |d| <= ||(b + T)^-1||_1 / (1 - loop)  sup |r(k) - r(k-1)|
+
+so the steps d are bounded. The inputs are bounded too: with w(u) the sum of the nonlinear terms on a branch of the
+hysteresis, b + dw/du >= (1 - loop) b > 0, and |b u + w(u) - r| <= N |d|.
 """
 
 from __future__ import annotations
@@ -37,24 +40,24 @@ from hysgen.model.terms import loop_row
 Floats = NDArray[np.float64]
 
 SMALLEST_GAIN_RATIO = 0.01
-"""Least |b| over largest |b| for which the inverse is worth dividing by."""
+"""Smallest ratio of the least |b| to the largest |b| for which the inverse is certified."""
 
 DIGITS = 12
-"""Significant digits of every bound, rounded outward, so that a bound stays one. A sum of some hundred float64 numbers
-errs by 1e-14 of the largest, which the gain and slope of rules that nearly cancel have a hundredth of: 12 digits hold,
-and the distance of a zero from 1, 1e-6 for lags of 30 s, keeps 6 of them."""
+"""Significant digits of every bound, rounded outward, so that it remains a bound. A sum of a hundred float64 numbers
+has an error of 1e-14 of the largest; gain and slope of rules that nearly cancel are a hundredth of the largest, so 12
+digits are exact. The distance of a pole from 1, 1e-6 for lags of 30 s, then has 6 digits."""
 
 FROZEN_GAINS = 33
-"""Gains between the extrema of b(y) at which the zeros of the inverse are computed."""
+"""Frozen gains between the extrema of b(y) at which the poles of the inverse are computed."""
 
 
 @dataclass(frozen=True)
 class Certificates:
-    """What holds for a model, and where it is closest to not holding.
+    """The certificates of a model, with the points of their extrema.
 
     gain_lowest, gain_highest: extrema of b(y) in um/V. slope: the largest |df/dy|.
     contracting_V: the inputs for which contraction holds, None if there are none inside the input range.
-    zero: largest modulus of the inverse's zeros. loop: small gain of the nonlinear terms around it, for its steps.
+    zero: largest modulus of eig(A - B theta C/b), the zeros of b + T. loop: loop gain of the nonlinear terms.
     """
 
     y_range_um: tuple[float, float]
@@ -68,7 +71,7 @@ class Certificates:
 
     @property
     def gain_holds(self) -> bool:
-        """b(y) keeps one sign and stays away from zero."""
+        """b(y) has one sign, and its least magnitude is above SMALLEST_GAIN_RATIO of its largest."""
         low, high = self.gain_lowest.bound, self.gain_highest.bound
         weakest, strongest = (low, high) if high > 0.0 else (-high, -low)
         return weakest > SMALLEST_GAIN_RATIO * strongest
@@ -80,11 +83,11 @@ class Certificates:
 
     @property
     def inverse_holds(self) -> bool:
-        """Eq. (11) may be used: the gain holds, and past inputs do not build up in it."""
+        """Eq. (11) is stable: the gain holds, and both zero and loop are below 1."""
         return self.gain_holds and self.zero < 1.0 and self.loop < 1.0
 
     def lines(self) -> tuple[str, ...]:
-        """One line for people per certificate."""
+        """One line of text per certificate."""
         return (self._gain_line(), self._contraction_line(), self._inverse_line())
 
     def _gain_line(self) -> str:
@@ -108,7 +111,7 @@ class Certificates:
         return f"{line}: {'stable' if self.inverse_holds else 'NOT certified, past inputs may build up'}"
 
     def to_json(self) -> dict[str, Any]:
-        """Plain JSON values; a loop gain that is not finite becomes null."""
+        """Plain JSON values; an infinite loop gain becomes null."""
         return {
             "y_range_um": list(self.y_range_um),
             "u_range_V": list(self.u_range_V),
@@ -153,9 +156,9 @@ def certify(model: Model) -> Certificates:
 
 
 def steady_input(model: Model, y_um: Floats) -> Floats:
-    """The steady-state line of the rules, u_ss(y) = (y - sum_l p_l (q_l1 y + q_l3))/b(y) in V, (n,); terms left out.
+    """Steady-state input of the rules alone, u_ss(y) = (y - sum_l p_l (q_l1 y + q_l3))/b(y) in V, (n,).
 
-    Infinite where the gain vanishes.
+    Infinite where the gain is zero.
     """
     p = memberships(y_um, model.grid)
     q1, q2, q3 = model.consequents.T
@@ -164,9 +167,9 @@ def steady_input(model: Model, y_um: Floats) -> Floats:
 
 
 def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float]:
-    """Largest modulus of the inverse's zeros, and loop gain of the nonlinear terms, over frozen gains in between.
+    """(zero, loop) of `Certificates` over frozen gains between gain_lowest and gain_highest.
 
-    Both are infinite if the gain interval contains zero and there are terms.
+    Both are infinite if the model has terms and the interval contains a gain of zero.
     """
     if not model.terms:
         return 0.0, 0.0
@@ -177,7 +180,7 @@ def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> 
 
 
 def least_stable(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float]:
-    """Displacement in um and gain in um/V at which the inverse is closest to building up past inputs."""
+    """Displacement in um and gain b in um/V with the largest ||(b + T)^-1||_1, i.e. the least stable inverse."""
     terms = _feedback(model)
     gains = geometric(gain_lowest, gain_highest, FROZEN_GAINS)
     worst = max(gains, key=lambda b: _inverse_filter(terms, b)[::-1])
@@ -187,7 +190,7 @@ def least_stable(model: Model, gain_lowest: float, gain_highest: float) -> tuple
 
 
 def inverse_filter(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float, float]:
-    """Largest modulus of the zeros, largest ||(b + T)^-1||_1 over frozen gains b in between, and N."""
+    """Largest |eig(A - B theta C/b)| and largest ||(b + T)^-1||_1 over frozen gains b, and N."""
     terms = _feedback(model)
     filters = [_inverse_filter(terms, b) for b in geometric(gain_lowest, gain_highest, FROZEN_GAINS)]
     return max(zero for zero, _ in filters), max(size for _, size in filters), terms.nonlinear
@@ -195,8 +198,7 @@ def inverse_filter(model: Model, gain_lowest: float, gain_highest: float) -> tup
 
 @dataclass(frozen=True)
 class _Feedback:
-    """What the terms feed back into the inverse: the linear ones as one transfer function T, whose ||T||_1 is at most
-    `linear`, and the bound N of the others, `nonlinear`."""
+    """Feedback of the terms: T of all linear terms, ||T||_1 <= linear, and the bound N = nonlinear of the others."""
 
     T: Rational
     linear: float
@@ -229,7 +231,7 @@ def _inverse_filter(terms: _Feedback, b: float) -> tuple[float, float]:
     """Spectral radius of A - B theta C/b, and a bound of ||(b + T)^-1||_1 (infinite if unstable).
 
     The impulse response of (b + T)^-1 is 1/b, then -theta C (A - B theta C/b)^(k-1) B/b^2: a sum of modes r p^(k-1),
-    each of which adds up to |r|/(1 - |p|). Where ||T||_1 < |b|, 1/(|b| - ||T||_1) is a bound too.
+    each of which has the sum |r|/(1 - |p|). If ||T||_1 < |b|, 1/(|b| - ||T||_1) is a bound as well.
     """
     if terms.T.B.size == 0:
         return 0.0, 1.0 / abs(b)
@@ -254,7 +256,7 @@ def _contracting_inputs(model: Model) -> tuple[float, float] | None:
         return None
     low = max(model.u_min_V, float(np.max(ends[0][~flat], initial=-np.inf)))
     high = min(model.u_max_V, float(np.min(ends[1][~flat], initial=np.inf)))
-    # The grid may miss the worst displacement by a little: draw the ends in until the enclosure agrees.
+    # The grid may miss the worst displacement: narrow the interval until the enclosure confirms it.
     for share in geometric(1e-6, 0.5, 40):
         margin = share * (model.u_max_V - model.u_min_V)
         inner = (low if low == model.u_min_V else low + margin, high if high == model.u_max_V else high - margin)

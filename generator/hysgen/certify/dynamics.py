@@ -1,13 +1,12 @@
-"""What a model is as a dynamic system: its lag, its static line, and whether its loop stays open at low frequency.
+"""A model as a dynamic system: time constant, steady states, and the area of its loop at low frequency.
 
-    time constant   tau = -Ts / ln(df/dy)           at rest under a constant input
-    DC gain         dy/du along the rest line y = f(y, u) + w(u)
-    loop            under u = centre + A sin(2 pi f t), settled: area = closed integral of y du, and that area as a part
-    of
-                    the box that the loop fills, in which a circle or an ellipse scores pi/4 and a line 0
+    time constant   tau = -Ts / ln(df/dy)           in the steady state under a constant input
+    DC gain         dy/du along the steady-state line y = f(y, u) + w(u)
+    loop            periodic response to u = centre + A sin(2 pi f t): area = closed integral of y du,
+                    filling = area / bounding box; pi/4 for an ellipse, 0 for a line
 
-Real hysteresis keeps its loop open as the frequency falls; the loop of a lag closes. That tells a model with memory
-from one without.
+As the frequency falls, the loop of hysteresis stays open and the loop of a lag closes: this distinguishes a model with
+memory from one without.
 """
 
 from __future__ import annotations
@@ -29,22 +28,22 @@ from hysgen.model.terms import Drive
 Floats = NDArray[np.float64]
 
 LEVELS = 8
-"""Constant inputs at which the rest line is looked at."""
+"""Constant inputs at which the steady states are computed."""
 
 PER_DECADE = 4
 SAMPLES_PER_PERIOD = 20
-"""Below this a sine is too coarse for its loop to mean anything."""
+"""Least samples per period of a sine: with fewer, the area of its loop is meaningless."""
 
 MOST_SAMPLES = 4_000_000
 CLOSED = 0.05
-"""A loop that fills less of its box at the lowest frequency than this part of its largest filling is closed."""
+"""A loop is closed if its filling at the lowest frequency is below this part of its largest filling."""
 
 
 @dataclass(frozen=True)
-class Rest:
-    """The model at rest under u_V: y_um, slope df/dy, time constant tau_s (None where the slope is not in 0..1), gain.
+class SteadyState:
+    """Steady state under u_V: y_um, slope df/dy, time constant tau_s (None where the slope is not in 0..1), DC gain.
 
-    inside: whether y lies inside the grid; outside it the model does not answer to y at all.
+    inside: whether y lies inside the grid; outside it the next y does not depend on y.
     """
 
     u_V: float
@@ -57,7 +56,7 @@ class Rest:
 
 @dataclass(frozen=True)
 class Loop:
-    """The settled loop under a sine of f_Hz: its area in um V, the part of its box that it fills, its span in um."""
+    """The periodic loop under a sine of f_Hz: area in um V, filling (area over bounding box), span of y in um."""
 
     f_Hz: float
     area_umV: float
@@ -67,25 +66,25 @@ class Loop:
 
 @dataclass(frozen=True)
 class Dynamics:
-    """A model as a dynamic system: its rest line, and its loops under sines about `centre_V`, `amplitude_V`."""
+    """Steady states of a model, and its loops under sines of `amplitude_V` about `centre_V`."""
 
     model: str
-    rests: tuple[Rest, ...]
+    steady_states: tuple[SteadyState, ...]
     loops: tuple[Loop, ...]
     centre_V: float
     amplitude_V: float
 
     @property
-    def remembers(self) -> bool:
+    def has_memory(self) -> bool:
         """Whether the loop is still open at the lowest frequency."""
         largest = max(loop.filling for loop in self.loops)
         return largest > 0.0 and self.loops[0].filling > CLOSED * largest
 
     def describe(self) -> str:
-        """A few lines for people."""
-        taus = [rest.tau_s for rest in self.rests if rest.tau_s is not None and rest.inside]
-        gains = [rest.gain_um_per_V for rest in self.rests if rest.inside]
-        first, last = self.rests[0], self.rests[-1]
+        """A few lines of text."""
+        taus = [state.tau_s for state in self.steady_states if state.tau_s is not None and state.inside]
+        gains = [state.gain_um_per_V for state in self.steady_states if state.inside]
+        first, last = self.steady_states[0], self.steady_states[-1]
         lines = [
             f"{self.model}: first-order lag, time constant {_range(taus, 's')}; DC gain {_range(gains, 'um/V')}",
             f"rest line: {first.y_um:.4g} um at {first.u_V:.4g} V .. {last.y_um:.4g} um at {last.u_V:.4g} V",
@@ -96,7 +95,7 @@ class Dynamics:
         ]
         lines.append(
             "the loop stays open as the frequency falls: the model has memory"
-            if self.remembers
+            if self.has_memory
             else "the loop closes as the frequency falls: a lag, not hysteresis"
         )
         return "\n".join(lines)
@@ -105,57 +104,57 @@ class Dynamics:
         """Plain JSON values."""
         return {
             "model": self.model,
-            "rests": [vars(rest) for rest in self.rests],
+            "rests": [vars(state) for state in self.steady_states],
             "loops": [vars(loop) for loop in self.loops],
             "centre_V": self.centre_V,
             "amplitude_V": self.amplitude_V,
-            "remembers": self.remembers,
+            "remembers": self.has_memory,
         }
 
 
 def dynamics(model: Model, f_Hz: Sequence[float] | None = None, amplitude_V: float | None = None) -> Dynamics:
-    """Rest line and loops of a model over its input range.
+    """Steady states and loops of a model over its input range.
 
-    f_Hz: frequencies of the sines, rising; default: from a thousandth of the corner of its slowest lag to its fastest.
+    f_Hz: rising frequencies of the sines; default: from a thousandth of the corner frequency of the slowest lag on.
     amplitude_V: default 0.45 of the input range. Raises ModelError if a frequency is above a 20th of the sampling rate.
     """
-    rests = rest_line(model, np.linspace(model.u_min_V, model.u_max_V, LEVELS))
+    states = steady_states(model, np.linspace(model.u_min_V, model.u_max_V, LEVELS))
     centre = 0.5 * (model.u_min_V + model.u_max_V)
     amplitude = 0.45 * (model.u_max_V - model.u_min_V) if amplitude_V is None else amplitude_V
-    chosen = default_frequencies(model, rests) if f_Hz is None else list(f_Hz)
-    return Dynamics(model.name, rests, tuple(loop(model, f, centre, amplitude) for f in chosen), centre, amplitude)
+    chosen = default_frequencies(model, states) if f_Hz is None else list(f_Hz)
+    return Dynamics(model.name, states, tuple(loop(model, f, centre, amplitude) for f in chosen), centre, amplitude)
 
 
-def rest_line(model: Model, u_V: Floats) -> tuple[Rest, ...]:
-    """The model at rest under each of the constant inputs u_V, (n,), its terms at rest too."""
+def steady_states(model: Model, u_V: Floats) -> tuple[SteadyState, ...]:
+    """The steady state of rules and terms under each of the constant inputs u_V, (n,)."""
     step = 1e-4 * (model.u_max_V - model.u_min_V)
-    rests = []
+    states = []
     for u in u_V:
         low, high = max(u - step, model.u_min_V), min(u + step, model.u_max_V)
-        y, y_low, y_high = (_settled(model, float(level)) for level in (u, low, high))
+        y, y_low, y_high = (_steady_displacement(model, float(level)) for level in (u, low, high))
         inside = model.grid.y_min_um <= y <= model.grid.y_max_um
         a = float(slope(model, np.array([y]), np.array([u]))[0]) if inside else 0.0
         tau = -model.Ts_s / math.log(a) if 0.0 < a < 1.0 else None
-        rests.append(Rest(float(u), y, a, tau, float((y_high - y_low) / (high - low)), inside))
-    return tuple(rests)
+        states.append(SteadyState(float(u), y, a, tau, float((y_high - y_low) / (high - low)), inside))
+    return tuple(states)
 
 
 def loop(model: Model, f_Hz: float, centre_V: float, amplitude_V: float) -> Loop:
-    """The loop of the model under a sine, after as many periods as its lag and its terms need to settle.
+    """The loop of the model under a sine, after the transients of its lag have decayed.
 
-    Raises ModelError if the frequency is above a 20th of the sampling rate or so low that it would take too long.
+    Raises ModelError if the frequency is above a 20th of the sampling rate, or if the simulation would take too long.
     """
     per_period = 1.0 / (f_Hz * model.Ts_s)
     if per_period < SAMPLES_PER_PERIOD:
         raise ModelError(f"{model.name}: {f_Hz:g} Hz is above a {SAMPLES_PER_PERIOD}th of its rate; choose less")
-    # Whole periods at the nearest frequency that divides the rate, so that the loop closes on a sample.
+    # The nearest frequency with a whole number of samples per period, so that the loop closes on a sample.
     period = round(per_period)
     if 3 * period > MOST_SAMPLES:
         raise ModelError(f"{model.name}: {f_Hz:g} Hz takes {3 * period} samples; choose a higher frequency")
-    periods = 3 + math.ceil(_memory_samples(model) / period)
+    periods = 3 + math.ceil(_transient_samples(model) / period)
     k = np.arange(periods * period + 1)
     u = centre_V + amplitude_V * np.sin(2.0 * np.pi * k / period)
-    run = simulate(model, _drive(model, u), _settled(model, centre_V))
+    run = simulate(model, _drive(model, u), _steady_displacement(model, centre_V))
     y, u = run.y_um[-period - 1 :], u[-period - 1 :]
     area = abs(float(np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(u))))
     span = float(np.ptp(y))
@@ -163,9 +162,9 @@ def loop(model: Model, f_Hz: float, centre_V: float, amplitude_V: float) -> Loop
     return Loop(1.0 / (period * model.Ts_s), area, area / box if box > 0.0 else 0.0, span)
 
 
-def default_frequencies(model: Model, rests: Sequence[Rest]) -> list[float]:
+def default_frequencies(model: Model, steady_states: Sequence[SteadyState]) -> list[float]:
     """Log-spaced from a thousandth of the corner frequency of the slowest lag to a 20th of the sampling rate."""
-    taus = [rest.tau_s for rest in rests if rest.tau_s is not None]
+    taus = [state.tau_s for state in steady_states if state.tau_s is not None]
     highest = 1.0 / (SAMPLES_PER_PERIOD * model.Ts_s)
     slowest = max(taus, default=10.0 * model.Ts_s)
     lowest = max(1e-3 / (2.0 * math.pi * slowest), 3.0 / (MOST_SAMPLES * model.Ts_s) * 1.01)
@@ -173,8 +172,8 @@ def default_frequencies(model: Model, rests: Sequence[Rest]) -> list[float]:
     return [float(f) for f in np.geomspace(lowest, highest, count)]
 
 
-def _settled(model: Model, u_V: float) -> float:
-    """y at rest under a constant input, from the middle of the grid; where the model does not contract, its end."""
+def _steady_displacement(model: Model, u_V: float) -> float:
+    """Steady y in um under a constant input, or y after 100 000 samples if the simulation does not converge."""
     y = 0.5 * (model.grid.y_min_um + model.grid.y_max_um)
     for samples in (1_000, 10_000, 100_000):
         last = simulate(model, _drive(model, np.full(samples, u_V)), y).y_um
@@ -184,8 +183,8 @@ def _settled(model: Model, u_V: float) -> float:
     return y
 
 
-def _memory_samples(model: Model) -> float:
-    """Samples after which the lag has forgotten a start, by the slowest slope along the rest line's middle."""
+def _transient_samples(model: Model) -> float:
+    """Samples until the initial state has decayed by exp(-10), for the largest |df/dy| at mid-input."""
     y = np.linspace(model.grid.y_min_um, model.grid.y_max_um, 4 * model.grid.rules)
     middle = np.full_like(y, 0.5 * (model.u_min_V + model.u_max_V))
     steepest = min(float(np.abs(slope(model, y, middle)).max()), 0.9999)
@@ -199,5 +198,5 @@ def _drive(model: Model, u_V: Floats) -> Drive:
 
 
 def _range(values: Sequence[float], unit: str) -> str:
-    """'low .. high unit', or 'none' where nothing could be looked at."""
+    """'low .. high unit', or 'none' without values."""
     return f"{min(values):.3g} .. {max(values):.3g} {unit}" if values else "none"

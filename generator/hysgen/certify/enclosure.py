@@ -1,4 +1,4 @@
-"""Gain and slope of a model, and their extrema over its operating range: enclosed, not sampled.
+"""Gain and slope of a model, and rigorous enclosures of their extrema over its operating range.
 
     gain   b(y) = df/du = E[q2]
     slope  df/dy = E[q1] + Cov(l, v)/h,     v_l = q_l1 y + q_l2 u + q_l3
@@ -9,14 +9,14 @@ l^2/2), so about the middle s_i of a cell, with t = s - s_i, p_l = p_l(s_i), o_l
     E[g](t) = c + G(t)/D(t),   G = sum p_l exp(t o_l) (g_l - c),   D = sum p_l exp(t o_l),   c = E[g](0)
 
 (for the slope g_l = v_l + t h q_l1, and c moves with t likewise). The Taylor series of G, D and their quotient come
-from the moments sum p_l o_l^k g_l. What the series leaves out is bounded by Cauchy's estimate: in the disk |t| <= rho
+from the moments sum p_l o_l^k g_l. Their remainder is bounded by Cauchy's estimate: in the disk |t| <= rho
 
     |D| >= 1 - sum p_l (exp(rho |o_l|) - 1 - rho |o_l|) = delta > 0,   |G| <= sum p_l exp(rho |o_l|) |g_l - c| = gamma,
 
-hence the k-th coefficient of G/D is at most gamma/delta rho^-k. The quadratic part of the series has its extrema where
-they are; the rest is bounded by its absolute values. Cells that could still hold the extremum are split until the
-enclosure is as narrow as asked. df/dy is affine in u, so its extrema over u lie at u_min and u_max. Rounding, about
-1e-15 of the largest v_l, is not part of the bounds.
+hence the k-th coefficient of G/D is at most gamma/delta rho^-k. In a cell the extremum of the quadratic part is exact,
+and the higher terms are bounded by their absolute values. Cells that may contain the extremum are split until the
+enclosure has the requested width. df/dy is affine in u, so its extrema over u are at u_min and u_max. The bounds do not
+include rounding, about 1e-15 of the largest v_l.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from hysgen.model.model import Model
 Floats = NDArray[np.float64]
 
 NARROW = 1e-6
-"""Width to which extrema are enclosed: for slopes, and relative to the largest gain for gains."""
+"""Width of the enclosures: absolute for slopes, relative to the largest gain for gains."""
 
 CELLS_PER_RULE = 8
 ORDER = 12
@@ -47,7 +47,7 @@ MOST_CELLS = 200_000
 
 @dataclass(frozen=True)
 class Extremum:
-    """An extremum over the operating range: the value met at (y, u), and the bound that no point exceeds.
+    """An extremum over the operating range: the value attained at (y, u), and a bound that no point exceeds.
 
     u_V is None where the quantity does not depend on u.
     """
@@ -64,7 +64,7 @@ class Extremum:
 
 @dataclass(frozen=True)
 class Cells:
-    """Intervals of s: middle and half-width, and the input that each is looked at with, (n,) each."""
+    """Intervals of s: middle, half-width, and the input u of each, (n,) each."""
 
     middle: Floats
     half: Floats
@@ -79,7 +79,7 @@ class Cells:
 
 @dataclass(frozen=True)
 class Series:
-    """A function over cells: Taylor coefficients (n, ORDER) about the middle, and a bound (n,) of the rest."""
+    """A function over cells: Taylor coefficients (n, ORDER) about the middle, and a bound (n,) of the remainder."""
 
     coefficients: Floats
     remainder: Floats
@@ -94,7 +94,7 @@ def gain(model: Model, y_um: Floats) -> Floats:
 
 
 def slope(model: Model, y_um: Floats, u_V: Floats) -> Floats:
-    """df/dy, (n,), at displacements inside the grid and inputs, (n,) each: what is left of a deviation one step on."""
+    """df/dy, (n,), at displacements inside the grid and inputs, (n,) each: factor of a deviation over one step."""
     p = memberships(y_um, model.grid)
     q1, q2, q3 = model.consequents.T
     v = q1 * y_um[:, None] + q2 * u_V[:, None] + q3
@@ -104,7 +104,7 @@ def slope(model: Model, y_um: Floats, u_V: Floats) -> Floats:
 
 
 def gain_extrema(model: Model, narrow: float = NARROW) -> tuple[Extremum, Extremum]:
-    """Smallest and largest gain b(y) in um/V, enclosed to `narrow` times the largest |b|."""
+    """Smallest and largest gain b(y) in um/V, enclosed within `narrow` times the largest |b|."""
     scale = narrow * max(float(np.abs(gain(model, model.grid.centres_um)).max()), np.finfo(np.float64).tiny)
     lowest = _largest(gain_series(model, -1.0), model, (0.0,), scale, absolute=False)
     highest = _largest(gain_series(model, 1.0), model, (0.0,), scale, absolute=False)
@@ -146,7 +146,7 @@ def slope_series(model: Model) -> Quantity:
 
 
 class _Firing:
-    """Firing strengths in the middle of cells, (n, L), and what follows from them for expectations nearby."""
+    """Firing strengths in the middle of cells, (n, L), and the moments for expectations over the cells."""
 
     def __init__(self, model: Model, middle: Floats) -> None:
         index = np.arange(model.grid.rules, dtype=np.float64)
@@ -201,23 +201,23 @@ def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow
         np.full(count * len(inputs), half),
         np.repeat(np.asarray(inputs, dtype=np.float64), count),
     )
-    best, place, settled = -np.inf, (0.0, 0.0), -np.inf
+    best, place, excluded = -np.inf, (0.0, 0.0), -np.inf
     while True:
         value, bound, at = _peak(quantity(cells), cells.half, absolute)
         top = int(np.argmax(value))
         if value[top] > best:
             best, place = float(value[top]), (float(cells.middle[top] + at[top]), float(cells.u_V[top]))
         undecided = bound > best + narrow
-        settled = max(settled, float(np.max(bound[~undecided], initial=-np.inf)))
+        excluded = max(excluded, float(np.max(bound[~undecided], initial=-np.inf)))
         if not undecided.any() or 3 * np.count_nonzero(undecided) > MOST_CELLS:
-            limit = max(best, settled, float(np.max(bound[undecided], initial=-np.inf)))
+            limit = max(best, excluded, float(np.max(bound[undecided], initial=-np.inf)))
             y_um = float(model.grid.clamp(np.array(model.grid.ends_um[0] + model.grid.step_um * place[0])))
             return Extremum(best, limit, y_um, place[1])
         cells = cells.thirds(undecided)
 
 
 def _peak(series: Series, half: Floats, absolute: bool) -> tuple[Floats, Floats, Floats]:
-    """Per cell: the value at the extremum of the quadratic part, a bound of the whole series, and where that is, t."""
+    """Per cell: value at the extremum of the quadratic part, upper bound over the cell, and t of the extremum."""
     c = series.coefficients
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = np.where(c[:, 2] != 0.0, -0.5 * c[:, 1] / c[:, 2], 0.0)

@@ -1,13 +1,13 @@
-"""The zeros of the inverse and the sum of the moduli of its impulse response, correctly rounded.
+"""Poles of the inverse filter (b + T)^-1 and the 1-norm of its impulse response, correctly rounded.
 
 With D(z) = det(zI - A) and M(z) = theta C adj(zI - A) B the terms are T(z) = M/D, and
 
     (b + T)^-1 = D / (b N),    N(z) = D(z) + M(z)/b                N has the roots eig(A - B theta C/b)
                = 1/b + sum_i r_i / (z - p_i),    r_i = D(p_i) / (b N'(p_i))        where the roots p_i are simple
 
-LAPACK's eigenvalues differ in their last digits from processor to processor, and with poles 1e-6 from the circle
-|r_i|/(1 - |p_i|) loses 6 digits more. Here they only start Aberth's iteration in decimal numbers: what it ends with,
-rounded to float64, is the same whatever it was started from.
+LAPACK's eigenvalues differ in the last digits from processor to processor, and for poles 1e-6 from the unit circle
+|r_i|/(1 - |p_i|) loses 6 further digits. Here LAPACK gives only the initial values of Aberth's iteration in decimal
+arithmetic. The iteration converges so closely that its result, rounded to float64, does not depend on them.
 Sources: Faddeev and Faddeeva, Computational Methods of Linear Algebra (1963), section 47, for D and adj(zI - A);
 Aberth, Math. Comp. 27 (1973) 339-344, for the roots.
 """
@@ -27,19 +27,19 @@ Floats = NDArray[np.float64]
 Complex = tuple[Decimal, Decimal]
 
 DIGITS: Final = 120
-"""Of every decimal operation. Slow states put ten and more roots within 1e-4 of 1: they cost 40 digits and more."""
+"""Precision of every decimal operation. Slow states have ten or more roots within 1e-4 of 1, which costs 40 digits."""
 
 CLOSE: Final = Decimal("1e-45")
-"""Last step of the roots, whose next one would be below the cube of it; float64 sees 1e-17."""
+"""Step of the iteration below which the roots are exact in float64; convergence is cubic."""
 
 MOST_STEPS: Final = 60
-APART: Final = 1e-10
-"""How far the starts are moved apart: equal ones would stay equal, and conjugate ones never become two real ones."""
+PERTURBATION: Final = 1e-10
+"""Perturbation of the initial values: equal roots would stay equal, and a conjugate pair would not become two real."""
 
 
 @dataclass(frozen=True)
 class Rational:
-    """D and M as coefficients of falling powers, D of degree m, M below it; and the matrices they come from."""
+    """D (degree m) and M (lower degree), coefficients of falling powers, and the matrices A, B, theta C."""
 
     A: Floats
     B: Floats
@@ -73,10 +73,10 @@ def zeros(terms: Rational, b: float) -> tuple[float, float]:
         gain = Decimal(b)
         N = [terms.D[0], *(d + m / gain for d, m in zip(terms.D[1:], terms.M, strict=True))]
         start = np.linalg.eigvals(terms.A - np.outer(terms.B, terms.theta_C) / b)
-        roots, settled = _roots(N, [complex(p) for p in start])
+        roots, converged = _roots(N, [complex(p) for p in start])
         moduli = [_modulus(p) for p in roots]
         radius = float(max(moduli))
-        if radius >= 1.0 or not settled:
+        if radius >= 1.0 or not converged:
             return radius, math.inf
         size = 1 / abs(gain)
         for p, modulus in zip(roots, moduli, strict=True):
@@ -86,9 +86,9 @@ def zeros(terms: Rational, b: float) -> tuple[float, float]:
 
 
 def _roots(N: Sequence[Decimal], start: Sequence[complex]) -> tuple[list[Complex], bool]:
-    """All roots of a polynomial from places nearby, by Aberth's iteration, and whether they came to rest."""
+    """All roots of a polynomial by Aberth's iteration from initial values, and whether the iteration converged."""
     slope = _derivative(N)
-    apart = [APART * (k + 1) for k in range(len(start))]
+    apart = [PERTURBATION * (k + 1) for k in range(len(start))]
     roots = [(Decimal(p.real + by), Decimal(p.imag + by / 3.0)) for p, by in zip(start, apart, strict=True)]
     for _ in range(MOST_STEPS):
         largest = Decimal(0)
@@ -96,7 +96,7 @@ def _roots(N: Sequence[Decimal], start: Sequence[complex]) -> tuple[list[Complex
             value = _value(N, p)
             if not any(value):
                 continue
-            # The step N/(N' - N sum 1/(p - p_j)): Newton's, with the other roots divided out.
+            # The step N/(N' - N sum 1/(p - p_j)): Newton's step for N divided by the factors of the other roots.
             others = [(p[0] - q[0], p[1] - q[1]) for j, q in enumerate(roots) if j != i]
             if not all(map(any, others)):
                 return roots, False
@@ -114,7 +114,7 @@ def _roots(N: Sequence[Decimal], start: Sequence[complex]) -> tuple[list[Complex
 
 
 def _times(rows: Sequence[Sequence[tuple[int, Decimal]]], matrix: list[list[Decimal]]) -> list[list[Decimal]]:
-    """A matrix given by what is not 0 in its rows, times another one."""
+    """Product of a sparse matrix, given by (column, element) of its rows, and a dense matrix."""
     width = range(len(matrix))
     return [[sum((a * matrix[j][k] for j, a in row), Decimal(0)) for k in width] for row in rows]
 

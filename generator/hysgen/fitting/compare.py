@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hysgen.certify.dynamics import SAMPLES_PER_PERIOD, loop, rest_line
+from hysgen.certify.dynamics import SAMPLES_PER_PERIOD, loop, steady_states
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
 from hysgen.model.scores import score
@@ -19,7 +19,7 @@ SLOW, FAST = 0.01, 0.3
 """Frequencies of the compared loops, relative to the corner frequency of the old model's lag."""
 
 LEVELS = 9
-"""Voltages over the input range at which the rest lines are compared."""
+"""Voltages over the input range at which the steady states are compared."""
 
 
 @dataclass(frozen=True)
@@ -94,15 +94,15 @@ def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Compariso
 
 
 def _physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, float]]:
-    """(property, unit, value): gain and time constant at mid-range, rest line at the ends, loops, weights of terms."""
+    """(property, unit, value): gain and time constant at mid-range, y at the ends, loops, sums of weights."""
     low_V, high_V = model.u_min_V, model.u_max_V
-    rests = rest_line(model, np.linspace(low_V, high_V, LEVELS))
-    middle, amplitude_V = rests[LEVELS // 2], 0.45 * (high_V - low_V)
+    states = steady_states(model, np.linspace(low_V, high_V, LEVELS))
+    middle, amplitude_V = states[LEVELS // 2], 0.45 * (high_V - low_V)
     found = [
         ("DC gain, mid-range", "um/V", middle.gain_um_per_V),
         ("time constant, mid-range", "ms", 1e3 * (middle.tau_s or 0.0)),
-        ("at rest at the lowest input", "um", rests[0].y_um),
-        ("at rest at the highest input", "um", rests[-1].y_um),
+        ("at rest at the lowest input", "um", states[0].y_um),
+        ("at rest at the highest input", "um", states[-1].y_um),
     ]
     for f_Hz in loops_Hz:
         closed = loop(model, f_Hz, 0.5 * (low_V + high_V), amplitude_V)
@@ -119,8 +119,8 @@ def _physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, fl
 
 def _loop_frequencies(model: Model) -> list[float]:
     """Frequencies in Hz of a slow and a fast sine, both sampled at least SAMPLES_PER_PERIOD times per period."""
-    rests = rest_line(model, np.array([0.5 * (model.u_min_V + model.u_max_V)]))
-    corner_Hz = 1.0 / (2.0 * np.pi * (rests[0].tau_s or 10.0 * model.Ts_s))
+    states = steady_states(model, np.array([0.5 * (model.u_min_V + model.u_max_V)]))
+    corner_Hz = 1.0 / (2.0 * np.pi * (states[0].tau_s or 10.0 * model.Ts_s))
     highest_Hz = 1.0 / (SAMPLES_PER_PERIOD * model.Ts_s)
     return [min(part * corner_Hz, part / FAST * highest_Hz) for part in (SLOW, FAST)]
 

@@ -117,8 +117,8 @@ def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
 
         w = -sum y du / (std(y) sum |du|) > 0  for every passive stage: y lags u, the loop dissipates energy
 
-    Conditions: at least two cycles, nearly all with the wrong sense of rotation, and a correlation of u and y above 0.7,
-    which excludes records above a resonance, whose phase is turned over.
+    Conditions: at least two cycles, nearly all with the wrong sense of rotation, and a correlation of u and y above
+    0.7, which excludes signals above a resonance, where the phase is turned over.
 
     A voltage logged too late gives the same loops. The finding is therefore certain only if the voltage also has the
     noise of a sensor, and the displacement has none.
