@@ -20,13 +20,13 @@ from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
 from hysgen.stage import Aging
 from hysgen.stage import run as measure
-from hysgen.studies.bank.scenario import JUDGED_TOO, Scenario, scenario
+from hysgen.studies.bank.scenario import ACCEPTED, Scenario, scenario
 from hysgen.studies.bank.truth import true_extensions
 
 
 def measured(hidden: Scenario) -> Prepared:
     y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
-    return prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=JUDGED_TOO))
+    return prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED))
 
 
 def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> None:

@@ -8,7 +8,7 @@ import pytest
 from hysgen.studies.bank import BankResult, run, scenario
 from hysgen.studies.bank.judge_records import judge
 from hysgen.studies.bank.limits import PARAMETERS
-from hysgen.studies.bank.result import Verdict
+from hysgen.studies.bank.result import Judgement
 from hysgen.studies.bank.scenario import CATEGORIES, EFFECTS
 
 SMALL = (
@@ -32,7 +32,9 @@ def small() -> BankResult:
 
 
 def test_required_causes_are_named_and_nothing_else(small: BankResult) -> None:
-    wrong = {(verdict.category, verdict.seed): verdict.named for verdict in small.judged() if not verdict.exact}
+    wrong = {
+        (judgement.category, judgement.seed): judgement.named for judgement in small.judged() if not judgement.exact
+    }
     assert wrong == {}
 
 
@@ -43,17 +45,17 @@ def test_parameters_of_named_causes_lie_within_the_bounds_of_the_issue(small: Ba
 
 
 def test_limits_at_both_ends_are_found_though_neither_alone_helps() -> None:
-    verdict = judge(scenario("saturation", 507))
-    assert verdict.exact, verdict.named
-    assert abs(verdict.errors["saturation.low_V"]) < PARAMETERS["saturation.low_V"]
-    assert abs(verdict.errors["saturation.high_V"]) < PARAMETERS["saturation.high_V"]
+    judgement = judge(scenario("saturation", 507))
+    assert judgement.exact, judgement.named
+    assert abs(judgement.errors["saturation.low_V"]) < PARAMETERS["saturation.low_V"]
+    assert abs(judgement.errors["saturation.high_V"]) < PARAMETERS["saturation.high_V"]
 
 
 @pytest.mark.parametrize(("seed", "level"), [(800, "high"), (908, "low")])
 def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level(seed: int, level: str) -> None:
-    verdict = judge(scenario("saturation", seed))
-    assert verdict.exact, verdict.named
-    assert {key for key in verdict.errors if key.startswith("saturation")} == {f"saturation.{level}_V"}
+    judgement = judge(scenario("saturation", seed))
+    assert judgement.exact, judgement.named
+    assert {key for key in judgement.errors if key.startswith("saturation")} == {f"saturation.{level}_V"}
 
 
 @pytest.mark.parametrize(
@@ -69,8 +71,8 @@ def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level(seed: int, 
     ],
 )
 def test_what_only_looks_like_a_cause_does_not_hide_the_cause(category: str, seed: int) -> None:
-    verdict = judge(scenario(category, seed))
-    assert verdict.exact, verdict.named
+    judgement = judge(scenario(category, seed))
+    assert judgement.exact, judgement.named
 
 
 def test_refinement_is_not_held_back_by_a_start_that_is_good_on_the_fitted_rows_alone() -> None:
@@ -93,17 +95,17 @@ def test_category_plants_the_effect_that_it_is_named_after() -> None:
     assert "unknown" in scenario("unknown", 11).planted
 
 
-def verdict(required: tuple[str, ...], named: tuple[str, ...], planted: tuple[str, ...], category: str) -> Verdict:
-    return Verdict(category, 0, 1e3, "good", planted, required, named, dict.fromkeys(planted, 2.0), {}, 0.1, "")
+def judgement(required: tuple[str, ...], named: tuple[str, ...], planted: tuple[str, ...], category: str) -> Judgement:
+    return Judgement(category, 0, 1e3, "good", planted, required, named, dict.fromkeys(planted, 2.0), {}, 0.1, "")
 
 
 def test_rates_count_misses_and_false_alarms() -> None:
     result = BankResult(
         (
-            verdict(("memory", "creep"), ("memory", "creep"), ("memory", "creep"), "creep"),
-            verdict(("memory", "creep"), ("memory", "drift"), ("memory", "creep"), "creep"),
-            verdict(("memory",), ("memory",), ("memory",), "memory"),
-            verdict((), ("delay",), (), "none"),
+            judgement(("memory", "creep"), ("memory", "creep"), ("memory", "creep"), "creep"),
+            judgement(("memory", "creep"), ("memory", "drift"), ("memory", "creep"), "creep"),
+            judgement(("memory",), ("memory",), ("memory",), "memory"),
+            judgement((), ("delay",), (), "none"),
         ),
         (0,),
         4,

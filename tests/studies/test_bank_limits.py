@@ -14,29 +14,29 @@ from hysgen.cli.console import Console
 from hysgen.cli.main import parser
 from hysgen.cli.verbs import bank as bank_verb
 from hysgen.errors import HysgenError
-from hysgen.studies.bank import BankResult, Verdict, limits, limits_table, run
+from hysgen.studies.bank import BankResult, Judgement, limits, limits_table, run
 from hysgen.studies.bank.limits import PARAMETERS, QUIET, RECORDS
-from hysgen.studies.bank.log import Log, read_log
+from hysgen.studies.bank.log import JudgementLog, read_log
 
 
-def right(category: str, seed: int) -> Verdict:
-    """A verdict that is right in everything: memory and, but for quiet records, creep; every parameter close."""
+def right(category: str, seed: int) -> Judgement:
+    """A judgement that is right in everything: memory and, but for quiet records, creep; every parameter close."""
     planted = ("memory",) if category == "memory" else ("memory", category)
     errors = {key: 0.5 * most for key, most in PARAMETERS.items() if key.startswith(category)}
     relative = dict.fromkeys(planted, 2.0)
-    return Verdict(category, seed, 1e3, "good", planted, planted, planted, relative, errors, 0.1, "", 15.0, 1.0)
+    return Judgement(category, seed, 1e3, "good", planted, planted, planted, relative, errors, 0.1, "", 15.0, 1.0)
 
 
-def full() -> list[Verdict]:
+def full() -> list[Judgement]:
     """As many records as the limits speak of."""
     hiding = sorted({key.split(".")[0] for key in PARAMETERS})
     loud = [right(hiding[i % len(hiding)], i) for i in range(RECORDS - QUIET)]
     return loud + [right("memory", i) for i in range(QUIET)]
 
 
-def judged(verdicts: list[Verdict]) -> dict[str, str]:
+def judged(judgements: list[Judgement]) -> dict[str, str]:
     """Marks of all limits by name."""
-    return {limit.name: limit.mark for limit in limits(BankResult(tuple(verdicts), (0,), len(verdicts)))}
+    return {limit.name: limit.mark for limit in limits(BankResult(tuple(judgements), (0,), len(judgements)))}
 
 
 def test_a_run_without_fault_meets_every_limit() -> None:
@@ -54,21 +54,23 @@ def test_a_run_without_fault_meets_every_limit() -> None:
     ],
 )
 def test_every_limit_is_missed_when_it_is_missed(fault: dict[str, object], times: int, missed: str) -> None:
-    verdicts = full()
+    judgements = full()
     cause = missed.removeprefix("error of ").split(".")[0] if "." in missed else "creep"
-    at = [i for i, verdict in enumerate(verdicts) if verdict.category == cause][:times]
+    at = [i for i, judgement in enumerate(judgements) if judgement.category == cause][:times]
     for i in at:
-        verdicts[i] = dataclasses.replace(verdicts[i], **fault)  # type: ignore[arg-type]
-    assert judged(verdicts)[missed] == "MISSED"
-    assert f"{cause} {verdicts[at[0]].seed}: " in limits_table(limits(BankResult(tuple(verdicts), (0,), len(verdicts))))
+        judgements[i] = dataclasses.replace(judgements[i], **fault)  # type: ignore[arg-type]
+    assert judged(judgements)[missed] == "MISSED"
+    assert f"{cause} {judgements[at[0]].seed}: " in limits_table(
+        limits(BankResult(tuple(judgements), (0,), len(judgements)))
+    )
 
 
 def test_one_false_alarm_in_a_hundred_quiet_records_passes_and_two_do_not() -> None:
-    verdicts = full()
-    verdicts[-1] = dataclasses.replace(verdicts[-1], named=("memory", "creep"))
-    assert judged(verdicts)["false alarms"] == "met"
-    verdicts[-2] = dataclasses.replace(verdicts[-2], named=("memory", "creep"))
-    assert judged(verdicts)["false alarms"] == "MISSED"
+    judgements = full()
+    judgements[-1] = dataclasses.replace(judgements[-1], named=("memory", "creep"))
+    assert judged(judgements)["false alarms"] == "met"
+    judgements[-2] = dataclasses.replace(judgements[-2], named=("memory", "creep"))
+    assert judged(judgements)["false alarms"] == "MISSED"
 
 
 def test_a_small_run_does_not_claim_what_only_a_large_one_can_show() -> None:
@@ -78,10 +80,10 @@ def test_a_small_run_does_not_claim_what_only_a_large_one_can_show() -> None:
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list[tuple[str, int]]:
-    """Puts made-up verdicts in place of the bank's records; returns the list of what was judged, growing."""
+    """Puts made-up judgements in place of the bank's records; returns the list of what was judged, growing."""
     begun: list[tuple[str, int]] = []
 
-    def one(key: tuple[str, int]) -> Verdict:
+    def one(key: tuple[str, int]) -> Judgement:
         if len(begun) == stop_at:
             raise KeyboardInterrupt
         begun.append(key)
@@ -98,21 +100,21 @@ def test_an_interrupted_run_says_what_it_has_and_goes_on_there(tmp_path: Path, m
     counted(monkeypatch, stop_at=4)
     part = run([1, 2, 3], ["memory", "creep"], log=log)
     assert not part.complete
-    assert [(v.category, v.seed) for v in part.verdicts] == [("memory", 1), ("creep", 1), ("memory", 2), ("creep", 2)]
+    assert [(v.category, v.seed) for v in part.judgements] == [("memory", 1), ("creep", 1), ("memory", 2), ("creep", 2)]
     log.write_bytes(log.read_bytes() + b'{"category": "me')  # the machine went down while it wrote
     begun = counted(monkeypatch)
     again = run([1, 2, 3], ["memory", "creep"], log=log)
     assert begun == [("memory", 3), ("creep", 3)]
     assert again.complete
     assert again.to_json() == whole.to_json()
-    assert [(v.category, v.seed) for v in read_log(log)] == [(v.category, v.seed) for v in whole.verdicts]
+    assert [(v.category, v.seed) for v in read_log(log)] == [(v.category, v.seed) for v in whole.judgements]
 
 
 def test_verdicts_of_another_state_of_the_package_are_not_mixed_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     log = tmp_path / "bank.jsonl"
-    Log(log).add(right("creep", 1))
+    JudgementLog(log).add(right("creep", 1))
     monkeypatch.setattr("hysgen.studies.bank.log.sources_digest", lambda: "0" * 64)
     with pytest.raises(HysgenError, match="judged by another state of hysgen; remove it"):
         read_log(log)
@@ -131,7 +133,7 @@ def test_a_file_that_is_no_log_is_refused_by_its_name(tmp_path: Path, text: str)
 def test_exit_code_says_whether_the_limits_are_met(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fall: float, code: int
 ) -> None:
-    def one(key: tuple[str, int]) -> Verdict:
+    def one(key: tuple[str, int]) -> Judgement:
         return dataclasses.replace(right(*key), fall=fall)
 
     monkeypatch.setattr("hysgen.studies.bank.judge_records._one", one)

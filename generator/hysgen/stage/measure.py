@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hysgen.stage.description import Stage
 from hysgen.stage.effects import require
 from hysgen.stage.effects.memory import Curve, Hysteresis
-from hysgen.stage.state import StageState, Trace, static_path
+from hysgen.stage.state import PlantOutput, StageState, static_path
 
 Floats = NDArray[np.float64]
 
@@ -91,7 +91,9 @@ def without(stage: Stage, effect: str, low_V: float, high_V: float) -> Stage:
     return replace(stage, memory=Curve(low_V, float(u_V[1] - u_V[0]), tuple(((rising_um + falling_um) / 2).tolist())))
 
 
-def _drive(stage: Stage, u_V: Floats, Ts_s: float, seed: int, channels: Mapping[str, Floats], rest_V: float) -> Trace:
+def _drive(
+    stage: Stage, u_V: Floats, Ts_s: float, seed: int, channels: Mapping[str, Floats], rest_V: float
+) -> PlantOutput:
     names = stage.channels
     missing = [name for name in names if name not in channels]
     require(not missing, f"aux: the stage couples to {', '.join(missing)}, which is not given; pass it in aux")

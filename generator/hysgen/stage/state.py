@@ -36,7 +36,7 @@ def plant() -> native.Library:
 
 
 @dataclass(frozen=True)
-class Trace:
+class PlantOutput:
     """What a run leaves behind, each (n,): readings, the true displacement, the ceramic's voltage, drift, outliers."""
 
     reading_um: Floats
@@ -114,7 +114,7 @@ class StageState:
             raise StageError(OUT_OF_MEMORY)
         return y_um
 
-    def advance(self, u_V: Floats, channels: Floats) -> Trace:
+    def advance(self, u_V: Floats, channels: Floats) -> PlantOutput:
         """All of u_V (n,), with channels (n, c): row k is the present when u_V[k] is put out; the last is not held.
 
         Raises StageError when the hysteresis runs out of memory for turning points.
@@ -127,12 +127,12 @@ class StageState:
         columns = (reading, true, actuator, drift, outlier)
         if not self._actions:
             self._run(volts, others, columns)
-            return Trace(reading, true, actuator, drift, outlier.astype(np.bool_))
+            return PlantOutput(reading, true, actuator, drift, outlier.astype(np.bool_))
         for k in range(n):
             self._run(volts[k : k + 1], others[k : k + 1], tuple(column[k : k + 1] for column in columns))
             if k < n - 1:
                 self.step(float(volts[k]), others[k].tolist())
-        return Trace(reading, true, actuator, drift, outlier.astype(np.bool_))
+        return PlantOutput(reading, true, actuator, drift, outlier.astype(np.bool_))
 
     def _run(self, u_V: Floats, channels: Floats, columns: tuple[NDArray[Any], ...]) -> None:
         """`plant_run` into `columns`: a run of one sample reads the present instant and leaves it."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.errors import HysgenError
-from hysgen.studies.bank import CATEGORIES, Verdict, limits, limits_table
+from hysgen.studies.bank import CATEGORIES, Judgement, limits, limits_table
 from hysgen.studies.bank import run as run_bank
 
 
@@ -27,13 +27,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace, console: Console) -> int:
     judged = wrong = 0
 
-    def tell(fraction: float, verdict: Verdict) -> None:
+    def tell(fraction: float, judgement: Judgement) -> None:
         nonlocal judged, wrong
-        judged, wrong = judged + 1, wrong + (not verdict.exact)
-        name = f"{verdict.category} {verdict.seed}"
-        if verdict.category != "poor" and not verdict.exact:
-            console.say(f"wrong: {name}: {verdict.difference()}")
-        console.progress(fraction, f"{name}: {', '.join(verdict.named) or 'nothing'} ({judged} judged, {wrong} wrong)")
+        judged, wrong = judged + 1, wrong + (not judgement.exact)
+        name = f"{judgement.category} {judgement.seed}"
+        if judgement.category != "poor" and not judgement.exact:
+            console.say(f"wrong: {name}: {judgement.difference()}")
+        console.progress(
+            fraction, f"{name}: {', '.join(judgement.named) or 'nothing'} ({judged} judged, {wrong} wrong)"
+        )
 
     log = Path(arguments.log) if arguments.log else None
     result = run_bank(parse_seeds(arguments.seeds), arguments.categories, arguments.jobs, tell, log)
@@ -44,7 +46,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     told = [dataclasses.asdict(limit) for limit in found]
     console.write_json(result.to_json() | {"limits": told})
     if not result.complete:
-        console.warn(f"interrupted: {len(result.verdicts)} of {result.asked} records")
+        console.warn(f"interrupted: {len(result.judgements)} of {result.asked} records")
         return 130
     return int(any(limit.holds is False for limit in found))
 

@@ -1,4 +1,4 @@
-"""Commands for the bank's records: a good one, that lets every cause show, and poor ones, that hide some."""
+"""Commands for the bank's records: a good excitation, which every cause responds to, and poor ones."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def good(rng: np.random.Generator, samples: int, low_V: float, high_V: float) ->
         length = int(period * rng.choice([1.0, 1.5, 2.0]))
         wave = centre + size * half * np.sin(2 * np.pi * np.arange(length) / period - np.pi / 2)
         if parts:
-            parts.append(_joined(rng, float(parts[-1][-1]), float(wave[0]), period))
+            parts.append(_transition(rng, float(parts[-1][-1]), float(wave[0]), period))
         parts.append(wave)
         if rng.random() < 0.4:
             parts.append(np.full(int(rng.uniform(0.01, 0.04) * samples), wave[-1]))
@@ -43,13 +43,13 @@ def poor(kind: str, rng: np.random.Generator, samples: int, low_V: float, high_V
     return np.asarray(low_V + 2 * half * (1.0 - np.abs(1.0 - 2.0 * (strokes % 1.0))))
 
 
-def wandering(rng: np.random.Generator, samples: int, low: float, high: float) -> Floats:
-    """Another channel: straight lines between random levels, (samples,), with some 60 corners."""
+def random_levels(rng: np.random.Generator, samples: int, low: float, high: float) -> Floats:
+    """A further channel, (samples,): straight lines between 40 to 80 random levels."""
     corners = np.linspace(0, samples - 1, int(rng.uniform(40, 80)))
     return np.interp(np.arange(samples), corners, rng.uniform(low, high, len(corners)))
 
 
-def _joined(rng: np.random.Generator, begin_V: float, end_V: float, period: int) -> Floats:
+def _transition(rng: np.random.Generator, begin_V: float, end_V: float, period: int) -> Floats:
     if rng.random() < 0.4:
         return np.full(max(2, period // 6), end_V)  # a step, and time to ring
     length = max(2, period // 4)

@@ -1,4 +1,4 @@
-"""Running the bank: make a record, diagnose it, compare with what was hidden."""
+"""A run of the bank: make each record, diagnose it, compare the diagnosis with the hidden effects."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from hysgen.stage import Preisach, Relays, effects
 from hysgen.stage import run as measure
 from hysgen.stage.effects import UNKNOWN, Tolerance
 from hysgen.stage.effects.memory import Hysteresis
-from hysgen.studies.bank.log import Log, read_log
-from hysgen.studies.bank.result import BankResult, Verdict
-from hysgen.studies.bank.scenario import CATEGORIES, JUDGED_TOO, Scenario, memory_only, scenario
+from hysgen.studies.bank.log import JudgementLog, read_log
+from hysgen.studies.bank.result import BankResult, Judgement
+from hysgen.studies.bank.scenario import ACCEPTED, CATEGORIES, Scenario, memory_only, scenario
 from hysgen.studies.bank.truth import error_with_truth_known
 
 Floats = NDArray[np.float64]
-Progress = Callable[[float, Verdict], None]
+Progress = Callable[[float, Judgement], None]
 
 
 def run(
@@ -41,31 +41,31 @@ def run(
     progress: Progress | None = None,
     log: Path | None = None,
 ) -> BankResult:
-    """Every category with every seed. jobs: processes to use.
+    """Judge every category with every seed, in `jobs` processes.
 
-    progress: told the fraction done and each verdict. log: where verdicts are kept as they come; those that it already
-    holds are not judged again. Interrupted, the result has what was judged until then (`complete` is false).
+    progress: called with the fraction done and each judgement. log: file of judgements; the records that it holds
+    already are not judged again. After an interrupt the result holds the records judged so far (`complete` is false).
     Raises HysgenError if the log belongs to another state of the package, or cannot be written.
     """
     work = [(category, seed) for seed in seeds for category in categories]
     known = {} if log is None else {(v.category, v.seed): v for v in read_log(log)}
     done = {key: known[key] for key in work if key in known}
-    kept = Log(log)
+    kept = JudgementLog(log)
     with contextlib.suppress(KeyboardInterrupt):
-        for verdict in _judged([key for key in work if key not in done], jobs):
-            kept.add(verdict)
-            done[verdict.category, verdict.seed] = verdict
+        for judgement in _judged([key for key in work if key not in done], jobs):
+            kept.add(judgement)
+            done[judgement.category, judgement.seed] = judgement
             if progress is not None:
-                progress(len(done) / len(work), verdict)
+                progress(len(done) / len(work), judgement)
     return BankResult(tuple(done[key] for key in work if key in done), tuple(seeds), len(work))
 
 
-def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Verdict]:
-    """The verdicts as they come; whatever ends the loop, records that were not begun are not begun any more."""
+def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Judgement]:
+    """The judgements in the order in which they are done; when the loop ends early, waiting records are cancelled."""
     if jobs <= 1 or len(work) <= 1:
         yield from map(_one, work)
         return
-    # An interrupt from the keyboard reaches every process of the terminal; the workers leave it to this one.
+    # An interrupt from the keyboard reaches every process of the terminal; the workers ignore it, this one handles it.
     pool = ProcessPoolExecutor(jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
     try:
         for future in as_completed([pool.submit(_one, key) for key in work]):
@@ -74,17 +74,17 @@ def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Verdict]:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def judge(hidden: Scenario) -> Verdict:
-    """Measure a scenario, diagnose the record alone, and compare."""
+def judge(hidden: Scenario) -> Judgement:
+    """Measure a scenario, diagnose its record, and compare the causes named with the causes planted."""
     measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux, shares=True)
-    record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, accept=JUDGED_TOO)
+    record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED)
     left_um = left_by_memory(hidden)
     begun = time.perf_counter()
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
-    fall, over_truth = _climbed(hidden, naming, measured.truth.outlier)
+    fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier)
     shares = {effects()[name].cause(): share for name, share in measured.truth.shares_um.items()}
-    return Verdict(
+    return Judgement(
         category=hidden.category,
         seed=hidden.seed,
         rate_Hz=1.0 / hidden.Ts_s,
@@ -101,9 +101,9 @@ def judge(hidden: Scenario) -> Verdict:
     )
 
 
-def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> tuple[float, float]:
-    """How often the free-run error falls where only memory of the Preisach kind is hidden, and the error of the
-    extended model over that with the truth known, where every planted cause is extended; else nan.
+def _error_ratios(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> tuple[float, float]:
+    """Two ratios of free-run errors: of the paper's model over the extended one, and of the extended model over the
+    model with the truth known. Each is nan where `Judgement` says so.
     """
     prepared, agreed = naming.prepared, naming.agreed
     held = prepared.held_rows[~corrupted[prepared.held_rows]]
@@ -118,10 +118,10 @@ def _climbed(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> 
 
 
 def left_by_memory(hidden: Scenario) -> float:
-    """Free-run rms in um that the delivered memory leaves on the stage with nothing but its hysteresis."""
+    """Free-run rms in um of the model with the usual memory extension, on the stage without effects but hysteresis."""
     bare = memory_only(hidden)
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
-    prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=JUDGED_TOO))
+    prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=ACCEPTED))
     extension = Extension(term=usual_memory(*prepared.record.u_range_V))
     rung = fit_ladder(prepared, {Hysteresis.name: extension}, [Hysteresis.name], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
@@ -142,6 +142,6 @@ def parameter_errors(hidden: Scenario, found: dict[str, float]) -> dict[str, flo
     return errors
 
 
-def _one(work: tuple[str, int]) -> Verdict:
+def _one(work: tuple[str, int]) -> Judgement:
     category, seed = work
     return judge(scenario(category, seed))

@@ -1,4 +1,4 @@
-"""What a run of the bank has to reach, and whether it does."""
+"""The limits that a run of the bank must meet, and whether it meets them."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import math
 from dataclasses import dataclass
 
 from hysgen.stage import effects
-from hysgen.studies.bank.result import BankResult, Verdict
+from hysgen.studies.bank.result import BankResult, Judgement
 
 RECORDS, QUIET = 200, 100
-"""Records, and records with nothing hidden, from which on the rates mean what is asked of them."""
+"""Number of records, and of records with nothing hidden, that the limits of the rates are stated for."""
 
 LEAST_EXACT, LEAST_FOUND = 0.95, 0.98
 ALARMS = 1
-"""False alarms that QUIET records may give."""
+"""False alarms that are allowed in QUIET records."""
 
 LEAST_FALL = 7.0
 MOST_OVER_TRUTH = 2.0
@@ -29,9 +29,9 @@ PARAMETERS: dict[str, float] = {
 
 @dataclass(frozen=True)
 class Limit:
-    """One limit: what is wanted, what was measured, whether it holds; None where there was nothing to measure.
+    """One limit: the value wanted, the value measured, and whether it holds; None where no record measures it.
 
-    enough: whether there were as many records as the limit speaks of. beyond: the records that are beyond it.
+    enough: whether the run has the number of records that the limit is stated for. beyond: records that exceed it.
     """
 
     name: str
@@ -50,19 +50,25 @@ class Limit:
 
 
 def limits(result: BankResult) -> tuple[Limit, ...]:
-    """Every limit, judged on the records of a run with a good excitation."""
+    """Every limit, on the records of a run with a good excitation."""
+    judged = result.judged()
+    parameters = (_parameter_limit(key, most, judged) for key, most in PARAMETERS.items())
+    return (*_rate_limits(result), *parameters, _fall_limit(judged), _truth_limit(judged))
+
+
+def _rate_limits(result: BankResult) -> list[Limit]:
     judged, quiet = result.judged(), result.quiet()
-    alarmed = [verdict for verdict in quiet if not set(verdict.named) <= set(verdict.planted)]
-    lacking = [v for v in judged if not set(v.required) <= set(v.named)]
-    required = sum(len(verdict.required) for verdict in judged)
-    found = [
+    alarmed = [judgement for judgement in quiet if not set(judgement.named) <= set(judgement.planted)]
+    lacking = [judgement for judgement in judged if not set(judgement.required) <= set(judgement.named)]
+    required = sum(len(judgement.required) for judgement in judged)
+    return [
         Limit(
             "exact set of causes",
             f">= {100 * LEAST_EXACT:.0f} % of {RECORDS} records",
             f"{100 * result.exact_rate:.1f} % of {len(judged)}",
             result.exact_rate >= LEAST_EXACT if judged else None,
             len(judged) >= RECORDS,
-            _told([verdict for verdict in judged if not verdict.exact]),
+            _differences([judgement for judgement in judged if not judgement.exact]),
         ),
         Limit(
             "required causes found",
@@ -70,7 +76,7 @@ def limits(result: BankResult) -> tuple[Limit, ...]:
             f"{100 * result.found_rate:.1f} % of {required}",
             result.found_rate >= LEAST_FOUND if required else None,
             len(judged) >= RECORDS,
-            _told(lacking),
+            _differences(lacking),
         ),
         Limit(
             "false alarms",
@@ -78,48 +84,56 @@ def limits(result: BankResult) -> tuple[Limit, ...]:
             f"{len(alarmed)} in {len(quiet)}",
             len(alarmed) <= ALARMS * max(1.0, len(quiet) / QUIET) if quiet else None,
             len(quiet) >= QUIET,
-            _told(alarmed),
+            _differences(alarmed),
         ),
     ]
-    for key, most in PARAMETERS.items():
-        name = key.split(".")[0]
-        seen = [v for v in judged if key in v.errors and name in v.required and name in v.named]
-        worst = max((abs(verdict.errors[key]) for verdict in seen), default=math.nan)
-        beyond = [verdict for verdict in seen if not abs(verdict.errors[key]) <= most]
-        found.append(
-            Limit(
-                f"error of {key}",
-                f"<= {most:g}",
-                f"{worst:.3g}, {len(seen)} records" if seen else "no record",
-                not beyond if seen else None,
-                beyond=tuple(f"{_name(verdict)}: {verdict.errors[key]:.3g}" for verdict in beyond),
-            )
-        )
-    falls = [verdict for verdict in judged if math.isfinite(verdict.fall)]
-    found.append(
-        Limit(
-            "fall by the memory extension",
-            f">= {LEAST_FALL:g} times",
-            f"{min(v.fall for v in falls):.1f} at least, {len(falls)} records" if falls else "no record",
-            all(verdict.fall >= LEAST_FALL for verdict in falls) if falls else None,
-            beyond=tuple(f"{_name(v)}: {v.fall:.1f}" for v in falls if v.fall < LEAST_FALL),
-        )
+
+
+def _parameter_limit(key: str, most: float, judged: list[Judgement]) -> Limit:
+    """The largest error of "cause.parameter", over the records where the cause was required and named."""
+    name = key.split(".")[0]
+    seen = [
+        judgement
+        for judgement in judged
+        if key in judgement.errors and name in judgement.required and name in judgement.named
+    ]
+    worst = max((abs(judgement.errors[key]) for judgement in seen), default=math.nan)
+    beyond = [judgement for judgement in seen if not abs(judgement.errors[key]) <= most]
+    return Limit(
+        f"error of {key}",
+        f"<= {most:g}",
+        f"{worst:.3g}, {len(seen)} records" if seen else "no record",
+        not beyond if seen else None,
+        beyond=tuple(f"{_name(judgement)}: {judgement.errors[key]:.3g}" for judgement in beyond),
     )
-    ratios = [verdict for verdict in judged if math.isfinite(verdict.over_truth)]
-    found.append(
-        Limit(
-            "error over that with the truth known",
-            f"<= {MOST_OVER_TRUTH:g}",
-            f"{max(v.over_truth for v in ratios):.2f} at most, {len(ratios)} records" if ratios else "no record",
-            all(verdict.over_truth <= MOST_OVER_TRUTH for verdict in ratios) if ratios else None,
-            beyond=tuple(f"{_name(v)}: {v.over_truth:.2f}" for v in ratios if v.over_truth > MOST_OVER_TRUTH),
-        )
+
+
+def _fall_limit(judged: list[Judgement]) -> Limit:
+    falls = [judgement for judgement in judged if math.isfinite(judgement.fall)]
+    return Limit(
+        "fall by the memory extension",
+        f">= {LEAST_FALL:g} times",
+        f"{min(judgement.fall for judgement in falls):.1f} at least, {len(falls)} records" if falls else "no record",
+        all(judgement.fall >= LEAST_FALL for judgement in falls) if falls else None,
+        beyond=tuple(f"{_name(judgement)}: {judgement.fall:.1f}" for judgement in falls if judgement.fall < LEAST_FALL),
     )
-    return tuple(found)
+
+
+def _truth_limit(judged: list[Judgement]) -> Limit:
+    ratios = [judgement for judgement in judged if math.isfinite(judgement.over_truth)]
+    beyond = [judgement for judgement in ratios if judgement.over_truth > MOST_OVER_TRUTH]
+    largest = max((judgement.over_truth for judgement in ratios), default=math.nan)
+    return Limit(
+        "error over that with the truth known",
+        f"<= {MOST_OVER_TRUTH:g}",
+        f"{largest:.2f} at most, {len(ratios)} records" if ratios else "no record",
+        not beyond if ratios else None,
+        beyond=tuple(f"{_name(judgement)}: {judgement.over_truth:.2f}" for judgement in beyond),
+    )
 
 
 def limits_table(found: tuple[Limit, ...]) -> str:
-    """The limits for people; below each one that is missed or has exceptions, the records beyond it."""
+    """The limits as text; below each limit the records that exceed it."""
     lines = [f"{'limit':38}{'wanted':26}{'measured':26}"]
     for limit in found:
         lines.append(f"{limit.name:38}{limit.wanted:26}{limit.measured:26}{limit.mark}")
@@ -127,9 +141,9 @@ def limits_table(found: tuple[Limit, ...]) -> str:
     return "\n".join(lines)
 
 
-def _told(verdicts: list[Verdict]) -> tuple[str, ...]:
-    return tuple(f"{_name(verdict)}: {verdict.difference()}" for verdict in verdicts)
+def _differences(judgements: list[Judgement]) -> tuple[str, ...]:
+    return tuple(f"{_name(judgement)}: {judgement.difference()}" for judgement in judgements)
 
 
-def _name(verdict: Verdict) -> str:
-    return f"{verdict.category} {verdict.seed}"
+def _name(judgement: Judgement) -> str:
+    return f"{judgement.category} {judgement.seed}"

@@ -1,9 +1,9 @@
-"""The log of a run: one JSON line for each record, on the disk as soon as it is judged, so that a run can go on later.
+"""The log of a run: one JSON line for each record, on the disk as soon as it is judged, so that a run can be resumed.
 
     {"hysgen bank": 1, "sources": "..."}
     {"category": "creep", "seed": 1000, ...}
 
-The first line names the state of the package that judged; verdicts of another state are not mixed in.
+The first line holds the digest of the package that judged; a log of another state of the package is refused.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any
 
 from hysgen.errors import HysgenError
 from hysgen.machine.files import digest
-from hysgen.studies.bank.result import Verdict
+from hysgen.studies.bank.result import Judgement
 
 FORM = 1
 
@@ -31,10 +31,10 @@ def sources_digest() -> str:
     return digest("".join(f"{name} {digest(text)}\n" for name, text in files).encode())
 
 
-def read_log(path: Path) -> list[Verdict]:
-    """The verdicts of a log; none if there is no such file. A last line that was cut off does not count.
+def read_log(path: Path) -> list[Judgement]:
+    """The judgements of a log; none if there is no such file. An incomplete last line is ignored.
 
-    Raises HysgenError if it is no log, or one of another state of the package.
+    Raises HysgenError if the file is not a log, or was written by another state of the package.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -50,17 +50,17 @@ def read_log(path: Path) -> list[Verdict]:
         raise HysgenError(f"{path}: row 1: not a log of the bank; choose another file")
     if head.get("sources") != sources_digest():
         raise HysgenError(f"{path}: judged by another state of hysgen; remove it, or choose another file")
-    verdicts = []
+    judgements = []
     for row, line in enumerate(whole[1:], start=2):
         try:
-            verdicts.append(_verdict(_parsed(path, row, line)))
+            judgements.append(_judgement(_parsed(path, row, line)))
         except (KeyError, TypeError) as fault:
-            raise HysgenError(f"{path}: row {row}: not a verdict; remove the file, or choose another") from fault
-    return verdicts
+            raise HysgenError(f"{path}: row {row}: not a judgement; remove the file, or choose another") from fault
+    return judgements
 
 
-class Log:
-    """Appends verdicts to a file; what an interrupt cut off is removed first. Without a path it keeps nothing."""
+class JudgementLog:
+    """Appends judgements to a file; an incomplete last line is removed first. Without a path nothing is written."""
 
     def __init__(self, path: Path | None) -> None:
         self._path = path
@@ -77,10 +77,10 @@ class Log:
         except OSError as fault:
             raise HysgenError(f"{path}: cannot be written ({fault.strerror}); choose another file") from fault
 
-    def add(self, verdict: Verdict) -> None:
-        """One line more, on the disk when this returns."""
+    def add(self, judgement: Judgement) -> None:
+        """Append one line; it is on the disk when the function returns."""
         if self._path is not None:
-            values = dataclasses.asdict(verdict)
+            values = dataclasses.asdict(judgement)
             self._append({key: _finite(value) for key, value in values.items()})
 
     def _append(self, values: dict[str, Any]) -> None:
@@ -91,13 +91,13 @@ class Log:
             os.fsync(stream.fileno())
 
 
-def _verdict(values: dict[str, Any]) -> Verdict:
-    names = {field.name for field in dataclasses.fields(Verdict)}
+def _judgement(values: dict[str, Any]) -> Judgement:
+    names = {field.name for field in dataclasses.fields(Judgement)}
     if set(values) != names:
         raise KeyError(str(sorted(names ^ set(values))))
     lists = {key: tuple(values[key]) for key in ("planted", "required", "named")}
     ratios = {key: math.nan if values[key] is None else float(values[key]) for key in ("fall", "over_truth")}
-    return Verdict(**(values | lists | ratios))
+    return Judgement(**(values | lists | ratios))
 
 
 def _parsed(path: Path, row: int, line: str) -> dict[str, Any]:

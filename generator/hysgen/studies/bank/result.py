@@ -1,4 +1,4 @@
-"""What a run of the bank says: who was found, who was accused, how small an effect may be."""
+"""The result of a run of the bank: confusion of causes, error rates, smallest effects found, parameter errors."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from hysgen.stage import Hysteresis
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """One record: what was planted, required (its share exceeds what memory alone leaves), and named.
+class Judgement:
+    """One record: the causes planted, required (share above `left_by_memory`) and named.
 
-    relative: share of each planted effect over what memory alone leaves. errors: relative error of each parameter.
+    relative: share of each planted effect over `left_by_memory`. errors: of each parameter, see `parameter_errors`.
     fall: free-run error of the paper's model over that of the extended one, where only Preisach memory is hidden.
     over_truth: error of the extended model over that of the same family fitted with the truth known, where every
     planted cause is extended. Either is nan elsewhere.
@@ -39,11 +39,11 @@ class Verdict:
 
     @property
     def exact(self) -> bool:
-        """Everything required is named, and nothing that was not planted."""
+        """Whether every required cause is named, and no cause that was not planted."""
         return set(self.required) <= set(self.named) <= set(self.planted)
 
     def difference(self) -> str:
-        """What is named wrongly, in words; how large what is lacking was, as a multiple of what memory alone leaves."""
+        """The required causes that are not named, with their relative shares, and the causes wrongly named."""
         lacks = [f"{name} ({self.relative[name]:.3g})" for name in self.required if name not in self.named]
         adds = [name for name in self.named if name not in self.planted]
         parts = [f"{word} {', '.join(names)}" for word, names in (("lacks", lacks), ("adds", adds)) if names]
@@ -52,47 +52,47 @@ class Verdict:
 
 @dataclass(frozen=True)
 class BankResult:
-    """All verdicts of a run in the order of the seeds, and those seeds; asked: records that the run was to judge."""
+    """The judgements of a run in the order of the seeds; asked: number of records that the run was asked for."""
 
-    verdicts: tuple[Verdict, ...]
+    judgements: tuple[Judgement, ...]
     seeds: tuple[int, ...]
     asked: int
 
     @property
     def complete(self) -> bool:
         """Whether every record that was asked for is judged."""
-        return len(self.verdicts) == self.asked
+        return len(self.judgements) == self.asked
 
-    def judged(self) -> list[Verdict]:
-        """Records with a good excitation: those that must be right."""
-        return [verdict for verdict in self.verdicts if verdict.category != "poor"]
+    def judged(self) -> list[Judgement]:
+        """Records with a good excitation: those that the limits are stated for."""
+        return [judgement for judgement in self.judgements if judgement.category != "poor"]
 
-    def quiet(self) -> list[Verdict]:
+    def quiet(self) -> list[Judgement]:
         """Judged records with nothing hidden: memory only, or no effect at all."""
-        return [verdict for verdict in self.judged() if verdict.category in (Hysteresis.name, "none")]
+        return [judgement for judgement in self.judged() if judgement.category in (Hysteresis.name, "none")]
 
     @property
     def exact_rate(self) -> float:
         """Share of judged records with the exact set of causes."""
-        return _share([verdict.exact for verdict in self.judged()])
+        return _share([judgement.exact for judgement in self.judged()])
 
     @property
     def found_rate(self) -> float:
         """Share of required causes that were named, over the judged records."""
-        return _share([name in verdict.named for verdict in self.judged() for name in verdict.required])
+        return _share([name in judgement.named for judgement in self.judged() for name in judgement.required])
 
     @property
     def false_alarm_rate(self) -> float:
-        """Share of records with nothing hidden (memory only, or no effect) that name something not planted."""
-        return _share([not set(verdict.named) <= set(verdict.planted) for verdict in self.quiet()])
+        """Share of the quiet records in which a cause is named that was not planted."""
+        return _share([not set(judgement.named) <= set(judgement.planted) for judgement in self.quiet()])
 
     def confusion(self) -> dict[str, dict[str, int]]:
         """How often each cause was named where each was required; "nothing": no cause but memory was planted."""
         table: dict[str, dict[str, int]] = {}
-        for verdict in self.judged():
+        for judgement in self.judged():
             required, planted, named = (
                 [name for name in names if name != Hysteresis.name]
-                for names in (verdict.required, verdict.planted, verdict.named)
+                for names in (judgement.required, judgement.planted, judgement.named)
             )
             for row in required or ([] if planted else ["nothing"]):
                 counts = table.setdefault(row, {})
@@ -102,11 +102,13 @@ class BankResult:
         return table
 
     def smallest(self, share: float) -> dict[str, float]:
-        """Per cause: the strength, over what memory alone leaves, from which on at least `share` of them are found."""
+        """Per cause: the smallest relative share from which on at least `share` of the records name the cause."""
         levels = {}
         for name in VOCABULARY:
             seen = sorted(
-                (verdict.relative[name], name in verdict.named) for verdict in self.judged() if name in verdict.relative
+                (judgement.relative[name], name in judgement.named)
+                for judgement in self.judged()
+                if name in judgement.relative
             )
             for i, (strength, _) in enumerate(seen):
                 if _share([found for _, found in seen[i:]]) >= share:
@@ -117,24 +119,24 @@ class BankResult:
     def parameter_errors(self) -> dict[str, tuple[float, float, int]]:
         """Per parameter: median and largest error over the records where its cause was required and named."""
         gathered: dict[str, list[float]] = {}
-        for verdict in self.judged():
-            for key, error in verdict.errors.items():
-                if key.split(".")[0] in verdict.required:
+        for judgement in self.judged():
+            for key, error in judgement.errors.items():
+                if key.split(".")[0] in judgement.required:
                     gathered.setdefault(key, []).append(abs(error))
         return {key: (float(np.median(v)), float(max(v)), len(v)) for key, v in sorted(gathered.items())}
 
     def falls(self) -> list[float]:
-        """How often the error falls by the memory extension, rising, where only Preisach memory is hidden."""
-        return sorted(verdict.fall for verdict in self.judged() if math.isfinite(verdict.fall))
+        """The factors `fall` of all records that have one, rising."""
+        return sorted(judgement.fall for judgement in self.judged() if math.isfinite(judgement.fall))
 
     def over_truth(self) -> list[float]:
-        """Errors over those with the truth known, rising."""
-        return sorted(verdict.over_truth for verdict in self.judged() if math.isfinite(verdict.over_truth))
+        """The ratios `over_truth` of all records that have one, rising."""
+        return sorted(judgement.over_truth for judgement in self.judged() if math.isfinite(judgement.over_truth))
 
     def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
+        """The result as JSON values."""
         return {
-            "records": len(self.verdicts),
+            "records": len(self.judgements),
             "complete": self.complete,
             "seeds": [min(self.seeds), max(self.seeds)],
             "exact_rate": _finite(self.exact_rate),
@@ -152,11 +154,11 @@ class BankResult:
                 for v in self.judged()
                 if not v.exact
             ],
-            "median_seconds": _median([verdict.seconds for verdict in self.verdicts]),
+            "median_seconds": _median([judgement.seconds for judgement in self.judgements]),
         }
 
     def table(self) -> str:
-        """The confusion matrix and the rates, for people."""
+        """The confusion matrix and the rates as text."""
         columns = [*(name for name in VOCABULARY if name != Hysteresis.name), "nothing"]
         matrix = self.confusion()
         lines = ["hidden (rows) named as (columns)", f"{'':12}" + "".join(f"{name[:7]:>8}" for name in columns)]
@@ -167,7 +169,7 @@ class BankResult:
         judged = self.judged()
         lines.append("")
         lines.append(f"exact set of causes  {100 * self.exact_rate:6.1f} %  of {len(judged)} records")
-        required = sum(len(verdict.required) for verdict in judged)
+        required = sum(len(judgement.required) for judgement in judged)
         lines.append(f"required and found   {100 * self.found_rate:6.1f} %  of {required} causes")
         alarms = f"{100 * self.false_alarm_rate:6.1f} %  of {len(self.quiet())} records, nothing hidden"
         lines.append(f"false alarms         {alarms}")

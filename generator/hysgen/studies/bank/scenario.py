@@ -1,6 +1,6 @@
-"""One scenario: a stage with hidden effects, how it is driven, and what of it has to be found.
+"""A scenario of the bank: a stage with hidden effects, its command, and the causes that a diagnosis should name.
 
-Strengths, rates, ranges, noise and hysteresis are drawn from the seed. Nothing is drawn from the analysis.
+Strengths, rates, ranges, noise and hysteresis are drawn from the seed. No value comes from the analysis.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from hysgen.stage import Noise, Stage, effects
 from hysgen.stage.effects import UNKNOWN, Effect, Setting
 from hysgen.stage.effects.memory import Hysteresis, draw_curve, draw_hysteresis
-from hysgen.studies.bank.excitation import POOR, good, poor, wandering
+from hysgen.studies.bank.excitation import POOR, good, poor, random_levels
 
 Floats = NDArray[np.float64]
 
-JUDGED_TOO = ("constant", "saturation")
-"""Refused where a person can measure again; here a stage may rest, and a mode ring beyond the converter."""
+ACCEPTED = ("constant", "saturation")
+"""Findings for which a record is refused, accepted here: a drawn stage may rest, or ring beyond its converter."""
 
 DRAWN: Mapping[str, type[Effect]] = {
     kind.cause(): kind
@@ -43,7 +43,7 @@ RATES_HZ = (200.0, 1000.0, 5000.0, 10e3, 50e3)
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A stage, its command and further channels; category as in CATEGORIES; planted: the effects besides noise."""
+    """A stage, its command u_V, (n,), and further channels, each (n,); category: one of CATEGORIES."""
 
     category: str
     seed: int
@@ -91,7 +91,7 @@ def scenario(category: str, seed: int) -> Scenario:
     kinds = [DRAWN[name] for name in names]
     aux: dict[str, Floats] = {}
     if rng.random() < 0.3 or any(kind.needs_channel for kind in kinds):
-        aux["axis2_V"] = wandering(rng, samples, 0.0, 100.0)
+        aux["axis2_V"] = random_levels(rng, samples, 0.0, 100.0)
     for kind in kinds:
         share = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05))))
         stage = _planted(stage, kind, rng, Setting(u_V, Ts_s, span_um, share, tuple(aux)))

@@ -1,7 +1,7 @@
-"""The best that a model family can do on a scenario: the same models, fitted with the truth about the stage known.
+"""The error of the extended model with the truth known: a bound for the error after a diagnosis.
 
-Shape parameters are those of the plant; drift, aging and corrupted samples are not in the record that the model is
-fitted to, because the plant is run without them. What remains to the fit are the linear parameters.
+The shape parameters of the extensions are those of the plant, and the plant is run without the effects that extensions
+only take out of a record. The fit finds the linear parameters.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from hysgen.model.terms.periodic import Periodic
 from hysgen.model.terms.resonance import Resonance
 from hysgen.record import Record
 from hysgen.stage import run as measure
-from hysgen.studies.bank.scenario import JUDGED_TOO, Scenario
+from hysgen.studies.bank.scenario import ACCEPTED, Scenario
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ UNSEEN = ("drift", "aging", "outliers")
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class TrueSetting:
     """What a true extension is made from: the plant's parameters, "cause.parameter", the record's span and channels.
 
     low_V, high_V: range of the voltage across the ceramic.
@@ -49,12 +49,12 @@ class Known:
     channels: Mapping[str, Floats]
 
 
-def _coupling(known: Known) -> Extension:
+def _coupling(known: TrueSetting) -> Extension:
     ranges = {name: (float(values.min()), float(values.max())) for name, values in known.channels.items()}
     return Extension(term=coupling_term(ranges))
 
 
-TRUE: Mapping[str, Callable[[Known], Extension]] = {
+TRUE: Mapping[str, Callable[[TrueSetting], Extension]] = {
     "saturation": lambda k: Extension(
         block=Saturation(k.parameters["saturation.low_V"], k.parameters["saturation.high_V"])
     ),
@@ -75,7 +75,7 @@ def error_with_truth_known(hidden: Scenario) -> float:
     """Free-run rms in um on the held-out rows of the model with every planted cause extended by the plant's numbers."""
     stage = hidden.stage.with_effects(**dict.fromkeys(UNSEEN))
     y_um = measure(stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
-    prepared = prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=JUDGED_TOO))
+    prepared = prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED))
     extensions = true_extensions(hidden)
     rung = fit_ladder(prepared, extensions, list(extensions), FitSettings())
     return rms(rung.error_um[prepared.held_rows])
@@ -89,5 +89,5 @@ def true_extensions(hidden: Scenario) -> dict[str, Extension]:
         parameters |= effect.true_parameters()
         low_V, high_V = effect.passes_V(low_V, high_V)
     channels = {name: np.asarray(hidden.aux[name]) for name in hidden.stage.channels}
-    known = Known(parameters, low_V, high_V, hidden.Ts_s * len(hidden.u_V), channels)
+    known = TrueSetting(parameters, low_V, high_V, hidden.Ts_s * len(hidden.u_V), channels)
     return {name: extension(known) for name, extension in TRUE.items() if name in hidden.planted}
