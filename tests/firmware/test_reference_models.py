@@ -15,9 +15,9 @@ from hysgen.errors import ModelError
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import Settings
 from hysgen.firmware.reference_models import firmware_models, with_learner
-from hysgen.firmware.simulated import image, simulate, static_bounds
-from hysgen.firmware.target import MEMORIES, build
-from hysgen.firmware.tracking import contenders, follow
+from hysgen.firmware.simulated import compile_image, simulate, static_bounds
+from hysgen.firmware.target import MEMORIES, link_image
+from hysgen.firmware.tracking import controllers, run_controller
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 
@@ -40,7 +40,7 @@ def test_the_models_in_the_firmware_are_what_the_templates_make(model: Model, re
 @pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
 def test_the_image_links_into_the_targets_memories(model: Model) -> None:
     need_compiler()
-    built = build(model.name, firmware_model(model))
+    built = link_image(model.name, firmware_model(model))
     assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack"}
     assert all(size <= MEMORIES[name][1] for name, size in built.used.items())
     symbols = built.firmware.image.symbols
@@ -65,7 +65,7 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
 def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Model) -> None:
     need_compiler()
     texts = firmware_model(model)
-    compiled = image(texts)
+    compiled = compile_image(texts)
     # Long enough for the extended image to learn what it then commits.
     run = simulate(model, texts, compiled, 9500 if model.name == "extended" else 1500)
     assert run.equal
@@ -81,7 +81,7 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Mod
 
 
 def test_the_extended_inverse_tracks_three_times_better_than_the_papers() -> None:
-    paper, extended, trimmed, _ = (follow(contender, 50.0, 0.5) for contender in contenders(50.0))
+    paper, extended, trimmed, _ = (run_controller(controller, 50.0, 0.5) for controller in controllers(50.0))
     assert extended.rms_nm < paper.rms_nm / 3
     # 10 s of it, both frequencies, are printed by `hysgen track`.
     assert extended.rms_nm < 10.0

@@ -219,7 +219,7 @@ def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> No
 
 
 def test_verb_writes_page_pictures_and_json(hum: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hysgen.cli.verbs.diagnose.study", lambda *_: hum)
+    monkeypatch.setattr("hysgen.cli.verbs.diagnose.diagnose_and_evaluate", lambda *_: hum)
     monkeypatch.setattr("hysgen.cli.verbs.diagnose.read_records", lambda *_: hum.record)
     monkeypatch.chdir(tmp_path)
     call = ["diagnose", "hum.csv", "--report", "r.html", "--plots", "p", "--json", "d.json", "-o", "m.json"]

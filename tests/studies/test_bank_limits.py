@@ -12,7 +12,7 @@ import pytest
 
 from hysgen.cli.console import Console
 from hysgen.cli.main import parser
-from hysgen.cli.verbs import bank as bank_verb
+from hysgen.cli.verbs import studies
 from hysgen.errors import HysgenError
 from hysgen.studies.bank import BankResult, Judgement, limits, limits_table, run
 from hysgen.studies.bank.limits import PARAMETERS, QUIET, RECORDS
@@ -139,7 +139,7 @@ def test_exit_code_says_whether_the_limits_are_met(
     monkeypatch.setattr("hysgen.studies.bank.judge_records._one", one)
     out, told = io.StringIO(), tmp_path / "bank.json"
     words = ["bank", "--seeds", "1:3", "--categories", "memory", "creep", "--jobs", "1", "--json", str(told)]
-    assert bank_verb.run(parser().parse_args(words), Console(str(told), out, io.StringIO())) == code
+    assert studies.run_bank(parser().parse_args(words), Console(str(told), out, io.StringIO())) == code
     assert ("MISSED" in out.getvalue()) == bool(code)
     found = {limit["name"]: limit["holds"] for limit in json.loads(told.read_text())["limits"]}
     assert found["fall by the memory extension"] is not bool(code)

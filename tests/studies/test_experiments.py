@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import pytest
 
-from hysgen.studies.paper.learning import CHANGES, agreement, change
-from hysgen.studies.paper.modelling import EXPERIMENTS, Outcome, repeat
+from hysgen.studies.paper.learning import DISTURBANCES, agreement, lose_gain
+from hysgen.studies.paper.modelling import EXPERIMENTS, RepeatedExperiment, repeat
 from hysgen.studies.paper.tracking import CASES, track_case
 
 
 @pytest.fixture(scope="module")
-def section_4_2() -> Outcome:
+def section_4_2() -> RepeatedExperiment:
     return repeat(next(experiment for experiment in EXPERIMENTS if experiment.name == "4.2"))
 
 
-def test_one_step_error_of_the_papers_model_flatters(section_4_2: Outcome) -> None:
+def test_one_step_error_of_the_papers_model_flatters(section_4_2: RepeatedExperiment) -> None:
     paper = section_4_2.scores["paper"]
     # The paper prints 0.0005 um; 0.002 um is what y(k+1) = y(k) scores. The free run is another matter.
     assert paper.one_step.e_rms_um < paper.persistence.e_rms_um
     assert paper.free_run.e_rms_um > 10 * paper.one_step.e_rms_um
 
 
-def test_memory_brings_the_free_run_down_to_the_one_step_error(section_4_2: Outcome) -> None:
+def test_memory_brings_the_free_run_down_to_the_one_step_error(section_4_2: RepeatedExperiment) -> None:
     before, after = section_4_2.started["refined"], section_4_2.started["memory"]
     assert after.e_rms_um < before.e_rms_um / 7
     assert after.e_rms_um < 2 * section_4_2.scores["memory"].noise.rms_um
@@ -44,7 +44,7 @@ def test_the_learner_in_c_is_as_good_as_eq_10_in_float64() -> None:
 
 
 def test_after_a_loss_of_gain_the_committed_model_is_soon_as_good_as_before() -> None:
-    found = change("gain falls by 10 %")
+    found = lose_gain("gain falls by 10 %")
     assert found.stale_um > 3.0 * found.before_um
     assert found.caught_up_s is not None
     assert found.caught_up_s <= 0.2
@@ -52,8 +52,8 @@ def test_after_a_loss_of_gain_the_committed_model_is_soon_as_good_as_before() ->
     assert found.unsafe == 0
 
 
-@pytest.mark.parametrize("what", list(CHANGES)[1:])
+@pytest.mark.parametrize("what", list(DISTURBANCES)[1:])
 def test_nothing_is_committed_from_records_that_teach_nonsense(what: str) -> None:
-    found = change(what)
+    found = lose_gain(what)
     assert (found.committed, found.unsafe) == (0, 0)
     assert found.free_run_um[-1] == found.stale_um

@@ -1,4 +1,4 @@
-"""What the terminal sees: tables and sentences on stdout, progress on stderr, JSON where it was asked for."""
+"""Output of the verbs: text on stdout, warnings and progress on stderr, JSON to a file or to stdout."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SECONDS_BETWEEN_PLAIN_LINES = 5.0
 
 @dataclass
 class Console:
-    """Where a verb speaks. `json_to` is a file, "-" for stdout (then nothing else goes there), or None."""
+    """Output of one verb. json_to: a file, "-" for stdout (text is then suppressed), or None for no JSON."""
 
     json_to: str | None = None
     out: TextIO = field(default_factory=lambda: sys.stdout)
@@ -26,18 +26,18 @@ class Console:
     _open_line: bool = False
 
     def say(self, text: str = "") -> None:
-        """One or more lines for people; silent where stdout carries the JSON."""
+        """Print lines of text, unless stdout carries the JSON."""
         self._close_line()
         if self.json_to != "-":
             print(text, file=self.out, flush=True)
 
     def warn(self, text: str) -> None:
-        """A warning on stderr."""
+        """Print a warning on stderr."""
         self._close_line()
         print(f"warning: {text}", file=self.err, flush=True)
 
     def progress(self, fraction: float, what: str) -> None:
-        """How far the long work is: one line rewritten on a terminal, a line every few seconds elsewhere."""
+        """Print the fraction done: one line rewritten on a terminal, else a line every few seconds."""
         now = time.monotonic()
         if self.err.isatty():
             print(f"\r\x1b[K{100 * fraction:5.1f} %  {what}", end="", file=self.err, flush=True)
@@ -47,7 +47,7 @@ class Console:
             self._last_line = now
 
     def write_json(self, result: Mapping[str, Any]) -> None:
-        """The verb's result, if it was asked for: sorted as given, two spaces, exact numbers, no NaN."""
+        """Write the result of the verb as JSON, if --json asks for it. Raises ValueError for NaN and infinity."""
         if self.json_to is None:
             return
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
@@ -56,6 +56,11 @@ class Console:
             print(text, end="", file=self.out, flush=True)
         else:
             write_whole(Path(self.json_to), text)
+
+    def finish(self, result: Mapping[str, Any], holds: bool = True) -> int:
+        """Write the result as JSON. Returns the exit code: 0 if the answer is yes, else 1."""
+        self.write_json(result)
+        return 0 if holds else 1
 
     def _close_line(self) -> None:
         if self._open_line:

@@ -1,7 +1,7 @@
-"""Choosing the verb, and turning every fault of the user's into one line and an exit code.
+"""Entry of the command line: runs the verb and turns each error into one line and an exit code.
 
-Exit codes: 0 done; 1 done, and the answer is no (bits differ, a file is stale, a model misses what was asked);
-2 it could not be done: bad input, a missing tool; 130 interrupted.
+Exit codes: 0 done; 1 done with a negative answer (bits differ, a file is stale, a model misses its target);
+2 not done: bad input, a missing tool; 130 interrupted.
 """
 
 from __future__ import annotations
@@ -25,34 +25,36 @@ _DESCRIPTION = (
 
 
 class _Parser(argparse.ArgumentParser):
-    """argparse, but one line a fault, like every other error of this program."""
+    """argparse with one-line errors, as in the rest of the program."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
-    """The whole command line, for the program and for its documentation; or that of some verbs alone."""
+    """The parser of the command line with the verbs `names`."""
     top = _Parser(prog="hysgen", description=_DESCRIPTION)
     top.add_argument("--version", action="version", version=f"hysgen {version()}")
     verbs = top.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
     for name in names:
-        module = verb(name)
-        summary = (module.__doc__ or "").strip().splitlines()[0]
+        chosen = verb(name)
         sub = verbs.add_parser(
-            name, help=summary, description=module.__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+            name,
+            help=chosen.help.strip().splitlines()[0],
+            description=chosen.help,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        module.arguments(sub)
+        chosen.arguments(sub)
         sub.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE, or to stdout with -")
-        sub.set_defaults(run=module.run)
+        sub.set_defaults(run=chosen.run)
     return top
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one verb; returns the exit code. Never prints a traceback for a fault of the user's."""
+    """Run one verb. Returns the exit code. A HysgenError is printed as one line without traceback."""
     words = list(sys.argv[1:] if argv is None else argv)
-    asked = [words[0]] if words and words[0] in NAMES else NAMES
-    arguments = parser(asked).parse_args(words)
+    names = [words[0]] if words and words[0] in NAMES else NAMES
+    arguments = parser(names).parse_args(words)
     console = Console(json_to=arguments.json)
     try:
         return int(arguments.run(arguments, console))
@@ -64,7 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"\nhysgen {arguments.verb}: interrupted; files already written are whole", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader of a pipe went away: nothing is wrong, but Python must not complain while closing stdout.
+        # The reader closed the pipe. This is no error, and Python must not report one when it closes stdout.
         with contextlib.suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

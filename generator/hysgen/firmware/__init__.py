@@ -1,1 +1,1 @@
-"""The firmware around the generated code: its parameter images, its host image, what it tracks, what it costs."""
+"""The firmware around the generated C: images for host, simulator and C6748, parameter images, tracking experiment."""

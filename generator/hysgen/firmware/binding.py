@@ -1,4 +1,4 @@
-"""model.h: which generated model a firmware drives, and the digest of what its parameters must fit."""
+"""model.h: binds the firmware to one generated model, and holds the digest of the structure its parameters must fit."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ DIGEST_WORDS: Final = 4
 
 
 def firmware_model(model: Model) -> dict[str, str]:
-    """File name -> text of the folder in firmware/models/ that belongs to `model`: its C, and model.h.
+    """The files of the model's folder in firmware/models by name: generated C and model.h.
 
-    Raises ModelError if the firmware cannot drive it, and whatever `generate` raises.
+    Raises ModelError if the firmware cannot drive the model, and the errors of `generate`.
     """
     require_drivable(model)
     return generate(model) | {BINDING: binding(model)}
 
 
 def require_drivable(model: Model) -> None:
-    """Raise ModelError where the firmware lacks what `model` needs, or the model what the firmware needs."""
+    """Raise ModelError unless the model has a learner of all its parameters and needs no auxiliary channels."""
     if model.learner is None:
         raise ModelError(
             f"{model.name}: has no learner settings, whose commit certifies parameter images; fit or generate with "
@@ -73,8 +73,10 @@ def binding(model: Model) -> str:
 
 
 def structure_digest(model: Model) -> tuple[int, ...]:
-    """Four words of the SHA-256 of all that parameters must fit, as little-endian float32: two models with the same
-    digest differ in nothing but the numbers of a bank, and in how these were found."""
+    """Four words of the SHA-256 of name, sampling period, ranges, partition, and shapes of terms and blocks.
+
+    Models with equal digests differ only in the numbers of a bank (rules and weights) and in their history.
+    """
     numbers = coefficients(model)
     fixed = {
         "name": model.name,

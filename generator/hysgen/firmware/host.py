@@ -1,7 +1,7 @@
-"""The complete image on this machine: controller, generated model and host board, driving the virtual stage.
+"""The complete firmware on the host: controller, generated model and host board, driving the virtual stage.
 
-Nothing is left out or replaced but the board: the same C as on the target reads, supervises, inverts, learns, commits,
-takes parameter images and keeps them in a store that can lose its power at any byte.
+Only the board layer differs from the target. The same C reads the sensor, supervises, inverts, learns, commits, and
+keeps parameter images in a store whose power can fail at any byte.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ NO_CUT: Final = 0xFFFFFFFF
 
 
 class State(IntEnum):
-    """Where the controller is (controller.h)."""
+    """State of the controller (controller.h)."""
 
     OFF = 0
     RISE = 1
@@ -43,7 +43,7 @@ class State(IntEnum):
 
 
 class Request(IntEnum):
-    """What may be asked of it."""
+    """Requests to the controller (controller.h)."""
 
     START = 1
     STOP = 2
@@ -76,7 +76,7 @@ class Status(IntFlag):
 
 
 class Fault(IntEnum):
-    """What the host's board can suffer from (board/host/board_type.h)."""
+    """Faults that the host's board can simulate (board/host/board_type.h)."""
 
     NONE = 0
     STUCK = 1
@@ -90,7 +90,7 @@ class Fault(IntEnum):
 
 @dataclass(frozen=True)
 class Settings:
-    """settings.h, with the values of the virtual stage: an amplifier of -20 .. 120 V, a sensor of -3.3 .. 13.1 um."""
+    """The settings_t of settings.h. Defaults: the virtual stage, amplifier -20 .. 120 V, sensor -3.3 .. 13.1 um."""
 
     trim: bool = False
     learn: bool = False
@@ -124,7 +124,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Log:
-    """What a run shows, each (n,): reading before each sample [um], voltage put out behind it [V], State."""
+    """A run, arrays (n,): reading at the start of each sample [um], output voltage at its end [V], State."""
 
     reading_um: Floats32
     output_V: Floats32
@@ -133,14 +133,17 @@ class Log:
 
 @dataclass(frozen=True)
 class Image:
-    """The compiled host image of one model. texts: its generated C and model.h, by file name."""
+    """The compiled host image of one model."""
 
     name: str
     library: Library = field(repr=False)
 
     @classmethod
     def compile(cls, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> Image:
-        """Compile controller, model and host board. Raises BuildError if the compiler refuses them."""
+        """Compile controller, model and host board. texts: generated C and model.h by file name.
+
+        Raises BuildError if there is no compiler or it reports an error.
+        """
         own = dict([*read_sources(CONTROLLER), *read_sources(HOST_BOARD)])
         generated = {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
         declared = _declarations(name, own, generated)
@@ -148,7 +151,7 @@ class Image:
 
 
 class HostFirmware:
-    """The image booted on a board that holds a stage. Attributes of the C structs: `firmware`, `board`."""
+    """The image booted on a board with a stage. `firmware`, `board`: the C structs, through cffi."""
 
     def __init__(self, image: Image, stage: StageState, settings: Settings | None = None) -> None:
         self.image = image
@@ -167,7 +170,7 @@ class HostFirmware:
         self.boot()
 
     def boot(self) -> None:
-        """Power on: everything but the store is forgotten."""
+        """Power on: all memory but the store starts with arbitrary bytes (0xA5)."""
         self._ffi.memmove(self.firmware, b"\xa5" * self._ffi.sizeof("firmware_t"), self._ffi.sizeof("firmware_t"))
         self._lib.firmware_boot(self.firmware, self.board, self._settings)
 
@@ -180,11 +183,11 @@ class HostFirmware:
         return Status(self.firmware.controller.status)
 
     def request(self, request: Request) -> None:
-        """To be taken at the next sample."""
+        """Set a request, which the controller takes at the next sample."""
         self.firmware.controller.request = int(request)
 
     def run(self, reference_um: NDArray[np.float64] | Floats32) -> Log:
-        """One sample per reference: interrupt, then idle loop."""
+        """Run one sample, interrupt and idle loop, for each reference, (n,) in um."""
         wanted = np.ascontiguousarray(reference_um, dtype=np.float32)
         n = wanted.size
         log = Log(np.empty(n, np.float32), np.empty(n, np.float32), np.empty(n, np.uint8))
@@ -203,7 +206,7 @@ class HostFirmware:
         return log
 
     def start(self, reference_um: float, most: int = 100_000) -> Log:
-        """Start and wait until the reference is tracked, or a fault ends it, at most `most` samples."""
+        """Request a start and run until the state is TRACK or TRIPPED, at most `most` samples."""
         self.request(Request.START)
         logs = []
         for _ in range(-(-most // 1000)):
@@ -214,7 +217,7 @@ class HostFirmware:
         return Log(*joined)
 
     def fail(self, fault: Fault, value: float = 0.0, after: int = 0, samples: int = 0xFFFFFFFF) -> None:
-        """Let the board suffer `fault` from the sample `after` of the next run on, for so many samples."""
+        """Simulate `fault` on the board for `samples` samples, from sample `after` of the next run on."""
         self.board.sample = 0
         self.board.fault = int(fault)
         self.board.fault_value = value
@@ -222,7 +225,7 @@ class HostFirmware:
         self.board.fault_until = min(after + samples, 0xFFFFFFFF)
 
     def send(self, data: bytes, begins: bool = True) -> int:
-        """Bytes of a parameter image over the wire while the stage is off; returns `image_answer` afterwards."""
+        """Send bytes of a parameter image while the stage is off. Returns `image_answer`."""
         kept = self._ffi.new("uint8_t []", data or b"\0")
         self.board.incoming, self.board.incoming_count = kept, len(data)
         self.board.incoming_begins = int(begins)
@@ -231,11 +234,11 @@ class HostFirmware:
         return int(self.firmware.image_answer)
 
     def bank(self) -> bytes:
-        """The parameters that the next start begins with."""
+        """The parameters that the next start will use, as bytes of the C struct."""
         return bytes(self._ffi.buffer(self._ffi.addressof(self.firmware.controller, "bank")))
 
     def slot(self, slot: int) -> Any:
-        """The bytes of a slot of the store, as a live buffer."""
+        """The bytes of one slot of the store, as a writable view."""
         return self._ffi.buffer(self.board.store[slot], SLOT_BYTES)
 
 
@@ -245,7 +248,7 @@ def _settings(settings: Settings) -> dict[str, float]:
 
 
 def _declarations(name: str, own: Mapping[str, str], generated: Mapping[str, str]) -> str:
-    """What cffi is to know: the structs of model, controller and board, and the functions that are called."""
+    """The declarations for cffi: structs of model, controller and board, and the functions called from here."""
     model = generated["model.h"]
     names = re.findall(r"^typedef \w+ model_\w+;$", model, re.MULTILINE)
     header = declarations(generated[f"{name}.h"])
@@ -264,7 +267,7 @@ def _declarations(name: str, own: Mapping[str, str], generated: Mapping[str, str
 
 
 def _structs(header: str) -> str:
-    """The struct definitions of a header, without its functions."""
+    """The struct definitions in a header."""
     return "\n".join(re.findall(r"^typedef struct \{.*?^\} \w+;$", declarations(header), re.MULTILINE | re.DOTALL))
 
 

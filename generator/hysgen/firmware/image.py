@@ -1,8 +1,8 @@
-"""Parameter images: a model's numbers as bytes that running firmware takes, or refuses (firmware/controller/image.h).
+"""Parameter images: the numbers of a model as bytes for running firmware (firmware/controller/image.h).
 
 words  0 magic, 1 version, 2 bytes, 3 .. 6 structure digest, 7 rules, 8 weights,
-       slope[], offset[], gain[] over the rules, weight[] of the terms (float32), CRC-32 of all before;
-every word 32 bits, little-endian
+       slope[], offset[], gain[] over the rules, weight[] of the terms (float32), CRC-32 of the words before;
+words are 32 bits, little-endian
 """
 
 from __future__ import annotations
@@ -36,19 +36,19 @@ ANSWERS: Final = {
     11: "refused: not certified: the gain comes too close to zero or changes its sign",
     12: "refused: not certified: the slope comes too close to 1",
 }
-"""What the firmware's `image_answer` means."""
+"""Meaning of the firmware's `image_answer`."""
 
 
 @dataclass(frozen=True)
 class ParameterImage:
-    """What stands in an image: the digest of the structure that it fits, and the bank's numbers."""
+    """Content of an image: digest of the structure that it fits, and the numbers of a bank."""
 
     digest: tuple[int, ...]
     bank: Bank
 
 
 def encode(model: Model) -> bytes:
-    """The image of `model`. Raises ModelError for more rules than a learner, and so the firmware, supports."""
+    """The image of a model. Raises ModelError for more rules than the learner, and so the firmware, supports."""
     numbers = coefficients(model)
     if numbers.windowed:
         raise ModelError(f"{model.name}: {numbers.rules} rules; the firmware drives models of up to 12, fit with fewer")
@@ -65,7 +65,7 @@ def pack(image: ParameterImage) -> bytes:
 
 
 def decode(data: bytes, source: str = "image") -> ParameterImage:
-    """The inverse of `pack`. Raises ModelError naming what is wrong: cut, not an image, damaged."""
+    """The inverse of `pack`. Raises ModelError for bytes that are too few, no image, of wrong size, or damaged."""
     if len(data) < 4 * (HEADER_WORDS + 1):
         raise ModelError(f"{source}: {len(data)} bytes are no parameter image; write it with hysgen image")
     magic, version, size, *digest, rules, weights = struct.unpack_from("<9I", data)

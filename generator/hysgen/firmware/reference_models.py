@@ -1,7 +1,7 @@
-"""The two models whose firmware is kept in firmware/models: the paper's Appendix A, and one with memory and creep.
+"""The two models of firmware/models: the paper's Appendix A, and `extended` with memory, creep and delay.
 
-`python -m hysgen.firmware.reference_models FILE` identifies the extended one again on the virtual laboratory stage;
-the result is shipped as the model `extended`.
+`python -m hysgen.firmware.reference_models FILE` identifies `extended` again on the virtual laboratory stage;
+the result ships with the package.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 
 TS_S: Final = 20e-6
 SENSOR_ZERO_V: Final = 23.0
-"""Appendix A, run to rest, reads 0 um here, as on the bench of hysgen.studies.paper."""
+"""Voltage at which the stage reads 0 um, the zero of Appendix A, as in hysgen.studies.paper.bench."""
 
 IDENTIFICATION_SEED: Final = 41
 LOW_V, HIGH_V = 22.0, 56.0
@@ -42,20 +42,21 @@ LEARNER_ALPHA: Final = 1e-6
 
 
 def laboratory() -> Stage:
-    """The laboratory stage, its sensor zeroed so that section 4.3's references lie in mid-range."""
+    """The laboratory stage with the sensor's zero at SENSOR_ZERO_V: section 4.3's references lie in mid-range."""
     return replace(Stage.laboratory(), zero_V=SENSOR_ZERO_V)
 
 
 def firmware_models() -> tuple[Model, ...]:
-    """The models of firmware/models, each with a learner."""
+    """The models of firmware/models, each with a learner of all its parameters."""
     return (with_learner(load_model("appendix_a")), extended())
 
 
 def with_learner(model: Model) -> Model:
     """The model with a learner of all its parameters, one update spread over several samples.
 
-    The prior trusts the identification (alpha), and nothing is forgotten until the window is full: one sine does not
-    excite all parameters, and those that it does not excite must not wander off to where commit refuses them.
+    alpha is small, so the prior holds the parameters near their identified values, and the forgetting factor is 1 until
+    the window is full. One sine does not excite all parameters; without these settings the unexcited ones would drift
+    until commit refuses them.
     """
     return replace(
         model, learner=LearnerSettings(forgetting=1.0, alpha=LEARNER_ALPHA, calls_per_update=CALLS_PER_UPDATE)
@@ -68,45 +69,49 @@ def extended() -> Model:
 
 
 def extended_drive() -> Floats:
-    """What identifies it, (n,) in V: once through the range, nested loops at four frequencies, levels."""
+    """Identification input of `extended`, (n,) in V: the whole range, nested loops at four frequencies, levels."""
     middle_V = 0.5 * (LOW_V + HIGH_V)
     levels_V = (middle_V, LOW_V + 6, HIGH_V - 6, middle_V + 5, middle_V - 6, middle_V)
     loops = [nested_amplitudes(TS_S, (f_Hz,), middle_V, 0.5 * (HIGH_V - LOW_V), periods) for f_Hz, periods in TRAINS]
     return np.concatenate(
         [
-            _way(LOW_V, HIGH_V, 0.05),
-            _way(HIGH_V, middle_V, 0.03),
+            _transition(LOW_V, HIGH_V, 0.05),
+            _transition(HIGH_V, middle_V, 0.03),
             *loops,
             plateaus(TS_S, levels_V, HOLD_S, TRAVEL_S),
-            _way(middle_V, LOW_V, 0.02),
+            _transition(middle_V, LOW_V, 0.02),
         ]
     )
 
 
 def driven(drive_V: Floats, seed: int) -> tuple[StageState, Floats]:
-    """The laboratory stage after rest at 0 V, a way to the drive's first voltage, and the drive (n,); readings (n,)."""
+    """The state of the laboratory stage after a drive (n,) in V, and its readings (n,) in um.
+
+    The stage starts at rest at 0 V and moves smoothly to the first voltage of the drive.
+    """
     state = StageState(laboratory(), TS_S, seed)
-    lead_V = np.concatenate([_way(0.0, float(drive_V[0]), 0.05), np.full(2500, drive_V[0])])
+    lead_V = np.concatenate([_transition(0.0, float(drive_V[0]), 0.05), np.full(2500, drive_V[0])])
     state.advance(lead_V, np.zeros((lead_V.size, 0)))
     trace = state.advance(drive_V, np.zeros((drive_V.size, 0)))
     return state, trace.reading_um
 
 
 def measured(drive_V: Floats) -> Record:
-    """What the laboratory stage answers to a drive."""
+    """The record of the laboratory stage under a drive, (n,) in V."""
     _, reading_um = driven(drive_V, IDENTIFICATION_SEED)
     return Record.from_arrays(drive_V, reading_um, TS_S, source="identification")
 
 
 def identified(drive_V: Floats, settings: FitSettings) -> Model:
-    """A model of the laboratory stage from its answer to a drive."""
+    """A model of the laboratory stage, fitted to its record under a drive, (n,) in V."""
     return fit(measured(drive_V), settings)
 
 
 def extended_settings() -> FitSettings:
-    """Memory, creep with one weight, and a delay, which stands for the amplifier and, far below it, for the mode.
+    """Settings of `extended`: memory, creep with one weight, and a delay.
 
-    The loop gain of the plays stays below 0.8, because the learner's commit needs room there.
+    The delay approximates the amplifier, and the mode far below its frequency. loop_limit keeps the loop gain of the
+    plays below 0.8, which leaves the learner's commit a margin.
     """
     return FitSettings(
         name="extended",
@@ -116,10 +121,11 @@ def extended_settings() -> FitSettings:
     )
 
 
-def _way(from_V: float, to_V: float, seconds: float) -> Floats:
+def _transition(from_V: float, to_V: float, seconds: float) -> Floats:
+    """A raised cosine from one voltage to another."""
     share = 0.5 * (1.0 - np.cos(np.pi * np.arange(round(seconds / TS_S), dtype=np.float64) * TS_S / seconds))
-    way_V: Floats = from_V + (to_V - from_V) * share
-    return way_V
+    voltage_V: Floats = from_V + (to_V - from_V) * share
+    return voltage_V
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""The image's interrupt and idle loop on the simulated C674x: the host's bits, and the cycles of each state.
+"""Interrupt and idle loop of the firmware on the simulated C674x: bits against the host, cycles by state.
 
-The model with gains that are a little weaker answers the voltage, through a sensor with noise: a start goes through
-every state into tracking, with trim and learning on, and what is learnt is committed. Both sides get the same readings.
+The plant is the model itself with gains reduced by 3 %, read through a noisy sensor. A start runs through every state
+up to tracking, with trim and learning on, and learned parameters are committed. Host and simulator get equal readings.
 """
 
 from __future__ import annotations
@@ -38,11 +38,12 @@ uint32_t simulated_state(void);
 
 
 @dataclass(frozen=True)
-class Simulated:
-    """A run: samples, those whose voltage, status, state or number of commits differs from the host's, and cycles.
+class SimulatedRun:
+    """A run of the firmware on the simulator.
 
-    selftest: mismatches on the target. interrupt: fewest and most cycles of firmware_interrupt by state at its end.
-    idle: the same of firmware_idle, whose most is one call of the model's commit. boot: cycles, self-test included.
+    differing: samples whose voltage, status, state or number of commits differs from the host's.
+    selftest: mismatches of the self-test. interrupt: fewest and most cycles of firmware_interrupt, by state at its end.
+    idle: fewest and most cycles of firmware_idle, one call of the model's commit included. boot: cycles with self-test.
     """
 
     samples: int
@@ -55,7 +56,7 @@ class Simulated:
 
     @property
     def equal(self) -> bool:
-        """Every bit, and the self-test."""
+        """Whether all bits equal the host's and the self-test passes."""
         return self.differing == 0 and self.selftest == 0
 
     def to_json(self) -> dict[str, Any]:
@@ -63,15 +64,18 @@ class Simulated:
         return vars(self) | {"interrupt": dict(self.interrupt), "equal": self.equal}
 
 
-def image(texts: Mapping[str, str]) -> Firmware:
-    """Controller, generated `texts` and the simulator's board for the C674x. Raises BuildError without the compiler."""
+def compile_image(texts: Mapping[str, str]) -> Firmware:
+    """Compile controller, generated `texts` and the simulator's board for the C674x.
+
+    Raises BuildError without the compiler.
+    """
     return toolchain.compile(_sources(texts))
 
 
-def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLES) -> Simulated:
-    """Run the image of the model's `texts` on the simulator, as `image` compiled it, and on this machine.
+def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLES) -> SimulatedRun:
+    """Run the firmware of the model's `texts` on the host and, as `compile_image` compiled it, on the simulator.
 
-    Raises BuildError without a compiler for this machine, TargetError for what the simulator refuses.
+    Raises BuildError without a compiler for the host, TargetError for code that the simulator does not support.
     """
     machine = compiled.machine()
     host = build(_sources(texts), DECLARED, libraries=()).lib
@@ -97,28 +101,28 @@ def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples
         spent[name] = (min(least, outcome.cycles), max(most, outcome.cycles))
         idle = (min(idle[0], at_idle.cycles), max(idle[1], at_idle.cycles))
         y_um = stage.call("simulate", state_of_stage, float(u_V))
-    return Simulated(samples, differing, booted.bits, commits, spent, idle, booted.cycles)
+    return SimulatedRun(samples, differing, booted.bits, commits, spent, idle, booted.cycles)
 
 
 def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | None]:
-    """Fewest and most stall-free cycles over every way through the code, calls included, without running it.
+    """Fewest and most stall-free cycles over all paths through each function, calls included, from the listing.
 
-    By function; None where one of its instructions is not modelled.
+    None for a function with an instruction that is not modelled.
     """
     found = packets(instructions(compiled.listing))
-    told: dict[str, tuple[int, int] | None] = {}
+    cycles: dict[str, tuple[int, int] | None] = {}
     for symbol in ("firmware_interrupt", f"{name}_inverse", f"{name}_learn", f"{name}_commit"):
         try:
             bound = bounds(compiled.image, found, symbol)
         except TargetError:
-            told[symbol] = None
+            cycles[symbol] = None
         else:
-            told[symbol] = (bound.best, bound.worst)
-    return told
+            cycles[symbol] = (bound.best, bound.worst)
+    return cycles
 
 
 def _stage(model: Model) -> tuple[Host, Any]:
-    """A stage that the model describes but for its gains, and its state."""
+    """The plant, which is the model with gains WEAKER times as large, and its state."""
     weaker = replace(model, consequents=model.consequents * [1.0, WEAKER, 1.0], learner=None)
     stage = Host(model.name, generate(weaker))
     return stage, stage.instance(model.grid.y_min_um, model.u_min_V)

@@ -1,4 +1,4 @@
-"""The firmware's own C: beside the package in a checkout, inside it in a wheel."""
+"""The hand-written C of the firmware: in firmware/ of a checkout, inside the package in a wheel."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ Sources = list[tuple[str, str]]
 
 
 def firmware_folder() -> Path:
-    """Where controller/ and board/ are. Raises BuildError if the installation lacks them."""
+    """The folder of controller/ and board/. Raises BuildError if the installation lacks them."""
     return data_folder("firmware", holds=CONTROLLER)
 
 
 def read_sources(folder: str, *patterns: str) -> Sources:
-    """(file name, text) of the files in one folder of the firmware, by name; the C if no patterns are given."""
+    """(file name, text) of the files in `folder` that match `patterns` (default: the C), sorted by name."""
     paths = [path for pattern in patterns or ("*.[ch]",) for path in (firmware_folder() / folder).glob(pattern)]
     return [(path.name, path.read_text(encoding="utf-8")) for path in sorted(paths)]

@@ -1,4 +1,4 @@
-"""The firmware on the C6748: compiled and linked by gcc for it, its sections in their memories."""
+"""The firmware for the C6748, compiled and linked by its gcc: sections, memories, bytes."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ MEMORIES: Final = {"L2 RAM": (0x11800000, 256 * 1024), "shared RAM": (0x80000000
 
 
 @dataclass(frozen=True)
-class Section:
-    """A section of the linked image: its place, its size, and the memory that holds it."""
+class PlacedSection:
+    """A section of the linked image: address, bytes, and the memory that holds it."""
 
     name: str
     address: int
@@ -25,13 +25,13 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Built:
-    """A linked image: its sections; bytes of code by function and of data by object."""
+class LinkedImage:
+    """A linked image: its sections, and bytes of code by function."""
 
     model: str
     compiler: str
     firmware: Firmware
-    sections: tuple[Section, ...]
+    sections: tuple[PlacedSection, ...]
     functions: Mapping[str, int]
 
     @property
@@ -53,22 +53,22 @@ class Built:
         }
 
 
-def build(name: str, texts: Mapping[str, str]) -> Built:
+def link_image(name: str, texts: Mapping[str, str]) -> LinkedImage:
     """Compile controller, model and the C6748's board, warnings as errors, and link with the firmware's own script.
 
-    texts: generated C and model.h by file name. Raises BuildError without the compiler or where it complains.
+    texts: generated C and model.h by file name. Raises BuildError if there is no compiler or it reports an error.
     """
     generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
     sources = [*read_sources(CONTROLLER), *read_sources(TARGET_BOARD, "*.[chs]"), *generated]
     firmware = toolchain.compile(sources, script=script)
     sections = tuple(
-        Section(each.name, each.address, each.size, _memory(each.address))
+        PlacedSection(each.name, each.address, each.size, _memory(each.address))
         for each in firmware.image.sections
         if each.size and each.address
     )
     functions = {s.name: s.size for s in firmware.image.symbols.values() if s.function and not s.name.startswith("__")}
-    return Built(name, toolchain.version(), firmware, sections, functions)
+    return LinkedImage(name, toolchain.version(), firmware, sections, functions)
 
 
 def _memory(address: int) -> str:

@@ -1,5 +1,4 @@
-"""Models that ship with hysgen: the paper's two appendices, as files and as the tables they were made from; and
-`extended`, which hysgen.firmware.reference_models identifies on the virtual stage.
+"""The two models that the paper prints, appendices A and B: the sources of the shipped models of these names.
 
 Source: P. Li et al., "A simple fuzzy system for modelling of both rate-independent and rate-dependent hysteresis in
 piezoelectric actuators", Mechanical Systems and Signal Processing (2013), doi 10.1016/j.ymssp.2012.10.004, appendices.
@@ -44,7 +43,7 @@ PAPER_TS_S = 2e-5
 def appendix(name: str) -> Model:
     """Appendix A (rate-independent, section 4.1) or B (rate-dependent, section 4.2) of the paper, from its tables.
 
-    The partition runs between the outermost printed centres; the input range is the actuator's, the rate the paper's.
+    The partition lies between the outermost printed centres. Input range: the actuator's; sampling period: 20 us.
     """
     centres = PRINTED_CENTRES_UM[name]
     bare = Model(

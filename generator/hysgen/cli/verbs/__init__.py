@@ -1,31 +1,48 @@
-"""One module a verb: `arguments(parser)`, `run(arguments, console) -> exit code`, and a docstring that is its help."""
+"""The verbs of the command line. A module is imported when one of its verbs is used: some import most of SciPy."""
 
 from __future__ import annotations
 
+import argparse
 import importlib
-from types import ModuleType
+from collections.abc import Callable
+from dataclasses import dataclass
 
-NAMES = (
-    "fit",
-    "score",
-    "describe",
-    "diagnose",
-    "generate",
-    "verify",
-    "prove",
-    "cost",
-    "refit",
-    "diff",
-    "demo",
-    "experiments",
-    "bank",
-    "endurance",
-    "image",
-    "firmware",
-    "track",
-)
+from hysgen.cli.console import Console
+
+MODULES = {
+    "fit": "fit",
+    "score": "score",
+    "describe": "score",
+    "diagnose": "diagnose",
+    "generate": "generate",
+    "verify": "verify",
+    "prove": "verify",
+    "cost": "generate",
+    "refit": "fit",
+    "diff": "fit",
+    "demo": "studies",
+    "experiments": "studies",
+    "bank": "studies",
+    "endurance": "studies",
+    "image": "firmware",
+    "firmware": "firmware",
+    "track": "firmware",
+}
+"""Module by verb, in the order of `hysgen --help`."""
+
+NAMES = tuple(MODULES)
 
 
-def verb(name: str) -> ModuleType:
-    """The module of a verb; loaded only when it is asked for, for some bring half of SciPy along."""
-    return importlib.import_module(f"{__name__}.{name}")
+@dataclass(frozen=True)
+class Verb:
+    """help: text of `hysgen VERB --help`, its first line is the summary; run: does the work, returns the exit code."""
+
+    help: str
+    arguments: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace, Console], int]
+
+
+def verb(name: str) -> Verb:
+    """The verb of this name; imports its module."""
+    found: Verb = importlib.import_module(f"{__name__}.{MODULES[name]}").VERBS[name]
+    return found

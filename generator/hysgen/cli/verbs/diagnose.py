@@ -1,8 +1,4 @@
-"""Show what the simulation of a record gets wrong, name the cause, extend the model, and measure the gain.
-
-Structure and parameters come from the identification part alone; every score is on the part that is held out: the
-records of --holdout, or else the last part of the record.
-"""
+"""diagnose: errors of the simulation, their causes, and the extended model."""
 
 from __future__ import annotations
 
@@ -11,7 +7,8 @@ import dataclasses
 from pathlib import Path
 
 from hysgen.cli.console import Console
-from hysgen.cli.records import add_record_options, parse_rows, read_records
+from hysgen.cli.options import add_record_options, parse_rows, read_records
+from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.fit import c_name
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
@@ -22,8 +19,15 @@ from hysgen.model.model import Model
 from hysgen.model.scores import score
 from hysgen.report.words import diagnosis_text, price_of
 
+DIAGNOSE_HELP = """\
+Show what the simulation of a record gets wrong, name the cause, extend the model, and measure the gain.
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+Structure and parameters come from the identification part alone; every score is on the part that is held out: the
+records of --holdout, or else the last part of the record.
+"""
+
+
+def diagnose_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("records", nargs="+", metavar="RECORD")
     parser.add_argument("--rows", metavar="A:B", help="identify on rows A to B and hold the rows after B out")
     parser.add_argument("--holdout", nargs="+", metavar="RECORD", help="records to score on instead of the last part")
@@ -34,7 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_record_options(parser)
 
 
-def run(arguments: argparse.Namespace, console: Console) -> int:
+def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console)
     holdout = read_records(arguments.holdout, arguments, console) if arguments.holdout else None
     name = c_name(arguments.output) if arguments.output else "stage"
@@ -42,7 +46,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.rows:
         start, stop = parse_rows(arguments.rows, record.samples)
         if holdout is None and stop < record.samples:
-            # One record in two parts: what the first leaves in the stage goes on in the second.
+            # The two parts are one record: the states at the end of the first are those at the start of the second.
             settings = dataclasses.replace(settings, identify=(stop - start) / (record.samples - start))
             stop = record.samples
         record = record.rows(start, stop)
@@ -59,12 +63,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
 
         write_whole(Path(arguments.report), diagnosis_page(found).html())
         console.say(f"written: {arguments.report}")
-    console.write_json(found.to_json())
-    return 0
+    return console.finish(found.to_json())
 
 
 def scored(found: Study) -> Model:
-    """The extended model with its scores on the rows that identified it, which a refit is compared with."""
+    """The extended model with its scores on the identification rows; `hysgen refit` compares its own with them."""
     model = found.diagnosis.model
     return dataclasses.replace(
         model, scores={"identification": score(model, found.record.rows(0, found.cut)).to_json()}
@@ -72,8 +75,13 @@ def scored(found: Study) -> Model:
 
 
 def write_pictures(found: Study, folder: Path) -> list[Path]:
-    """Every picture of the diagnosis as PNG."""
+    """Write every picture of the diagnosis as PNG. Returns their paths."""
     from hysgen.report.plots import style
     from hysgen.report.plots.diagnosis import pictures
 
     return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in pictures(found)]
+
+
+VERBS = {
+    "diagnose": Verb(DIAGNOSE_HELP, diagnose_arguments, run_diagnose),
+}

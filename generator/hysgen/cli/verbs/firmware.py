@@ -1,6 +1,4 @@
-"""Write what the firmware needs of a model (its C and model.h), and say what the image costs on the C6748.
-
-The firmware itself, which calls it, is in firmware/ of the sources; docs/firmware.md says how to put both together."""
+"""The complete firmware: sizes and cycles of its image, parameter images, tracking on the virtual stage."""
 
 from __future__ import annotations
 
@@ -8,27 +6,41 @@ import argparse
 from pathlib import Path
 
 from hysgen.cli.console import Console
+from hysgen.cli.options import add_model
+from hysgen.cli.verbs import Verb
 from hysgen.codegen import write
 from hysgen.display import table
-from hysgen.errors import BuildError, TargetError
-from hysgen.firmware.binding import firmware_model
+from hysgen.errors import BuildError, ModelError, TargetError
+from hysgen.firmware.binding import firmware_model, structure_digest
+from hysgen.firmware.image import encode
 from hysgen.firmware.reference_models import with_learner
-from hysgen.firmware.simulated import SAMPLES, Simulated, image, simulate, static_bounds
-from hysgen.firmware.target import MEMORIES, Built, build
+from hysgen.firmware.simulated import SAMPLES, SimulatedRun, compile_image, simulate, static_bounds
+from hysgen.firmware.target import MEMORIES, LinkedImage, link_image
+from hysgen.firmware.tracking import PAPER_NM, SECONDS, TrackingResult, track
+from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
+
+FIRMWARE_HELP = """\
+Write what the firmware needs of a model (its C and model.h), and say what the image costs on the C6748.
+
+The firmware itself, which calls it, is in firmware/ of the sources; docs/firmware.md says how to put both together."""
+IMAGE_HELP = """\
+Write a model's numbers as a parameter image, which running firmware takes if it is whole, right and certified."""
+TRACK_HELP = """\
+Run the complete firmware on the virtual stage through section 4.3 of the paper: tracking error by controller."""
 
 BUDGET = 7500
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one: appendix_a, extended")
+def firmware_arguments(parser: argparse.ArgumentParser) -> None:
+    add_model(parser, "appendix_a, extended")
     parser.add_argument("-o", "--output", metavar="DIR", help="folder for its C and model.h")
     parser.add_argument(
         "--samples", type=int, default=SAMPLES, metavar="N", help="on the simulator (default %(default)s)"
     )
 
 
-def run(arguments: argparse.Namespace, console: Console) -> int:
+def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
     model = load_model(arguments.model)
     if model.learner is None:
         model = with_learner(model)
@@ -38,36 +50,35 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         write(texts, Path(arguments.output))
         console.say(f"written: {len(texts)} files in {arguments.output}")
     try:
-        built = build(model.name, texts)
+        built = link_image(model.name, texts)
     except BuildError as refusal:
         console.warn(f"sizes and cycles are missing: {refusal}")
         console.write_json({"model": model.name, "target": None})
         return 0
-    console.say(report(built))
-    compiled = image(texts)
+    console.say(sections_table(built))
+    compiled = compile_image(texts)
     cycles = static_bounds(model.name, compiled)
     rows = [[name, f"{c[0]} .. {c[1]}" if c else "not bounded"] for name, c in cycles.items()]
     console.say("\n" + table(["static bounds, stall-free", "cycles"], rows))
     found: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles, "simulated": None}
     try:
         run = simulate(model, texts, compiled, arguments.samples)
-        console.say(cycles_report(run))
+        console.say(cycles_table(run))
         found["simulated"] = run.to_json()
     except TargetError as refusal:
         console.warn(f"cycles are missing: {refusal}")
-    console.write_json(found)
-    return 0
+    return console.finish(found)
 
 
-def report(built: Built) -> str:
-    """Sections and memories."""
+def sections_table(built: LinkedImage) -> str:
+    """Sections of the image, and bytes used of each memory."""
     sections = [[s.name, f"0x{s.address:08x}", s.memory, f"{s.size}"] for s in built.sections]
     used = [f"{name}: {size} of {MEMORIES[name][1]} bytes" for name, size in built.used.items()]
     return "\n".join([table(["section", "address", "memory", "bytes"], sections, left=3), *used, built.compiler])
 
 
-def cycles_report(run: Simulated) -> str:
-    """Cycles by state, and whether the bits are the host's."""
+def cycles_table(run: SimulatedRun) -> str:
+    """Cycles by state of the firmware, and whether the simulator gives the bits of the host."""
     named = {f"interrupt, {state}": cycles for state, cycles in run.interrupt.items()} | {"idle loop": run.idle}
     rows = [[name, f"{best} .. {worst}", f"{100 * worst / BUDGET:.1f} %"] for name, (best, worst) in named.items()]
     verdict = "the host's bits" if run.equal else f"NOT THE HOST'S BITS in {run.differing}"
@@ -80,3 +91,66 @@ def cycles_report(run: Simulated) -> str:
             "stall-free cycles; nothing ran on silicon",
         ]
     )
+
+
+def image_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one")
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="the image")
+    parser.add_argument(
+        "--flashed", metavar="MODEL", help="model that the firmware was built with: does the image fit?"
+    )
+
+
+def run_image(arguments: argparse.Namespace, console: Console) -> int:
+    model = load_model(arguments.model)
+    words = structure_digest(model)
+    if arguments.flashed:
+        flashed = load_model(arguments.flashed)
+        if structure_digest(flashed) != words:
+            raise ModelError(
+                f"{arguments.model}: its ranges, partition or shapes are not those of {arguments.flashed}, so the "
+                "firmware would refuse the image; refit the flashed model over its range, or build the firmware again"
+            )
+    data = encode(model)
+    write_whole(Path(arguments.output), data)
+    fits = "".join(f"{word:08x}" for word in words)
+    console.say(f"written: {arguments.output} ({len(data)} bytes; fits firmware with structure {fits})")
+    return console.finish({"model": model.name, "file": arguments.output, "bytes": len(data), "structure": fits})
+
+
+def track_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--seconds", type=float, default=SECONDS, metavar="S", help=f"of reference (default {SECONDS:g})"
+    )
+
+
+def run_track(arguments: argparse.Namespace, console: Console) -> int:
+    results, noise_nm = track(arguments.seconds, console.progress)
+    console.say(tracking_table(results, noise_nm))
+    return console.finish({"sensor_noise_nm": noise_nm, "tracking": [result.to_json() for result in results]})
+
+
+def tracking_table(results: list[TrackingResult], noise_nm: float) -> str:
+    """Tracking errors by controller, with the sensor's noise and the paper's errors below."""
+    rows = [
+        [
+            f"{result.f_Hz:g} Hz, {result.controller}",
+            f"{result.rms_nm:.2f}",
+            f"{result.mean_nm:+.2f}",
+            f"{result.spread_nm:.2f}",
+            f"{result.last_nm:.2f}",
+            f"{result.voltage_V[0]:.1f} .. {result.voltage_V[1]:.1f}",
+            f"{result.commits}",
+        ]
+        for result in results
+    ]
+    header = ["reading minus reference", "rms nm", "mean nm", "spread nm", "last second nm", "voltage V", "commits"]
+    paper = ", ".join(f"{nm:g} nm at {f_Hz:g} Hz" for f_Hz, nm in PAPER_NM.items())
+    return table(header, rows) + f"\nsensor: {noise_nm:.2f} nm rms; the paper's own stage, by its inverse: {paper}"
+
+
+VERBS = {
+    "firmware": Verb(FIRMWARE_HELP, firmware_arguments, run_firmware),
+    "image": Verb(IMAGE_HELP, image_arguments, run_image),
+    "track": Verb(TRACK_HELP, track_arguments, run_track),
+}

@@ -1,28 +1,57 @@
-"""Fit a model to one or several records.
-
-Several records are several segments, each with its own initial state. --rows uses a part and leaves the rest for
-`hysgen score`: a score on rows that the fit has seen says little.
-"""
+"""fit: a model of a record; refit: the same structure from a later record; diff: the change between two models."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
+import time
 from pathlib import Path
+from typing import Any
 
 from hysgen.certify.certificates import certify
+from hysgen.checking.bits import verify
 from hysgen.cli.console import Console
-from hysgen.cli.learner import add_learner_options, with_learner
-from hysgen.cli.records import add_record_options, parse_rows, read_records
+from hysgen.cli.options import add_learner_options, add_record_options, parse_rows, read_records, with_learner
+from hysgen.cli.verbs import Verb
+from hysgen.codegen import Options, generate, write
+from hysgen.codegen.freshness import stale
+from hysgen.codegen.manifest import MANIFEST, read_folder
+from hysgen.diagnosis import DiagnoseSettings
+from hysgen.diagnosis.evaluation import diagnose_and_evaluate
+from hysgen.display import table
+from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, fit
-from hysgen.model.file import model_to_json, save_model
+from hysgen.fitting.compare import Comparison, compare
+from hysgen.fitting.refit import refit, restricted_as, structure_fits
+from hysgen.model.file import load_model, model_to_json, save_model
+from hysgen.model.model import Model
 from hysgen.model.scores import score
 from hysgen.model.terms import Term
 from hysgen.model.terms.memory import Memory
 from hysgen.record import Record, check_for_fit
+from hysgen.report.words import price_of, verdict
+
+FIT_HELP = """\
+Fit a model to one or several records.
+
+Several records are several segments, each with its own initial state. --rows uses a part and leaves the rest for
+`hysgen score`: a score on rows that the fit has seen says little.
+"""
+REFIT_HELP = """\
+Identify a model again from a new record: same structure, new numbers.
+
+With --c the C in DIR is generated again and compared with its reference; the files that changed are listed.
+Exit code 1 says that the structure no longer fits (the new model simulates its own record worse than the old one did
+its own by more than half, and not for noise), or that the C differs from its reference. If the structure does not fit,
+the record is diagnosed, and nothing is written unless --anyway is given.
+"""
+DIFF_HELP = """\
+Say what moved from one model to another of the same structure, in physical terms and rule by rule."""
+
+VERIFIED_SAMPLES = 200_000
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+def fit_arguments(parser: argparse.ArgumentParser) -> None:
     defaults = FitSettings()
     parser.add_argument("records", nargs="+", metavar="RECORD", help="CSV, NPZ, MAT or HDF5")
     parser.add_argument("-o", "--output", required=True, metavar="MODEL", help="model file to write (JSON)")
@@ -65,7 +94,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_record_options(parser)
 
 
-def run(arguments: argparse.Namespace, console: Console) -> int:
+def run_fit(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console)
     if arguments.rows:
         record = record.rows(*parse_rows(arguments.rows, record.samples))
@@ -93,12 +122,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     console.say()
     console.say("\n".join(certify(model).lines()))
     console.say(f"\nwritten: {arguments.output} ({settings.rules} rules, {parameters} parameters)")
-    console.write_json(model_to_json(model))
-    return 0
+    return console.finish(model_to_json(model))
 
 
 def memory_terms(record: Record, plays: int) -> tuple[Term, ...]:
-    """Play operators for a record, or none: wider ones than half its voltage range would never move."""
+    """A memory of `plays` operators with half-widths up to half the record's voltage range; empty for no plays."""
     if plays <= 0:
         return ()
     low_V, high_V = record.u_range_V
@@ -106,10 +134,154 @@ def memory_terms(record: Record, plays: int) -> tuple[Term, ...]:
 
 
 def c_name(path: str) -> str:
-    """A C identifier out of a file's name.
+    """The stem of a file name as a C identifier.
 
     >>> c_name("out/Stage 7-x.json")
     'stage_7_x'
     """
     stem = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in Path(path).stem.lower())
     return stem if stem[:1].isalpha() else f"m_{stem}"
+
+
+def refit_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("model", metavar="MODEL")
+    parser.add_argument("records", nargs="+", metavar="RECORD")
+    parser.add_argument("-o", "--output", required=True, metavar="MODEL", help="model file to write")
+    parser.add_argument("--c", metavar="DIR", help="generate the C in DIR again, and verify it")
+    parser.add_argument(
+        "--same-range", action="store_true", help="keep the displacement range, as a parameter image for firmware needs"
+    )
+    parser.add_argument("--anyway", action="store_true", help="write even if the structure no longer fits")
+    parser.add_argument("--no-diagnosis", action="store_true", help="do not diagnose if the structure no longer fits")
+    add_record_options(parser)
+
+
+def run_refit(arguments: argparse.Namespace, console: Console) -> int:
+    started = time.monotonic()
+    old = load_model(arguments.model)
+    record = read_records(arguments.records, arguments, console)
+    new, scores = refit(old, record, console.progress, same_range=arguments.same_range)
+    comparison = compare(old, new, [record])
+    fits, why = structure_fits(old, scores)
+    console.say(scores.table())
+    console.say("\n" + comparison_text(comparison) + "\n")
+    result: dict[str, Any] = {
+        "structure_fits": fits,
+        "why": why,
+        "scores": scores.to_json(),
+        "comparison": comparison.to_json(),
+    }
+    console.say(f"structure: {why}")
+    good = fits
+    if not fits and not arguments.no_diagnosis:
+        result["diagnosis"] = explain(old, record, console)
+    if fits or arguments.anyway:
+        save_model(new, Path(arguments.output))
+        console.say(f"written: {arguments.output}")
+        if arguments.c:
+            result["c"] = regenerate(new, Path(arguments.c), console)
+            good = good and result["c"]["equal"]
+    else:
+        console.say("nothing is written (--anyway writes the model all the same)")
+    result["seconds"] = round(time.monotonic() - started, 1)
+    console.say(f"{result['seconds']} s from record to {'verified C' if 'c' in result else 'answer'}")
+    return console.finish(result, good)
+
+
+def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
+    """Diagnose the new record and list the causes that the old model has no part for. Returns the diagnosis as JSON."""
+    settings = DiagnoseSettings(fit=FitSettings(name=old.name, rules=old.grid.rules), price=price_of)
+    try:
+        found = diagnose_and_evaluate(record, settings=settings, progress=console.progress)
+    except HysgenError as fault:
+        console.say(f"diagnosis: {fault}")
+        return {"error": str(fault)}
+    present = {*(term.kind for term in old.terms), *(block.kind for block in old.blocks)}
+    lacking = [name for name in found.diagnosis.names if name not in present]
+    console.say("\ndiagnosis of the new record\n" + "\n".join(verdict(found)))
+    console.say(
+        f"the model does not have: {', '.join(lacking)}; hysgen diagnose -o writes a model that has"
+        if lacking
+        else "the model has a part for each of these causes, but with other shapes; hysgen diagnose -o finds them again"
+    )
+    return found.diagnosis.to_json() | {"lacking": lacking}
+
+
+def as_before(model: Model, folder: Path) -> tuple[Model, Options]:
+    """The new model with the learner and ranges of the one in the folder, and the options of its generation.
+
+    Without a manifest in the folder: the model itself, with the inverse where that is certified. Raises HysgenError if
+    the folder holds the C of a model of another name.
+    """
+    if not (folder / MANIFEST).exists():
+        return model, Options(inverse=certify(model).inverse_holds)
+    before = read_folder(folder)
+    if before.model.name != model.name:
+        raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
+    options = before.facts.get("options", {})
+    clock_Hz = float(options.get("clock_Hz", Options().clock_Hz))
+    model = restricted_as(before.model, dataclasses.replace(model, learner=before.model.learner))
+    return model, Options(bool(options.get("inverse")), clock_Hz)
+
+
+def regenerate(model: Model, folder: Path, console: Console) -> dict[str, Any]:
+    """Write the C of the new model into its folder and compare it with its reference. Returns the result as JSON."""
+    texts = generate(*as_before(model, folder))
+    changed = [item.name for item in stale(texts, folder)]
+    write(texts, folder)
+    console.say(f"changed in {folder}: {', '.join(changed) or 'nothing'}; as before: {len(texts) - len(changed)} files")
+    report = verify(folder, samples=VERIFIED_SAMPLES, structures=0, progress=console.progress)
+    console.say(report.lines()[-1])
+    return {"changed": changed, "equal": report.equal, "samples": report.samples}
+
+
+def diff_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("old", metavar="OLD")
+    parser.add_argument("new", metavar="NEW")
+    parser.add_argument(
+        "--records", nargs="+", metavar="RECORD", default=[], help="score both models in free run on these"
+    )
+    add_record_options(parser)
+
+
+def run_diff(arguments: argparse.Namespace, console: Console) -> int:
+    records = [read_records([path], arguments, console) for path in arguments.records]
+    comparison = compare(load_model(arguments.old), load_model(arguments.new), records)
+    console.say(comparison_text(comparison))
+    return console.finish(comparison.to_json())
+
+
+def comparison_text(comparison: Comparison) -> str:
+    """Two tables: physical properties and free-run errors, old and new; change of each rule's consequents."""
+    rows = [
+        [
+            f"{change.what} [{change.unit}]" if change.unit else change.what,
+            f"{change.old:.5g}",
+            f"{change.new:.5g}",
+            "" if change.percent is None else f"{change.percent:+.1f} %",
+        ]
+        for change in comparison.changes
+    ]
+    rows += [
+        [f"free run on {source} [um rms]", f"{before:.4g}", f"{after:.4g}", ""]
+        for source, before, after in comparison.scores
+    ]
+    rules = [
+        [f"{number}", f"{before:.4g} -> {after:.4g}", *(f"{value:+.3g}" for value in rule)]
+        for number, (rule, (before, after)) in enumerate(
+            zip(comparison.rules, comparison.centres_um, strict=True), start=1
+        )
+    ]
+    return "\n\n".join(
+        [
+            table([f"{comparison.old} -> {comparison.new}", "old", "new", "change"], rows),
+            table(["rule", "centre [um]", "q1 [um/um]", "q2 [um/V]", "q3 [um]"], rules),
+        ]
+    )
+
+
+VERBS = {
+    "fit": Verb(FIT_HELP, fit_arguments, run_fit),
+    "refit": Verb(REFIT_HELP, refit_arguments, run_refit),
+    "diff": Verb(DIFF_HELP, diff_arguments, run_diff),
+}

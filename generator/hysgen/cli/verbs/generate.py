@@ -1,25 +1,42 @@
-"""Generate the C of a model: header, source, parameters, self-test, manifest; with --learn, the learner too.
-
-With --check nothing is written: exit code 0 says that every file in the folder is what would be generated now, 1 that
-some are stale, which are then listed.
-"""
+"""generate: the C of a model; cost: its operations, cycles and bytes."""
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
+from hysgen.c674x.cost import Cost, cost
+from hysgen.c674x.cost.budget_file import Change, changes, read, update
+from hysgen.c674x.footprint import footprint
+from hysgen.c674x.toolchain import version
 from hysgen.cli.console import Console
-from hysgen.cli.learner import add_learner_options, with_learner
+from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
+from hysgen.cli.verbs import Verb
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
+from hysgen.codegen.manifest import read_folder
+from hysgen.display import table
+from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 
+GENERATE_HELP = """\
+Generate the C of a model: header, source, parameters, self-test, manifest; with --learn, the learner too.
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one: appendix_a, appendix_b")
+With --check nothing is written: exit code 0 says that every file in the folder is what would be generated now, 1 that
+some are stale, which are then listed.
+"""
+COST_HELP = """\
+State what generated C costs: operations by kind, bytes, cycles against the sample period, host time.
+
+With --budget, cycles, code, stack and data on the target are compared with a file; more than 2 % above it is an error.
+"""
+
+
+def generate_arguments(parser: argparse.ArgumentParser) -> None:
+    add_model(parser)
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     parser.add_argument(
         "--displacement-range",
@@ -36,7 +53,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_learner_options(parser)
 
 
-def run(arguments: argparse.Namespace, console: Console) -> int:
+def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
     texts = generate(model, Options(inverse=not arguments.no_inverse))
     folder = Path(arguments.output)
@@ -45,12 +62,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     write(texts, folder)
     for name, text in texts.items():
         console.say(f"written: {folder / name} ({len(text.encode())} bytes)")
-    console.write_json({"model": model.name, "files": {name: len(text.encode()) for name, text in texts.items()}})
-    return 0
+    return console.finish({"model": model.name, "files": {name: len(text.encode()) for name, text in texts.items()}})
 
 
 def restricted(model: Model, arguments: argparse.Namespace) -> Model:
-    """`model` over the ranges that the options ask for; without options, as it is."""
+    """The model restricted to the ranges in the options; unchanged without options."""
     displacement, voltage = arguments.displacement_range, arguments.input_range
     if displacement is None and voltage is None:
         return model
@@ -58,7 +74,7 @@ def restricted(model: Model, arguments: argparse.Namespace) -> Model:
 
 
 def check(texts: Mapping[str, str], folder: Path, console: Console) -> int:
-    """0 if every file is up to date; else 1, with the list of those that are not."""
+    """Compare the folder with the generated texts and list stale files. Returns 0 if there are none, else 1."""
     found = stale(texts, folder)
     for item in found:
         console.say(f"stale: {folder / item.name}: {str(item).partition(': ')[2]}")
@@ -67,5 +83,57 @@ def check(texts: Mapping[str, str], folder: Path, console: Console) -> int:
         if found
         else f"{folder}: all {len(texts)} files are up to date"
     )
-    console.write_json({"up_to_date": not found, "stale": [vars(item) for item in found]})
-    return 1 if found else 0
+    return console.finish({"up_to_date": not found, "stale": [vars(item) for item in found]}, not found)
+
+
+def cost_arguments(parser: argparse.ArgumentParser) -> None:
+    add_folder(parser)
+    parser.add_argument("--target", choices=("c674x",), help="count cycles on the target's instruction set")
+    parser.add_argument("--budget", metavar="FILE", help="with --target: what each function may cost there")
+    parser.add_argument("--update-budget", action="store_true", help="write the figures into that file instead")
+
+
+def run_cost(arguments: argparse.Namespace, console: Console) -> int:
+    if (arguments.budget and not arguments.target) or (arguments.update_budget and not arguments.budget):
+        raise HysgenError("--budget FILE belongs to --target c674x, --update-budget to --budget; add what is missing")
+    folder = Path(arguments.folder)
+    generated = read_folder(folder)
+    taken = footprint(generated.model.name, generated.texts) if arguments.target else {}
+    price = cost(folder, {name: figures["cycles"] for name, figures in taken.items() if "cycles" in figures})
+    console.say(cost_text(price))
+    if taken:
+        console.say(footprint_text(taken))
+    answer = price.to_json() | ({"target": taken} if taken else {})
+    different: list[Change] = []
+    if arguments.update_budget:
+        update(Path(arguments.budget), generated.model.name, taken, version())
+        console.say(f"written: {arguments.budget}")
+    elif arguments.budget:
+        different = changes(generated.model.name, read(Path(arguments.budget), generated.model.name), taken)
+        console.say("\n".join(str(change) for change in different) or f"within the budget of {arguments.budget}")
+        answer["budget_changes"] = [dataclasses.asdict(change) | {"exceeds": change.exceeds} for change in different]
+    return console.finish(answer, not any(change.exceeds for change in different))
+
+
+def footprint_text(taken: Mapping[str, Mapping[str, int]]) -> str:
+    """Cycles, code and stack by function on the target, and the bytes of data."""
+    columns = ("cycles", "code_bytes", "stack_bytes")
+    rows = [
+        [name, *(f"{figures[column]}" if column in figures else "-" for column in columns)]
+        for name, figures in taken.items()
+        if name != "data"
+    ]
+    data = taken["data"]
+    below = f"data: {data['struct_bytes']} bytes of structs, {data['constant_bytes']} of constants"
+    return "\n".join(["", table(["on the C674x", "cycles", "code bytes", "stack bytes"], rows), below])
+
+
+def cost_text(price: Cost) -> str:
+    """A table with one row per function, and notes on its columns."""
+    return "\n".join([table(price.header(), price.rows()), *price.notes()])
+
+
+VERBS = {
+    "generate": Verb(GENERATE_HELP, generate_arguments, run_generate),
+    "cost": Verb(COST_HELP, cost_arguments, run_cost),
+}

@@ -1,12 +1,15 @@
-"""Score a model on a record: one step, against the horizon, and in free run, beside persistence and the noise floor."""
+"""score: errors of a model on a record; describe: a model as a dynamic system."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
+from hysgen.certify.certificates import certify
+from hysgen.certify.dynamics import dynamics
 from hysgen.cli.console import Console
-from hysgen.cli.records import add_record_options, parse_rows, read_records
+from hysgen.cli.options import add_model, add_record_options, parse_rows, read_records
+from hysgen.cli.verbs import Verb
 from hysgen.model.file import load_model
 from hysgen.model.rivals import fit_baselines, score_baselines
 from hysgen.model.scores import score, score_lines
@@ -14,9 +17,14 @@ from hysgen.model.simulate import free_run, one_step
 from hysgen.report.plots import style
 from hysgen.report.plots.traces import validation
 
+SCORE_HELP = """\
+Score a model on a record: one step, against the horizon, and in free run, beside persistence and the noise floor."""
+DESCRIBE_HELP = """\
+Show what a model is as a dynamic system: time constant, DC gain, loop against frequency, certificates."""
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one: appendix_a, appendix_b")
+
+def score_arguments(parser: argparse.ArgumentParser) -> None:
+    add_model(parser)
     parser.add_argument("records", nargs="+", metavar="RECORD")
     parser.add_argument("--rows", metavar="A:B", help="score on rows A to B of the joined records, B excluded")
     parser.add_argument("--settle", type=int, default=0, metavar="N", help="samples at the start that are not scored")
@@ -27,7 +35,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_record_options(parser)
 
 
-def run(arguments: argparse.Namespace, console: Console) -> int:
+def run_score(arguments: argparse.Namespace, console: Console) -> int:
     model = load_model(arguments.model)
     whole = read_records(arguments.records, arguments, console)
     record = whole.rows(*parse_rows(arguments.rows, whole.samples)) if arguments.rows else whole
@@ -45,5 +53,27 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         colours = {"free run": style.SIMULATED, "one step": style.BASELINE}
         style.save(validation(record, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot))
         console.say(f"\nwritten: {arguments.plot}")
-    console.write_json(result)
-    return 0
+    return console.finish(result)
+
+
+def describe_arguments(parser: argparse.ArgumentParser) -> None:
+    add_model(parser)
+
+
+def run_describe(arguments: argparse.Namespace, console: Console) -> int:
+    model = load_model(arguments.model)
+    system, certificates = dynamics(model), certify(model)
+    console.say(system.describe())
+    for term in model.terms:
+        console.say(f"term {term.kind}: {term.describe()}")
+    for block in model.blocks:
+        console.say(f"input {block.kind}: {block.describe()}")
+    console.say()
+    console.say("\n".join(certificates.lines()))
+    return console.finish({"dynamics": system.to_json(), "certificates": certificates.to_json()})
+
+
+VERBS = {
+    "score": Verb(SCORE_HELP, score_arguments, run_score),
+    "describe": Verb(DESCRIBE_HELP, describe_arguments, run_describe),
+}

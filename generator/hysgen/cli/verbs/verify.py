@@ -1,14 +1,11 @@
-"""Prove that generated C equals its NumPy reference, bit for bit.
-
-Every compiler and optimisation level that is installed is compared, with and without flushing denormal numbers to zero,
-over random, edge and long-run inputs; models of other structures are generated, compiled and compared beside it. With
---target the C runs elsewhere: on the simulated C674x, or under qemu on other processors, both orders of bytes.
-"""
+"""verify: bits of generated C against its reference; prove: warnings, MISRA rules, sanitizers, proofs."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, Final, Protocol
 
 from hysgen.c674x.cost import cost_of_texts
 from hysgen.c674x.generated import verify_on_target
@@ -16,19 +13,81 @@ from hysgen.checking.bits import DEFAULT_SAMPLES, DEFAULT_STRUCTURES, verify
 from hysgen.checking.proof.emulated.contraction import contraction, contraction_rows
 from hysgen.checking.proof.emulated.equality import LEARNING_SHARE, equality
 from hysgen.checking.proof.emulated.machines import MACHINES, Machine
+from hysgen.checking.proof.eva.report import prove
+from hysgen.checking.proof.misra import misra
+from hysgen.checking.proof.sanitize import sanitize
+from hysgen.checking.proof.warnings import wall
 from hysgen.cli.console import Console
-from hysgen.codegen.manifest import read_folder
+from hysgen.cli.options import add_folder
+from hysgen.cli.verbs import Verb
+from hysgen.codegen.manifest import Folder, read_folder
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.machine.files import write_whole
 from hysgen.report.model import folder_page
 
+VERIFY_HELP = """\
+Prove that generated C equals its NumPy reference, bit for bit.
+
+Every compiler and optimisation level that is installed is compared, with and without flushing denormal numbers to zero,
+over random, edge and long-run inputs; models of other structures are generated, compiled and compared beside it. With
+--target the C runs elsewhere: on the simulated C674x, or under qemu on other processors, both orders of bytes.
+"""
+PROVE_HELP = """\
+Show of generated C, without running it on the target, what can be shown: warnings, MISRA rules, sanitizers, proofs.
+
+warnings: gcc and clang under one wall of flags. misra: cppcheck's add-on; every finding of a required rule is red.
+sanitize: the C runs under gcc's sanitizers on every kind of input. eva: Frama-C proves, for every input and every state
+inside the certified box, that nothing fails, that no float becomes infinite or NaN, and that the state is then inside
+the box again. docs/proof.md says what is assumed.
+"""
+
 TARGET_SAMPLES = 4000
 EMULATED_SAMPLES = 20_000
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", metavar="DIR", help="folder that `hysgen generate` wrote")
+class Answer(Protocol):
+    """The result of a check, as text and as JSON."""
+
+    def lines(self) -> list[str]: ...
+
+    def to_json(self) -> dict[str, Any]: ...
+
+
+Checked = tuple[Answer, bool]
+
+
+def _warnings(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
+    found = wall(folder.model.name, folder.texts, progress=console.progress)
+    return found, found.clean
+
+
+def _misra(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
+    found = misra(folder.model.name, folder.texts, progress=console.progress)
+    return found, found.clean
+
+
+def _sanitize(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
+    found = sanitize(folder.model, folder.texts, samples=arguments.samples, progress=console.progress)
+    return found, found.equal
+
+
+def _eva(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
+    calls = [function for function in arguments.calls.split(",") if function]
+    found = prove(folder.model, folder.texts, calls=calls, take_out=arguments.take_out, progress=console.progress)
+    return found, found.holds
+
+
+CHECKS: Final[dict[str, Callable[[Folder, argparse.Namespace, Console], Checked]]] = {
+    "warnings": _warnings,
+    "misra": _misra,
+    "sanitize": _sanitize,
+    "eva": _eva,
+}
+
+
+def verify_arguments(parser: argparse.ArgumentParser) -> None:
+    add_folder(parser)
     parser.add_argument(
         "--samples",
         type=int,
@@ -65,7 +124,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace, console: Console) -> int:
+def run_verify(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.target == "emulated":
         return run_fused(arguments, console) if arguments.fused else run_emulated(arguments, console)
     if arguments.machine or arguments.fused:
@@ -85,22 +144,20 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         price = cost_of_texts(folder.model, folder.texts, timed=False)
         write_whole(Path(arguments.report), folder_page(folder.model, report, price).html())
         console.say(f"written: {arguments.report}")
-    console.write_json(report.to_json())
-    return 0 if report.equal else 1
+    return console.finish(report.to_json(), report.equal)
 
 
 def run_on_target(arguments: argparse.Namespace, console: Console) -> int:
-    """Bits of the simulated target against the host's."""
+    """Compare the bits of the simulated C674x with those of the host."""
     generated = read_folder(Path(arguments.folder))
     samples = TARGET_SAMPLES if arguments.samples is None else arguments.samples
     report = verify_on_target(generated.model, generated.texts, samples, arguments.seed, console.progress)
     console.say("\n".join([table(report.header(), report.rows()), *report.notes()]))
-    console.write_json(report.to_json())
-    return 0 if report.equal else 1
+    return console.finish(report.to_json(), report.equal)
 
 
 def run_emulated(arguments: argparse.Namespace, console: Console) -> int:
-    """Bits of other processors against the reference's."""
+    """Compare the bits of emulated processors with those of the reference."""
     generated = read_folder(Path(arguments.folder))
     report = equality(
         generated.model,
@@ -111,12 +168,11 @@ def run_emulated(arguments: argparse.Namespace, console: Console) -> int:
         progress=console.progress,
     )
     console.say("\n".join(report.lines()))
-    console.write_json(report.to_json())
-    return 0 if report.equal else 1
+    return console.finish(report.to_json(), report.equal)
 
 
 def run_fused(arguments: argparse.Namespace, console: Console) -> int:
-    """What fusing does to the bits, with the guard and without it."""
+    """Count the bits that fused multiply-add changes, with the guard of the generated C and without it."""
     generated = read_folder(Path(arguments.folder))
     found = contraction(
         generated.model,
@@ -127,10 +183,50 @@ def run_fused(arguments: argparse.Namespace, console: Console) -> int:
     )
     header, rows = contraction_rows(found)
     console.say(table(header, rows, left=3))
-    console.write_json({"fused": [row.to_json() for row in found]})
-    return 0 if found and all(row.differing == 0 and row.selftest == 0 for row in found if row.guarded) else 1
+    return console.finish(
+        {"fused": [row.to_json() for row in found]},
+        bool(found) and all(row.differing == 0 and row.selftest == 0 for row in found if row.guarded),
+    )
 
 
 def chosen(names: list[str] | None) -> list[Machine]:
-    """The machines of these names; all of them if none is named."""
+    """The machines of these names; all if `names` is None."""
     return [machine for machine in MACHINES if names is None or machine.name in names]
+
+
+def prove_arguments(parser: argparse.ArgumentParser) -> None:
+    add_folder(parser)
+    parser.add_argument(
+        "--only", default=",".join(CHECKS), metavar="CHECKS", help="some of them, with commas (default %(default)s)"
+    )
+    parser.add_argument("--samples", type=int, default=100_000, help="sanitize: of each function (default %(default)s)")
+    parser.add_argument(
+        "--calls", default="", metavar="CALLS", help="eva: functions to prove, with commas (default all)"
+    )
+    parser.add_argument(
+        "--take-out", action="store_true", help="eva: also without each guard in turn, to see that it is missed"
+    )
+
+
+def run_prove(arguments: argparse.Namespace, console: Console) -> int:
+    chosen = arguments.only.split(",")
+    for name in chosen:
+        if name not in CHECKS:
+            raise HysgenError(f"--only {name}: is not a check; choose among {', '.join(CHECKS)}")
+    folder = read_folder(Path(arguments.folder))
+    result: dict[str, Any] = {"model": folder.model.name, "altered": list(folder.altered)}
+    for line in folder.altered:
+        console.warn(line)
+    clean = True
+    for name in chosen:
+        answer, holds = CHECKS[name](folder, arguments, console)
+        console.say(f"{name}: " + "\n".join(answer.lines()) + "\n")
+        result[name] = answer.to_json()
+        clean = clean and holds
+    return console.finish(result | {"clean": clean}, clean)
+
+
+VERBS = {
+    "verify": Verb(VERIFY_HELP, verify_arguments, run_verify),
+    "prove": Verb(PROVE_HELP, prove_arguments, run_prove),
+}

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from hysgen.model.simulate import free_run, one_step
 from hysgen.report.plots import style
 from hysgen.report.plots.traces import loops, tracking, validation
-from hysgen.studies.paper.modelling import Outcome
+from hysgen.studies.paper.modelling import RepeatedExperiment
 from hysgen.studies.paper.tracking import Tracking
 
 COLOURS = {
@@ -21,7 +21,7 @@ COLOURS = {
 }
 
 
-def modelling_figures(outcome: Outcome) -> dict[str, Figure]:
+def modelling_figures(outcome: RepeatedExperiment) -> dict[str, Figure]:
     """Figures by file name: displacement and error against time (Figs 6, 7, 9, 10, 11), and loops."""
     record, experiment = outcome.validation, outcome.experiment
     runs = {

@@ -1,1 +1,1 @@
-"""The experiments of the paper, repeated on the virtual stage."""
+"""The paper's experiments repeated on the virtual stage: modelling, tracking, and the learner in generated C."""

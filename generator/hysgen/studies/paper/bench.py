@@ -1,7 +1,7 @@
-"""The virtual bench on which the paper's experiments are repeated: its stage, its records, and the models fitted there.
+"""The virtual bench of the paper's experiments: its stage, its records, and the models identified from them.
 
-The stage is the nominal one (10 um over 120 V, one pole of 1 ms as Appendix A shows it, memory, sensor and converters).
-Its constants were set before any experiment was run and are not bent until the paper's figures come out.
+The stage is the nominal one: 10 um over 120 V, one pole of 1 ms as in Appendix A, hysteresis, sensor, converters. Its
+constants were fixed before the experiments were run and are not tuned to the paper's figures.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ TS_S = 20e-6
 PLAYS = 10
 
 SENSOR_ZERO_V = 23.0
-"""Appendix A, run to rest, reads 0 um here: its static line passes 0.66 um at 31 V with 0.083 um/V."""
+"""Voltage at which the stage reads 0 um: the zero of Appendix A's static line, 0.66 um at 31 V and 0.083 um/V."""
 
 IDENTIFICATION_SEED, VALIDATION_SEED, TRACKING_SEED = 41, 42, 43
 
 
 def bench_stage() -> Stage:
-    """The stage of section 4, as far as the paper describes it."""
+    """The nominal stage with the zero of Appendix A."""
     return replace(Stage.nominal(), zero_V=SENSOR_ZERO_V)
 
 
 def measure(u_V: Floats, seed: int, source: str, before_V: Floats | None = None) -> Record:
-    """Drive the bench's stage and log what its controller sees; `before_V` is driven first and not logged.
+    """The record of one run of the bench's stage under u_V, (n,). `before_V` is applied first and not recorded.
 
-    What a stage answers depends on where it was driven before. The experiments of section 4 were made one after the
-    other on one stage, so validation and tracking follow the identification.
+    The response of a stage with hysteresis depends on its past input. The experiments of section 4 were run one after
+    the other on one stage, so validation and tracking start where the identification ends.
     """
     lead = np.zeros(0) if before_V is None else before_V
     measured = run(bench_stage(), np.concatenate([lead, u_V]), TS_S, seed)
@@ -49,8 +49,8 @@ def measure(u_V: Floats, seed: int, source: str, before_V: Floats | None = None)
 def identify(record: Record, name: str, variant: Variant) -> Model:
     """A model of the record.
 
-    "paper": L = 6, lambda = 1, alpha = 1e6, epsilon = 0, Eq. (10), as section 4 sets them.
-    "refined": the same structure, its free-run error minimised. "memory": refined, with play operators.
+    "paper": L = 6, lambda = 1, alpha = 1e6, epsilon = 0, Eq. (10), as in section 4.
+    "refined": the same structure with minimised free-run error. "memory": "refined" with PLAYS play operators.
     """
     if variant == "paper":
         return fit(record, FitSettings(name=name, method="rls"))

@@ -1,7 +1,7 @@
-"""Sections 4.1 and 4.2 and Fig. 11: how well a model follows a record that it has not seen.
+"""Sections 4.1 and 4.2 and Fig. 11: errors of identified models on a validation record.
 
-The paper scores its own model one step ahead and its rival, the Prandtl-Ishlinskii model, in free run. Here every model
-is scored both ways on the same record, beside persistence, y(k+1) = y(k).
+The paper scores its own model one step ahead and the Prandtl-Ishlinskii model in free run. Here every model is scored
+both ways on the same record, beside persistence, y(k+1) = y(k).
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from hysgen.studies.paper.bench import IDENTIFICATION_SEED, TS_S, VALIDATION_SEE
 Floats = NDArray[np.float64]
 
 SETTLE_S = 0.02
-"""Start of a validation whose score says more about the unknown history than about the model: two periods of 100 Hz."""
+"""Start of a validation record, two periods of 100 Hz, whose error depends on the unknown state of the hysteresis."""
 
 
 @dataclass(frozen=True)
-class Published:
-    """What the paper prints: e_rms in um and maximum e_r in percent, None where it prints none."""
+class PublishedErrors:
+    """Errors printed in the paper: e_rms in um (None if not printed) and maximum e_r in percent."""
 
     e_rms_um: float | None
     e_r_percent: float
@@ -37,21 +37,21 @@ class Published:
 
 @dataclass(frozen=True)
 class Experiment:
-    """One validation of section 4: what identifies, what validates, and what the paper found."""
+    """One validation of section 4: input signals of identification and validation in V, and the published errors."""
 
     name: str
     title: str
     identification: Callable[[], Floats]
     validation: Callable[[], Floats]
-    published: Published
-    published_rival: Published | None = None
+    published: PublishedErrors
+    published_rival: PublishedErrors | None = None
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """An experiment repeated: the record that validates, and by variant of the model its free run and its scores.
+class RepeatedExperiment:
+    """One experiment repeated: validation record, models and scores by variant.
 
-    started: free-run score from SETTLE_S on, when the first excursion has told the play operators where they stand.
+    started: free-run score from SETTLE_S on, after the first excursion of the input has set the play operators.
     rivals: name and free-run score of each baseline.
     """
 
@@ -80,42 +80,42 @@ EXPERIMENTS = (
         "Section 4.1: 100 Hz, varying amplitudes",
         lambda: signals.fig5(TS_S, "identification"),
         lambda: signals.fig5(TS_S, "validation"),
-        Published(0.0016, 0.31),
-        Published(0.1722, 10.79),
+        PublishedErrors(0.0016, 0.31),
+        PublishedErrors(0.1722, 10.79),
     ),
     Experiment(
         "4.2",
         "Section 4.2: falling frequency and amplitude",
         lambda: signals.fig8(TS_S, "identification"),
         lambda: signals.fig8(TS_S, "validation"),
-        Published(0.0005, 0.44),
+        PublishedErrors(0.0005, 0.44),
     ),
     Experiment(
         "fig11-sine",
         "Fig. 11 (a, c): 100 Hz sine, model of section 4.2",
         lambda: signals.fig8(TS_S, "identification"),
         lambda: signals.fig11_sine(TS_S),
-        Published(None, 0.15),
+        PublishedErrors(None, 0.15),
     ),
     Experiment(
         "fig11-non-harmonic",
         "Fig. 11 (b, d): non-harmonic, model of section 4.2",
         lambda: signals.fig8(TS_S, "identification"),
         lambda: signals.fig11_non_harmonic(TS_S),
-        Published(None, 0.35),
+        PublishedErrors(None, 0.35),
     ),
 )
 
 
-def repeat(experiment: Experiment) -> Outcome:
-    """Measure, identify all variants, and score them on the record that validates."""
+def repeat(experiment: Experiment) -> RepeatedExperiment:
+    """Record identification and validation, identify all variants, score them on the validation record."""
     drive_V = experiment.identification()
     known = measure(drive_V, IDENTIFICATION_SEED, f"{experiment.name} identification")
     unseen = measure(experiment.validation(), VALIDATION_SEED, f"{experiment.name} validation", before_V=drive_V)
     variants: tuple[Variant, ...] = ("paper", "refined", "memory")
     models = {variant: identify(known, variant, variant) for variant in variants}
     runs = {variant: [part.y_um for part in free_run(model, unseen)] for variant, model in models.items()}
-    return Outcome(
+    return RepeatedExperiment(
         experiment,
         unseen,
         models,

@@ -1,7 +1,7 @@
 """Section 4.3: open-loop tracking of y_d = 2.0 + 0.6 sin(2 pi f t) um by feed-forward through the inverse, Eq. (11).
 
-The inverse runs in the generated float32 C, compiled on the host, as it would on the DSP. The reference rests at 2.0 um
-before the sine starts, and the first period is left out of the score: the stage comes from its identification.
+The inverse runs as generated float32 C compiled on the host, with the bits of the DSP. The reference stays at 2.0 um
+before the sine starts. The first period is not scored, because the hysteresis still depends on the identification run.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ PERIODS = 6
 
 
 @dataclass(frozen=True)
-class Published:
-    """The paper's tracking errors with the inverse: e_rms in nm and maximum e_r in percent; proportional: percent."""
+class PublishedTracking:
+    """Errors printed in the paper, with the inverse: e_rms in nm, maximum e_r in percent; proportional: maximum e_r."""
 
     e_rms_nm: float
     e_r_percent: float
@@ -37,13 +37,10 @@ class Published:
 
 @dataclass(frozen=True)
 class Tracking:
-    """One frequency tracked: reference and reached displacement (n,) in um by controller, over the scored samples.
-
-    e_rms_nm, e_r_percent: by controller.
-    """
+    """Tracking at one frequency over the scored samples: reference (n,), reached displacement (n,) by controller."""
 
     f_Hz: float
-    published: Published
+    published: PublishedTracking
     t_s: Floats
     reference_um: Floats
     reached_um: Mapping[str, Floats]
@@ -73,26 +70,26 @@ class Tracking:
 
 
 @dataclass(frozen=True)
-class Case:
-    """A frequency to track, the signal that identifies its model (named by the paper), and what the paper measured."""
+class TrackingCase:
+    """Frequency of the reference, identification signal of the model as in the paper, errors measured in the paper."""
 
     f_Hz: float
     identification: Callable[[], Floats]
-    published: Published
+    published: PublishedTracking
 
 
 CASES = (
-    Case(50.0, lambda: signals.fig8(TS_S, "identification"), Published(18.6, 3.14)),
-    Case(100.0, lambda: signals.fig5(TS_S, "identification"), Published(15.2, 2.91)),
+    TrackingCase(50.0, lambda: signals.fig8(TS_S, "identification"), PublishedTracking(18.6, 3.14)),
+    TrackingCase(100.0, lambda: signals.fig5(TS_S, "identification"), PublishedTracking(15.2, 2.91)),
 )
 
 
-def track_case(case: Case) -> Tracking:
-    """Track one frequency: proportional, the paper's inverse, and the inverses of the refined and extended models."""
+def track_case(case: TrackingCase) -> Tracking:
+    """Track one frequency by the proportional law and by the inverses of the paper's, refined and extended models."""
     f_Hz, identification_V = case.f_Hz, case.identification()
     known = measure(identification_V, IDENTIFICATION_SEED, "identification")
     sine_um = signals.tracking_reference(TS_S, f_Hz, PERIODS / f_Hz)
-    # One sample more than is tracked: the inverse at sample k asks for y(k+1).
+    # One sample more than is scored: the inverse at sample k needs y_d(k+1).
     reference_um = np.concatenate([np.full(round(REST_S / TS_S), sine_um[0]), sine_um])
     drives_V = {"proportional": proportional_drive(fit_proportional(known), reference_um)}
     variants: dict[Variant, str] = {"paper": "paper's inverse", "refined": "refined inverse", "memory": "with memory"}
@@ -101,8 +98,8 @@ def track_case(case: Case) -> Tracking:
     scored = slice(reference_um.size - sine_um.size + round(1.0 / (f_Hz * TS_S)), reference_um.size - 1)
     reached: dict[str, Floats] = {}
     for name, u_V in drives_V.items():
-        followed = measure(u_V, TRACKING_SEED, "tracking", before_V=identification_V)
-        reached[name] = followed.segments[0].y_um[scored]
+        tracked = measure(u_V, TRACKING_SEED, "tracking", before_V=identification_V)
+        reached[name] = tracked.segments[0].y_um[scored]
     t_s: Floats = TS_S * np.arange(scored.stop - scored.start, dtype=np.float64)
     return Tracking(f_Hz, case.published, t_s, reference_um[scored], reached)
 
@@ -113,7 +110,7 @@ def proportional_drive(line: Proportional, reference_um: Floats) -> Floats:
 
 
 def inverse_drive(model: Model, reference_um: Floats) -> Floats:
-    """Eq. (11) along a reference (n,), run in the model's generated C on this machine: (n-1,) in V."""
+    """Voltages (n-1,) of Eq. (11) along a reference (n,), computed by the model's generated C on the host."""
     host = Host(model.name, generate(model))
     bits = reference_um.astype(np.float32).view(np.uint32)
     start_V = 0.5 * (model.u_min_V + model.u_max_V)

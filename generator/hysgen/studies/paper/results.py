@@ -1,69 +1,75 @@
-"""Repeat the paper's experiments (sections 4.1 to 4.3, Fig. 11) on the virtual stage: a table and the figures.
-
-Beyond the paper, the learner in generated C: held against Eq. (10) in float64, and after the plant has lost gain.
-"""
+"""All experiments of the paper repeated, and those of the learner: run, as tables of text, as JSON."""
 
 from __future__ import annotations
 
-import argparse
-from pathlib import Path
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
-from hysgen.cli.console import Console
 from hysgen.display import table
-from hysgen.report.plots import style
-from hysgen.report.plots.experiments import modelling_figures, tracking_figure
-from hysgen.studies.paper.learning import CHANGES, Agreement, Change, agreement, change
-from hysgen.studies.paper.modelling import EXPERIMENTS, Outcome, repeat
+from hysgen.studies.paper.learning import DISTURBANCES, GainLoss, LearnerAgreement, agreement, lose_gain
+from hysgen.studies.paper.modelling import EXPERIMENTS, RepeatedExperiment, repeat
 from hysgen.studies.paper.tracking import CASES, Tracking, track_case
 
 LEARNED = EXPERIMENTS[:2]
+"""Experiments whose identification records the compiled learner is fed."""
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("-o", "--output", metavar="DIR", help="folder for the figures (PNG)")
+@dataclass(frozen=True)
+class PaperResults:
+    """modelling: sections 4.1, 4.2, Fig. 11; tracking: section 4.3; learning, changes: the learner in generated C."""
 
+    modelling: tuple[RepeatedExperiment, ...]
+    tracking: tuple[Tracking, ...]
+    learning: tuple[LearnerAgreement, ...]
+    changes: tuple[GainLoss, ...]
 
-def run(arguments: argparse.Namespace, console: Console) -> int:
-    steps = len(EXPERIMENTS) + len(CASES) + len(LEARNED) + len(CHANGES)
-    outcomes: list[Outcome] = []
-    for experiment in EXPERIMENTS:
-        console.progress(len(outcomes) / steps, experiment.title)
-        outcomes.append(repeat(experiment))
-    tracked: list[Tracking] = []
-    for case in CASES:
-        console.progress((len(outcomes) + len(tracked)) / steps, f"section 4.3: tracking at {case.f_Hz:g} Hz")
-        tracked.append(track_case(case))
-    done = len(outcomes) + len(tracked)
-    agreements: list[Agreement] = []
-    for experiment in LEARNED:
-        console.progress((done + len(agreements)) / steps, f"learner: {experiment.title}")
-        agreements.append(agreement(experiment))
-    changes: list[Change] = []
-    for what in CHANGES:
-        console.progress((done + len(agreements) + len(changes)) / steps, f"learner: {what}")
-        changes.append(change(what))
-    tables = modelling_table(outcomes), tracking_table(tracked), agreement_table(agreements), change_table(changes)
-    console.say("\n\n".join(tables))
-    if arguments.output:
-        folder = Path(arguments.output)
-        for outcome in outcomes:
-            for name, figure in modelling_figures(outcome).items():
-                console.say(f"written: {style.save(figure, folder / name)}")
-        for case_tracked in tracked:
-            path = folder / f"section-4.3-{case_tracked.f_Hz:g}-hz.png"
-            console.say(f"written: {style.save(tracking_figure(case_tracked), path)}")
-    console.write_json(
-        {
-            "modelling": [outcome.to_json() for outcome in outcomes],
-            "tracking": [t.to_json() for t in tracked],
-            "learning": [a.to_json() for a in agreements],
-            "changes": [c.to_json() for c in changes],
+    def text(self) -> str:
+        """A table for each of the four."""
+        tables = (
+            _modelling_table(self.modelling),
+            _tracking_table(self.tracking),
+            _agreement_table(self.learning),
+            _gain_loss_table(self.changes),
+        )
+        return "\n\n".join(tables)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "modelling": [outcome.to_json() for outcome in self.modelling],
+            "tracking": [tracked.to_json() for tracked in self.tracking],
+            "learning": [agreed.to_json() for agreed in self.learning],
+            "changes": [change.to_json() for change in self.changes],
         }
-    )
-    return 0
 
 
-def modelling_table(outcomes: list[Outcome]) -> str:
+def repeat_all(progress: Callable[[float, str], None]) -> PaperResults:
+    """Run every experiment. progress: called with the fraction done and the title of the next one."""
+    done, total = 0, len(EXPERIMENTS) + len(CASES) + len(LEARNED) + len(DISTURBANCES)
+
+    def begin(title: str) -> None:
+        nonlocal done
+        progress(done / total, title)
+        done += 1
+
+    modelling, tracking, learning, changes = [], [], [], []
+    for experiment in EXPERIMENTS:
+        begin(experiment.title)
+        modelling.append(repeat(experiment))
+    for case in CASES:
+        begin(f"section 4.3: tracking at {case.f_Hz:g} Hz")
+        tracking.append(track_case(case))
+    for experiment in LEARNED:
+        begin(f"learner: {experiment.title}")
+        learning.append(agreement(experiment))
+    for disturbance in DISTURBANCES:
+        begin(f"learner: {disturbance}")
+        changes.append(lose_gain(disturbance))
+    return PaperResults(tuple(modelling), tuple(tracking), tuple(learning), tuple(changes))
+
+
+def _modelling_table(outcomes: Sequence[RepeatedExperiment]) -> str:
     """Sections 4.1 and 4.2 and Fig. 11: e_rms in um and maximum e_r in percent of each predictor."""
     rows: list[list[str]] = []
     for outcome in outcomes:
@@ -89,7 +95,7 @@ def modelling_table(outcomes: list[Outcome]) -> str:
     return table(["modelling", "e_rms [um]", "max e_r [%]"], rows)
 
 
-def tracking_table(tracked: list[Tracking]) -> str:
+def _tracking_table(tracked: Sequence[Tracking]) -> str:
     """Section 4.3: e_rms in nm and maximum e_r in percent of each controller."""
     rows: list[list[str]] = []
     for case in tracked:
@@ -105,7 +111,7 @@ def tracking_table(tracked: list[Tracking]) -> str:
     return table(["tracking", "e_rms [nm]", "max e_r [%]"], rows)
 
 
-def agreement_table(agreements: list[Agreement]) -> str:
+def _agreement_table(agreements: Sequence[LearnerAgreement]) -> str:
     """One-step e_rms in nm of Eq. (10) in float64 and of the learner in generated C, on a record neither has seen."""
     rows = [
         [a.title, f"{1e3 * a.float64_um:.4f}", f"{1e3 * a.learned_um:.4f}", f"{100.0 * a.excess:+.3f} %"]
@@ -114,7 +120,7 @@ def agreement_table(agreements: list[Agreement]) -> str:
     return table(["learning, one step", "Eq. (10) float64 [nm]", "generated C [nm]", "difference"], rows)
 
 
-def change_table(changes: list[Change]) -> str:
+def _gain_loss_table(changes: Sequence[GainLoss]) -> str:
     """Free-run e_rms in nm of the active model around the change, how soon it is back, and what was committed."""
     rows = []
     for c in changes:

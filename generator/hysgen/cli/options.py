@@ -1,0 +1,142 @@
+"""Options that several verbs share: models, folders of generated C, records, and the learner."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from pathlib import Path
+
+from hysgen.cli.console import Console
+from hysgen.errors import RecordError
+from hysgen.model.learner_settings import LEARNED, MOST_CALLS, LearnerSettings
+from hysgen.model.model import Model
+from hysgen.record import Columns, Record, load_record
+from hysgen.record.checks import ACCEPTABLE
+from hysgen.record.sampling import JITTER
+
+
+def add_model(parser: argparse.ArgumentParser, shipped: str = "appendix_a, appendix_b") -> None:
+    """MODEL, a file or the name of a shipped model."""
+    parser.add_argument("model", metavar="MODEL", help=f"model file, or a shipped one: {shipped}")
+
+
+def add_folder(parser: argparse.ArgumentParser) -> None:
+    """DIR, a folder of generated C."""
+    parser.add_argument("folder", metavar="DIR", help="folder that `hysgen generate` wrote")
+
+
+def add_record_options(parser: argparse.ArgumentParser) -> None:
+    """Options of reading records: --columns, --accept, --jitter, --split-at-gaps."""
+    parser.add_argument(
+        "--columns",
+        metavar="KEY=VALUE,...",
+        default="",
+        help="names, units and separators, e.g. voltage=force_N,displacement=x_nm,separator=tab,Ts_s=2e-5 "
+        "(default: time_s, voltage_V, displacement_um)",
+    )
+    parser.add_argument(
+        "--accept", choices=ACCEPTABLE, action="append", default=[], help="take a record in spite of this finding"
+    )
+    parser.add_argument(
+        "--jitter",
+        type=float,
+        default=JITTER,
+        metavar="PART",
+        help="deviation of a time stamp that is let through, as a part of the sampling period (default %(default)g)",
+    )
+    parser.add_argument(
+        "--split-at-gaps", action="store_true", help="make segments where time has gaps, instead of refusing"
+    )
+
+
+def read_records(paths: list[str], arguments: argparse.Namespace, console: Console) -> Record:
+    """The records at `paths`, joined as segments of one record; warnings go to stderr."""
+    columns = Columns.from_text(arguments.columns) if arguments.columns else Columns()
+    record = load_record(
+        [Path(path) for path in paths],
+        columns,
+        jitter=arguments.jitter,
+        accept=arguments.accept,
+        split_at_gaps=arguments.split_at_gaps,
+    )
+    for warning in record.warnings:
+        console.warn(warning)
+    return record
+
+
+def parse_rows(text: str, samples: int) -> tuple[int, int]:
+    """(A, B) of rows "A:B", counted from 0, B excluded; an empty A or B means the end of the record.
+
+    Raises RecordError if the text is no range within the record.
+
+    >>> parse_rows("5000:", 7100)
+    (5000, 7100)
+    """
+    first, colon, last = text.partition(":")
+    try:
+        start, stop = int(first or 0), int(last or samples)
+    except ValueError:
+        colon = ""
+        start = stop = 0
+    if not colon or not 0 <= start < stop <= samples:
+        raise RecordError(
+            f"rows: '{text}' is not a range of the record's {samples} samples; write FIRST:LAST, as 0:5000"
+        )
+    return start, stop
+
+
+def add_learner_options(parser: argparse.ArgumentParser) -> None:
+    """--learn and the settings of the learner."""
+    defaults = LearnerSettings()
+    group = parser.add_argument_group("online learning (docs/learning.md)")
+    group.add_argument(
+        "--learn",
+        choices=(*LEARNED, "none"),
+        help="parameters that the generated C learns: consequents of the rules, weights of the terms, all of them,"
+        " one bias, or none (default: what the model file says)",
+    )
+    group.add_argument(
+        "--learn-forgetting",
+        type=float,
+        metavar="LAMBDA",
+        help=f"forgetting factor of the learner, 0.9 to 1 (default {defaults.forgetting})",
+    )
+    group.add_argument(
+        "--learn-alpha",
+        type=float,
+        metavar="ALPHA",
+        help=f"P(0) = alpha I of the learner; it starts from the identified parameters (default {defaults.alpha:g})",
+    )
+    group.add_argument(
+        "--learn-noise",
+        type=float,
+        metavar="UM",
+        help=f"rms noise of the sensor in um: sets dead zone and outlier gate (default {defaults.noise_um:g})",
+    )
+    group.add_argument(
+        "--calls-per-update",
+        type=int,
+        metavar="N",
+        help=f"spread one update over N calls, up to {MOST_CALLS} (default 1)",
+    )
+
+
+def with_learner(model: Model, arguments: argparse.Namespace) -> Model:
+    """The model with the learner that the options describe; unchanged without options.
+
+    Raises ModelError if a value is outside its range.
+    """
+    given = {
+        "forgetting": arguments.learn_forgetting,
+        "alpha": arguments.learn_alpha,
+        "noise_um": arguments.learn_noise,
+        "calls_per_update": arguments.calls_per_update,
+    }
+    changes = {name: value for name, value in given.items() if value is not None}
+    if arguments.learn == "none":
+        return dataclasses.replace(model, learner=None)
+    if arguments.learn is not None:
+        changes["learned"] = LEARNED[arguments.learn]
+    elif not changes:
+        return model
+    return dataclasses.replace(model, learner=dataclasses.replace(model.learner or LearnerSettings(), **changes))
