@@ -1,4 +1,4 @@
-"""The bank: records that hide an effect, and what has to be found in them."""
+"""The bank: records with hidden effects, and the causes that a diagnosis must name in them."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ def test_required_causes_are_named_and_nothing_else(small: BankResult) -> None:
     assert wrong == {}
 
 
-def test_parameters_of_named_causes_lie_within_the_bounds_of_the_issue(small: BankResult) -> None:
+def test_parameters_of_named_causes_lie_within_their_tolerances(small: BankResult) -> None:
     seen = small.parameter_errors()
     assert {key: error for key, (_, error, _) in seen.items() if error > PARAMETERS.get(key, np.inf)} == {}
     assert len(seen) >= 5
 
 
-def test_limits_at_both_ends_are_found_though_neither_alone_helps() -> None:
+def test_both_levels_of_a_saturation_are_found_though_neither_alone_lowers_the_error() -> None:
     judgement = judge(scenario("saturation", 507))
     assert judgement.exact, judgement.named
     assert abs(judgement.errors["saturation.low_V"]) < PARAMETERS["saturation.low_V"]
@@ -61,22 +61,22 @@ def test_curve_that_bends_at_the_end_of_the_range_is_no_second_level(seed: int, 
 @pytest.mark.parametrize(
     ("category", "seed"),
     [
-        ("aging", 702),  # a drift that is none shares the zero with a change of gain
-        ("drift", 1236),  # a change of gain about a zero that plays in a place they never had would put anywhere
-        ("pair", 1251),  # the same, beside a change of gain that is one
-        ("pair", 700),  # a creep that is none was taken back by a drift
-        ("pair", 1182),  # a little of a drift that slows down is in what the fit leaves
-        ("resonance", 1015),  # it rings beyond the sensor, whose end is no outlier
-        ("saturation", 645),  # of all levels the best at first sight is one that the fit does not leave again
+        ("aging", 702),  # a drift that was not planted has the zero of the change of gain
+        ("drift", 1236),  # plays outside their range make the zero of the change of gain arbitrary
+        ("pair", 1251),  # the same, beside a planted change of gain
+        ("pair", 700),  # a creep that was not planted cancelled a drift
+        ("pair", 1182),  # the residual holds a little of a drift that slows down
+        ("resonance", 1015),  # it rings beyond the range of the sensor, which is no outlier
+        ("saturation", 645),  # the starting level with the smallest error is in another minimum
     ],
 )
-def test_what_only_looks_like_a_cause_does_not_hide_the_cause(category: str, seed: int) -> None:
+def test_a_rival_cause_that_was_not_planted_is_not_named(category: str, seed: int) -> None:
     judgement = judge(scenario(category, seed))
     assert judgement.exact, judgement.named
 
 
 def test_refinement_is_not_held_back_by_a_start_that_is_good_on_the_fitted_rows_alone() -> None:
-    """Where no step could first cost a little of the free run, this one was left with 2.8 times the error."""
+    """Steps that may only lower the free-run error end here with 2.8 times the error."""
     assert judge(scenario("aging", 3005)).over_truth < 1.3
 
 

@@ -1,4 +1,4 @@
-"""What a run of the bank must reach, and that a run which is interrupted loses nothing."""
+"""The limits of a run of the bank, and that an interrupted run is resumed from its log."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def judged(judgements: list[Judgement]) -> dict[str, str]:
     return {limit.name: limit.mark for limit in limits(BankResult(tuple(judgements), (0,), len(judgements)))}
 
 
-def test_a_run_without_fault_meets_every_limit() -> None:
+def test_a_run_without_error_meets_every_limit() -> None:
     assert set(judged(full()).values()) == {"met"}
 
 
@@ -53,7 +53,7 @@ def test_a_run_without_fault_meets_every_limit() -> None:
         *(({"errors": {key: -1.1 * most}}, 1, f"error of {key}") for key, most in PARAMETERS.items()),
     ],
 )
-def test_every_limit_is_missed_when_it_is_missed(fault: dict[str, object], times: int, missed: str) -> None:
+def test_a_fault_misses_its_own_limit(fault: dict[str, object], times: int, missed: str) -> None:
     judgements = full()
     cause = missed.removeprefix("error of ").split(".")[0] if "." in missed else "creep"
     at = [i for i, judgement in enumerate(judgements) if judgement.category == cause][:times]
@@ -73,7 +73,7 @@ def test_one_false_alarm_in_a_hundred_quiet_records_passes_and_two_do_not() -> N
     assert judged(judgements)["false alarms"] == "MISSED"
 
 
-def test_a_small_run_does_not_claim_what_only_a_large_one_can_show() -> None:
+def test_a_run_of_few_records_meets_the_limits_of_rates_only_so_far() -> None:
     marks = judged(full()[-5:])
     assert marks["exact set of causes"] == marks["false alarms"] == "met so far"
     assert marks["error of creep.per_decade"] == "-"
@@ -93,7 +93,9 @@ def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list
     return begun
 
 
-def test_an_interrupted_run_says_what_it_has_and_goes_on_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_run_returns_its_judgements_and_is_resumed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     log = tmp_path / "bank.jsonl"
     counted(monkeypatch)
     whole = run([1, 2, 3], ["memory", "creep"])
@@ -110,9 +112,7 @@ def test_an_interrupted_run_says_what_it_has_and_goes_on_there(tmp_path: Path, m
     assert [(v.category, v.seed) for v in read_log(log)] == [(v.category, v.seed) for v in whole.judgements]
 
 
-def test_verdicts_of_another_state_of_the_package_are_not_mixed_in(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_log_of_another_state_of_the_package_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log = tmp_path / "bank.jsonl"
     JudgementLog(log).add(right("creep", 1))
     monkeypatch.setattr("hysgen.studies.bank.log.sources_digest", lambda: "0" * 64)

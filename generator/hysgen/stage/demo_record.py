@@ -1,4 +1,4 @@
-"""The bundled record: what the laboratory stage answers to a drive that shows memory, lag, creep, modes and hum.
+"""The bundled record: response of the laboratory stage to a command that excites memory, lag, creep and modes.
 
 `python -m hysgen.stage.demo_record FILE` writes it again.
 """
@@ -47,7 +47,7 @@ def demo_measurement() -> Measurement:
         _drive(IDENTIFY_V, IDENTIFY_TRAINS, IDENTIFY_LEVELS_V),
         _drive(VALIDATE_V, VALIDATE_TRAINS, VALIDATE_LEVELS_V),
     )
-    # The stage sees what the file says, to its last decimal.
+    # The stage is driven with the decimals of the file.
     u_V: Floats = np.asarray(np.round(np.concatenate(parts), 5), dtype=np.float64)
     return run(Stage.laboratory(), u_V, TS_S, SEED)
 

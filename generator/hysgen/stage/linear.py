@@ -1,7 +1,7 @@
-"""Linear systems, stepped exactly over substeps for an input that changes linearly within each.
+"""Linear systems, stepped exactly over substeps for an input that is linear in time within each.
 
-`scipy.signal.cont2discrete` with a first-order hold shifts the state by the input; here begin and end of a substep keep
-separate weights, since the next substep may be of another length.
+The first-order hold of `scipy.signal.cont2discrete` puts the input into the state, which fits one step length only;
+here the input at the begin and at the end of a substep keep weights of their own.
 """
 
 from __future__ import annotations

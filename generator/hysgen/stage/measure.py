@@ -1,4 +1,4 @@
-"""Measuring a virtual stage: a record as a controller would log it, with the truth beside it."""
+"""Measuring a virtual stage: the record that a controller would log, and the signals that it does not show."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Truth:
-    """What a measurement hides, each array (n,).
+    """The signals and settings behind a measurement, each array (n,).
 
     true_um: displacement without sensor noise, outliers and quantisation. actuator_V: voltage across the ceramic.
-    drift_um: movement that the input did not cause. outlier: which readings are corrupted.
-    shares_um: by effect, rms by which the plant with and without it differ, beyond a constant (if asked for).
+    drift_um: movement independent of the input. outlier: whether a reading is corrupted.
+    shares_um: if asked for, by effect: rms of the difference of the readings with and without it, less its mean.
     """
 
     stage: Stage
@@ -56,8 +56,8 @@ def run(
 ) -> Measurement:
     """Drive the stage with u_V (n,) at sampling period Ts_s and log what its A/D reads.
 
-    The stage has rested at rest_V (default u_V[0]) for ever. aux: further logged channels (n,) by name; those that the
-    stage's coupling names act on it. The same arguments give the same bytes.
+    The stage starts in equilibrium at rest_V (default u_V[0]). aux: further logged channels (n,) by name; those of
+    `stage.channels` act on it. The same arguments give the same bytes.
     Raises StageError for an empty or non-finite input, a channel that is missing, or one of another length.
     """
     command_V = np.array(u_V, dtype=np.float64)
@@ -75,7 +75,7 @@ def run(
 
 
 def static_loop(stage: Stage, low_V: float, high_V: float, points: int = 401) -> tuple[Floats, Floats, Floats]:
-    """The closed loop between two voltages, infinitely slow: voltages, w rising, w falling, each (points,)."""
+    """The closed loop of the hysteresis between two voltages: voltages, w rising, w falling, each (points,)."""
     u_V = np.linspace(low_V, high_V, points)
     # Bouc-Wen loops close only after some turns.
     settle = np.tile([low_V, high_V], 8)
@@ -84,7 +84,7 @@ def static_loop(stage: Stage, low_V: float, high_V: float, points: int = 401) ->
 
 
 def without(stage: Stage, effect: str, low_V: float, high_V: float) -> Stage:
-    """The stage with one effect taken out. Memory leaves the middle of the loop over low_V .. high_V as a curve."""
+    """The stage without one effect. Memory is replaced by the mean curve of the loop over low_V .. high_V."""
     if effect != Hysteresis.name:
         return stage.with_effects(**{effect: None})
     u_V, rising_um, falling_um = static_loop(stage, low_V, high_V)
@@ -104,9 +104,9 @@ def _drive(
 def _shares(
     stage: Stage, u_V: Floats, Ts_s: float, seed: int, channels: Mapping[str, Floats], rest_V: float
 ) -> dict[str, float]:
-    """Rms, in um, by which the noise-free readings change when each active effect is taken out.
+    """Rms in um of the change of the noise-free readings without each active effect, less the change's mean.
 
-    The mean of the change does not count: a constant is the sensor's zero, not an error.
+    A constant change belongs to the sensor's zero and is no error.
     """
     quiet = stage.quiet()
     whole = _drive(quiet, u_V, Ts_s, seed, channels, rest_V)

@@ -27,10 +27,10 @@ class Mesh:
 
 
 def mesh(stage: Stage, Ts_s: float) -> Mesh:
-    """Where the signals are evaluated between two D/A instants.
+    """The instants between two D/A instants at which the signals are evaluated.
 
-    An ideal amplifier holds its voltage: one substep is exact. A real one bends after every D/A instant: the mesh is
-    fine there and grows with the time since. The reading's fractional delay puts a node of its own into the mesh.
+    With an ideal amplifier, which holds its voltage, one substep is exact. Where an effect bends the amplifier's output
+    after a D/A instant, the mesh is fine there and grows with time. A fractional delay of the reading adds a node.
     """
     require(math.isfinite(Ts_s) and Ts_s > 0, f"Ts_s: {Ts_s} s is no sampling period; give a time above 0")
     late_s = sum(effect.late_s(Ts_s) for effect in stage.effects)

@@ -8,7 +8,7 @@
 
 #include "plant.h"
 
-/* Each source of chance has its own stream, so that switching one effect leaves the others' numbers alone. */
+/* Each random source has its own stream: switching an effect does not change the numbers of the others. */
 enum { CHANCE_WHITE = 1, CHANCE_WALK, CHANCE_OUTLIER, CHANCE_OUTLIER_SIZE, CHANCE_SLIP, CHANCE_FLICKER };
 
 static unsigned long long scrambled(unsigned long long z)   /* splitmix64's finaliser */
@@ -18,7 +18,7 @@ static unsigned long long scrambled(unsigned long long z)   /* splitmix64's fina
     return z ^ (z >> 31);
 }
 
-/* A number in (0, 1) that depends on (seed, source, k) only: the same whether asked for in a run or step by step. */
+/* A number in (0, 1) that depends on (seed, source, k) only: equal in a run and step by step. */
 double chance_uniform(unsigned long long seed, unsigned long long source, unsigned long long k)
 {
     const unsigned long long golden = 0x9E3779B97F4A7C15ULL;
@@ -99,7 +99,7 @@ static void next_breakaway(plant_t *self)
     self->break_um = self->stick_um * (1.0 + self->stick_scatter * spread);
 }
 
-/* Sticks until the spring force reaches the breakaway force, then jumps and sticks again short of the balance. */
+/* Sticks until the spring force reaches the breakaway force, then jumps and sticks again short of equilibrium. */
 static double slipped(plant_t *self, double v_um)
 {
     if (self->stick_um == 0.0) return v_um;
@@ -155,7 +155,7 @@ static void sense(plant_t *self)
     self->reading_um = here_um;
 }
 
-/* The state after resting at u for ever: nothing moves, creep counts from here. The hysteresis keeps its history. */
+/* Equilibrium at u; creep counts from here, the hysteresis keeps its history. */
 void plant_rest(plant_t *self, double u_V)
 {
     self->k = 0;
@@ -177,7 +177,7 @@ void plant_rest(plant_t *self, double u_V)
     sense(self);
 }
 
-/* Hold u(k) for one period; returns the reading at its end, y(k+1). A voltage that is not a number holds the last. */
+/* Hold u(k) for one period; returns the reading at its end, y(k+1). A NaN holds the last voltage. */
 double plant_step(plant_t *self, double u_V)
 {
     const double target_V = u_V == u_V ? dac_output(self, u_V) : self->ramp_V;
@@ -216,7 +216,7 @@ double plant_step(plant_t *self, double u_V)
     return self->hysteresis.failed ? NAN : self->reading_um;
 }
 
-/* n instants: row k holds what is there when u(k) is put out. Returns 0, or 1 if the hysteresis ran out of memory. */
+/* n instants: row k holds the signals when u(k) is put out. Returns 1 if the hysteresis ran out of turning points. */
 int plant_run(plant_t *self, long n, const double *u_V, const double *channels, double *reading_um, double *true_um,
               double *actuator_V, double *drift_um, unsigned char *outlier)
 {

@@ -1,4 +1,4 @@
-/* The virtual stage: what one D/A period does to the plant, in continuous time, and what the A/D then reads.
+/* The virtual stage: the continuous-time plant over one D/A period, and the reading of the A/D at its end.
  *
  * D/A -> amplifier -> hysteresis -> creep -> friction -> modes and lag -> delay -> disturbances -> sensor -> A/D
  *
@@ -24,7 +24,7 @@
 typedef struct {
     int kind;
     int failed;               /* 1: more nested turning points than `capacity` */
-    double u_V, w_um;         /* where it stands */
+    double u_V, w_um;         /* present input and output */
     double slope_um_per_V;    /* reversible part */
     double offset_um;         /* subtracted, so that the zeroed stage reads 0 */
 
@@ -59,7 +59,7 @@ typedef struct {
 
 typedef struct {
     double Ts_s;
-    int substeps, tap;        /* the A/D sees what was there after substep `tap`, `late` whole periods ago */
+    int substeps, tap;        /* the A/D samples after substep `tap`, `late` whole periods ago */
     const double *h_s;        /* (substeps,) */
 
     double dac_low_V, dac_high_V, dac_step_V;     /* step 0: ideal */
@@ -75,7 +75,7 @@ typedef struct {
     const double *creep_keep, *creep_g0, *creep_g1;   /* (substeps, creeps) */
     const double *creep_share;
     double *creep_x;
-    double crept_um, creep_rest_um;               /* crept since the record began; what rest before it had done */
+    double crept_um, creep_rest_um;               /* creep since the record began; creep of the rest before it */
 
     int channels;
     const double *coupling_um;                    /* (channels,) um per unit of the channel */

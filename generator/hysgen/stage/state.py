@@ -1,4 +1,4 @@
-"""The stage as it runs: compiled, sample by sample, for closed loops and for whole records alike."""
+"""A running stage: the compiled plant, advanced sample by sample or over a whole record."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from hysgen.stage.mesh import Mesh, mesh
 Floats = NDArray[np.float64]
 
 SOURCES = ("plant.h", "hysteresis.c", "plant.c")
-TURNS = 65536  # nested turning points that are remembered
+TURNS = 65536  # capacity for nested turning points
 OUT_OF_MEMORY = f"voltage: more than {TURNS} nested turning points; shorten the record or stop its amplitude's decay"
 
 
@@ -37,7 +37,7 @@ def plant() -> native.Library:
 
 @dataclass(frozen=True)
 class PlantOutput:
-    """What a run leaves behind, each (n,): readings, the true displacement, the ceramic's voltage, drift, outliers."""
+    """The signals of a run, each (n,): readings, true displacement, voltage across the ceramic, drift, outliers."""
 
     reading_um: Floats
     true_um: Floats
@@ -47,12 +47,12 @@ class PlantOutput:
 
 
 class StageState:
-    """A stage at work. Rests at `rest_V`, settled for ever, until the first step.
+    """A running stage, in equilibrium at `rest_V` before the first step.
 
-    y_um is the reading at the present instant; `step(u_V)` puts u_V out for one period and returns the reading at its
-    end: a controller reads y(k), computes u(k), and gets y(k+1). The same inputs give the same readings as `run`.
-    channels: values of the stage's coupling channels, in their order, during the period; kept until given again.
-    Raises StageError for a sampling period, rest voltage or number of channels that cannot be.
+    y_um is the reading at the present instant; `step(u_V)` holds u_V for one period and returns the reading at its end:
+    a controller reads y(k), computes u(k), and gets y(k+1). The same inputs give the same readings as `run`.
+    channels: values of `stage.channels` during the period; without new values the last ones hold.
+    Raises StageError for an impossible sampling period, rest voltage or number of channels.
     """
 
     def __init__(
@@ -93,9 +93,9 @@ class StageState:
 
     @property
     def address(self) -> tuple[int, int]:
-        """Of the compiled step, `double (*)(void *plant, double u_V)`, and of its plant: for C that drives a stage.
+        """Addresses of the compiled step, `double (*)(void *plant, double u_V)`, and of its plant, for driving C code.
 
-        Raises StageError if an effect acts in Python, which the compiled step leaves out.
+        Raises StageError if an effect acts in Python: the compiled step does not contain it.
         """
         require(not self._actions, "address: an effect of this stage acts in Python; use step()")
         lib, ffi = self._library.lib, self._ffi
@@ -103,7 +103,7 @@ class StageState:
         return int(ffi.cast("uintptr_t", step)), int(ffi.cast("uintptr_t", self._plant))
 
     def step(self, u_V: float, channels: Sequence[float] = ()) -> float:
-        """Hold u_V for one sampling period; the reading at its end in um. A u_V that is not a number holds the last.
+        """Hold u_V for one sampling period; returns the reading at its end in um. A NaN holds the last voltage.
 
         Raises StageError when the hysteresis runs out of memory for turning points.
         """
@@ -115,7 +115,7 @@ class StageState:
         return y_um
 
     def advance(self, u_V: Floats, channels: Floats) -> PlantOutput:
-        """All of u_V (n,), with channels (n, c): row k is the present when u_V[k] is put out; the last is not held.
+        """Run the command u_V (n,) with channels (n, c): row k is read when u_V[k] is put out; u_V[n-1] is not held.
 
         Raises StageError when the hysteresis runs out of memory for turning points.
         """
@@ -135,7 +135,7 @@ class StageState:
         return PlantOutput(reading, true, actuator, drift, outlier.astype(np.bool_))
 
     def _run(self, u_V: Floats, channels: Floats, columns: tuple[NDArray[Any], ...]) -> None:
-        """`plant_run` into `columns`: a run of one sample reads the present instant and leaves it."""
+        """`plant_run` into `columns`; a run of one sample reads the present instant and does not advance the plant."""
         pointers = [_pointer(self._library, array) for array in (u_V, channels, *columns)]
         if self._library.lib.plant_run(self._plant, len(u_V), *pointers):
             raise StageError(OUT_OF_MEMORY)
@@ -168,7 +168,7 @@ class StageState:
         place.x = self._keep(np.zeros(len(part.c)))
 
     def _fill_converters(self, cells: Mesh, Ts_s: float, seed: int) -> None:
-        """Timing, D/A, sensor and A/D."""
+        """Set timing, D/A, sensor and A/D."""
         p, stage = self._plant, self.stage
         p.Ts_s, p.substeps, p.tap, p.late = Ts_s, len(cells.h_s), cells.tap, cells.late
         p.h_s, p.ring = self._keep(cells.h_s), self._keep(np.zeros(cells.late + 1))
@@ -179,7 +179,7 @@ class StageState:
         p.seed = seed % 2**64
 
     def _fill_effects(self, period: Period) -> None:
-        """The constants of every effect that the compiled plant runs."""
+        """Set the constants of the effects that act in the compiled plant."""
         for kind in effects().values():
             for member, value in kind.constants(self.stage.of(kind), period).items():
                 if isinstance(value, Linear):
@@ -189,7 +189,7 @@ class StageState:
 
 
 def static_path(stage: Stage, u_V: Floats) -> Floats:
-    """w(u) in um along the path u_V (n,), infinitely slowly, after the stage's history: its hysteresis alone."""
+    """w(u) in um, (n,): the hysteresis alone along the path u_V (n,), after the stage's voltage history."""
     library, kept = plant(), list[object]()
     place = library.ffi.new("hysteresis_t *")
     _fill_hysteresis(library, place[0], stage, kept)
@@ -201,7 +201,7 @@ def static_path(stage: Stage, u_V: Floats) -> Floats:
 
 
 def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, kept: list[object]) -> None:
-    """Constants of the stage's hysteresis; its state after the voltage history; the sensor zeroed."""
+    """Set the constants of the hysteresis, its state after the voltage history, and the sensor's zero."""
     form = (stage.memory or straight(stage.stroke_um, stage.full_V)).form(stage.stroke_um, stage.full_V)
     place.kind = form.kind
     place.grid_low_V, place.grid_step_V = GRID_LOW_V, GRID_STEP_V

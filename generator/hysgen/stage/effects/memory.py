@@ -1,8 +1,8 @@
-"""Hysteresis of the ceramic: Preisach (by Everett function, or by relays), Bouc-Wen, or a single-valued curve.
+"""Memory: hysteresis of the ceramic by Preisach (Everett function, or relays) or Bouc-Wen, or a single-valued curve.
 
-None of them is made of play operators. Each gives the displacement w [um] as a rate-independent functional of the path
-of the voltage u [V], and is zeroed: w(zero_V) = 0 after its voltage history. `Preisach` and `Relays` are the same
-physics computed in two unrelated ways; each is the check on the other.
+None of them contains play operators. Each gives the displacement w [um] as a rate-independent functional of the path of
+the voltage u [V] with w(zero_V) = 0 after its voltage history. `Preisach` and `Relays` compute the same operator by two
+independent methods; tests compare them.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ Floats = NDArray[np.float64]
 GRID_LOW_V, GRID_HIGH_V, GRID_STEP_V = -60.0, 160.0, 0.05
 GAUSS_POINTS = 5  # per cell of 0.05 V: exact to rounding for densities that vary over tens of volts
 
-# How the compiled code names the kinds (plant.h).
+# The kinds of plant.h.
 KIND_CURVE, KIND_EVERETT, KIND_RELAYS, KIND_BOUC_WEN = range(4)
 
 
 @dataclass(frozen=True)
 class Form:
-    """A hysteresis as the compiled code takes it: scalars and arrays by the names of `hysteresis_t` in plant.h."""
+    """Constants of a hysteresis in the compiled plant: scalars and arrays by the names of `hysteresis_t` in plant.h."""
 
     kind: int
     scalars: dict[str, float]
@@ -52,7 +52,7 @@ class Hysteresis(Effect):
 
 @dataclass(frozen=True)
 class Density:
-    """Density of the relays on the Preisach plane, alpha >= beta: where the domains of the ceramic switch.
+    """Density of the relays on the Preisach plane, alpha >= beta: the thresholds at which domains switch.
 
         mu(alpha, beta) = a(alpha) b(beta)  ~  exp(-(alpha - beta)/decay_V)
                           / (1 + ((alpha - on_V)/width_V)^2) / (1 + ((beta - off_V)/width_V)^2)
@@ -83,7 +83,7 @@ class Density:
 
 @dataclass(frozen=True)
 class Preisach(Hysteresis):
-    """Preisach hysteresis with a continuous density, exact through its turning points: no staircase.
+    """Preisach hysteresis with a continuous density, evaluated exactly from its turning points.
 
         w = slope u + sum of +-E(M, m) over the remembered monotone pieces,
         E(M, m) = G(M) (H(M) - H(m)) - (K(M) - K(m)),   G' = a,  H' = b,  K' = G b
@@ -111,7 +111,7 @@ class Preisach(Hysteresis):
 
 @dataclass(frozen=True)
 class Relays(Hysteresis):
-    """The same Preisach plane filled with `count` x `count` / 2 relays: the plain definition, with its staircase.
+    """Preisach hysteresis by its definition: `count` x `count` / 2 relays, whose output is a staircase.
 
     Relay (alpha, beta): switches on at u >= alpha, off at u <= beta; its weight is the density at its place times the
     area of its cell. Source: Preisach (1935).
@@ -132,7 +132,7 @@ class Relays(Hysteresis):
         area = np.where(up > down, cell**2, np.where(up == down, cell**2 / 2, 0.0))
         weight = self.density.on(up) * self.density.off(down) * area
         kept = area > 0
-        # On the diagonal the triangle's relays have alpha > beta: its centroid stands a sixth of a cell off the middle.
+        # Cells on the diagonal are triangles, alpha > beta: the centroid is a sixth of a cell off the cell's centre.
         shift = np.where(up == down, cell / 6, 0.0)
         up_V, down_V, weight = (up + shift)[kept], (down - shift)[kept], weight[kept]
         weight *= self.irreversible * stroke_um / weight[(up_V <= full_V) & (down_V > 0.0)].sum()
@@ -176,7 +176,7 @@ class BoucWen(Hysteresis):
         require(5 * self.reach_V <= full_V, "BoucWen.reach_V: the loop never opens; choose a fifth of full_V or less")
         climb = self.loop_um / self.reach_V
         total = climb / self.loop_um**self.exponent
-        # On a long stroke z turns from -loop_um to +loop_um: what it takes away, the slope gives.
+        # On a long stroke z goes from -loop_um to +loop_um; the slope makes up for it.
         slope = (stroke_um + 2 * self.loop_um) / full_V
         scalars = {
             "slope_um_per_V": slope,
@@ -191,13 +191,13 @@ class BoucWen(Hysteresis):
 
 @dataclass(frozen=True)
 class Curve(Hysteresis):
-    """No memory: w is a single-valued function of u, given at uniform voltages and linear between and beyond them."""
+    """No memory: w is a single-valued function of u, given at uniform voltages, linear between and beyond them."""
 
     low_V: float
     step_V: float
     w_um: tuple[float, ...]
 
-    active = False  # a curve remembers nothing
+    active = False  # a single-valued curve has no memory
 
     def __post_init__(self) -> None:
         require(len(self.w_um) >= 2 and self.step_V > 0, "Curve: at least two points at rising voltages are needed")
@@ -214,10 +214,10 @@ def straight(stroke_um: float, full_V: float) -> Curve:
 
 
 def everett_table(density: Density) -> tuple[Floats, Floats]:
-    """The three functions that make the Everett function of a product density, with their derivatives.
+    """The three functions of which the Everett function of a product density is made, with their derivatives.
 
     Returns the nodes (n,) in V and (n, 6): G, G', H, H', K, K' with G' = a, H' = b, K' = G b, integrated over
-    each cell by Gauss-Legendre, so that cubic Hermite interpolation between the nodes is as good as exact.
+    each cell by Gauss-Legendre, for cubic Hermite interpolation between the nodes.
     """
     n = round((GRID_HIGH_V - GRID_LOW_V) / GRID_STEP_V) + 1
     nodes_V = GRID_LOW_V + GRID_STEP_V * np.arange(n, dtype=np.float64)
@@ -240,7 +240,7 @@ def everett_table(density: Density) -> tuple[Floats, Floats]:
 
 
 def everett(nodes_V: Floats, table: Floats, high_V: float, low_V: float) -> float:
-    """E(high, low) at two nodes of the table: what rising from low_V to high_V switches on."""
+    """E(high, low) at two nodes of the table: displacement switched on by a rise from low_V to high_V."""
     high, low = (table[int(np.argmin(np.abs(nodes_V - at_V)))] for at_V in (high_V, low_V))
     return float(high[0] * (high[2] - low[2]) - (high[4] - low[4]))
 

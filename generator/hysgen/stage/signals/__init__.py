@@ -1,4 +1,4 @@
-"""Driving voltages as arrays: those of the paper, and excitations that identify more than they do."""
+"""Driving voltages as arrays: the signals of the paper, and excitations for identification."""
 
 from hysgen.stage.signals.excitation import chirp, multisine, nested_amplitudes, plateaus, reversal_curves
 from hysgen.stage.signals.joining import SignalError, joined, largest_jump, safe

@@ -1,6 +1,6 @@
-"""Excitations that identify a piezo stage: each shows a part of its behaviour that a single sine hides.
+"""Excitations that identify a piezo stage: each excites dynamics that a single sine does not.
 
-All begin and end at a stated level, so that they can be joined; `joining.safe` leads them from rest and back.
+Each begins and ends at a stated level, so that signals can be joined; `joining.safe` adds the ways from and to rest.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ def nested_amplitudes(
 
         u(t) = centre + amplitude e(t) sin(2 pi f t),   e: 1 -> 0 over `cycles` periods, then (if `grow`) 0 -> 1
 
-    Good for hysteresis: the turning points cover the Preisach plane around the centre, the falling half leaves nested
-    loops behind and the growing half wipes them out; several frequencies tell lag from memory.
+    Use: hysteresis. The turning points cover the Preisach plane around the centre, the falling half leaves nested
+    loops behind and the growing half wipes them out; several frequencies separate lag from memory.
     Begins and ends at centre_V. Returns (n,) in V. Raises SignalError for an unresolved frequency or no cycles.
     """
     if cycles < 1 or not frequencies_Hz:
@@ -45,8 +45,8 @@ def nested_amplitudes(
 def reversal_curves(Ts_s: float, low_V: float, high_V: float, curves: int, rate_V_per_s: float) -> Floats:
     """First-order reversal curves: from high_V down to one of `curves` levels and up again, each level lower.
 
-    Good for the whole Preisach plane: between them the curves cross every relay inside low_V .. high_V, at a constant
-    |du/dt|, so that a lag shifts all of them alike. The corners of the triangles excite modes: keep the rate low.
+    Use: the whole Preisach plane. Together the curves cross every relay inside low_V .. high_V, at a constant |du/dt|,
+    so that a lag shifts all curves equally. The corners of the triangles excite modes: keep the rate low.
     Begins and ends at low_V. Returns (n,) in V. Raises SignalError for an empty range, or a rate that cannot follow.
     """
     if not (low_V < high_V and curves >= 1):
@@ -66,10 +66,10 @@ def reversal_curves(Ts_s: float, low_V: float, high_V: float, curves: int, rate_
 
 
 def plateaus(Ts_s: float, levels_V: Sequence[float], hold_s: float, travel_s: float) -> Floats:
-    """Levels held for hold_s each, with smooth ways of travel_s between them (0: plain steps).
+    """Levels held for hold_s each, with smooth transitions of travel_s between them (0: plain steps).
 
-    Good for creep and drift, when holds are long; for modes and delay, when ways are short: a way of half a mode's
-    period or less makes it ring. Begins at the first level, ends at the last. Returns (n,) in V.
+    Use: creep and drift, with long holds; modes and delay, with short transitions: one of half a mode's period or less
+    makes the mode ring. Begins at the first level, ends at the last. Returns (n,) in V.
     Raises SignalError without levels, or for a hold without samples.
     """
     if len(levels_V) == 0 or travel_s < 0:
@@ -96,8 +96,8 @@ def multisine(
         u(t) = centre + a sum_n cos(2 pi n t / period + phi_n),   phi_n uniform from `seed`
 
     amplitude_V is the largest |u - centre|.
-    Good for frequency responses (lag, modes, delay) and, from the difference of its periods, for the noise floor.
-    Rotated so that it begins and ends where it crosses the centre, within one sample's step. Returns (n,) in V.
+    Use: frequency responses (lag, modes, delay) and, from the difference of the periods, the noise floor.
+    The wave is rotated to begin and end where it crosses the centre, within one sample's step. Returns (n,) in V.
     Raises SignalError if no line lies in the band, or the period is not a whole number of samples.
     """
     require_resolved(Ts_s, high_Hz)
@@ -124,7 +124,7 @@ def chirp(Ts_s: float, low_Hz: float, high_Hz: float, duration_s: float, centre_
 
         u(t) = centre + amplitude fade(t) sin(2 pi low T / ln(high/low) ((high/low)^(t/T) - 1))
 
-    Good for finding modes and reading their damping, with as much time per octave for all. Begins and ends at centre_V.
+    Use: frequencies and damping of modes, with equal time in every octave. Begins and ends at centre_V.
     Returns (n,) in V. Raises SignalError for a band that is empty, too short or not resolved.
     """
     require_resolved(Ts_s, high_Hz)

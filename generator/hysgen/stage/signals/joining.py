@@ -1,4 +1,4 @@
-"""Putting signals together without hurting the stage: no jump larger than asked, from rest and back to rest."""
+"""Joining signals with a limit on the jump from sample to sample, from rest and back to rest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 class SignalError(HysgenError):
-    """A driving signal is asked for that does not exist at this sampling period, or would jump."""
+    """A signal is asked for that does not exist at this sampling period, or that jumps by more than allowed."""
 
 
 def clock(Ts_s: float, duration_s: float) -> Floats:
@@ -26,7 +26,7 @@ def clock(Ts_s: float, duration_s: float) -> Floats:
 
 
 def require_resolved(Ts_s: float, f_Hz: float) -> None:
-    """Raise SignalError unless 4 samples fall into a period of f_Hz: with fewer the extremes are missed."""
+    """Raise SignalError unless a period of f_Hz has 4 samples; with fewer, no sample is near an extreme."""
     _require_period(Ts_s)
     if not (math.isfinite(f_Hz) and 0 < f_Hz <= 0.25 / Ts_s * (1 + 1e-9)):
         limit = 0.25 / Ts_s
@@ -34,7 +34,7 @@ def require_resolved(Ts_s: float, f_Hz: float) -> None:
 
 
 def travel(Ts_s: float, from_V: float, to_V: float, duration_s: float) -> Floats:
-    """Smooth way from one level towards another, a half period of a cosine: without its last point, maybe empty."""
+    """Half a period of a cosine from one level to another, (n,), without the last point; n may be 0."""
     steps = round(duration_s / Ts_s)
     share = np.arange(steps, dtype=np.float64) / max(steps, 1)
     return from_V + (to_V - from_V) * 0.5 * (1.0 - np.cos(math.pi * share))
@@ -46,10 +46,10 @@ def largest_jump(u_V: Floats) -> float:
 
 
 def joined(parts: Sequence[Floats], largest_jump_V: float) -> Floats:
-    """The parts one after the other; where they would jump by more than largest_jump_V, a smooth way in between.
+    """The parts in sequence, with a smooth transition where the jump between two exceeds largest_jump_V.
 
-    parts: arrays (n_i,) in V. Good for records that hold several excitations. Raises SignalError if there is nothing to
-    join, or if a part itself jumps by more.
+    parts: arrays (n_i,) in V. Use: records of several excitations. Raises SignalError without parts, or if a part
+    itself jumps by more.
     """
     if not (math.isfinite(largest_jump_V) and largest_jump_V > 0):
         raise SignalError(f"largest_jump_V: {largest_jump_V} V allows no movement; give a voltage above 0")
@@ -71,7 +71,7 @@ def joined(parts: Sequence[Floats], largest_jump_V: float) -> Floats:
 
 
 def safe(u_V: Floats, rest_V: float, largest_jump_V: float) -> Floats:
-    """u_V (n,) led from rest_V and back: first and last sample are rest_V, no jump exceeds largest_jump_V.
+    """u_V (n,) with transitions from and to rest_V: first and last sample are rest_V, no jump exceeds largest_jump_V.
 
     Raises SignalError if u_V itself jumps by more.
     """

@@ -1,4 +1,4 @@
-"""The signals of the paper, sections 4.1 to 4.3. Where it prints no formula, the choice made here is said."""
+"""The signals of the paper, sections 4.1 to 4.3. Each docstring states choices that the paper leaves open."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def fig5(Ts_s: float, part: Part) -> Floats:
 
         u(t) = 30 V + A_j (1 - cos(2 pi 100 t)) in the j-th period,  A_j: FIG5_AMPLITUDES_V
 
-    Good for the paper's rate-independent case: one frequency, nested loops, 12 periods (0.12 s). The paper prints no
+    Use: the paper's rate-independent case, one frequency, nested loops, 12 periods (0.12 s). The paper prints no
     formula; a common lowest voltage and 30..70 V are chosen here because Appendix A, run as a system, holds 0.66 um at
     31 V and 3.74 um at 68 V. Begins and ends at 30 V, at rest. Returns (n,) in V.
-    Raises SignalError for a part that is neither, or a sampling period that does not resolve 100 Hz.
+    Raises SignalError for another part, or a sampling period that does not resolve 100 Hz.
     """
     if part not in FIG5_AMPLITUDES_V:
         raise SignalError(f"part: {part!r} is not in Fig. 5; choose identification or validation")
@@ -46,8 +46,8 @@ def fig8(Ts_s: float, part: Part, duration_s: float = 1.0) -> Floats:
         u_idt(t) = 15 exp(-2 t)   (sin(120 pi exp(-t)     t) + 1) + 30
         u_val(t) = 15 exp(-2.5 t) (sin(120 pi exp(-1.2 t) t) + 1) + 30
 
-    Good for the paper's rate-dependent case: 60 Hz falling to 0 while the loops shrink. Begins at 45 V.
-    Returns (n,) in V. Raises SignalError for a part that is neither.
+    Use: the paper's rate-dependent case, 60 Hz falling to 0 while the loops shrink. Begins at 45 V.
+    Returns (n,) in V. Raises SignalError for another part.
     """
     if part not in ("identification", "validation"):
         raise SignalError(f"part: {part!r} is not in Fig. 8; choose identification or validation")
@@ -61,8 +61,8 @@ def fig8(Ts_s: float, part: Part, duration_s: float = 1.0) -> Floats:
 def fig11_sine(Ts_s: float, duration_s: float = 0.1) -> Floats:
     """Fig. 11(a): single-frequency signal, u(t) = 45 V + 12 V sin(2 pi 100 t).
 
-    Good for asking a model of Fig. 8 about a frequency that it has not seen. The paper prints 100 Hz and no amplitude;
-    this one stays inside the voltages of Fig. 8. Begins at 45 V. Returns (n,) in V.
+    Use: a model fitted to Fig. 8 at a frequency outside its record. The paper prints 100 Hz and no amplitude; this one
+    stays inside the voltages of Fig. 8. Begins at 45 V. Returns (n,) in V.
     """
     require_resolved(Ts_s, 100.0)
     u_V: Floats = 45.0 + 12.0 * np.sin(2 * np.pi * 100.0 * clock(Ts_s, duration_s))
@@ -74,8 +74,8 @@ def fig11_non_harmonic(Ts_s: float, duration_s: float = 0.4) -> Floats:
 
         u(t) = 45 V + 5 sin(2 pi 20 t) + 4 sin(2 pi 20 sqrt(2) t) + 3 sin(2 pi 20 sqrt(5) t)
 
-    Good for asking a model of Fig. 8 about minor loops in an order it has not seen. The paper prints no formula; this
-    one stays inside the voltages of Fig. 8. Begins at 45 V. Returns (n,) in V.
+    Use: a model fitted to Fig. 8 on minor loops in another order. The paper prints no formula; this one stays inside the
+    voltages of Fig. 8. Begins at 45 V. Returns (n,) in V.
     """
     require_resolved(Ts_s, 20.0 * 5**0.5)
     t = clock(Ts_s, duration_s)
@@ -88,7 +88,7 @@ def fig11_non_harmonic(Ts_s: float, duration_s: float = 0.4) -> Floats:
 def tracking_reference(Ts_s: float, f_Hz: float, duration_s: float = 0.1) -> Floats:
     """Reference of section 4.3, y_d(t) = 2.0 + 0.6 sin(2 pi f t); the paper has f = 50 Hz and 100 Hz.
 
-    Good for tracking: (n,) displacement in um, begins at 2.0 um. Raises SignalError if f_Hz is not resolved.
+    Use: tracking; (n,) displacement in um, begins at 2.0 um. Raises SignalError if f_Hz is not resolved.
     """
     require_resolved(Ts_s, f_Hz)
     y_um: Floats = 2.0 + 0.6 * np.sin(2 * np.pi * f_Hz * clock(Ts_s, duration_s))
