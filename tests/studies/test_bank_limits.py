@@ -93,9 +93,7 @@ def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list
     return begun
 
 
-def test_an_interrupted_run_returns_its_judgements_and_is_resumed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_run_is_resumed_from_its_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     log = tmp_path / "bank.jsonl"
     counted(monkeypatch)
     whole = run([1, 2, 3], ["memory", "creep"])

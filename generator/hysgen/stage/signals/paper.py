@@ -74,8 +74,8 @@ def fig11_non_harmonic(Ts_s: float, duration_s: float = 0.4) -> Floats:
 
         u(t) = 45 V + 5 sin(2 pi 20 t) + 4 sin(2 pi 20 sqrt(2) t) + 3 sin(2 pi 20 sqrt(5) t)
 
-    Use: a model fitted to Fig. 8 on minor loops in another order. The paper prints no formula; this one stays inside the
-    voltages of Fig. 8. Begins at 45 V. Returns (n,) in V.
+    Use: a model fitted to Fig. 8 on minor loops in another order. The paper prints no formula; this signal stays inside
+    the voltages of Fig. 8. Begins at 45 V. Returns (n,) in V.
     """
     require_resolved(Ts_s, 20.0 * 5**0.5)
     t = clock(Ts_s, duration_s)
