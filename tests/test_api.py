@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import hysgen
+from fixtures.bank_records import record_of
 from hysgen.display import Displayed
 from hysgen.report.plots.results import Drawing
 from hysgen.stage import Stage, run
 from hysgen.stage.signals import nested_amplitudes
-from hysgen.studies.bank.scenario import scenario
 
 TS_S = 1e-4
 
@@ -117,9 +117,7 @@ def test_code_is_written_and_read_back(results: dict[str, Displayed], tmp_path: 
 
 
 def test_diagnosis_shows_its_ladder_and_draws_what_is_asked_for() -> None:
-    hidden = scenario("none", 2)
-    stage = run(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
-    study = hysgen.diagnose(hysgen.Record.from_arrays(hidden.u_V, stage.displacement_um, hidden.Ts_s))
+    study = hysgen.diagnose(record_of("none", 2))
     assert study.names == ()
     assert "no cause" in repr(study)
     assert "noise floor" in str(study)

@@ -13,9 +13,9 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from codegen.test_terms_c import BLOCKS, FUNCTIONS, OTHERS, TERMS, extended, hard_inputs
 from fixtures.generated_models import diagnosed
 from fixtures.proof_models import model, shipped, texts
+from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, hard_inputs, model_with
 from fixtures.tools import need
 from hysgen.checking.host import Host
 from hysgen.checking.proof.eva.banks import state_box
@@ -83,7 +83,7 @@ def assert_in_box(found: Model, function: str) -> None:
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("term", ALL_TERMS, ids=lambda term: f"{term.kind}{term.size}")
 def test_the_state_of_each_term_stays_in_its_box(term: Term, function: str) -> None:
-    assert_in_box(extended([term]), function)
+    assert_in_box(model_with([term]), function)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -91,7 +91,7 @@ def test_the_state_of_each_term_stays_in_its_box(term: Term, function: str) -> N
 def test_the_state_of_each_block_and_of_a_term_behind_it_stays_in_its_box(
     blocks: list[InputBlock], function: str
 ) -> None:
-    assert_in_box(extended([TERMS[0]], blocks), function)
+    assert_in_box(model_with([TERMS[0]], blocks), function)
 
 
 def test_every_kind_that_is_installed_is_among_them() -> None:
@@ -102,7 +102,7 @@ def test_every_kind_that_is_installed_is_among_them() -> None:
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
     """Of the float32 mirrors, on what reaches the stage in the C."""
-    found = extended([*ALL_TERMS[:6]], BLOCKS)
+    found = model_with([*ALL_TERMS[:6]], BLOCKS)
     ran = of_instance(Host(found.name, generate(found)), generate(found)[f"{found.name}.h"], function, seed=6)
     v = np.where(np.isfinite(ran["inputs.v_V"]), ran["inputs.v_V"], np.float32(0.0))
     for term in ALL_TERMS:
@@ -242,7 +242,7 @@ def test_eva_says_that_a_box_of_the_creep_that_is_too_small_is_left() -> None:
 def test_taps_and_a_learner_take_their_boxes_along() -> None:
     """Coupling with taps: each older sample has the box of the newest, in instance and learner."""
     term = Coupling(("a", "b"), (20.0, -1.0), (24.0, 3.0), taps=3)
-    learner = dataclasses.replace(extended([term]), learner=LearnerSettings(learned=("terms",)))
+    learner = dataclasses.replace(model_with([term]), learner=LearnerSettings(learned=("terms",)))
     floats = learner_box(learner).floats
     for c in range(2):
         assert len({floats[f"terms.coupling.sample[{c}][{i}]"] for i in range(3)}) == 1

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, hard_inputs, model_with
 from hysgen.checking.bits.induction import first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
@@ -18,54 +16,11 @@ from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.delay import Delay
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
 from hysgen.model.terms import Term, channels_of
 from hysgen.model.terms.coupling import Coupling
 from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.memory import Memory
-from hysgen.model.terms.periodic import Periodic
 from hysgen.model.terms.resonance import Resonance
-
-TERMS: list[Term] = [
-    Memory.polynomial(2, 3, -5.0, 105.0, past_input=True),
-    Creep.spread(3, 1e-3, 10.0),
-    Resonance((50.0, 730.0), (0.01, 0.3)),
-    Periodic((50.0, 101.7)),
-    Coupling(("temperature", "other drive [V]"), (20.0, -1.0), (24.0, 3.0), taps=3),
-    Drift(0.01, 0.05),
-]
-OTHERS: list[Term] = [
-    Creep.spread(5, 1e-3, 10.0, shared=True),
-    Memory.uniform(5, 60.0),
-    Memory.polynomial(4, 2, -5.0, 105.0),
-]
-BLOCKS: list[InputBlock] = [Saturation(-5.0, 95.0), Slew(2e6, 1.5e6), Delay(3.4)]
-FUNCTIONS = ("predict", "simulate", "inverse")
-
-
-def extended(terms: Sequence[Term], blocks: Sequence[InputBlock] = ()) -> Model:
-    """Appendix A with these terms and blocks; small weights of both signs."""
-    weights = np.concatenate(
-        [np.zeros(0), *(1e-4 / np.array(term.scales(1.0)) * (-1.0) ** np.arange(term.size) for term in terms)]
-    )
-    return dataclasses.replace(load_model("appendix_a"), terms=tuple(terms), weights=weights, blocks=tuple(blocks))
-
-
-def hard_inputs(samples: int, channels: int, seed: int) -> list[NDArray[np.float32]]:
-    """Displacements, voltages and channels: rough, held, smooth, long zero; out of range, not finite, tiny."""
-    rng = np.random.default_rng(seed)
-    columns = []
-    for low, high in [(0.3, 4.1), (-30.0, 130.0), (0.3, 4.1), *([(15.0, 26.0), (-2.0, 4.0)][:channels])]:
-        rough = rng.uniform(low, high, samples)
-        held = np.repeat(rng.uniform(low, high, samples // 100 + 1), 100)[:samples]
-        smooth = low + (high - low) * (0.5 + 0.5 * np.sin(np.arange(samples) / 70.0))
-        column = np.choose(np.arange(samples) // 500 % 4, [rough, held, smooth, np.zeros(samples)]).astype(np.float32)
-        for every, value in ((197, np.nan), (389, np.inf), (401, -np.inf), (211, 1e-41), (307, -0.0), (503, -3e38)):
-            column[rng.integers(every) :: every] = value
-        columns.append(column)
-    return columns
 
 
 def assert_equal_bits(model: Model, function: str, samples: int, start_V: float = 30.0) -> None:
@@ -91,7 +46,7 @@ def assert_equal_bits(model: Model, function: str, samples: int, start_V: float 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("term", [*TERMS, *OTHERS], ids=lambda term: f"{term.kind}{term.size}")
 def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None:
-    assert_equal_bits(extended([term]), function, 20_000)
+    assert_equal_bits(model_with([term]), function, 20_000)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -101,17 +56,17 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
     ids=lambda blocks: "+".join(f"{block.kind}{getattr(block, 'samples', '')}" for block in blocks),
 )
 def test_input_blocks_equal_their_reference(blocks: list[InputBlock], function: str) -> None:
-    assert_equal_bits(extended([TERMS[0]], blocks), function, 20_000)
+    assert_equal_bits(model_with([TERMS[0]], blocks), function, 20_000)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_all_terms_and_blocks_together_equal_their_reference(function: str) -> None:
-    assert_equal_bits(extended(TERMS, BLOCKS), function, 20_000)
+    assert_equal_bits(model_with(TERMS, BLOCKS), function, 20_000)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 def test_a_start_beyond_the_saturation_rests_at_its_level(function: str) -> None:
-    model = extended(TERMS[:3], BLOCKS)
+    model = model_with(TERMS[:3], BLOCKS)
     assert_equal_bits(model, function, 200, start_V=110.0)
     host = Host(model.name, generate(model))
     struct, layout = host.instance(2.0, 110.0), host.layout(f"{model.name}_t")
@@ -123,7 +78,7 @@ def test_a_start_beyond_the_saturation_rests_at_its_level(function: str) -> None
 
 def test_flushing_denormals_to_zero_changes_no_bit() -> None:
     terms = [Creep((1e-4, 1e-3)), Resonance((5000.0,), (0.5,)), Drift(1e-4, 0.05), Coupling(("t",), (-1.0,), (1.0,))]
-    model = extended(terms, BLOCKS)
+    model = model_with(terms, BLOCKS)
     host = Host(model.name, generate(model))
     if not host.flushes:
         pytest.skip("this machine cannot be told to flush denormal numbers")
@@ -142,11 +97,11 @@ def test_flushing_denormals_to_zero_changes_no_bit() -> None:
 
 def test_order_of_the_terms_does_not_matter_to_the_equality() -> None:
     for terms in itertools.islice(itertools.permutations(TERMS), 100, 720, 211):
-        assert_equal_bits(extended(terms, BLOCKS), "predict", 2000)
+        assert_equal_bits(model_with(terms, BLOCKS), "predict", 2000)
 
 
 def test_channels_are_named_in_the_order_of_the_c() -> None:
-    model = extended(TERMS)
+    model = model_with(TERMS)
     header = generate(model)[f"{model.name}.h"]
     assert channels_of(model.terms) == ("temperature", "other drive [V]")
     assert " *     aux[0]  temperature\n *     aux[1]  other drive [V]\n" in header

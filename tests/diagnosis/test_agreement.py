@@ -12,7 +12,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.test_signatures import COMMAND_V, CREEP, LAG, LATE, RINGING, SAMPLES, SPAN_S, T_S, TS_S, scene
+from fixtures.linear_stage import (
+    AGED_UM,
+    COMMAND_V,
+    CREEP,
+    LAG,
+    LATE,
+    RINGING,
+    SAMPLES,
+    SPAN_S,
+    T_S,
+    scene,
+)
 from hysgen.diagnosis import procedure, search, swaps
 from hysgen.diagnosis.advice import unexplained_structure
 from hysgen.diagnosis.bootstrap import Gain
@@ -24,12 +35,10 @@ from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
-from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.search import Found
 from hysgen.record.noise import NoiseFloor
 
 CHECKED = np.arange(60, SAMPLES, 3)
-AGED_UM = 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)
 
 
 def found(chain: Any = LAG, **needs: float) -> Any:
@@ -137,7 +146,7 @@ def test_search_goes_on_to_an_effect_below_the_noise() -> None:
     assert search.present(step.chain) == ["drift"]
 
 
-LIMITED, CLIPPED = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(high_V=60.0))
+LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(high_V=60.0))
 
 
 @pytest.mark.parametrize(
@@ -146,8 +155,8 @@ LIMITED, CLIPPED = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(high_V
         (LATE, 0.0, LAG.having(ResonancePart((Mode(120.0, 0.3, 0.5),))), "delay"),
         (LAG, AGED_UM, LAG.having(DriftPart()), "aging"),
         (CREEP, 0.0, LAG.having(DriftPart(1.0)), "creep"),
-        (CLIPPED, 0.0, LIMITED, "saturation"),
-        (LIMITED, 0.0, CLIPPED, "slew"),
+        (CLIPPED_AT_60, 0.0, LIMITED, "saturation"),
+        (LIMITED, 0.0, CLIPPED_AT_60, "slew"),
     ],
 )
 def test_a_cause_that_came_first_is_exchanged_for_the_one_like_it_that_explains_more(

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose, ladder, procedure
+from fixtures.bank_records import QUICK, record_of
+from hysgen.diagnosis import Diagnosis, diagnose, ladder, procedure
 from hysgen.diagnosis.evaluation import evaluate
 from hysgen.diagnosis.ladder import Rung, fit_ladder
 from hysgen.diagnosis.prepare import Prepared
@@ -21,20 +22,11 @@ from hysgen.diagnosis.procedure import name_causes
 from hysgen.errors import RecordError
 from hysgen.fitting import FitSettings
 from hysgen.record import Record
-from hysgen.stage import run as measure
-from hysgen.studies.bank.scenario import Scenario, scenario
-
-QUICK = DiagnoseSettings(fit=FitSettings(certified=False))
-
-
-def record_of(hidden: Scenario) -> Record:
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
-    return Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux)
 
 
 @pytest.fixture(scope="module")
 def hum() -> tuple[Record, Diagnosis]:
-    record = record_of(scenario("periodic", 5))
+    record = record_of("periodic", 5)
     return record, diagnose(record, settings=QUICK)
 
 
@@ -99,7 +91,7 @@ def test_same_record_gives_the_same_answer(hum: tuple[Record, Diagnosis]) -> Non
 
 
 def test_separate_holdout_is_scored_and_not_fitted() -> None:
-    record = record_of(scenario("memory", 3))
+    record = record_of("memory", 3)
     whole, late = record.split(0.65)
     found = diagnose(whole, late, QUICK)
     assert found.names == ("memory",)
@@ -107,14 +99,14 @@ def test_separate_holdout_is_scored_and_not_fitted() -> None:
 
 
 def test_nothing_hidden_is_answered_with_no_cause_at_all() -> None:
-    record = record_of(scenario("none", 2))
+    record = record_of("none", 2)
     found = diagnose(record, settings=QUICK)
     assert found.names == ()
     assert "no cause" in repr(evaluate(found, record, None, 0.65))
 
 
 def test_stick_slip_is_unknown_and_described() -> None:
-    naming = name_causes(record_of(scenario("unknown", 1)))
+    naming = name_causes(record_of("unknown", 1))
     assert naming.names[-1] == "unknown"
     assert naming.unknown is not None
     assert "left" in naming.unknown
@@ -122,8 +114,7 @@ def test_stick_slip_is_unknown_and_described() -> None:
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_poor_excitation_names_the_experiment_that_could_tell(seed: int) -> None:
-    hidden = scenario("poor", seed)
-    naming = name_causes(record_of(hidden))
+    naming = name_causes(record_of("poor", seed))
     assert naming.next_experiment.startswith("drive with")
 
 

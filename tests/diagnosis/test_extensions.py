@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from fixtures.bank_records import known
 from fixtures.generated_models import smooth
 from hysgen.certify.certificates import certify
 from hysgen.codegen import generate
@@ -23,18 +24,9 @@ from hysgen.model.terms.memory import Memory
 from hysgen.model.terms.play_slopes import slopes
 from hysgen.record import Record
 from hysgen.report.words import price_of
-from hysgen.stage import run as measure
 from hysgen.studies.bank.scenario import scenario
-from hysgen.studies.bank.truth import true_extensions
 
 USUAL = FitSettings()
-
-
-def known(category: str, seed: int) -> tuple[Prepared, dict[str, Extension]]:
-    """A record of the bank, and the extensions of what was hidden in it."""
-    hidden = scenario(category, seed)
-    y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
-    return prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux)), true_extensions(hidden)
 
 
 def held_um(prepared: Prepared, extensions: dict[str, Extension], names: list[str]) -> float:

@@ -8,25 +8,21 @@ import math
 import numpy as np
 import pytest
 
+from fixtures.bank_records import measured
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import checked_error, fit_ladder, levelled
-from hysgen.diagnosis.prepare import Prepared, prepare
+from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, linear_fit, rms
 from hysgen.fitting import FitSettings
 from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
 from hysgen.stage import Aging
 from hysgen.stage import run as measure
-from hysgen.studies.bank.scenario import ACCEPTED, Scenario, scenario
+from hysgen.studies.bank.scenario import scenario
 from hysgen.studies.bank.truth import true_extensions
-
-
-def measured(hidden: Scenario) -> Prepared:
-    y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
-    return prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED))
 
 
 def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> None:
@@ -34,7 +30,7 @@ def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> No
     hidden = scenario("aging", 1117)
     aging = hidden.stage.one(Aging)
     assert aging is not None
-    prepared = measured(hidden)
+    prepared = prepare(measured(hidden))
     new = Extension(gain_per_s=aging.fraction / aging.over_s)
     level_um = np.concatenate([segment.y_um for segment in levelled(prepared, [new]).segments])
     assert level_um.max() > prepared.y_um.max() + 1.0
@@ -49,7 +45,7 @@ def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> No
 def test_a_corrupted_last_reading_moves_no_model() -> None:
     hidden = scenario("memory", 1310)
     y_um = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed).displacement_um
-    cut = measured(hidden).cut
+    cut = prepare(measured(hidden)).cut
     wild_um = y_um.copy()
     wild_um[cut - 1] -= 0.4  # inside the range of the rest
     weights = []
@@ -62,7 +58,7 @@ def test_a_corrupted_last_reading_moves_no_model() -> None:
 def test_the_top_of_the_first_stroke_is_fitted_where_the_held_out_part_goes_there_again() -> None:
     # Nothing else before the cut goes above 1.91 of 2.25 um.
     hidden = scenario("memory", 1310)
-    prepared = measured(hidden)
+    prepared = prepare(measured(hidden))
     rung = fit_ladder(prepared, true_extensions(hidden), ["memory"], FitSettings())
     assert rms(rung.error_um[prepared.held_rows]) < 0.01
 
@@ -73,7 +69,7 @@ def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse(
     category, seed = name.split(":")
     hidden = scenario(category, int(seed))
     hidden = dataclasses.replace(hidden, stage=hidden.stage.with_effects(outliers=None, drift=None, aging=None))
-    prepared = measured(hidden)
+    prepared = prepare(measured(hidden))
     low_V, high_V = prepared.record.u_range_V
     extensions = true_extensions(hidden) | {"memory": Extension(term=Memory.polynomial(6, 3, low_V, high_V, True))}
     causes = [cause for cause in hidden.planted if cause in extensions]
@@ -86,7 +82,7 @@ def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse(
 
 def test_a_model_that_only_simulates_keeps_to_rows_it_has_not_seen_and_follows_a_mode_that_no_inverse_could() -> None:
     hidden = scenario("resonance", 1001)
-    prepared, extensions = measured(hidden), true_extensions(hidden)
+    prepared, extensions = prepare(measured(hidden)), true_extensions(hidden)
 
     def left_um(names: list[str], settings: FitSettings) -> float:
         return rms(checked_error(prepared, extensions, names, settings)[1])
@@ -105,7 +101,7 @@ def test_a_model_that_only_simulates_keeps_to_rows_it_has_not_seen_and_follows_a
 
 def test_a_channel_that_goes_further_behind_the_cut_is_not_held_at_the_edge_of_what_was_seen() -> None:
     hidden = scenario("coupling", 1128)
-    prepared = measured(hidden)
+    prepared = prepare(measured(hidden))
     channel = np.asarray(hidden.aux["axis2_V"])
     assert np.ptp(channel) > np.ptp(channel[: prepared.cut])
     scene = prepared.scene()

@@ -12,16 +12,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from diagnosis.test_answer import QUICK, record_of
-from diagnosis.test_signatures import DRIFTING, LAG, LINEAR, scene
+from fixtures.bank_records import QUICK, record_of
+from fixtures.linear_stage import (
+    DRIFTING,
+    LAG,
+    LINEAR,
+    scene,
+)
 from hysgen.cli import main
 from hysgen.diagnosis import Diagnosis, diagnose, procedure, search
 from hysgen.diagnosis.causes import Estimate, Signature, periodic
+from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.error_map import spectrum
 from hysgen.diagnosis.probe import Chain, Fit, Scene, Trace, refine
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
-from hysgen.studies.bank.scenario import scenario
 
 NOISE_NM = 0.5
 
@@ -29,7 +34,7 @@ NOISE_NM = 0.5
 @pytest.fixture(scope="module")
 def spiked() -> Record:
     """A stage with memory whose sensor gives a corrupted sample now and then."""
-    return record_of(scenario("outliers", 4))
+    return record_of("outliers", 4)
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +100,7 @@ def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_ap
         (DRIFTING, ("drift",), None),
         (DRIFTING, (), "the error grows only 1.05 times without it"),
         # A drift that slows down has to be needed 3 times: the likelihood vouches for no more than a ramp needs.
-        (dataclasses.replace(DRIFTING, since_s=1.0), ("drift",), "the error grows only 1.05 times without it"),
+        (LAG.having(DriftPart(1.0)), ("drift",), "the error grows only 1.05 times without it"),
     ],
 )
 def test_a_cause_that_the_likelihood_tells_apart_is_needed_whatever_its_growth(

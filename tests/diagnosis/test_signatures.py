@@ -3,67 +3,49 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes import Residual, Signature, causes, slew
+from fixtures.linear_stage import (
+    AGED_UM,
+    AGING,
+    AXIS2_V,
+    CLIPPED,
+    COMMAND_V,
+    COUPLED,
+    CREEP,
+    DRIFTING,
+    HUMMING,
+    LAG,
+    LATE,
+    LINEAR,
+    NOISE_UM,
+    RINGING,
+    SAMPLES,
+    SLOW_AMPLIFIER,
+    SPAN_S,
+    T_S,
+    TS_S,
+    evidence,
+    lines_Hz,
+    scene,
+)
+from hysgen.diagnosis.causes import Residual, causes, slew
 from hysgen.diagnosis.causes.aging import AgingPart
-from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.causes.creep import CreepPart, crept_step
-from hysgen.diagnosis.causes.delay import DelayPart
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.outliers import outliers_signature
 from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.causes.resonance import ResonancePart, mode_evidence
-from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.comparison import levels, remaining
 from hysgen.diagnosis.probe import Chain, Errors, Fit, Mode, Operator, Scene, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.search import drop_unsupported_parts, eliminate_backward, present, search
-from hysgen.studies.bank.excitation import good
 
 Floats = NDArray[np.float64]
-TS_S, SAMPLES = 1e-3, 4000
-SPAN_S = TS_S * SAMPLES
-T_S = TS_S * np.arange(SAMPLES)
-LAG = Chain(4e-3, memory=False)
-NOISE_UM = 1e-3
-COMMAND_V = good(np.random.default_rng(5), SAMPLES, 0.0, 100.0)
-LINEAR = Operator(0.0, 100.0, hats=0, curve=1, reaches=())
-
-
-def scene(chain: Chain, more_um: Floats | float = 0.0, aux: Mapping[str, Floats] | None = None) -> Scene:
-    """A linear stage of 10 um behind `chain`, with 1 nm of noise, and more_um on top of it."""
-    y_um = 0.1 * respond(chain.amplified(COMMAND_V, TS_S), chain, TS_S) + more_um
-    y_um = y_um + NOISE_UM * np.random.default_rng(6).normal(size=SAMPLES)
-    return Scene((Trace(COMMAND_V, y_um, aux or {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
-
-
-def lines_Hz(chain: Chain) -> tuple[float, ...]:
-    part = chain.get(PeriodicPart)
-    return () if part is None else part.lines_Hz
-
-
-def evidence(name: str, seen: Scene, chain: Chain) -> Signature:
-    """The signature of a cause at the best fit of a chain that holds it."""
-    fit = refine(seen, chain)
-    return causes()[name].signature(Residual.at(seen, fit), refine(seen, causes()[name].without(chain)))
-
-
-CREEP = LAG.having(CreepPart(0.02, 0.05))
-RINGING = LAG.having(ResonancePart((Mode(60.0, 0.03, 0.4),)))
-LATE = LAG.having(DelayPart(1.7))
-CLIPPED = LAG.having(SaturationPart(high_V=80.0))
-SLOW_AMPLIFIER = LAG.having(SlewPart(800.0))
-DRIFTING = LAG.having(DriftPart())
-AGING = LAG.having(AgingPart(0.003))
-HUMMING = LAG.having(PeriodicPart((50.3,)))
-COUPLED = LAG.having(CouplingPart(("axis2_V",)))
-AXIS2_V = np.cumsum(np.random.default_rng(7).normal(size=SAMPLES))
 
 PRESENT: dict[str, tuple[Chain, Floats | float]] = {
     "creep": (CREEP, 0.0),
@@ -72,7 +54,7 @@ PRESENT: dict[str, tuple[Chain, Floats | float]] = {
     "saturation": (CLIPPED, 0.0),
     "slew": (SLOW_AMPLIFIER, 0.0),
     "drift": (DRIFTING, 0.05 * T_S / SPAN_S),
-    "aging": (AGING, 0.1 * 0.003 * T_S * respond(COMMAND_V, LAG, TS_S)),
+    "aging": (AGING, AGED_UM),
     "periodic": (HUMMING, 0.01 * np.sin(2 * math.pi * 50.3 * T_S)),
     "coupling": (COUPLED, 0.001 * respond(AXIS2_V, LAG, TS_S)),
 }

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from diagnosis.test_ladder_limits import measured
+from fixtures.bank_records import prepared_of, record_of
 from hysgen.diagnosis.bootstrap import blockwise_confidence, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart
@@ -61,7 +61,7 @@ def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
     aged, drifted = hidden.stage.one(Aging), hidden.stage.one(Drift)
     assert aged is not None
     assert drifted is not None
-    prepared = measured(hidden)
+    prepared = prepared_of("pair", 1222)
     scene = prepared.scene()
     start = Chain(hidden.stage.lag_s, (DriftPart(), AgingPart(aged.fraction / aged.over_s)))
     fit = refine(scene, start)
@@ -83,15 +83,14 @@ def test_drift_at_one_rate_stays_a_ramp() -> None:
 
 def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_it() -> None:
     # The probe first explains this change of gain by creep whose sign or decades make no sense.
-    hidden = scenario("aging", 0)
-    naming = name_causes(measured(hidden).record)
+    naming = name_causes(record_of("aging", 0))
     assert naming.names == ("memory", "aging")
 
 
 def test_aging_is_looked_for_with_either_sign() -> None:
     """Hysteresis that was fitted without aging has bent towards it: the wrong sign is a minimum too."""
     hidden = scenario("aging", 5)
-    scene = measured(hidden).scene()
+    scene = prepared_of("aging", 5).scene()
     part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
     aging = causes()["aging"]
     proposals = aging.proposals(Residual.at(part, refine(part, Chain(hidden.stage.lag_s))))

@@ -10,8 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from diagnosis.test_agreement import AGED_UM
-from diagnosis.test_signatures import AGING, CREEP, DRIFTING, LAG, SPAN_S, T_S, scene
+from fixtures.linear_stage import (
+    AGED_UM,
+    AGING,
+    CREEP,
+    DRIFTING,
+    LAG,
+    SPAN_S,
+    T_S,
+    scene,
+)
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart

@@ -7,7 +7,7 @@ import importlib
 import numpy as np
 import pytest
 
-from diagnosis.test_ladder_limits import measured
+from fixtures.bank_records import prepared_of
 from hysgen.diagnosis.ladder import fit_ladder
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
@@ -47,7 +47,7 @@ def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Record 829, the worst of its fifty before: without smoothness, 15 times."""
-    prepared = measured(scenario("memory", 829))
+    prepared = prepared_of("memory", 829)
     smooth = fall(prepared, 829)
     assert smooth > 35.0
     monkeypatch.setattr(importlib.import_module("hysgen.fitting.regularisation"), "ROUGHNESS_SHARE", 0.0)
@@ -57,7 +57,7 @@ def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_
 @pytest.mark.parametrize("seed", [2, 8, 22, 1045])
 def test_the_grid_reaches_where_the_command_leads_on_rows_that_are_held_out(seed: int) -> None:
     # The identification part of these goes to the ends in passing only; a straight line through it falls short of them.
-    prepared = measured(scenario("memory", seed))
+    prepared = prepared_of("memory", seed)
     low, high = prepared.predicted_range_um
     held_um = prepared.y_um[prepared.held_rows]
     assert low <= held_um.min()

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from fixtures.bank_records import record_of
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
 from hysgen.diagnosis import DiagnoseSettings
@@ -29,7 +30,6 @@ from hysgen.report.words import diagnosis_text, price_of, verdict
 from hysgen.stage import Stage
 from hysgen.stage import run as measure
 from hysgen.stage.signals import nested_amplitudes
-from hysgen.studies.bank.scenario import scenario
 
 SECTIONS = (
     "Measured and simulated loops",
@@ -46,9 +46,7 @@ VOID = {"meta", "img", "br", "hr", "link", "input"}
 
 @pytest.fixture(scope="module")
 def hum_record() -> Record:
-    hidden = scenario("periodic", 5)
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
-    return Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, source="hum.csv")
+    return dataclasses.replace(record_of("periodic", 5), source="hum.csv")
 
 
 @pytest.fixture(scope="module")
