@@ -1,9 +1,12 @@
-"""What the documents say can be done, can be done: their commands are the program's, their links lead somewhere."""
+"""The documents are true where that can be checked: commands, links, paths and modules that they name exist."""
 
 from __future__ import annotations
 
+import functools
+import importlib
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -16,6 +19,12 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 COMMAND = re.compile(r"^(?:    |\$ )?(hysgen [a-z].*)$", re.MULTILINE)
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
+PATH = re.compile(r"(?<![\w/.<>:-])(?:[\w.-]+/)+[\w.-]*\w")
+MODULE = re.compile(r"(?<![\w/])hysgen(?:\.\w+)+")
+SOURCES = ("generator", "templates", "firmware", "tests", "benchmarks", "docs")
+OF_THE_READER = {"firmware/stage", "echo"}
+"""Folders that a page tells the reader to make, and the term that docs/extend.md tells the reader to write."""
+
 by_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 
 
@@ -43,6 +52,77 @@ def test_every_command_shown_is_one_that_the_program_has(page: Path) -> None:
 def test_every_link_leads_to_a_file(page: Path) -> None:
     for link in LINK.findall(page.read_text()):
         assert (page.parent / link).exists(), f"{page.name}: {link}"
+
+
+@functools.cache
+def source_paths() -> frozenset[str]:
+    """Every file and folder of the sources as a path from the root, with and without its endings."""
+    found = set()
+    for top in SOURCES:
+        for path in [ROOT / top, *(ROOT / top).rglob("*")]:
+            if "__pycache__" not in path.parts:
+                whole = path.relative_to(ROOT).as_posix()
+                found |= {whole, whole.removesuffix(".py"), whole.removesuffix(".c.j2")}
+    return frozenset(found)
+
+
+def unknown_paths(text: str) -> list[str]:
+    """Paths in the text that end no path of the sources. Only those count that begin with a folder of the sources, or
+    end like a source file."""
+    folders = {part for path in source_paths() for part in path.split("/")[:-1]} | {*SOURCES}
+    named = {
+        token for token in PATH.findall(text) if token.split("/")[0] in folders or token.endswith((".py", ".j2", ".sh"))
+    }
+    return sorted(
+        token
+        for token in named
+        if not any(name in token for name in OF_THE_READER)
+        and not any(path == token or path.endswith(f"/{token}") for path in source_paths())
+    )
+
+
+def unknown_modules(text: str) -> list[str]:
+    """Dotted names below `hysgen` in the text that are no module and no attribute of one."""
+    return sorted(
+        name for name in set(MODULE.findall(text)) if not (_exists(name) or OF_THE_READER & {*name.split(".")})
+    )
+
+
+def _exists(name: str) -> bool:
+    parts = name.split(".")
+    for count in range(len(parts), 0, -1):
+        try:
+            found: object = importlib.import_module(".".join(parts[:count]))
+        except ModuleNotFoundError:
+            continue
+        try:
+            for part in parts[count:]:
+                found = getattr(found, part)
+        except AttributeError:
+            return False
+        return True
+    return False
+
+
+@by_page
+def test_every_path_and_module_that_a_page_names_exists(page: Path) -> None:
+    text = page.read_text()
+    assert not unknown_paths(text), page.name
+    assert not unknown_modules(text), page.name
+
+
+def test_a_path_or_module_that_is_not_there_would_be_found() -> None:
+    text = "`fit/spread.py`, `hysgen/emit`, `generator/hysgen/fitting`, `codegen/pipeline.py`; df/dy; `c/stage.h`"
+    assert unknown_paths(text) == ["fit/spread.py", "hysgen/emit"]
+    text = "`hysgen.diagnose.FitSettings`, `hysgen.fitting.FitSettings`, `hysgen.fit`, `hysgen.emit.render`"
+    assert unknown_modules(text) == ["hysgen.diagnose.FitSettings", "hysgen.emit.render"]
+
+
+def test_readme_lists_the_entries_of_the_package_in_the_order_of_the_import_contract() -> None:
+    layers = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
+    layout = (ROOT / "README.md").read_text().partition("## Layout")[2]
+    listed = re.findall(r"^    (\w+)(?:/|\.py)  ", layout, re.MULTILINE)
+    assert listed == layers[::-1]
 
 
 def test_a_command_that_is_not_there_would_be_found() -> None:
