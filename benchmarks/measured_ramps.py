@@ -11,7 +11,7 @@ from pathlib import Path
 from hysgen.certify.certificates import certify
 from hysgen.display import table
 from hysgen.fitting import FitSettings, Method, estimate_starts, fit
-from hysgen.model.rivals import fit_baselines, score_baselines
+from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import score
 from hysgen.model.terms import Term
 from hysgen.model.terms.memory import Memory
@@ -40,7 +40,7 @@ def main() -> None:
         certificates += [f"{label}: {line}" for line in certify(model).lines()]
         persistence, noise = found.persistence.e_rms_um, found.noise
     rows.append(["persistence", f"{persistence:.4f}", "", ""])
-    for label, rival in score_baselines(fit_baselines(known), fresh):
+    for label, rival in score_rivals(fit_rivals(known), fresh):
         rows.append([label, "", f"{rival.e_rms_um:.4f}", ""])
     print(f"{fresh.source}: {fresh.samples} samples, noise floor {noise.describe()}")
     print(table(["um rms", "one step", "free run", "start estimated"], rows))

@@ -35,7 +35,7 @@ from hysgen.model.terms.resonance import Resonance
 
 TERMS: tuple[Term, ...] = (
     Memory.polynomial(6, 3, -20.0, 120.0, past_input=True),
-    Creep.spread(4, 1e-3, 10.0),
+    Creep.log_spaced(4, 1e-3, 10.0),
     Resonance((730.0,), (0.05,)),
     Periodic((50.0,)),
     Coupling(("temperature",), (20.0,), (24.0,), taps=2),

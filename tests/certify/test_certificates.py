@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fixtures.random_models import TS_S, random_drive, random_model
-from hysgen.certify.certificates import certify, inverse_stability, steady_input
+from hysgen.certify.certificates import certify, inverse_stability
 from hysgen.certify.enclosure import gain, gain_extrema, slope, slope_extremum
 from hysgen.model.file import load_model
 from hysgen.model.membership import rule_regressors
@@ -226,13 +226,6 @@ def test_linear_and_nonlinear_terms_close_one_loop_with_the_filters_gain() -> No
         total += abs(u)
     _, loop = inverse_stability(model, b, b)
     assert loop == pytest.approx(total * 0.001, rel=1e-6)
-
-
-def test_the_steady_line_is_where_the_model_rests() -> None:
-    model = load_model("appendix_a")
-    y = np.linspace(0.8, 3.6, 30)
-    u = steady_input(model, y)
-    np.testing.assert_allclose(output(model, y, u), y, atol=1e-12, rtol=0)
 
 
 def test_certificates_are_plain_json_and_one_line_each() -> None:

@@ -33,7 +33,7 @@ def extended() -> Model:
     return dataclasses.replace(
         load_model("appendix_a"),
         name="stage",
-        terms=(Memory.uniform(3, 50.0), Creep.spread(2, 0.001, 1.0)),
+        terms=(Memory.uniform(3, 50.0), Creep.log_spaced(2, 0.001, 1.0)),
         weights=np.array([1e-4, 2e-4, 3e-4, -2e-4, 1e-4]),
         blocks=(Slew(4e5, 3e5),),
     )

@@ -20,7 +20,7 @@ from hysgen.fitting.shape import correlation_time
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.regression import structure_of
-from hysgen.model.rivals import fit_prandtl_ishlinskii, score_baselines
+from hysgen.model.rivals import fit_prandtl_ishlinskii, score_rivals
 from hysgen.model.scores import score
 from hysgen.model.simulate import free_run, simulate
 from hysgen.model.terms import Drive
@@ -205,7 +205,7 @@ def test_the_past_of_a_stage_is_estimated_from_its_first_swing() -> None:
     memory = Memory.uniform(8, 40.0)
     model = dataclasses.replace(load_model("appendix_a"), terms=(memory,), weights=np.full(8, 2e-5))
     u = random_drive(3000, 8)
-    past = {"memory": memory.remembering([float(u[0]) + 12.0], float(u[0]))}
+    past = {"memory": memory.state_after([float(u[0]) + 12.0], float(u[0]))}
     y = simulate(model, Drive(u, TS_S, start=past), 2.0).y_um
     record = Record.from_segments([Segment("0", u, y), Segment("1", u, y)], TS_S)
     starts = estimate_starts(model, record)
@@ -239,7 +239,7 @@ def test_the_measured_ramps_are_followed_within_the_stated_bounds(measured: Path
     assert base.free_run.e_rms_um <= 0.48
     assert base.persistence.e_rms_um == pytest.approx(0.397, abs=0.001)
     assert extended.free_run.e_rms_um <= 0.15
-    rival = score_baselines([fit_prandtl_ishlinskii(known)], fresh)[0][1]
+    rival = score_rivals([fit_prandtl_ishlinskii(known)], fresh)[0][1]
     assert rival.e_rms_um == pytest.approx(0.39, abs=0.01)
 
 
@@ -248,7 +248,7 @@ def test_samples_count_little_until_the_terms_have_forgotten_their_start() -> No
     memory = Memory.uniform(4, 30.0)
     structure = dataclasses.replace(structure_of(random_model(0)), terms=(memory,))
     error = free_run_error(record, structure)
-    first = min(memory.settled(error.drives[0]), 100)
+    first = min(memory.burn_in(error.drives[0]), 100)
     assert first > 10
     np.testing.assert_array_equal(error.trust[0], np.where(np.arange(400) < first, 0.03, 1.0))
     without = free_run_error(record, dataclasses.replace(structure, terms=()))

@@ -23,7 +23,7 @@ from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.memory import Memory
 from hysgen.studies.appendix import PRINTED_CENTRES_UM, appendix
 
-TERMS = (Memory.uniform(3, 40.0), Creep.spread(2, 1e-3, 1.0))
+TERMS = (Memory.uniform(3, 40.0), Creep.log_spaced(2, 1e-3, 1.0))
 
 
 def same(one: Model, other: Model) -> bool:

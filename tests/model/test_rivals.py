@@ -12,10 +12,10 @@ from hysgen.errors import FitError
 from hysgen.model.rivals import (
     PrandtlIshlinskii,
     fit_arx,
-    fit_baselines,
     fit_prandtl_ishlinskii,
     fit_proportional,
-    score_baselines,
+    fit_rivals,
+    score_rivals,
 )
 from hysgen.record import Record, Segment
 
@@ -73,8 +73,8 @@ def test_arx_finds_itself_and_runs_free_from_the_first_measured_samples(delay: i
 
 def test_rivals_are_scored_in_free_run_by_the_models_own_score() -> None:
     record = lag_record(samples=2000, segments=2)
-    rivals = fit_baselines(record)
-    named = dict(score_baselines(rivals, record, settle=10))
+    rivals = fit_rivals(record)
+    named = dict(score_rivals(rivals, record, settle=10))
     assert list(named) == ["Prandtl-Ishlinskii, 20 plays", "proportional", "ARX(2,2,0)"]
     for rival, score in zip(rivals, named.values(), strict=True):
         errors = np.concatenate(

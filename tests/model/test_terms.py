@@ -25,7 +25,7 @@ LAST_BIT = 2.0**-24
 TERMS: list[Term] = [
     Memory.uniform(10, 40.0),
     Memory.polynomial(5, 3, -75.0, 95.0, past_input=True),
-    Creep.spread(3, 1e-3, 10.0),
+    Creep.log_spaced(3, 1e-3, 10.0),
     Resonance((50.0, 730.0), (0.01, 0.3)),
     Periodic((50.0, 101.7)),
     Coupling(("temperature", "other_V"), (20.0, -1.0), (24.0, 3.0), taps=3),
@@ -136,10 +136,10 @@ def test_linear_states_have_forgotten_their_start_when_they_say_so(term: Term) -
     start = np.where(np.arange(term.start(0.0).size) % 2 == 0, 0.4, 0.0) if term.kind == "resonance" else 0.4
     started = dataclasses.replace(rest, start={term.kind: start + term.start(0.0)})
     left = np.abs(term.regressors(started)).max(axis=1)
-    settled = term.settled(rest)
-    assert left[settled:].max() <= 0.01 * left.max() * (1 + 1e-9)
-    assert left[settled // 2 :].max() > 0.05 * left.max()
-    assert term.settled(Drive(np.zeros(20), TS_S)) == 20
+    burn_in = term.burn_in(rest)
+    assert left[burn_in:].max() <= 0.01 * left.max() * (1 + 1e-9)
+    assert left[burn_in // 2 :].max() > 0.05 * left.max()
+    assert term.burn_in(Drive(np.zeros(20), TS_S)) == 20
 
 
 @by_kind

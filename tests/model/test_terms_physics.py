@@ -53,21 +53,21 @@ def test_memory_start_left_by_dying_oscillations_is_what_remembering_says() -> N
     past = np.append(demagnetising, np.linspace(47.0, 60.0, 100))
     left = plays.regressors(Drive(np.append(past, 60.0), TS_S))[-1]
     # Between two turning points the oscillation shrinks by 2 * 80 * exp(-k/30000) * 200/30000, 1.1 V where it passes r.
-    assert np.abs(left - plays.remembering((47.0,), 60.0)).max() < 1.1
+    assert np.abs(left - plays.state_after((47.0,), 60.0)).max() < 1.1
 
 
 def test_memory_settles_where_its_start_no_longer_matters() -> None:
     plays = Memory.uniform(6, 30.0)
     u = 50 + np.concatenate([np.linspace(0, 20, 200), np.linspace(20, -40, 400), np.linspace(-40, 0, 100)])
-    settled = plays.settled(Drive(u, TS_S))
+    burn_in = plays.burn_in(Drive(u, TS_S))
     widest = plays.thresholds_V[-1]
     r = np.array(plays.thresholds_V)
     starts = [np.clip(u[0] + end * widest, u[0] - r, u[0] + r) for end in (-1.0, 1.0)]
     runs = [plays.regressors(Drive(u, TS_S, start={"memory": start})) for start in starts]
-    assert 200 < settled < 600
-    assert np.array_equal(runs[0][settled:], runs[1][settled:])
-    assert not np.array_equal(runs[0][settled - 1], runs[1][settled - 1])
-    assert plays.settled(Drive(u[:150], TS_S)) == 150
+    assert 200 < burn_in < 600
+    assert np.array_equal(runs[0][burn_in:], runs[1][burn_in:])
+    assert not np.array_equal(runs[0][burn_in - 1], runs[1][burn_in - 1])
+    assert plays.burn_in(Drive(u[:150], TS_S)) == 150
 
 
 def test_creep_step_response_is_a_sum_of_exponentials() -> None:
@@ -82,7 +82,7 @@ def test_creep_step_response_is_a_sum_of_exponentials() -> None:
 
 
 def test_creep_with_one_weight_goes_on_by_the_same_in_every_decade() -> None:
-    term = Creep.spread(9, 1e-3, 10.0, shared=True)
+    term = Creep.log_spaced(9, 1e-3, 10.0, shared=True)
     u = np.full(200_000, 100.0)
     u[0] = 0.0
     phi = term.regressors(Drive(u, TS_S))
@@ -100,7 +100,7 @@ def test_creep_with_one_weight_goes_on_by_the_same_in_every_decade() -> None:
 
 
 def test_creep_at_rest_under_the_first_input_does_not_move() -> None:
-    phi = Creep.spread(4, 1e-2, 100.0).regressors(Drive(np.full(1000, 63.7), TS_S))
+    phi = Creep.log_spaced(4, 1e-2, 100.0).regressors(Drive(np.full(1000, 63.7), TS_S))
     assert np.array_equal(phi, np.full((1000, 4), 63.7))
 
 

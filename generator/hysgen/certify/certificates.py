@@ -33,7 +33,6 @@ from numpy.typing import NDArray
 from hysgen.certify.enclosure import Extremum, gain, gain_extrema, slope, slope_extremum
 from hysgen.certify.zeros import Rational, rational, zeros
 from hysgen.machine.reproducible import geometric, product, rounded_down, rounded_up
-from hysgen.model.membership import memberships
 from hysgen.model.model import Model
 from hysgen.model.terms import loop_row
 
@@ -153,17 +152,6 @@ def certify(model: Model) -> Certificates:
         zero=rounded_up(zero, DIGITS),
         loop=rounded_up(loop, DIGITS),
     )
-
-
-def steady_input(model: Model, y_um: Floats) -> Floats:
-    """Steady-state input of the rules alone, u_ss(y) = (y - sum_l p_l (q_l1 y + q_l3))/b(y) in V, (n,).
-
-    Infinite where the gain is zero.
-    """
-    p = memberships(y_um, model.grid)
-    q1, q2, q3 = model.consequents.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((y_um - product(p, q1) * y_um - product(p, q3)) / product(p, q2))
 
 
 def inverse_stability(model: Model, gain_lowest: float, gain_highest: float) -> tuple[float, float]:

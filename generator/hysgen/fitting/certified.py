@@ -25,7 +25,7 @@ from hysgen.certify.enclosure import slope_extremum
 from hysgen.errors import FitError
 from hysgen.model.membership import membership_slopes, memberships
 from hysgen.model.model import Model
-from hysgen.model.regression import Structure, rows_of_shaped
+from hysgen.model.regression import Structure, density_rows
 from hysgen.model.terms import loop_row
 
 Floats = NDArray[np.float64]
@@ -221,7 +221,7 @@ def _least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
 
 def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:
     """Signs of slopes that terms require, in units of the gain."""
-    rows = rows_of_shaped(structure, lambda term: term.rising()) / gain_um_per_V
+    rows = density_rows(structure, lambda term: term.rising()) / gain_um_per_V
     return HalfSpaces(rows, np.zeros(len(rows)))
 
 

@@ -147,7 +147,7 @@ def free_run_error(
             scored[:settle] = 0.0
         else:
             # At most a quarter: a term that keeps its initial state for ever must not take the weight of all samples.
-            forgotten = max((term.settled(drive) for term in structure.terms), default=0)
+            forgotten = max((term.burn_in(drive) for term in structure.terms), default=0)
             scored[: min(forgotten, drive.u_V.size // 4)] *= BURN_IN_TRUST
         weights.append(scored)
     return FreeRunError(record, tuple(drives), tuple(weights), frozenset(shaped))

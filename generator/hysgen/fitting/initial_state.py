@@ -1,7 +1,7 @@
 """Initial states of the terms of each segment, estimated from the measured displacement.
 
 The state of play operators before sample 0 depends on inputs before the record. It is described by one number per
-segment, the last turning point c of the input in V (see `Memory.remembering`). The estimate of c minimises the free-run
+segment, the last turning point c of the input in V (see `Memory.state_after`). The estimate of c minimises the free-run
 error over the segment; a score that uses it therefore has one parameter fitted to the scored segment.
 """
 
@@ -28,17 +28,17 @@ CANDIDATES = 41
 
 
 @runtime_checkable
-class Remembering(Protocol):
+class TurningPointState(Protocol):
     """A term whose state is a function of the past turning points of the input."""
 
-    def remembering(self, past_V: Sequence[float], u_V: float) -> Floats:
+    def state_after(self, past_V: Sequence[float], u_V: float) -> Floats:
         """State after an input with the turning points past_V that ended at u_V."""
         ...
 
 
 def estimate_starts(model: Model, record: Record) -> Starts:
-    """For each segment the initial states of least free-run error, by kind; empty without `Remembering` terms."""
-    terms = [term for term in model.terms if isinstance(term, Remembering)]
+    """For each segment the initial states of least free-run error, by kind; empty without `TurningPointState` terms."""
+    terms = [term for term in model.terms if isinstance(term, TurningPointState)]
     return [_best(model, record, segment, terms) if terms else {} for segment in record.segments]
 
 
@@ -47,7 +47,7 @@ def _best(model: Model, record: Record, segment: Segment, terms: Sequence[Term])
     rules = Rules(structure_of(model).range_um, model.consequents)
 
     def states(c_V: float) -> dict[str, Floats]:
-        return {term.kind: term.remembering([c_V], first_V) for term in terms if isinstance(term, Remembering)}
+        return {term.kind: term.state_after([c_V], first_V) for term in terms if isinstance(term, TurningPointState)}
 
     def error(c_V: float) -> float:
         drive = drive_of(segment, record.Ts_s, structure_of(model), states(c_V))

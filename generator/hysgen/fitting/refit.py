@@ -65,7 +65,7 @@ def restricted_as(old: Model, new: Model) -> Model:
     """
     low_V, high_V = max(old.u_min_V, new.u_min_V), min(old.u_max_V, new.u_max_V)
     low_um, high_um = new.grid.y_min_um, new.grid.y_max_um
-    if old.grid.spread_um is not None:
+    if old.grid.centres_range_um is not None:
         low_um, high_um = max(old.grid.y_min_um, low_um), min(old.grid.y_max_um, high_um)
     as_it_is = (new.grid.y_min_um, new.grid.y_max_um, new.u_min_V, new.u_max_V)
     if (low_um, high_um, low_V, high_V) == as_it_is:

@@ -6,7 +6,7 @@
 
 *Disagreement of the rules*, V: overlapping rules with linear consequents represent the same function f in many ways.
 Without V, least squares may choose consequents of hundreds of um that cancel in f, and float32 loses the difference.
-*Roughness*: weights that are samples of a density over the half-widths (`terms.base.Shaped`) shall vary smoothly.
+*Roughness*: weights that are samples of a density over the half-widths (`terms.base.DensityTerm`) shall vary smoothly.
 *One-step error*: holds the rules that a record visits only during the burn-in, which the free-run error weighs little.
 """
 
@@ -18,7 +18,7 @@ from hysgen.fitting.least_squares import Information
 from hysgen.machine.kernels import triangularise
 from hysgen.model.membership import memberships
 from hysgen.model.model import Model
-from hysgen.model.regression import Structure, rows_of_shaped, structure_of
+from hysgen.model.regression import Structure, density_rows, structure_of
 
 POINTS_PER_RULE = 8
 
@@ -72,6 +72,6 @@ def disagreement(structure: Structure) -> Information:
 
 
 def roughness(structure: Structure) -> Information:
-    """||roughness @ theta||^2 summed over the `Shaped` terms, over all linear parameters; (0, p) without such terms."""
-    rows = rows_of_shaped(structure, lambda term: term.roughness())
+    """||roughness @ theta||^2 summed over all terms that are a `DensityTerm`; (0, p) without one."""
+    rows = density_rows(structure, lambda term: term.roughness())
     return Information(rows, np.zeros(len(rows)), 0.0)

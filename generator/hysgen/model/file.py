@@ -50,6 +50,7 @@ _FIELDS = (
 
 def model_to_json(model: Model) -> dict[str, Any]:
     """`model` as plain JSON values, in the order of the file."""
+    centres = model.grid.centres_range_um
     return {
         "schema": SCHEMA,
         "version": VERSION,
@@ -60,7 +61,7 @@ def model_to_json(model: Model) -> dict[str, Any]:
             "y_min_um": float(model.grid.y_min_um),
             "y_max_um": float(model.grid.y_max_um),
             "rules": int(model.grid.rules),
-            **({} if model.grid.spread_um is None else {"spread_um": [float(end) for end in model.grid.spread_um]}),
+            **({} if centres is None else {"spread_um": [float(end) for end in centres]}),
         },
         "input_range_V": [float(model.u_min_V), float(model.u_max_V)],
         "consequents": model.consequents.tolist(),
@@ -149,7 +150,7 @@ def _model(data: Mapping[str, Any]) -> Model:
             _number(_get(grid, "y_min_um", "grid."), "grid.y_min_um"),
             _number(_get(grid, "y_max_um", "grid."), "grid.y_max_um"),
             rules,
-            _spread(grid["spread_um"]) if "spread_um" in grid else None,
+            _centres_range(grid["spread_um"]) if "spread_um" in grid else None,
         ),
         consequents=np.array(
             [
@@ -169,7 +170,7 @@ def _model(data: Mapping[str, Any]) -> Model:
     )
 
 
-def _spread(value: Any) -> tuple[float, float]:
+def _centres_range(value: Any) -> tuple[float, float]:
     first, last = _numbers(value, "grid.spread_um", 2)
     return float(first), float(last)
 

@@ -36,15 +36,15 @@ class Grid:
     c_l = y_min + (y_max - y_min)(l - 1)/(L - 1),   sigma = (y_max - y_min)/(L - 1)
 
     y_min_um, y_max_um: range of the displacement in um; rules: L >= 2.
-    spread_um: first and last centre where the range was restricted afterwards (`within`) and they lie outside it; None:
-    they are its ends, as in Eq. (6).
+    centres_range_um: first and last centre, if the range was restricted afterwards (`within`); None: y_min_um and
+    y_max_um, as in Eq. (6).
     Raises ModelError if the range is empty or not between the centres, or the number of rules unsupported.
     """
 
     y_min_um: float
     y_max_um: float
     rules: int
-    spread_um: tuple[float, float] | None = None
+    centres_range_um: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not 2 <= self.rules <= MOST_RULES:
@@ -61,7 +61,7 @@ class Grid:
     @property
     def ends_um(self) -> tuple[float, float]:
         """The first and the last centre."""
-        return (self.y_min_um, self.y_max_um) if self.spread_um is None else self.spread_um
+        return (self.y_min_um, self.y_max_um) if self.centres_range_um is None else self.centres_range_um
 
     @property
     def step_um(self) -> float:
@@ -77,9 +77,9 @@ class Grid:
     @property
     def places(self) -> tuple[float, float]:
         """The ends of the range counted in steps from the first centre: 0 and L - 1 where it was not restricted."""
-        if self.spread_um is None:
+        if self.centres_range_um is None:
             return 0.0, self.rules - 1.0
-        first, step = self.spread_um[0], self.step_um
+        first, step = self.centres_range_um[0], self.step_um
         return (self.y_min_um - first) / step, (self.y_max_um - first) / step
 
     def within(self, low_um: float, high_um: float) -> Grid:

@@ -17,7 +17,7 @@ from hysgen.errors import RecordError
 from hysgen.machine.kernels import rule_rows
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, applied
-from hysgen.model.terms import Drive, Shaped, Term
+from hysgen.model.terms import DensityTerm, Drive, Term
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
@@ -61,11 +61,11 @@ class Structure:
         return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um, self.grid.ends_um[0])
 
 
-def rows_of_shaped(structure: Structure, rows_of: Callable[[Shaped], Floats]) -> Floats:
-    """(n, p) what `rows_of` says of the weights of each `Shaped` term, in their places among all parameters."""
+def density_rows(structure: Structure, rows_of: Callable[[DensityTerm], Floats]) -> Floats:
+    """(n, p) what `rows_of` says of the weights of each `DensityTerm` term, in their places among all parameters."""
     rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
     for term in structure.terms:
-        if isinstance(term, Shaped):
+        if isinstance(term, DensityTerm):
             block = rows_of(term)
             rows.append(np.zeros((len(block), structure.size)))
             rows[-1][:, at : at + term.size] = block

@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 PAPER_PLAYS = 20
 
 
-class Baseline(Protocol):
+class Rival(Protocol):
     """A fitted rival."""
 
     @property
@@ -183,14 +183,14 @@ def fit_arx(record: Record, na: int = 2, nb: int = 2, delay: int = 0) -> Arx:
     return Arx(solution[:na], solution[na : na + nb], float(solution[-1]), delay)
 
 
-def fit_baselines(record: Record, plays: int = PAPER_PLAYS, arx: tuple[int, int, int] = (2, 2, 0)) -> list[Baseline]:
+def fit_rivals(record: Record, plays: int = PAPER_PLAYS, arx: tuple[int, int, int] = (2, 2, 0)) -> list[Rival]:
     """Every rival, fitted to one record. Raises FitError as the single fits do."""
     return [fit_prandtl_ishlinskii(record, plays), fit_proportional(record), fit_arx(record, *arx)]
 
 
-def score_baselines(baselines: Sequence[Baseline], record: Record, settle: int = 0) -> list[tuple[str, Score]]:
+def score_rivals(rivals: Sequence[Rival], record: Record, settle: int = 0) -> list[tuple[str, Score]]:
     """Name and free-run score of each rival on a record."""
-    return [(rival.name, score_prediction(record, rival.free_run(record), settle)) for rival in baselines]
+    return [(rival.name, score_prediction(record, rival.free_run(record), settle)) for rival in rivals]
 
 
 def _plays(u_V: Floats, thresholds_V: Floats) -> Floats:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from hysgen.display import Displayed, Summary, table
 from hysgen.model.model import Model
 from hysgen.model.regression import Starts
-from hysgen.model.simulate import HorizonCurve, Run, free_run, horizon_curve, one_step
+from hysgen.model.simulate import HorizonCurve, ModelOutput, free_run, horizon_curve, one_step
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor, noise_floor
 
@@ -178,5 +178,5 @@ def score(
     )
 
 
-def _outputs(runs: Sequence[Run]) -> list[Floats]:
+def _outputs(runs: Sequence[ModelOutput]) -> list[Floats]:
     return [run.y_um for run in runs]

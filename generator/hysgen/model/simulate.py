@@ -36,7 +36,7 @@ STEPS_PER_DECADE = 2_000_000
 
 
 @dataclass(frozen=True)
-class Run:
+class ModelOutput:
     """A model's output over one segment: y_um (n,), and how many samples of y and of u had to be clamped."""
 
     y_um: Floats
@@ -68,7 +68,7 @@ def rules_of(model: Model) -> Rules:
     return Rules(structure_of(model).range_um, model.consequents)
 
 
-def simulate(model: Model, drive: Drive, y0_um: float) -> Run:
+def simulate(model: Model, drive: Drive, y0_um: float) -> ModelOutput:
     """Free run over any input, measured or not: y(0) = y0.
 
     The drive's input is the command: it is clamped to the model's range and passed through its blocks.
@@ -76,10 +76,12 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> Run:
     u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
     arriving = dataclasses.replace(drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s)))
     y_um, y_clamped = kernels.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
-    return Run(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
+    return ModelOutput(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
 
 
-def free_run(model: Model, record: Record, starts: Starts | None = None, follow_drift: bool = False) -> tuple[Run, ...]:
+def free_run(
+    model: Model, record: Record, starts: Starts | None = None, follow_drift: bool = False
+) -> tuple[ModelOutput, ...]:
     """One run per segment, started at its first measured displacement and never corrected afterwards.
 
     starts: states of the terms before each segment, where they are known.
@@ -90,11 +92,11 @@ def free_run(model: Model, record: Record, starts: Starts | None = None, follow_
     for part in _driven(model, record, starts):
         w_um = part.w_um + (part.bias_um if follow_drift else part.bias_um[0])
         y_um, y_clamped = kernels.free_run(rules_of(model), part.drive.u_V, w_um, float(part.segment.y_um[0]))
-        runs.append(Run(y_um, y_clamped, part.u_clamped))
+        runs.append(ModelOutput(y_um, y_clamped, part.u_clamped))
     return tuple(runs)
 
 
-def one_step(model: Model, record: Record, starts: Starts | None = None) -> tuple[Run, ...]:
+def one_step(model: Model, record: Record, starts: Starts | None = None) -> tuple[ModelOutput, ...]:
     """One run per segment: sample k+1 predicted from measured y(k) and u(k); sample 0 is the measured one.
 
     Raises RecordError if the record's sampling period is not the model's.
@@ -103,7 +105,7 @@ def one_step(model: Model, record: Record, starts: Starts | None = None) -> tupl
     for part in _driven(model, record, starts):
         w_um = part.w_um + part.bias_um
         y_um, y_clamped = kernels.one_step(rules_of(model), part.drive.u_V, w_um, part.segment.y_um)
-        runs.append(Run(y_um, y_clamped, part.u_clamped))
+        runs.append(ModelOutput(y_um, y_clamped, part.u_clamped))
     return tuple(runs)
 
 

@@ -11,7 +11,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.options import add_model, add_record_options, parse_rows, read_records
 from hysgen.cli.verbs import Verb
 from hysgen.model.file import load_model
-from hysgen.model.rivals import fit_baselines, score_baselines
+from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import score, score_lines
 from hysgen.model.simulate import free_run, one_step
 from hysgen.report.plots import style
@@ -44,7 +44,7 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     console.say(scores.table())
     if arguments.rivals:
         known = whole.rows(*parse_rows(arguments.rivals, whole.samples))
-        rivals = score_baselines(fit_baselines(known), record, arguments.settle)
+        rivals = score_rivals(fit_rivals(known), record, arguments.settle)
         console.say("\nrivals in free run")
         console.say("\n".join(score_lines(rivals)))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}

@@ -22,7 +22,7 @@ from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, fit
 from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
-from hysgen.model.rivals import fit_baselines, score_baselines
+from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import score, score_lines
 from hysgen.model.simulate import free_run, one_step
 from hysgen.record import load_record
@@ -90,7 +90,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
         identified = {"identification": score(model, known).to_json()}
         save_model(dataclasses.replace(model, scores=identified), folder / f"{model.name}.json")
     console.say(f"hysgen fit   {folder / 'paper.json'}, {folder / 'stage.json'}")
-    rivals = score_baselines(fit_baselines(known), unseen)
+    rivals = score_rivals(fit_rivals(known), unseen)
     scored = ScoredModels(unseen, {PAPER: paper, EXTENDED: extended}, scores, rivals)
     lines = "\n".join([*score_lines(scored.rows()), f"noise floor {scored.noise.describe()}"])
     console.say(f"\nhysgen score, on rows that the fit has not seen\n{lines}\n")

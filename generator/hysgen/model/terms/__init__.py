@@ -12,12 +12,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.model.terms.base import Drive, Mirror, Shaped, StateSpace, Term, TermBox, box_of, loop_row, past_input
+from hysgen.model.terms.base import DensityTerm, Drive, Mirror, StateSpace, Term, TermBox, box_of, loop_row, past_input
 
 __all__ = [
+    "DensityTerm",
     "Drive",
     "Mirror",
-    "Shaped",
     "StateSpace",
     "Term",
     "TermBox",

@@ -113,7 +113,7 @@ class Mirror(abc.ABC):
 
 
 @runtime_checkable
-class Steepest(Protocol):
+class SlopeBounded(Protocol):
     """A nonlinear term that bounds its output more closely than the gains of its regressors, one by one, do."""
 
     def steepest(self, weights: Floats) -> Floats:
@@ -125,7 +125,7 @@ class Steepest(Protocol):
 
 
 @runtime_checkable
-class Shaped(Protocol):
+class DensityTerm(Protocol):
     """A term whose weights, by its physics, are samples of a density: it is not negative, and it is smooth."""
 
     def rising(self) -> Floats:
@@ -175,7 +175,7 @@ class Term(Protocol):
         """State that the generated `_init` gives: at rest under a constant input u_V."""
         ...
 
-    def settled(self, drive: Drive) -> int:
+    def burn_in(self, drive: Drive) -> int:
         """First sample whose regressors have forgotten the state they started from (to 1 %); n if none has."""
         ...
 
@@ -231,14 +231,14 @@ class Term(Protocol):
 def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
     """(size,) a row: row @ weights bounds what the term makes of the steps of the input; of other weights at most that
     of their own."""
-    if isinstance(term, Steepest):
+    if isinstance(term, SlopeBounded):
         return term.steepest(weights)
     return np.asarray(term.gains(Ts_s)) * np.sign(weights)
 
 
 def past_input(term: Term) -> Flags:
     """(size,) which regressors of a term are functions of u(k-1) alone."""
-    return term.past_input() if isinstance(term, Shaped) else np.zeros(term.size, dtype=bool)
+    return term.past_input() if isinstance(term, DensityTerm) else np.zeros(term.size, dtype=bool)
 
 
 def box_of(term: Term, v_V: Interval, Ts_s: float) -> TermBox:

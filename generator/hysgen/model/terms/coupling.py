@@ -91,7 +91,7 @@ class Coupling:
         """((taps - 1) * channels,) samples before the first, as regressors, oldest first, channel by channel."""
         return np.zeros(len(self.channels) * (self.taps - 1))
 
-    def settled(self, drive: Drive) -> int:
+    def burn_in(self, drive: Drive) -> int:
         return min(self.taps - 1, drive.u_V.size)
 
     def linear(self, Ts_s: float) -> StateSpace:

@@ -46,7 +46,7 @@ class Creep:
             raise ValueError("tau_s must be positive and rising")
 
     @classmethod
-    def spread(cls, count: int, shortest_s: float, longest_s: float, shared: bool = False) -> Self:
+    def log_spaced(cls, count: int, shortest_s: float, longest_s: float, shared: bool = False) -> Self:
         """`count` time constants, evenly spaced on a logarithmic axis, both ends included."""
         return cls(tuple(float(tau) for tau in np.geomspace(shortest_s, longest_s, count)), shared)
 
@@ -80,7 +80,7 @@ class Creep:
         """(m,) every lag at u_V."""
         return np.full(self.lags, u_V)
 
-    def settled(self, drive: Drive) -> int:
+    def burn_in(self, drive: Drive) -> int:
         samples = np.log(100.0) * self.tau_s[-1] / drive.Ts_s
         return int(min(drive.u_V.size, np.ceil(samples)))
 

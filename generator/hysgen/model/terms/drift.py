@@ -69,7 +69,7 @@ class Drift:
     def start(self, u_V: float) -> Floats:
         return np.zeros(1)
 
-    def settled(self, drive: Drive) -> int:
+    def burn_in(self, drive: Drive) -> int:
         return int(min(drive.u_V.size, np.ceil(np.log(100.0) * self.tau_s / drive.Ts_s)))
 
     def linear(self, Ts_s: float) -> StateSpace:

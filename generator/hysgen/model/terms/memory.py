@@ -125,7 +125,7 @@ class Memory:
     def start(self, u_V: float) -> Floats:
         return np.full(self.plays, u_V)
 
-    def remembering(self, past_V: Sequence[float], u_V: float) -> Floats:
+    def state_after(self, past_V: Sequence[float], u_V: float) -> Floats:
         """(m,) state after an input that turned at each of past_V and then went to u_V.
 
         The plays start centred on the first turn. One turn c gives the states clip(c, u - r_j, u + r_j): what is left
@@ -135,7 +135,7 @@ class Memory:
         track = play_operators(turns, np.asarray(self.thresholds_V), np.full(self.plays, turns[0]))
         return np.array(track[-1])
 
-    def settled(self, drive: Drive) -> int:
+    def burn_in(self, drive: Drive) -> int:
         """First sample at which plays started at either end of their slack have met: from there on it is exact."""
         r = np.asarray(self.thresholds_V)
         low = play_operators(drive.u_V, r, drive.u_V[0] - r)[:, -1]

@@ -67,7 +67,7 @@ class Periodic:
     def start(self, u_V: float) -> Floats:
         return np.zeros(0)
 
-    def settled(self, drive: Drive) -> int:
+    def burn_in(self, drive: Drive) -> int:
         return 0
 
     def linear(self, Ts_s: float) -> StateSpace:

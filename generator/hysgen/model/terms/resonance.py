@@ -89,7 +89,7 @@ class Resonance:
     def start(self, u_V: float) -> Floats:
         return np.tile([u_V, 0.0], len(self.f_Hz))
 
-    def settled(self, drive: Drive) -> int:
+    def burn_in(self, drive: Drive) -> int:
         rate = min(2 * np.pi * f * zeta * drive.Ts_s for f, zeta in zip(self.f_Hz, self.zeta, strict=True))
         return int(min(drive.u_V.size, np.ceil(np.log(100.0) / rate)))
 

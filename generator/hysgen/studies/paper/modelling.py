@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.model.model import Model
-from hysgen.model.rivals import fit_baselines, score_baselines
+from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import Score, Scores, score, score_prediction
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
@@ -121,5 +121,5 @@ def repeat(experiment: Experiment) -> RepeatedExperiment:
         models,
         {variant: score(model, unseen) for variant, model in models.items()},
         {variant: score_prediction(unseen, y_um, round(SETTLE_S / TS_S)) for variant, y_um in runs.items()},
-        tuple(score_baselines(fit_baselines(known), unseen)),
+        tuple(score_rivals(fit_rivals(known), unseen)),
     )
