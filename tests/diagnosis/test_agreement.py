@@ -192,7 +192,7 @@ def test_a_slow_cause_without_evidence_goes_where_it_hides_the_evidence_of_anoth
     seen = scene(LAG, 2e-3 * T_S / SPAN_S)
     both = refine(seen, LAG.having(CreepPart(1e-4, 0.05)).having(DriftPart()))
     drift = causes()["drift"]
-    assert not drift.signature(Residual.at(seen, both), both).holds
+    assert not drift.signature(Residual(seen, both), both).holds
     alone = swaps.swap_slow_causes(seen, both, CHECKED)
     assert search.present(alone.chain) == ["drift"]
-    assert drift.signature(Residual.at(seen, alone), both).holds
+    assert drift.signature(Residual(seen, alone), both).holds

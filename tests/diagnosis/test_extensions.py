@@ -11,9 +11,11 @@ from fixtures.bank_records import known
 from fixtures.generated_models import smooth
 from hysgen.certify.certificates import certify
 from hysgen.codegen import generate
-from hysgen.diagnosis.extension import Extension, Trend
+from hysgen.diagnosis.causes.drift import Trend
+from hysgen.diagnosis.causes.memory import usual_memory
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.ladder import add_online_parts, calls_per_update, fit_ladder
-from hysgen.diagnosis.memory_shape import usual_memory, with_best_memory
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
@@ -67,7 +69,7 @@ def test_bent_plays_rise_wherever_they_can_stand_and_so_do_not_turn_back_beyond_
 
 def test_plays_are_chosen_by_rows_left_out_and_stay_as_they_are_where_nothing_is_surely_better() -> None:
     prepared, known_ones = known("memory", 5)
-    assert with_best_memory(prepared, known_ones, ["memory"], USUAL)["memory"].term == known_ones["memory"].term
+    assert with_best_forms(prepared, known_ones, ["memory"], USUAL)["memory"].term == known_ones["memory"].term
     u_V = scenario("memory", 5).u_V[:3500]
     low_V, high_V = float(u_V.min()), float(u_V.max())
     usual = {"memory": Extension(term=usual_memory(low_V, high_V))}
@@ -84,7 +86,7 @@ def test_plays_are_chosen_by_rows_left_out_and_stay_as_they_are_where_nothing_is
             y_um[k + 1] = y_um[k] + 0.2 * (0.05 * u_V[k] + z[k] - y_um[k])
             state = np.clip(state, u_V[k] - r, u_V[k] + r)
         y_um += noise_um * np.random.default_rng(2).normal(size=u_V.size)
-        term = with_best_memory(prepare(Record.from_arrays(u_V, y_um, 1e-3)), usual, ["memory"], USUAL)["memory"].term
+        term = with_best_forms(prepare(Record.from_arrays(u_V, y_um, 1e-3)), usual, ["memory"], USUAL)["memory"].term
         assert isinstance(term, Memory)
         return term
 
@@ -97,7 +99,7 @@ def runs(names: list[str]) -> Model:
     prepared, _ = known("memory", 8)
     term = Memory.polynomial(2, 1, *prepared.record.u_range_V)
     every = {"memory": Extension(term=term), "aging": Extension(forgetting_s=3.0), "outliers": Extension(gate=True)}
-    every["drift"] = Extension(drift=Trend(1e-9))
+    every["drift"] = Extension(correction=Trend(1e-9))
     model = fit_ladder(prepared, every, names, USUAL).model
     return add_online_parts(model, [every[name] for name in names], 1.0, 1e-4)
 

@@ -10,7 +10,8 @@ import pytest
 
 from fixtures.bank_records import measured
 from hysgen.certify.certificates import certify
-from hysgen.diagnosis.causes import causes
+from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes.aging import GainChange
 from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import checked_error, fit_ladder, levelled
@@ -31,7 +32,7 @@ def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> No
     aging = hidden.stage.one(Aging)
     assert aging is not None
     prepared = prepare(measured(hidden))
-    new = Extension(gain_per_s=aging.fraction / aging.over_s)
+    new = Extension(correction=GainChange(aging.fraction / aging.over_s))
     level_um = np.concatenate([segment.y_um for segment in levelled(prepared, [new]).segments])
     assert level_um.max() > prepared.y_um.max() + 1.0
     rung = fit_ladder(prepared, true_extensions(hidden) | {"aging": new}, ["memory", "aging"], FitSettings())
@@ -105,6 +106,8 @@ def test_a_channel_that_goes_further_behind_the_cut_is_not_held_at_the_edge_of_w
     channel = np.asarray(hidden.aux["axis2_V"])
     assert np.ptp(channel) > np.ptp(channel[: prepared.cut])
     scene = prepared.scene()
-    extension = causes()["coupling"].extension(scene, linear_fit(scene, Chain(0.08, (CouplingPart(("axis2_V",)),))))
+    extension = causes()["coupling"].extension(
+        Residual(scene, linear_fit(scene, Chain(0.08, (CouplingPart(("axis2_V",)),))))
+    )
     assert extension.term is not None
     assert extension.term.to_json() | {"low": [channel.min()], "high": [channel.max()]} == extension.term.to_json()

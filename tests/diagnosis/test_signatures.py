@@ -36,7 +36,6 @@ from hysgen.diagnosis.causes import Residual, causes, slew
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart, crept_step
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.causes.outliers import outliers_signature
 from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.causes.resonance import ResonancePart, mode_evidence
 from hysgen.diagnosis.causes.slew import SlewPart
@@ -89,7 +88,7 @@ def test_rate_that_is_not_known_or_holds_a_few_samples_back_is_no_slew(
 ) -> None:
     limited = LAG.having(SlewPart(rate_V_per_s))
     seen = scene(limited)
-    look = Residual.at(seen, linear_fit(seen, limited))
+    look = Residual(seen, linear_fit(seen, limited))
     errors = Errors({"slew.rate_V_per_s": error}, np.zeros(1))  # of the logarithm
     monkeypatch.setattr(slew, "standard_errors", lambda at, fit: errors)
     assert causes()["slew"].signature(look, look.fit).holds == holds
@@ -114,7 +113,7 @@ def test_slope_beyond_a_level_that_only_falls_is_no_saturation() -> None:
     bent = Scene((Trace(COMMAND_V, 0.1 * respond(bent_V, LAG, TS_S), {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
     # Fitted where the command is below the level, so that the gain there is the stage's own.
     found = linear_fit(bent.using(bent.rows[np.convolve(COMMAND_V > 80.0, np.ones(40))[bent.rows] == 0]), CLIPPED)
-    told = causes()["saturation"].signature(Residual.at(bent, found), found)
+    told = causes()["saturation"].signature(Residual(bent, found), found)
     assert not told.holds, told.text
 
 
@@ -146,7 +145,7 @@ def test_more_is_asked_of_a_drift_that_slows_down() -> None:
 def test_line_that_loses_its_phase_is_none() -> None:
     turned = np.where(T_S < 0.2 * SPAN_S, -1.0, 1.0) * 0.01 * np.sin(2 * math.pi * 50.3 * T_S)
     fit = linear_fit(scene(LAG, turned), HUMMING)
-    told = causes()["periodic"].signature(Residual.at(scene(LAG, turned), fit), fit)
+    told = causes()["periodic"].signature(Residual(scene(LAG, turned), fit), fit)
     assert told.z**2 > 30.0
     assert not told.holds
 
@@ -163,8 +162,7 @@ def test_outliers_are_several_and_carry_the_error(count: int, size_um: float, ho
     spikes = np.zeros(SAMPLES)
     spikes[np.linspace(300, 3700, count).astype(int)] = size_um
     found = search(scene(LAG, spikes))
-    told = outliers_signature(found.scene, found.fit, found.corrupted)
-    assert told is not None
+    told = causes()["outliers"].signature(Residual(found.scene, found.fit, found.corrupted), found.fit)
     assert told.holds == holds
 
 
@@ -177,7 +175,7 @@ def test_memory_is_what_past_extremes_explain(play_V: float) -> None:
     rows = np.arange(400, SAMPLES)
     seen = Scene((Trace(COMMAND_V, y_um, {}),), TS_S, rows[rows // 300 % 2 == 0], Operator(0.0, 100.0))
     found, rival = linear_fit(seen, Chain(4e-3)), linear_fit(seen, LAG)
-    told = causes()["memory"].signature(Residual.at(seen.using(rows[rows // 300 % 2 == 1]), found), rival)
+    told = causes()["memory"].signature(Residual(seen.using(rows[rows // 300 % 2 == 1]), found), rival)
     assert told.holds == (play_V > 0.0), told.text
 
 
@@ -202,7 +200,7 @@ def test_what_is_not_needed_goes_and_what_is_needed_stays() -> None:
 )
 def test_mode_is_known_in_share_frequency_and_damping(mode: Mode, worse: dict[str, float], holds: bool) -> None:
     chain = LAG.having(ResonancePart((mode,)))
-    look = Residual.at(scene(RINGING), linear_fit(scene(RINGING), chain))
+    look = Residual(scene(RINGING), linear_fit(scene(RINGING), chain))
     told = mode_evidence(look, {"resonance.0.share": 0.07, "resonance.0.f_Hz": 0.04, "resonance.0.zeta": 0.4} | worse)
     assert [sound for _, sound, _ in told] == [holds]
     assert causes()["resonance"].admissible(look.scene, chain) == (mode.zeta > 1e-3)
@@ -251,15 +249,13 @@ def test_the_one_block_that_excites_a_mode_decides_though_the_richer_chain_is_wo
 @pytest.mark.parametrize(("periods", "proposed"), [(8.3, False), (20.3, True)])
 def test_a_line_has_three_periods_in_each_quarter_at_least(periods: float, proposed: bool) -> None:
     seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))
-    chains = causes()["periodic"].proposals(Residual.at(seen, refine(seen, LAG)))
+    chains = causes()["periodic"].proposals(Residual(seen, refine(seen, LAG)))
     assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in lines_Hz(chain)) == proposed
 
 
 def test_a_line_that_hardly_stands_out_goes_beside_one_that_does() -> None:
     seen = scene(HUMMING, 0.01 * np.sin(2.0 * np.pi * 50.3 * T_S))
     both = refine(seen, LAG.having(PeriodicPart((50.3, 97.1))))
-    assert [round(line_Hz, 1) for line_Hz in lines_Hz(causes()["periodic"].supported(Residual.at(seen, both)))] == [
-        50.3
-    ]
+    assert [round(line_Hz, 1) for line_Hz in lines_Hz(causes()["periodic"].supported(Residual(seen, both)))] == [50.3]
     alone = refine(seen, LAG.having(PeriodicPart((97.1,))))
-    assert causes()["periodic"].supported(Residual.at(seen, alone)) == alone.chain
+    assert causes()["periodic"].supported(Residual(seen, alone)) == alone.chain

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from fixtures.bank_records import prepared_of, record_of
 from hysgen.diagnosis.bootstrap import blockwise_confidence, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, causes
-from hysgen.diagnosis.causes.aging import AgingPart
-from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis.causes.aging import AgingPart, GainChange
+from hysgen.diagnosis.causes.drift import DriftPart, Trend
 from hysgen.diagnosis.comparison import fitted
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, Operator, Scene, Trace, refine
@@ -44,13 +44,13 @@ def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
     found = search(scene)
     cause = causes()["drift"]
     assert cause.present(found.fit.chain)
-    signature = cause.signature(Residual.at(scene, found.fit), found.rivals["drift"])
+    signature = cause.signature(Residual(scene, found.fit), found.rivals["drift"])
     assert signature.holds
     # Size and beginning are correlated: over 1.3 decades 1 nm of noise leaves some per cent of either.
     assert signature.parameters["um_per_decade"].value == pytest.approx(0.1, rel=0.1)
     assert signature.parameters["since_s"].value == pytest.approx(0.2, rel=0.3)
-    drift = cause.extension(scene, found.fit).drift
-    assert drift is not None
+    drift = cause.extension(Residual(scene, found.fit)).correction
+    assert isinstance(drift, Trend)
     course = drift.at(2.0 * t_s)  # twice as long as what was looked at
     assert np.abs(course - 0.1 * np.log10(1.0 + 2.0 * t_s / 0.2)).max() < 0.01
 
@@ -65,11 +65,12 @@ def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
     scene = prepared.scene()
     start = Chain(hidden.stage.lag_s, (DriftPart(), AgingPart(aged.fraction / aged.over_s)))
     fit = refine(scene, start)
-    drift = causes()["drift"].extension(scene, fit).drift
-    aging = causes()["aging"].extension(scene, fit)
-    assert drift is not None
+    drift = causes()["drift"].extension(Residual(scene, fit)).correction
+    aging = causes()["aging"].extension(Residual(scene, fit)).correction
+    assert isinstance(drift, Trend)
+    assert isinstance(aging, GainChange)
     end_s, middle_um = hidden.Ts_s * len(hidden.u_V), float(prepared.y_um.mean())
-    told_um = float(drift.at(end_s)) + aging.gain_per_s * end_s * (middle_um - aging.zero_um)
+    told_um = float(drift.at(end_s)) + aging.per_s * end_s * (middle_um - aging.zero_um)
     truth_um = drifted.ramp_um_per_s * end_s + aged.fraction / aged.over_s * end_s * middle_um
     assert told_um == pytest.approx(truth_um, abs=0.002)
 
@@ -93,7 +94,7 @@ def test_aging_is_looked_for_with_either_sign() -> None:
     scene = prepared_of("aging", 5).scene()
     part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
     aging = causes()["aging"]
-    proposals = aging.proposals(Residual.at(part, refine(part, Chain(hidden.stage.lag_s))))
+    proposals = aging.proposals(Residual(part, refine(part, Chain(hidden.stage.lag_s))))
     assert {np.sign(chain.gain_per_s) for chain in proposals[1:]} == {-1.0, 1.0}
     trials = fitted(part, proposals)
     rates = [refine(part, trial.chain).chain.gain_per_s for trial in aging.select_starts(trials)]

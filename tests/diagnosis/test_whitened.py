@@ -63,7 +63,7 @@ def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() 
         y_um = measure(stage.with_effects(creep=(0.006, 0.015, 7000.0)), u_V, 1e-3, seed).displacement_um
         seen = prepare(Record.from_arrays(u_V, y_um, 1e-3)).scene()
         fit = refine(seen, Chain(8e-3, (CreepPart(0.003, 0.05),)), rounds=30)
-        signature = causes()["creep"].signature(Residual.at(seen, fit), fit)
+        signature = causes()["creep"].signature(Residual(seen, fit), fit)
         if signature.holds:
             plain.append(abs((fit.chain.parts[0].values[0]) / 0.006 - 1.0))
             told.append(abs(signature.parameters["per_decade"].value / 0.006 - 1.0))

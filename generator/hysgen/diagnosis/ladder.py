@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.codegen.operations.cycles import budget
+from hysgen.diagnosis.causes import in_ladder_order
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
@@ -28,7 +29,6 @@ from hysgen.float32.update_schedule import spread
 from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.simulate import free_run
-from hysgen.model.terms.drift import Drift
 from hysgen.record import Record
 
 Floats = NDArray[np.float64]
@@ -37,13 +37,6 @@ Rows = NDArray[np.intp]
 CHECK_BLOCKS = 12
 MOST_IN_TURN = 20_000
 """Rows above which one third of the blocks says enough."""
-
-FOLLOWED = 0.02
-"""Time constant of the bias state, as a share of the record over which the drift was seen."""
-
-WIDEST_BIAS = 0.05
-"""Limit of the bias per sample, as a share of the range of y."""
-
 
 LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
 """Largest loop gain and slope of a model that is to learn: `_commit` takes no parameters without room below 1."""
@@ -61,27 +54,6 @@ class Rung:
     error_um: Floats
 
 
-ORDER = (
-    "outliers",
-    "saturation",
-    "slew",
-    "delay",
-    "memory",
-    "creep",
-    "resonance",
-    "coupling",
-    "periodic",
-    "drift",
-    "aging",
-)
-"""From the sensor's faults over what the command passes through to what disturbs: the order of the rungs."""
-
-
-def in_order(names: Sequence[str]) -> list[str]:
-    """The causes in the order of the ladder; those that it does not know last."""
-    return sorted(names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name))
-
-
 def fit_ladder(
     prepared: Prepared,
     extensions: dict[str, Extension],
@@ -90,13 +62,13 @@ def fit_ladder(
     skip: Rows | None = None,
 ) -> Rung:
     """The model with the extensions of `names`, fitted to the identification part less the rows `skip`."""
-    chosen = [extensions[name] for name in in_order(names)]
+    chosen = [extensions[name] for name in in_ladder_order(names)]
     terms = tuple(e.term for e in chosen if e.term is not None)
     blocks = tuple(sorted((e.block for e in chosen if e.block is not None), key=lambda block: block.place))
     trust = prepared.trust.copy()
     for extension in chosen:
         if extension.trust is not None:
-            trust = trust * extension.trust
+            trust[: len(extension.trust)] *= extension.trust
     if skip is not None:
         trust[skip] = 0.0
     level = levelled(prepared, chosen)
@@ -120,19 +92,18 @@ def fit_ladder(
         model = fit(part, dataclasses.replace(asked, certified=False), trust=weights)
     runs = free_run(model, level)
     error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
-    return Rung(tuple(in_order(names)), model, error)
+    return Rung(tuple(in_ladder_order(names)), model, error)
 
 
 def add_online_parts(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:
-    """The model with what follows a running stage: a bias state against drift, a learner against aging, its gate.
+    """The model for operation: with terms that follow slow changes, and a learner where one is needed.
 
-    span_s: length of the record. The bias starts at 0 and holds in a free run, so every score stays what it was.
+    span_s: length of the record. The added terms start at 0 and hold in a free run, so every score stays as it was.
     """
-    if any(extension.drift is not None for extension in extensions):
-        tau_s = max(span_s * FOLLOWED, 100.0 * model.Ts_s)
-        limit_um = WIDEST_BIAS * (model.grid.y_max_um - model.grid.y_min_um)
-        terms, weights = (*model.terms, Drift(tau_s, limit_um)), np.append(model.weights, 1.0)
-        model = dataclasses.replace(model, terms=terms, weights=weights)
+    corrections = [extension.correction for extension in extensions if extension.correction is not None]
+    for term in (correction.online_term(model, span_s) for correction in corrections):
+        if term is not None:
+            model = dataclasses.replace(model, terms=(*model.terms, term), weights=np.append(model.weights, 1.0))
     if any(extension.learns for extension in extensions):
         calls = calls_per_update(model.parameters.size, model.Ts_s)
         settings = LearnerSettings(noise_um=max(noise_um, 1e-9), calls_per_update=calls)
@@ -155,23 +126,17 @@ def calls_per_update(parameters: int, Ts_s: float) -> int:
 
 
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
-    """The record with drift and aging taken out of the displacement, both counted from the start of each segment.
-
-    y_level = zero + (y - drift(t) - zero) / (1 + gain t)
-    """
+    """The record with slow changes taken out of the displacement, counted from the start of each segment."""
     record = prepared.record
-    drifts = [extension.drift for extension in extensions if extension.drift is not None]
-    aged = [extension for extension in extensions if extension.gain_per_s != 0.0]
-    if not drifts and not aged:
+    corrections = [extension.correction for extension in extensions if extension.correction is not None]
+    if not corrections:
         return record
     level = []
     for segment in record.segments:
         time_s: Floats = record.Ts_s * np.arange(segment.samples, dtype=np.float64)
         y_um = segment.y_um
-        for drift in drifts:
-            y_um = y_um - drift.at(time_s)
-        for extension in aged:
-            y_um = extension.zero_um + (y_um - extension.zero_um) / (1.0 + extension.gain_per_s * time_s)
+        for correction in corrections:
+            y_um = correction.removed(y_um, time_s)
         level.append(dataclasses.replace(segment, y_um=y_um))
     return Record.from_segments(level, record.Ts_s, record.source)
 
@@ -196,7 +161,7 @@ def checked_error(
     prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
 ) -> tuple[Rows, Floats]:
     """Rows of the identification part in order, and the free-run error there of models that were not fitted to them."""
-    asked = tuple((name, extensions[name].content) for name in in_order(names))
+    asked = tuple((name, extensions[name].content) for name in in_ladder_order(names))
     return prepared.checked.get((asked, settings), lambda: _checked(prepared, extensions, names, settings))
 
 

@@ -13,16 +13,14 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.advice import next_experiment, unexplained_structure
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
-from hysgen.diagnosis.causes import Residual, Signature, causes
-from hysgen.diagnosis.causes.outliers import outliers_signature
+from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order, slow_causes
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder, in_order
-from hysgen.diagnosis.memory_shape import with_best_memory, with_usual_memory
+from hysgen.diagnosis.extension_forms import with_best_forms, with_usual_forms
+from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.search import Found, present, search, without
+from hysgen.diagnosis.search import Found, search, without
 from hysgen.diagnosis.spikes import isolated
-from hysgen.diagnosis.swaps import SLOW
 from hysgen.fitting import FitSettings
 from hysgen.machine.threads import in_threads, one_blas_thread
 from hysgen.model.model import Model
@@ -102,8 +100,8 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     tell = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: tell(0.7 * fraction, line))
-    tell(0.7, "choosing the plays")
-    best = with_best_memory(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
+    tell(0.7, "choosing the forms of the extensions")
+    best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
     tell(0.75, "asking which extensions pay")
     made = paying(naming, chosen)
@@ -145,9 +143,9 @@ def name_causes(
     tell(0.7, "weighing the evidence")
     signatures = _signatures(found)
     weak = [name for name, signature in signatures.items() if not signature.holds]
-    extensions = _extensions(found, signatures, prepared, weak)
+    extensions = _extensions(found, signatures, weak)
     agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
-    extensions = _extensions(found, signatures, prepared, [name for name in signatures if name not in agreed])
+    extensions = _extensions(found, signatures, [name for name in signatures if name not in agreed])
     noise = residual_noise_floor(prepared.identification(), _settled_error(found), found.fit.chain.lag_s)
     return Naming(
         prepared,
@@ -171,31 +169,25 @@ def _settled_error(found: Found) -> Floats:
 
 
 def _signatures(found: Found) -> dict[str, Signature]:
-    """The evidence for every cause that the probe's chain holds, and for corrupted samples."""
-    residual = Residual.at(found.scene, found.fit)
-    signatures = {name: causes()[name].signature(residual, found.rivals[name]) for name in present(found.fit.chain)}
-    spikes = outliers_signature(found.scene, found.fit, found.corrupted)
-    if spikes is not None:
-        signatures["outliers"] = spikes
-    return signatures
+    """The evidence for every cause that the final fit shows."""
+    residual = Residual(found.scene, found.fit, found.corrupted)
+    return {
+        name: cause.signature(residual, found.rivals.get(name, found.fit))
+        for name, cause in causes().items()
+        if cause.shown(residual)
+    }
 
 
-def _extensions(
-    found: Found, signatures: dict[str, Signature], prepared: Prepared, left: Sequence[str]
-) -> dict[str, Extension]:
-    """What each cause adds to the model.
+def _extensions(found: Found, signatures: dict[str, Signature], left: Sequence[str]) -> dict[str, Extension]:
+    """The extension of each cause. left: causes that are not named.
 
-    Slow causes share one course between them: what one has of it is asked again without those that are left out.
+    Slow causes divide one slow course between them: the parameters of those that stay are fitted without those of
+    `left`.
     """
-    left = [name for name in SLOW if name in left]
+    left = [name for name in slow_causes() if name in left]
     alone = without(found, left)
-    fits = {name: found.fit if name in left else alone for name in signatures if name != "outliers"}
-    extensions = {name: causes()[name].extension(found.scene, fit) for name, fit in fits.items()}
-    if "outliers" in signatures:
-        trust = np.ones(prepared.record.samples)
-        trust[np.flatnonzero(found.corrupted)] = 0.0
-        extensions["outliers"] = Extension(trust=trust, gate=True)
-    return extensions
+    fits = {name: found.fit if name in left else alone for name in signatures}
+    return {name: causes()[name].extension(Residual(found.scene, fit, found.corrupted)) for name, fit in fits.items()}
 
 
 def _agreement(
@@ -207,23 +199,23 @@ def _agreement(
 ) -> tuple[list[str], dict[str, Gain], list[Refused]]:
     """The causes on which evidence, the probe's need and the model's gain agree; the others with the reason."""
     refused, candidates = [], []
-    for name in in_order(list(signatures)):
+    for name in in_ladder_order(list(signatures)):
         if not signatures[name].holds:
             refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
-        elif name in causes() and not _needed(found, name):
+        elif name in found.needs and not _needed(found, name):
             refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
         else:
             candidates.append(name)
     # Causes are a question about the stage: the models have to simulate it, whether or not an inverse of them exists.
     simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
     agreed, alone, idle = _gaining(prepared, found, extensions, candidates, simulating)
-    usual = with_usual_memory(extensions)
+    usual = with_usual_forms(extensions)
     for others in (simulating, settings.fit):
         if not idle:
             break
         # A coarse memory leaves more than a small cause gains; what is delivered may need what a freer model does not.
         again, beside, left = _gaining(prepared, found, usual, candidates, others, SURE_LATER)
-        agreed, alone = in_order(list({*agreed, *again})), {**beside, **alone}
+        agreed, alone = in_ladder_order(list({*agreed, *again})), {**beside, **alone}
         idle = [name for name in idle if name in left]
     refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
     return agreed, alone, refused
@@ -271,9 +263,9 @@ def _alone(
 ) -> dict[str, Gain]:
     """What the extension of each cause gains beside all others, on blocks left out of the fit.
 
-    The gate against corrupted samples is not judged by this: the error on corrupted samples means nothing.
+    Causes that are not judged by their gain (`Cause.judged_by_gain`) are left out of the answer.
     """
-    judged = [name for name in names if name != "outliers"]
+    judged = [name for name in names if causes()[name].judged_by_gain]
     if not judged:
         return {}
     asked = [list(names), *([other for other in names if other != name] for name in judged)]
@@ -291,8 +283,9 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
     """The diagnosis with its scores, all on held-out rows."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
     held = prepared.held_rows
-    clean = held[~isolated(rungs[-1].error_um)[held]] if "outliers" in made else held
-    levels = [rms(rung.error_um[clean if "outliers" in rung.causes else held]) for rung in rungs]
+    gated = {name for name in made if naming.extensions[name].gate}
+    clean = held[~isolated(rungs[-1].error_um)[held]] if gated else held
+    levels = [rms(rung.error_um[clean if gated & set(rung.causes) else held]) for rung in rungs]
     above = levels[0] ** 2 - noise.rms_um**2
     span_s = naming.found.scene.span_s
     running = [

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes import Residual, causes, slow_causes
 from hysgen.diagnosis.comparison import (
     BLOCKS,
     FINAL_ROUNDS,
@@ -35,7 +35,6 @@ from hysgen.diagnosis.comparison import (
 from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
 from hysgen.diagnosis.spikes import isolated
 from hysgen.diagnosis.swaps import (
-    SLOW,
     compare_likelihood,
     likeliest_slow_causes,
     swap_similar_causes,
@@ -101,8 +100,8 @@ def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) ->
 
     An unsound one may be there only to take back what another one has too much of.
     """
-    slow = [name for name in SLOW if name in rivals]
-    residual = Residual.at(part, fit)
+    slow = [name for name in slow_causes() if name in rivals]
+    residual = Residual(part, fit)
     sound = [name for name in slow if causes()[name].signature(residual, rivals[name]).holds]
     if sound == slow:
         return {}
@@ -132,7 +131,7 @@ def _start(scene: Scene) -> Fit:
 
 def forward_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     """The most helpful single addition, refined; None if none helps enough."""
-    residual = Residual.at(part, fit)
+    residual = Residual(part, fit)
     # Poor starts are refined too: a mode that was fitted in place of a delay changes much in its refinement.
     trials = [
         trial for cause in causes().values() for trial in cause.select_starts(fitted(part, cause.proposals(residual)))
@@ -184,7 +183,7 @@ def drop_unsupported_parts(part: Scene, fit: Fit, checked: Rows) -> Fit:
 
     One such part would deny the whole cause its signature, and may stand where another cause should.
     """
-    residual = Residual.at(part, fit)
+    residual = Residual(part, fit)
     for name in present(fit.chain):
         less = causes()[name].supported(residual)
         if less == fit.chain:
@@ -193,13 +192,13 @@ def drop_unsupported_parts(part: Scene, fit: Fit, checked: Rows) -> Fit:
         step = forward_step(part, fit, checked)
         if step is not None and _all_sound(part, step, present(less)):
             fit = step
-        residual = Residual.at(part, fit)
+        residual = Residual(part, fit)
     return fit
 
 
 def _all_sound(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
     """Whether every part of each of these causes shows evidence of its own."""
-    residual = Residual.at(part, fit)
+    residual = Residual(part, fit)
     return all(causes()[name].supported(residual) == fit.chain for name in names)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 
-from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes import Residual, causes, in_ladder_order, slow_causes
 from hysgen.diagnosis.comparison import (
     FINAL_ROUNDS,
     HELPS_BELOW,
@@ -19,19 +19,14 @@ from hysgen.diagnosis.comparison import (
 )
 from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, linear_fit, refine, schwarz
 
-ALIKE = (("drift", "aging"), ("drift", "creep"), ("delay", "resonance"), ("saturation", "slew"))
-"""Pairs of causes of which the wrong one may come first."""
-
-SLOW = ("creep", "drift", "aging")
-"""Causes that take each other's place where one is unsound."""
-
 FAR_LIKELIER = 10.0
 """Difference of Schwarz's criterion from which on the evidence is very strong (Kass and Raftery, 1995)."""
 
 
 def swap_similar_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
     """The fit with a cause exchanged for one that looks like it, where that explains more."""
-    for first, second in ALIKE:
+    pairs = [(name, other) for name in reversed(in_ladder_order(causes())) for other in causes()[name].mistaken_for]
+    for first, second in pairs:
         for old, new in ((first, second), (second, first)):
             if not causes()[old].present(fit.chain) or causes()[new].present(fit.chain):
                 continue
@@ -50,23 +45,23 @@ def swap_slow_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
     It explains no more than what it replaces, or `exchanged` would have taken it; but it is sound. If one that is
     there already becomes sound without its neighbour, the neighbour just goes.
     """
-    for old in SLOW:
+    for old in slow_causes():
         if not causes()[old].present(fit.chain):
             continue
         bare = refine(part, causes()[old].without(fit.chain), rounds=8)
-        residual, bare_residual = Residual.at(part, fit), Residual.at(part, bare)
+        residual, bare_residual = Residual(part, fit), Residual(part, bare)
         if causes()[old].signature(residual, bare).holds:
             continue
-        beside = [causes()[name] for name in SLOW if name != old and causes()[name].present(fit.chain)]
+        beside = [causes()[name] for name in slow_causes() if name != old and causes()[name].present(fit.chain)]
         if any(not one.signature(residual, bare).holds and one.signature(bare_residual, bare).holds for one in beside):
             fit = bare
             continue
-        others = [name for name in SLOW if name != old and not causes()[name].present(fit.chain)]
+        others = [name for name in slow_causes() if name != old and not causes()[name].present(fit.chain)]
         trials = [best_with(part, bare, name) for name in others]
         sound = [
             trial
             for name, trial in zip(others, trials, strict=True)
-            if trial is not None and causes()[name].signature(Residual.at(part, trial), bare).holds
+            if trial is not None and causes()[name].signature(Residual(part, trial), bare).holds
         ]
         best = min(sound, key=lambda trial: ratio(trial, bare, checked), default=bare)
         if ratio(best, bare, checked) < KEEP_ABOVE:
@@ -88,7 +83,7 @@ def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
     bare: tuple[str, ...] = ()
     fits = {bare: linear_fit(scene, chain_without(fit.chain, there)), there: refine(scene, fit.chain)}
     for size in (1, 2) if len(there) > 1 or not sound else (1,):
-        for names in itertools.combinations(SLOW, size):
+        for names in itertools.combinations(slow_causes(), size):
             beside = fits.get(names[:-1])
             other = best_with(scene, beside, names[-1]) if beside is not None and names != there else None
             if other is not None:
@@ -120,18 +115,18 @@ def compare_likelihood(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> lis
 
 def _slow(chain: Chain) -> tuple[str, ...]:
     """Names of the slow causes that the chain holds."""
-    return tuple(name for name in SLOW if causes()[name].present(chain))
+    return tuple(name for name in slow_causes() if causes()[name].present(chain))
 
 
 def _sound(scene: Scene, fit: Fit, names: Sequence[str]) -> bool:
     """Whether each of these causes shows evidence of its own."""
-    residual = Residual.at(scene, fit)
+    residual = Residual(scene, fit)
     return all(causes()[name].signature(residual, fit).holds for name in names)
 
 
 def best_with(part: Scene, bare: Fit, name: str) -> Fit | None:
     """The best fit with the cause `name` added to `bare`."""
     cause = causes()[name]
-    trials = cause.select_starts(fitted(part, cause.proposals(Residual.at(part, bare))))
+    trials = cause.select_starts(fitted(part, cause.proposals(Residual(part, bare))))
     found = refined(part, [trial.chain for trial in trials], rounds=FINAL_ROUNDS)
     return min(found, key=lambda trial: trial.rms_um, default=None)

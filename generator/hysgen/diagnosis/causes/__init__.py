@@ -1,23 +1,57 @@
-"""Evidence, one file per cause, found by looking into this package: a module `<cause>.py` that defines CAUSE."""
+"""The registry of causes, DESIGN.md section 7: one file for each, found by looking into this package.
+
+A cause is a module `<cause>.py` that defines CAUSE, an instance of a class derived from `Cause`. Every other list of
+causes in the package is a loop over `causes()`.
+"""
 
 from __future__ import annotations
 
 import functools
 import importlib
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 
-__all__ = ["Cause", "Estimate", "Residual", "Signature", "causes"]
+__all__ = [
+    "VOCABULARY",
+    "Cause",
+    "Estimate",
+    "Known",
+    "Residual",
+    "Signature",
+    "causes",
+    "in_ladder_order",
+    "slow_causes",
+]
+
+UNKNOWN = "unknown"
+"""Answer where structure is left that no cause explains."""
 
 
 @functools.lru_cache(maxsize=1)
 def causes() -> Mapping[str, Cause]:
-    """Every cause that the probe's chain can hold, by name."""
+    """Every cause by its name. Raises ValueError if two causes have the same name or rank."""
     found: dict[str, Cause] = {}
     for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
         cause: Cause | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "CAUSE", None)
-        if cause is not None:
-            found[cause.name] = cause
+        if cause is None:
+            continue
+        if cause.name in found or cause.rank in {other.rank for other in found.values()}:
+            raise ValueError(f"{module.name}: name {cause.name!r} or rank {cause.rank} belongs to another cause")
+        found[cause.name] = cause
     return found
+
+
+def in_ladder_order(names: Iterable[str]) -> list[str]:
+    """The names in the order of the ladder, by `Cause.rank`. Raises KeyError for a name outside the vocabulary."""
+    return sorted(names, key=lambda name: causes()[name].rank)
+
+
+def slow_causes() -> tuple[str, ...]:
+    """Names of the causes that act over the length of a record, in the order of the ladder."""
+    return tuple(in_ladder_order(name for name, cause in causes().items() if cause.slow))
+
+
+VOCABULARY = (*in_ladder_order(causes()), UNKNOWN)
+"""Every name that a diagnosis can give, in the order of the ladder."""

@@ -6,12 +6,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors, whitened_fit
+from hysgen.diagnosis.extension import Correction, Extension
+from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, standard_errors, whitened_fit
 from hysgen.diagnosis.probe.part import STEP
+
+Floats = NDArray[np.float64]
 
 FORGET = 0.35
 """Time constant of forgetting, as a share of the record: short enough to follow, long enough to average."""
@@ -40,6 +43,18 @@ class AgingPart(Part):
     @property
     def gain_per_s(self) -> float:
         return self.per_s
+
+
+@dataclass(frozen=True)
+class GainChange(Correction):
+    """A gain 1 + per_s t about zero_um, as the record shows it; the learner follows it in operation."""
+
+    per_s: float
+    zero_um: float = 0.0
+
+    def removed(self, y_um: Floats, t_s: Floats) -> Floats:
+        """zero + (y - zero) / (1 + per_s t)"""
+        return self.zero_um + (y_um - self.zero_um) / (1.0 + self.per_s * t_s)
 
 
 class AgingCause(Cause):
@@ -80,18 +95,18 @@ class AgingCause(Cause):
             },
         )
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        _, fit = whitened_fit(scene, fit)
+    def extension(self, residual: Residual) -> Extension:
+        scene = residual.scene
+        _, fit = whitened_fit(scene, residual.fit)
         # A ramp beside the aging that is no drift of its own says only that the gain turns about another point.
         drift, rate = fit.chain.get(DriftPart), fit.chain.gain_per_s
         shift_um = 0.0
         if drift is not None and drift.since_s is None:
             shift_um = float(fit.weights[scene.column_of(fit.chain, DriftPart)]) / scene.span_s / (rate or 1.0)
         hidden = abs(shift_um) < ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
+        zero_um = scene.zero_um(fit.chain, fit.weights) - (shift_um if hidden else 0.0)
         return Extension(
-            gain_per_s=rate,
-            zero_um=scene.zero_um(fit.chain, fit.weights) - (shift_um if hidden else 0.0),
-            forgetting_s=FORGET * scene.span_s,
+            correction=GainChange(rate, zero_um) if rate != 0.0 else None, forgetting_s=FORGET * scene.span_s
         )
 
 

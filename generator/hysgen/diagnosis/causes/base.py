@@ -9,6 +9,7 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -30,15 +31,16 @@ ZERO_UNCERTAIN = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """The probe's present state: fitted chain, its error (n,) and the projector off all it explains on fitted rows."""
+    """A fitted chain with its error on a scene. corrupted: samples of the scene that stand alone, (n,), or (0,)."""
 
     scene: Scene
     fit: Fit
-    projector: Projector
+    corrupted: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
-    @classmethod
-    def at(cls, scene: Scene, fit: Fit) -> Residual:
-        return cls(scene, fit, Projector.of(scene.columns(fit.chain)[:, scene.rows]))
+    @cached_property
+    def projector(self) -> Projector:
+        """The projector off the columns of the fitted chain, on the fitted rows."""
+        return Projector.of(self.scene.columns(self.fit.chain)[:, self.scene.rows])
 
     def amount(self, column: Floats) -> float:
         """How much of `column`, (n,), explains the error best, all that is linear being free beside it."""
@@ -70,6 +72,20 @@ class Signature:
     parameters: Mapping[str, Estimate] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What an extension is made from when the plant is known: its parameters by "cause.parameter", and the record.
+
+    low_V, high_V: range of the voltage across the ceramic. span_s: length of the record. channels: (n,) each.
+    """
+
+    parameters: Mapping[str, float]
+    low_V: float
+    high_V: float
+    span_s: float
+    channels: Mapping[str, Floats]
+
+
 class Cause(abc.ABC):
     """One cause of the vocabulary. Stateless: one instance per module, called CAUSE."""
 
@@ -87,6 +103,12 @@ class Cause(abc.ABC):
     mistaken_for: ClassVar[tuple[str, ...]] = ()
     """Other causes that the search may add in place of this one, and this one in place of them."""
 
+    judged_by_gain: ClassVar[bool] = True
+    """Whether the extension must lower the error of the model; not where the error itself is in doubt."""
+
+    fitted_late: ClassVar[bool] = False
+    """Whether its extension is left out while the forms of others are chosen: it takes the gain that they leave."""
+
     needed: ClassVar[float] = 1.2
     """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
 
@@ -96,6 +118,10 @@ class Cause(abc.ABC):
     def present(self, chain: Chain) -> bool:
         """Whether the chain holds this cause's part."""
         return self.part is not None and chain.get(self.part) is not None
+
+    def shown(self, residual: Residual) -> bool:
+        """Whether the final fit shows the cause, so that its signature is computed."""
+        return self.present(residual.fit.chain)
 
     def needed_in(self, chain: Chain) -> float:
         """`needed`, for the form that the cause has in this chain."""
@@ -125,9 +151,9 @@ class Cause(abc.ABC):
         """The same chain with this cause's numbers elsewhere, where the fit is known to have several minima."""
         return []
 
-    @abc.abstractmethod
     def proposals(self, residual: Residual) -> list[Chain]:
         """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""
+        return []
 
     def select_starts(self, trials: list[Fit]) -> list[Fit]:
         """Those of its proposals, as they stand and the best first, that are worth a refinement."""
@@ -138,5 +164,17 @@ class Cause(abc.ABC):
         """Evidence in the record. residual: of the final fit; rival: the best fit without the cause."""
 
     @abc.abstractmethod
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        """What the model gets for it, with the shape parameters that the probe found."""
+    def extension(self, residual: Residual) -> Extension:
+        """The extension of the model, with the shape parameters of the final fit."""
+
+    def usual_form(self, extension: Extension) -> Extension:
+        """The extension in the form that is kept unless another form is better for certain."""
+        return extension
+
+    def other_forms(self, extension: Extension) -> list[Extension]:
+        """Other forms of the extension, of which the best is chosen inside the identification part."""
+        return []
+
+    def true_extension(self, known: Known) -> Extension | None:
+        """The extension with the plant's own parameters; None if it treats the record instead of the model."""
+        return None

@@ -10,9 +10,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Part, Scene, standard_errors
+from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Part, standard_errors
 from hysgen.model.terms.coupling import Coupling
 
 Floats = NDArray[np.float64]
@@ -50,7 +50,7 @@ class CouplingCause(Cause):
     part = CouplingPart
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
-        part = _part(chain)
+        part = chain.of(CouplingPart)
         names = part.channels
         fewer = [names[:i] + names[i + 1 :] for i in range(len(names))]
         less = [chain.having(CouplingPart(left, part.taps)) if left else self.without(chain) for left in fewer]
@@ -59,7 +59,7 @@ class CouplingCause(Cause):
     def supported(self, residual: Residual) -> Chain:
         """One sample of each channel, where none of several has evidence of its own: a slow channel needs no more."""
         chain = residual.fit.chain
-        part = _part(chain)
+        part = chain.of(CouplingPart)
         if part.taps == 1 or self.signature(residual, residual.fit).holds:
             return chain
         return chain.having(dataclasses.replace(part, taps=1))
@@ -80,7 +80,7 @@ class CouplingCause(Cause):
         The gain over several samples is their sum; it counts as many standard errors as their root mean square does.
         """
         scene, chain = residual.scene, residual.fit.chain
-        part = _part(chain)
+        part = chain.of(CouplingPart)
         first, beside = scene.column_of(chain, CouplingPart), chain.first_column(CouplingPart)
         weights = residual.fit.weights[first : first + part.added].reshape(-1, part.taps)
         errors = standard_errors(scene, residual.fit).added[beside : beside + part.added].reshape(-1, part.taps)
@@ -100,21 +100,19 @@ class CouplingCause(Cause):
             },
         )
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        part = _part(fit.chain)
-        return Extension(term=coupling_term({name: scene.range_of(name) for name in part.channels}, part.taps))
+    def extension(self, residual: Residual) -> Extension:
+        part = residual.fit.chain.of(CouplingPart)
+        return Extension(term=coupling_term({name: residual.scene.range_of(name) for name in part.channels}, part.taps))
+
+    def true_extension(self, known: Known) -> Extension:
+        ranges = {name: (float(values.min()), float(values.max())) for name, values in known.channels.items()}
+        return Extension(term=coupling_term(ranges))
 
 
 def coupling_term(ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> Coupling:
     """The term for some channels, each with its range."""
     low, high = zip(*ranges.values(), strict=True)
     return Coupling(tuple(ranges), low, high, taps)
-
-
-def _part(chain: Chain) -> CouplingPart:
-    part = chain.get(CouplingPart)
-    assert part is not None
-    return part
 
 
 def _moves(residual: Residual, name: str) -> bool:

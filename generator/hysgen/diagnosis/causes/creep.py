@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -19,7 +19,6 @@ from hysgen.diagnosis.probe import (
     Fit,
     Parameter,
     Part,
-    Scene,
     SlowStates,
     standard_errors,
     whitened_fit,
@@ -118,7 +117,7 @@ class CreepCause(Cause):
         Plateaus tell it best: there the hysteresis rests, and what it leaves does not change.
         """
         scene, fit = whitened_fit(residual.scene, residual.fit)
-        part = _part(fit.chain)
+        part = fit.chain.of(CreepPart)
         creep, from_s = part.per_decade, part.from_s
         error = standard_errors(scene, fit).coordinates["creep.per_decade"]
         z = creep / max(error, 1e-15)
@@ -129,10 +128,14 @@ class CreepCause(Cause):
             parameters={"per_decade": Estimate(creep, error), "from_s": Estimate(from_s, math.nan)},
         )
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        _, fit = whitened_fit(scene, fit)
-        from_s = _part(fit.chain).from_s
+    def extension(self, residual: Residual) -> Extension:
+        scene = residual.scene
+        _, fit = whitened_fit(scene, residual.fit)
+        from_s = fit.chain.of(CreepPart).from_s
         return Extension(term=creep_term(from_s, max(scene.span_s, 4.0 * from_s)))
+
+    def true_extension(self, known: Known) -> Extension:
+        return Extension(term=creep_term(known.parameters["creep.from_s"], known.span_s))
 
 
 def creep_term(from_s: float, longest_s: float) -> Creep:
@@ -142,12 +145,6 @@ def creep_term(from_s: float, longest_s: float) -> Creep:
     -0.4 and +2.2 of the gain lower its error by a fifth and double that of the held-out part.
     """
     return Creep.log_spaced(STATES, from_s, longest_s, shared=True)
-
-
-def _part(chain: Chain) -> CreepPart:
-    part = chain.get(CreepPart)
-    assert part is not None
-    return part
 
 
 CAUSE = CreepCause()

@@ -6,9 +6,9 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, standard_errors
 from hysgen.model.path.delay import Delay
 
 
@@ -59,8 +59,11 @@ class DelayCause(Cause):
             parameters={"delay_samples": Estimate(late, error)},
         )
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        return Extension(block=Delay(max(fit.chain.delay, 0.0)))
+    def extension(self, residual: Residual) -> Extension:
+        return Extension(block=Delay(max(residual.fit.chain.delay, 0.0)))
+
+    def true_extension(self, known: Known) -> Extension:
+        return Extension(block=Delay(known.parameters["delay.delay_samples"]))
 
 
 CAUSE = DelayCause()

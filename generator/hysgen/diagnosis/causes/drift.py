@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
-from hysgen.diagnosis.extension import Extension, Trend, trend_course
+from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, Scene, standard_errors, whitened_fit
+from hysgen.model.model import Model
+from hysgen.model.terms.drift import Drift
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +30,39 @@ unknown start, creep, or a limit that is not quite found leaves."""
 
 SINCE = (0.01, 0.05, 0.25)
 """Shares of the record at which a drift that slows down is tried to have begun before it."""
+
+
+FOLLOWED = 0.02
+"""Time constant of the bias state, as a share of the record over which the drift was seen."""
+
+WIDEST_BIAS = 0.05
+"""Limit of the bias per sample, as a share of the range of y."""
+
+
+def trend_course(t_s: Floats | float, since_s: float | None) -> Floats:
+    """Course of a drift of unit size at time t: t, or log10(1 + t / since) if it slows down."""
+    return np.asarray(t_s, dtype=np.float64) if since_s is None else np.log10(1.0 + np.asarray(t_s) / since_s)
+
+
+@dataclass(frozen=True)
+class Trend(Correction):
+    """The drift over a segment: size_um times `trend_course`, i.e. um per second, or per decade if it slows down."""
+
+    size_um: float
+    since_s: float | None = None
+
+    def at(self, t_s: Floats) -> Floats:
+        """(n,) um at times t_s after the start of a segment."""
+        return self.size_um * trend_course(t_s, self.since_s)
+
+    def removed(self, y_um: Floats, t_s: Floats) -> Floats:
+        """y - drift(t)"""
+        return y_um - self.at(t_s)
+
+    def online_term(self, model: Model, span_s: float) -> Drift:
+        """A bias state; it starts at 0 and holds in a free run, so that every score stays as it was."""
+        tau_s = max(span_s * FOLLOWED, 100.0 * model.Ts_s)
+        return Drift(tau_s, WIDEST_BIAS * (model.grid.y_max_um - model.grid.y_min_um))
 
 
 @dataclass(frozen=True)
@@ -63,11 +98,11 @@ class DriftCause(Cause):
 
     def needed_in(self, chain: Chain) -> float:
         """A drift that slows down can stand for the memory's unknown start too, so more is asked of it."""
-        return self.needed if _part(chain).since_s is None else NEEDED_SLOWING
+        return self.needed if chain.of(DriftPart).since_s is None else NEEDED_SLOWING
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """A ramp in place of a drift that slows down."""
-        return [] if _part(chain).since_s is None else [chain.having(DriftPart())]
+        return [] if chain.of(DriftPart).since_s is None else [chain.having(DriftPart())]
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """A ramp, and drifts that slow down."""
@@ -84,7 +119,7 @@ class DriftCause(Cause):
         A ramp is measured as creep is. The misfit would leave nothing certain of a drift that slows down: blocks that
         were not fitted decide on it, see `needed_in`.
         """
-        slowing = _part(residual.fit.chain).since_s is not None
+        slowing = residual.fit.chain.of(DriftPart).since_s is not None
         scene, fit = (residual.scene, residual.fit) if slowing else whitened_fit(residual.scene, residual.fit)
         chain, drift = fit.chain, _drift(scene, fit)
         course = float(trend_course(scene.span_s, drift.since_s))
@@ -115,21 +150,16 @@ class DriftCause(Cause):
             parameters=parameters,
         )
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        _, fit = whitened_fit(scene, fit)
-        return Extension(drift=_drift(scene, fit))
+    def extension(self, residual: Residual) -> Extension:
+        scene = residual.scene
+        _, fit = whitened_fit(scene, residual.fit)
+        return Extension(correction=_drift(scene, fit))
 
 
 def _drift(scene: Scene, fit: Fit) -> Trend:
     """The drift that a fit found."""
-    weight, since_s = float(fit.weights[scene.column_of(fit.chain, DriftPart)]), _part(fit.chain).since_s
+    weight, since_s = float(fit.weights[scene.column_of(fit.chain, DriftPart)]), fit.chain.of(DriftPart).since_s
     return Trend(weight / float(trend_course(scene.span_s, since_s)), since_s)
-
-
-def _part(chain: Chain) -> DriftPart:
-    part = chain.get(DriftPart)
-    assert part is not None
-    return part
 
 
 def _seen(residual: Residual, direction: float) -> float:

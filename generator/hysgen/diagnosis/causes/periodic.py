@@ -11,9 +11,9 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, standard_errors
 from hysgen.model.terms.periodic import Periodic
 
 Floats = NDArray[np.float64]
@@ -99,8 +99,11 @@ class PeriodicCause(Cause):
         texts.append("phase kept throughout" if steady else "phase not kept")
         return Signature(steady and least > LEAST_RATIO, float(np.sqrt(least)), "; ".join(texts), parameters)
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        return Extension(term=Periodic(tuple(sorted(_lines_Hz(fit.chain)))))
+    def extension(self, residual: Residual) -> Extension:
+        return Extension(term=Periodic(tuple(sorted(_lines_Hz(residual.fit.chain)))))
+
+    def true_extension(self, known: Known) -> Extension:
+        return Extension(term=Periodic((known.parameters["periodic.f_Hz"],)))
 
 
 def _lines_Hz(chain: Chain) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Parameter, Part, Scene, standard_errors
 from hysgen.model.terms.resonance import Resonance
@@ -54,6 +54,7 @@ class ResonancePart(Part):
 class ResonanceCause(Cause):
     name = "resonance"
     rank = 60
+    fitted_late = True  # its modes share the small gain of the inverse with the plays
     part = ResonancePart
     tried = 3  # slow misfit can resemble a mode before the mode does; a fit keeps to one side of the true damping
 
@@ -120,9 +121,12 @@ class ResonanceCause(Cause):
         least = min(z for _, _, z in told)
         return Signature(all(holds for _, holds, _ in told), least, "; ".join(texts), parameters)
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        modes = sorted(fit.chain.modes, key=lambda mode: mode.f_Hz)
+    def extension(self, residual: Residual) -> Extension:
+        modes = sorted(residual.fit.chain.modes, key=lambda mode: mode.f_Hz)
         return Extension(term=Resonance(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
+
+    def true_extension(self, known: Known) -> Extension:
+        return Extension(term=Resonance((known.parameters["resonance.f_Hz"],), (known.parameters["resonance.zeta"],)))
 
 
 def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:

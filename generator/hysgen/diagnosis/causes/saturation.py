@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors
 from hysgen.model.path.saturation import Saturation
@@ -125,8 +125,9 @@ class SaturationCause(Cause):
             parameters=parameters,
         )
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        part = _part(fit.chain)
+    def extension(self, residual: Residual) -> Extension:
+        scene, chain = residual.scene, residual.fit.chain
+        part = _part(chain)
         span_V = scene.operator.high_V - scene.operator.low_V
         # A side that does not clip gets a level that the record never reaches.
         return Extension(
@@ -135,6 +136,9 @@ class SaturationCause(Cause):
                 scene.operator.high_V + span_V if part.high_V is None else part.high_V,
             )
         )
+
+    def true_extension(self, known: Known) -> Extension:
+        return Extension(block=Saturation(known.parameters["saturation.low_V"], known.parameters["saturation.high_V"]))
 
 
 def _part(chain: Chain) -> SaturationPart:

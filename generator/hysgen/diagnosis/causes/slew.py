@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, standard_errors
 from hysgen.machine.kernels import rate_limited
 from hysgen.model.path.slew import Slew
 
@@ -72,8 +71,7 @@ class SlewCause(Cause):
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The rate against its standard error, and the share of the command's steps that the limit holds back."""
         scene, chain = residual.scene, residual.fit.chain
-        part = chain.get(SlewPart)
-        rate = math.inf if part is None else part.rate_V_per_s
+        rate = chain.of(SlewPart).rate_V_per_s
         error = rate * standard_errors(scene, residual.fit).coordinates["slew.rate_V_per_s"]
         free = self.without(chain)
         behind = np.concatenate(
@@ -89,10 +87,13 @@ class SlewCause(Cause):
             parameters={"rate_V_per_s": Estimate(rate, error)},
         )
 
-    def extension(self, scene: Scene, fit: Fit) -> Extension:
-        part = fit.chain.get(SlewPart)
-        assert part is not None
-        return Extension(block=Slew(part.rate_V_per_s, part.rate_V_per_s))
+    def extension(self, residual: Residual) -> Extension:
+        rate = residual.fit.chain.of(SlewPart).rate_V_per_s
+        return Extension(block=Slew(rate, rate))
+
+    def true_extension(self, known: Known) -> Extension:
+        rate = known.parameters["slew.rate_V_per_s"]
+        return Extension(block=Slew(rate, rate))
 
 
 CAUSE = SlewCause()

@@ -48,6 +48,13 @@ class Chain:
         """The part of a kind, None if the chain has none."""
         return next((part for part in self.parts if isinstance(part, kind)), None)
 
+    def of(self, kind: type[P]) -> P:
+        """The part of a kind. Raises LookupError if the chain has none."""
+        part = self.get(kind)
+        if part is None:
+            raise LookupError(f"the chain has no {kind.__name__}")
+        return part
+
     def having(self, part: Part) -> Chain:
         """The chain with this part, in place of one of its kind if there is one."""
         return dataclasses.replace(self, parts=(*self.without(type(part)).parts, part))

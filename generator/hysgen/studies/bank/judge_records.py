@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.causes.memory import usual_memory
 from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.ladder import fit_ladder
-from hysgen.diagnosis.memory_shape import usual_memory, with_best_memory
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.procedure import Naming, name_causes
@@ -109,7 +110,7 @@ def _error_ratios(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]
     held = prepared.held_rows[~corrupted[prepared.held_rows]]
     if hidden.excitation != "good" or not hidden.planted or set(naming.names) != set(hidden.planted):
         return math.nan, math.nan
-    extensions = with_best_memory(prepared, naming.extensions, agreed, FitSettings())
+    extensions = with_best_forms(prepared, naming.extensions, agreed, FitSettings())
     extended = rms(fit_ladder(prepared, extensions, agreed, FitSettings()).error_um[held])
     fall = math.nan
     if hidden.planted == (Hysteresis.name,) and isinstance(hidden.stage.memory, Preisach | Relays):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hysgen.diagnosis.causes.vocabulary import VOCABULARY
+from hysgen.diagnosis.causes import VOCABULARY
 from hysgen.stage import Hysteresis
 
 

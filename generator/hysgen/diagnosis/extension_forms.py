@@ -1,0 +1,51 @@
+"""The form of each extension, such as the number of plays of the memory, chosen inside the identification part.
+
+A cause may offer several forms of its extension (`Cause.other_forms`). Every form is fitted with the other extensions
+to the identification part less a third of its blocks, each third in turn, and scored in free run on the third. The
+usual form is kept unless another one is lower for certain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hysgen.diagnosis.bootstrap import blockwise_confidence, gain
+from hysgen.diagnosis.causes import causes, in_ladder_order
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.ladder import checked_error
+from hysgen.diagnosis.prepare import Prepared
+from hysgen.diagnosis.probe import rms
+from hysgen.fitting import FitSettings
+
+SURE = 0.95
+"""Share of bootstrap draws in which another form must be lower: in the rms and in the mean over blocks alike."""
+
+
+def with_usual_forms(extensions: dict[str, Extension]) -> dict[str, Extension]:
+    """The extensions, each in its usual form."""
+    return {name: causes()[name].usual_form(extension) for name, extension in extensions.items()}
+
+
+def with_best_forms(
+    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
+) -> dict[str, Extension]:
+    """The extensions, those of `names` each in its best form.
+
+    Of the forms that are lower than the usual one for certain, the form with the lowest rms.
+    """
+    beside = [name for name in names if not causes()[name].fitted_late]
+    best = dict(extensions)
+    for name in in_ladder_order(names):
+        forms = causes()[name].other_forms(best[name])
+        if not forms:
+            continue
+        usual = best = {**best, name: causes()[name].usual_form(best[name])}
+        _, usual_um = checked_error(prepared, usual, beside, settings)
+        best_um = rms(usual_um)
+        for form in forms:
+            other = {**usual, name: form}
+            _, other_um = checked_error(prepared, other, beside, settings)
+            sure = min(gain(usual_um, other_um).confidence, blockwise_confidence(usual_um, other_um))
+            if sure >= SURE and rms(other_um) < best_um:
+                best, best_um = other, rms(other_um)
+    return best
