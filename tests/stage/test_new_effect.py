@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
+import math
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +16,7 @@ import pytest
 
 import hysgen
 from hysgen.stage import Stage, StageError, StageState, effects, run
-from hysgen.stage.effects import Effect, Setting
+from hysgen.stage.effects import Action, Effect, Setting
 from hysgen.studies.bank import scenario
 
 ECHO = """
@@ -131,3 +134,36 @@ def test_effect_in_python_acts_in_a_run_as_step_by_step(echo: type[Effect]) -> N
     np.testing.assert_allclose(whole.displacement_um - bare.displacement_um, 0.01 * past_V, atol=1e-14)
     with pytest.raises(StageError, match=r"acts in Python; use step\(\)"):
         _ = state.address
+
+
+@dataclass(frozen=True)
+class Divider(Effect):
+    """Of the command only a share arrives at the D/A."""
+
+    share: float
+
+    name = "divider"
+
+    def action(self, Ts_s: float, seed: int, rest_V: float) -> Action:
+        return _Divided(self.share)
+
+
+class _Divided(Action):
+    def __init__(self, share: float) -> None:
+        self.share = share
+
+    def command_V(self, u_V: float) -> float:
+        return self.share * u_V
+
+
+def test_effect_in_python_changes_the_command_from_rest_on() -> None:
+    u_V = 40.0 + 20.0 * np.sin(0.1 * np.arange(200))
+    divided = run(dataclasses.replace(Stage.nominal(), others=(Divider(0.5),)), u_V, 1e-3, seed=2)
+    half = run(Stage.nominal(), 0.5 * u_V, 1e-3, seed=2)
+    assert divided.displacement_um.tobytes() == half.displacement_um.tobytes()
+    assert divided.voltage_V.tobytes() == u_V.tobytes()  # the record holds the command
+    state = StageState(dataclasses.replace(Stage.nominal(), others=(Divider(0.5),)), 1e-3, seed=2, rest_V=u_V[0])
+    state.step(60.0)
+    at_V = state.actuator_V
+    state.step(math.nan)  # holds the last voltage
+    assert state.actuator_V == at_V == StageState(Stage.nominal(), 1e-3, rest_V=30.0).actuator_V

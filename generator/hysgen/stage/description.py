@@ -84,7 +84,7 @@ class Stage:
         others = self.others
         for name, value in values.items():
             given = _given(name, value)
-            if name in ("memory", "noise"):
+            if name in (Hysteresis.name, Noise.name):
                 parts[name] = given[0] if given else None
             else:
                 others = (*(effect for effect in others if effect.name != name), *given)

@@ -165,7 +165,7 @@ class Effect:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the further channels that act on the stage."""
+        """Names of the further channels that act on the stage through the compiled plant."""
         return ()
 
     def action(self, Ts_s: float, seed: int, rest_V: float) -> Action | None:
