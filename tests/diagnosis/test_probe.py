@@ -21,7 +21,7 @@ from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.probe import Chain, Mode, Operator, Scene, Trace, refine, standard_errors
 from hysgen.diagnosis.probe.dynamics import respond
-from hysgen.diagnosis.probe.uncertainty import BLOCKS, left_out
+from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
 from hysgen.diagnosis.spikes import isolated
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, rate_limited
 
@@ -139,7 +139,7 @@ def test_error_behind_a_standard_error_is_that_of_a_fit_that_left_the_block_out(
         weights = np.linalg.lstsq(np.delete(columns, block, axis=1).T, np.delete(y_um, block))[0]
         expected[block] = y_um[block] - weights @ columns[:, block]
     # The projector's ridge moves its columns by 1e-9 of their size.
-    np.testing.assert_allclose(left_out(columns, fitted), expected, atol=1e-7)
+    np.testing.assert_allclose(block_left_out_error(columns, fitted), expected, atol=1e-7)
 
 
 def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() -> None:

@@ -1,4 +1,4 @@
-"""What is left when every cause has had its say: nothing, something unknown, or something this record cannot tell."""
+"""Structure in the residual of the probe that no cause explains, and the experiment that would identify more causes."""
 
 from __future__ import annotations
 
@@ -14,55 +14,56 @@ from hysgen.record.series import plateaus
 
 Floats = NDArray[np.float64]
 
-UNKNOWN_ABOVE = 0.001
-"""Share of the span of y that the probe may leave: twice what hysteresis of any kind in the bank leaves."""
-
-OVER_NOISE = 2.5
+UNKNOWN_ABOVE, OVER_NOISE = 0.001, 2.5
+"""Residual rms, as a share of the span of y and in noise floors, from both of which on the residual has structure."""
 
 FEWEST_TURNS = 12
-"""Turning points of the command below which memory cannot be told from a curve."""
+"""Turning points that the command needs to distinguish memory from a nonlinear curve."""
 
 ALIKE = 0.7
-"""Swings are all alike if the small ones (20 %) reach this share of the large ones (80 %), in size or in length."""
+"""Ratio of the 20 % to the 80 % quantile above which the sizes, or the durations, of the swings count as equal."""
+
+JUMP = 8.0
+"""Size of a jump in robust standard deviations of the residual's steps."""
 
 
 def unexplained_structure(prepared: Prepared, found: Found, noise: NoiseFloor) -> str | None:
-    """What the structure left looks like; None if the probe leaves no more than noise and inexact hysteresis."""
+    """The structure in the residual of the probe's fit, in words; None if the residual is noise or negligible."""
     rows = found.scene.rows
-    left = found.fit.error[rows]
-    level, span = rms(left), float(np.ptp(prepared.y_um[: prepared.cut]))
+    residual = found.fit.error[rows]
+    level, span = rms(residual), float(np.ptp(prepared.y_um[: prepared.cut]))
     if level < UNKNOWN_ABOVE * span or level < OVER_NOISE * noise.rms_um:
         return None
-    words = residual_in_words(left, prepared, rows)
+    words = residual_in_words(residual, prepared, rows)
     return f"{1e3 * level:.3g} nm are left ({100 * level / span:.2g} % of the span), {words}"
 
 
-def residual_in_words(left: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:
-    """The residual in words: jumps or smooth, fast or slow, where in the stroke, in which direction."""
+def residual_in_words(residual: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:
+    """Jumps, slow or fast, dependence on displacement and direction of a residual, (m,), in um on the given rows."""
     words = []
-    moves = np.diff(left)
-    typical = 1.4826 * float(np.median(np.abs(moves))) + 1e-300
-    jumps = int(np.count_nonzero(np.abs(moves) > 8.0 * typical))
+    steps = np.diff(residual)
+    typical = 1.4826 * float(np.median(np.abs(steps))) + 1e-300
+    jumps = int(np.count_nonzero(np.abs(steps) > JUMP * typical))
     if jumps > 5:
         words.append(f"{jumps} jumps")
-    middle = left - left.mean()
-    lag = max(1, len(left) // 200)
-    memory = float(middle[lag:] @ middle[:-lag] / (middle @ middle + 1e-300))
-    words.append("slow" if memory > 0.5 else "fast")
+    centred = residual - residual.mean()
+    lag = max(1, len(residual) // 200)
+    autocorrelation = float(centred[lag:] @ centred[:-lag] / (centred @ centred + 1e-300))
+    words.append("slow" if autocorrelation > 0.5 else "fast")
     y = prepared.y_um[rows]
-    along = float(np.corrcoef(y, np.abs(middle))[0, 1])
+    along = float(np.corrcoef(y, np.abs(centred))[0, 1])
     if abs(along) > 0.25:
         words.append("larger at high displacement" if along > 0 else "larger at low displacement")
     rising = np.gradient(prepared.u_V)[rows] > 0
     if rising.any() and (~rising).any():
-        gap = abs(float(middle[rising].mean() - middle[~rising].mean()))
-        if gap > 0.5 * rms(middle):
+        gap = abs(float(centred[rising].mean() - centred[~rising].mean()))
+        if gap > 0.5 * rms(centred):
             words.append("depends on the direction")
     return ", ".join(words)
 
 
 def next_experiment(prepared: Prepared) -> str:
-    """How to drive the stage to learn what this record cannot tell; empty if it can tell everything."""
+    """The excitation that would distinguish causes which this record cannot distinguish; empty if there are none."""
     u_V = prepared.u_V[: prepared.cut]
     turns = turning_points(u_V)
     swings_V, lengths = np.abs(np.diff(u_V[turns])), np.diff(turns)

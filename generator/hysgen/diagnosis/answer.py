@@ -1,4 +1,4 @@
-"""What a diagnosis says: the causes named, what each gains and rests on, and what remains."""
+"""The result of a diagnosis: named causes with parameters, evidence and gain, and the unexplained part of the error."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Price:
-    """What an extension costs per sample on the DSP."""
+    """Cycles per sample on the DSP and bytes that an extension adds to the model."""
 
     cycles: int
     bytes: int
@@ -28,18 +28,18 @@ class Price:
 
 @dataclass(frozen=True)
 class NamedCause:
-    """A cause that evidence and gain agree on.
+    """A cause with physical evidence, needed by the probe, whose extension lowers the error of the model.
 
-    evidence: in words. statistic: what the evidence comes to, in standard errors or their equivalent (`Signature.z`).
-    step: rms on the ladder before and after its extension, held-out.
-    alone: what leaving it out of the complete model costs, on blocks of the identification part left out of the fit;
-    None for corrupted samples, for the error on these means nothing.
-    probe_gain: how many times the probe's error beyond the white noise, on unfitted blocks, grows without it, as
-    measured (`Found.needs`); None for corrupted samples, for the probe has no part for them.
-    separated_by_likelihood: whether the cause is one of several slow causes and Schwarz's criterion finds the probe's
-    chain far likelier with it. The cause is then named even if its probe_gain is below `Cause.needed`.
-    share: part of the base error's power above the noise floor that its extension takes away; 0 if none is above.
-    extended: whether its extension stands in the model: not if it does not pay there, with the certificates kept.
+    evidence: in words. statistic: strength of the evidence in standard errors or their equivalent (`Signature.z`).
+    step: held-out rms on the ladder before and after its extension.
+    alone: gain of its extension beside all others, on cross-validation blocks; None for corrupted samples, on which the
+    error has no meaning.
+    probe_gain: ratio of the probe's rms beyond the white noise, on the checking blocks, without and with the cause, as
+    measured (`Found.needs`); None for corrupted samples, which are no part of the probe.
+    separated_by_likelihood: whether the cause is one of several slow causes and Schwarz's criterion strongly favours
+    the probe's chain with it. The cause is then named even if its probe_gain is below `Cause.needed`.
+    share: part of the base error's power above the noise floor that its extension removes; 0 if no power is above it.
+    extended: whether its extension is in the model; an extension without gain in the certified model is not.
     """
 
     name: str
@@ -56,17 +56,17 @@ class NamedCause:
 
     @property
     def confidence(self) -> float | None:
-        """Share of bootstrap draws, on blocks left out of the fit, in which its extension lowers the error by over 2 %.
+        """Share of bootstrap draws, on cross-validation blocks, in which its extension lowers the error by over 2 %.
 
-        In the mean over blocks or in the rms (`bootstrap.combined_confidence`). It is no part of the evidence. None for
-        corrupted samples: no such gain is measured.
+        In the geometric mean over blocks or in the rms (`bootstrap.combined_confidence`). The evidence has no part in
+        it. None for corrupted samples, for which no gain is measured.
         """
         return None if self.alone is None else self.alone.confidence
 
     def to_json(self) -> dict[str, Any]:
-        """As in DESIGN.md, section 8, and more; null where a quantity does not exist or is not finite.
+        """Plain JSON values (docs/diagnosis.md); null where a quantity does not exist or is not finite.
 
-        So for corrupted samples `confidence`, `gain.alone` and `probe_gain` are null.
+        For corrupted samples `confidence`, `gain.alone` and `probe_gain` are null.
         """
         alone = self.alone
         return {
@@ -92,7 +92,7 @@ class NamedCause:
 
 @dataclass(frozen=True)
 class Refused:
-    """A cause that was looked at closely and not named, and why."""
+    """A candidate cause that is not named, and the reason."""
 
     name: str
     why: str
@@ -100,13 +100,14 @@ class Refused:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """The answer of `diagnose`.
+    """The result of `diagnose`.
 
-    causes: in the order found. unknown: what the structure that is left looks like, or None.
-    base, model: the paper's model and the extended one. errors_um: free-run error of each rung over the whole record.
-    base_rms_um, extended_rms_um: free run, held out. persistence_um: of y(k+1) = y(k), held out.
-    unexplained_fraction: part of the base error's power above the noise floor that is left; 0 if none is above.
-    next_experiment: how to drive the stage to learn what this record cannot tell.
+    causes: in the order of the ladder. unknown: unexplained structure in the probe's residual in words, or None.
+    base, model: the paper's model and the extended one. errors_um: name and free-run error, (n,), of each rung.
+    base_rms_um, extended_rms_um: free-run rms of the first and of the last rung on the held-out rows `held_rows`.
+    persistence_um: rms of the one-step error of y(k+1) = y(k), held out. probe_rms_um: of the probe on its fitted rows.
+    unexplained_fraction: part of the base error's power above the noise floor that remains; 0 if no power is above it.
+    next_experiment: excitation that distinguishes causes which this record cannot distinguish; may be empty.
     """
 
     causes: tuple[NamedCause, ...]
@@ -126,20 +127,20 @@ class Diagnosis:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the causes in the order found, `unknown` last if structure is left."""
+        """Names of the causes in the order of the ladder, `unknown` last if structure is left."""
         return (*(cause.name for cause in self.causes), *(("unknown",) if self.unknown else ()))
 
     @property
     def missing_certificates(self) -> tuple[str, ...]:
-        """Those of gain, contraction and inverse that the extended model does not have.
+        """Certificates among gain, contraction and inverse that the extended model lacks.
 
-        Fits keep them. Only where no certified model lies near the record is one without them delivered.
+        The fit enforces all three; it returns a model without them only if no certified model fits the record.
         """
-        told = self.model.certificates
-        return tuple(name for name in ("gain", "contraction", "inverse") if name in told and not told[name]["holds"])
+        known = self.model.certificates
+        return tuple(name for name in ("gain", "contraction", "inverse") if name in known and not known[name]["holds"])
 
     def to_json(self) -> dict[str, Any]:
-        """As in DESIGN.md, section 8, and more; null where a quantity does not exist."""
+        """Plain JSON values (docs/diagnosis.md); null where a quantity does not exist."""
         causes = [cause.to_json() for cause in self.causes]
         if self.unknown:
             causes.append({"name": "unknown", "parameters": {}, "evidence": self.unknown})

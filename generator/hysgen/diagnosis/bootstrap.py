@@ -1,6 +1,6 @@
-"""Confidence intervals that respect correlation: whole blocks of samples are drawn again, never single ones.
+"""Confidence intervals of correlated errors by block bootstrap: blocks of samples are resampled, not single samples.
 
-Source: Kuensch (1989), moving blocks; Politis and Romano (1992), circular ones.
+Sources: Kuensch (1989), moving blocks; Politis and Romano (1992), circular blocks.
 """
 
 from __future__ import annotations
@@ -16,12 +16,15 @@ BLOCKS = 24
 DRAWS = 400
 
 LEEWAY = 0.25
-"""How much less sure the mean over blocks may be of a fall than the rms is."""
+"""Largest excess of the confidence by the rms over the confidence by the geometric mean that is accepted."""
 
 
 @dataclass(frozen=True)
 class Gain:
-    """Free-run rms before and after in um, the 95 % interval of the fall, and in what share of draws it is one."""
+    """Fall of the free-run rms from `before_um` to `after_um`.
+
+    low_um, high_um: 95 % interval of the fall. confidence: share of bootstrap draws in which the rms falls.
+    """
 
     before_um: float
     after_um: float
@@ -31,14 +34,15 @@ class Gain:
 
     @property
     def fall_um(self) -> float:
-        """How far the rms falls."""
+        """Fall of the rms, negative if the rms rises."""
         return self.before_um - self.after_um
 
 
 def gain(before_um: Floats, after_um: Floats, by: float = 0.0) -> Gain:
-    """The gain between two errors of the same samples, (n,) each, in order; sure of a fall by more than the share `by`.
+    """The gain between two errors, (n,) each, of the same consecutive samples.
 
-    Blocks of n/24 samples, drawn 400 times with a fixed seed, the same blocks for both errors.
+    Its confidence is the share of draws in which the rms falls by more than the share `by`. A draw is 24 blocks of n/24
+    samples, the same for both errors; the seed of the 400 draws is fixed.
     """
     n = len(before_um)
     length = max(1, n // BLOCKS)
@@ -52,12 +56,10 @@ def gain(before_um: Floats, after_um: Floats, by: float = 0.0) -> Gain:
 
 
 def blockwise_confidence(before_um: Floats, after_um: Floats, by: float = 0.0) -> float:
-    """In what share of draws the error falls by more than the share `by` of it, in the geometric mean over 24 blocks.
+    """Share of 400 draws in which the geometric mean of the rms over 24 blocks falls by more than the share `by`.
 
-    The blocks are drawn again 400 times.
-
-    A model that was not fitted to the one block with the widest stroke may be far off there, whatever its extensions;
-    the rms over all blocks would be that of this one.
+    In contrast to the rms over all samples, the geometric mean is not dominated by one block with a large error, such
+    as a block whose stroke is wider than every stroke that the model was fitted to.
     """
     parts = [np.array_split(error, BLOCKS) for error in (before_um, after_um)]
     levels = [np.log([float(np.mean(part * part)) + 1e-300 for part in side]) for side in parts]
@@ -66,16 +68,16 @@ def blockwise_confidence(before_um: Floats, after_um: Floats, by: float = 0.0) -
 
 
 def combined_confidence(before_um: Floats, after_um: Floats, by: float = 0.0) -> float:
-    """How sure it is that the error falls by more than the share `by`, in the geometric mean over blocks or in the rms.
+    """Confidence that the error falls by more than the share `by`: max(g, min(r, g + LEEWAY)).
 
-    The geometric mean hears no single wild block, but a quiet one as loud as any; the rms the other way round. So the
-    rms is believed where the mean over blocks, g, is not much less sure: max(g, min(r, g + LEEWAY)).
+    g: `blockwise_confidence`. r: `Gain.confidence`. The geometric mean limits the weight of a block with a large error,
+    but gives a block with a negligible error the same weight; the rms does the opposite.
     """
     blocks, power = blockwise_confidence(before_um, after_um, by), gain(before_um, after_um, by).confidence
     return max(blocks, min(power, blocks + LEEWAY))
 
 
 def _block_means(values: Floats, length: int) -> Floats:
-    """(n,) mean of the `length` values from each sample on, around the end to the start."""
+    """(n,) mean of the `length` values from each sample on; the series continues at its start."""
     sums = np.concatenate([[0.0], np.cumsum(np.concatenate([values, values[: length - 1]]))])
     return np.asarray((sums[length:] - sums[:-length]) / length)

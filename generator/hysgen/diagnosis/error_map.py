@@ -1,7 +1,7 @@
-"""What is wrong: the error of a model's free run, sorted by everything that a cause could hang on.
+"""Error map of a free run: its error over the variables that causes depend on.
 
-Against the horizon; by amplitude, frequency, level and direction of the present swing of the input; by the time since
-its last turning point and the time in the record; over frequency; and how much of it stands above the noise floor.
+The prediction horizon; amplitude, frequency, level and direction of the swing of the input; the time since the last
+turning point and since the start of the segment; the frequency of the error; the share of its power above the noise.
 """
 
 from __future__ import annotations
@@ -17,17 +17,20 @@ from hysgen.errors import RecordError
 from hysgen.model.model import Model
 from hysgen.model.simulate import HorizonCurve, free_run, horizon_curve
 from hysgen.record import Record
+from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
 
-BINS = 10
+BINS, BANDS = 10, 60
+"""Bins of a profile and bands of a spectrum."""
+
 SMALLEST_SWING = 0.01
-"""Swings smaller than this share of the range are noise on the command, not swings."""
+"""Size of the smallest swing as a share of the range of the input; smaller ones are noise on the command."""
 
 
 @dataclass(frozen=True)
 class Profile:
-    """The error sorted by one quantity: bin edges (b + 1), rms and mean in um (b,), samples (b,); NaN in empty bins."""
+    """Error binned by one quantity: bin edges (b + 1), rms and mean in um (b,), samples (b,); NaN in empty bins."""
 
     quantity: str
     unit: str
@@ -50,7 +53,7 @@ class Profile:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Amplitude of the error in um in bands of equal width in log f: centres in Hz, (b,) each."""
+    """Rms of the error in um in bands of equal width in log f; centres of the bands in Hz, (b,) each."""
 
     f_Hz: tuple[float, ...]
     rms_um: tuple[float, ...]
@@ -58,7 +61,7 @@ class Spectrum:
 
 @dataclass(frozen=True)
 class ErrorMap:
-    """Everything about the error of a free run over a record.
+    """Error of a free run over a record: rms, largest magnitude, horizon curve, profiles and spectrum.
 
     above_noise: share of the error's power above the noise floor, 0 to 1.
     """
@@ -85,18 +88,20 @@ class ErrorMap:
 def error_map(
     model: Model, record: Record, noise_um: float = 0.0, error_um: Floats | None = None, first: int = 0
 ) -> ErrorMap:
-    """What a model's free run over a record gets wrong; noise_um: the noise floor.
+    """The error map of a model's free run over a record; noise_um: the noise floor.
 
-    error_um: (n,) simulated - measured over the joined record, if it is known already.
-    first: rows before it only lead up to what is looked at.
-    Raises RecordError if the record's sampling period is not the model's, or no row is left.
+    error_um: (n,) simulated - measured, all segments in order; None to simulate the record here.
+    first: the rows from `first` on are evaluated, the rows before it only simulated.
+    Raises RecordError if the record's sampling period differs from the model's, or no row is evaluated.
     """
     if not 0 <= first < record.samples:
         raise RecordError(f"{record.source}: no row is left from row {first} on; it has {record.samples}")
     if error_um is None:
         runs = free_run(model, record)
         error_um = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, record.segments, strict=True)])
-    pieces = np.split(error_um, np.cumsum([s.samples for s in record.segments])[:-1])
+    lengths = [segment.samples for segment in record.segments]
+    pieces = np.split(error_um, np.cumsum(lengths)[:-1])
+    evaluated = [piece[max(first - start, 0) :] for piece, start in zip(pieces, np.cumsum([0, *lengths]), strict=False)]
     swings = [_swings(s.u_V, record.Ts_s) for s in record.segments]
     time_s = np.concatenate([record.Ts_s * np.arange(s.samples, dtype=np.float64) for s in record.segments])[first:]
     level_V = np.concatenate([s.u_V for s in record.segments])[first:]
@@ -117,17 +122,8 @@ def error_map(
         above_noise=max(0.0, 1.0 - noise_um**2 / max(power, 1e-300)),
         horizon=horizon_curve(model, record, first=first),
         profiles=profiles,
-        spectrum=spectrum(max(_from(pieces, first), key=len), record.Ts_s),
+        spectrum=spectrum(max(evaluated, key=len), record.Ts_s),
     )
-
-
-def _from(pieces: Sequence[Floats], first: int) -> list[Floats]:
-    """The pieces without the `first` rows of their whole."""
-    kept, at = [], 0
-    for piece in pieces:
-        kept.append(piece[max(first - at, 0) :])
-        at += len(piece)
-    return kept
 
 
 def profile(
@@ -138,28 +134,31 @@ def profile(
     logarithmic: bool = False,
     edges: Sequence[float] | None = None,
 ) -> Profile:
-    """The error sorted by `values`, (n,) each, into bins of equal width (of the logarithm, where asked)."""
+    """The error binned by `values`, (n,) each, in BINS bins of equal width (in log values if `logarithmic`) or `edges`.
+
+    Values that are not finite are not counted; without positive values logarithmic bins go from 1 to 2.
+    """
     if edges is None:
-        sound = values[np.isfinite(values) & (values > 0)] if logarithmic else values
-        low, high = (float(sound.min()), float(sound.max())) if len(sound) else (1.0, 2.0)
+        usable = values[np.isfinite(values) & (values > 0)] if logarithmic else values
+        low, high = (float(usable.min()), float(usable.max())) if len(usable) else (1.0, 2.0)
         high = high if high > low else low + max(abs(low), 1.0)
         bounds = np.geomspace(low, high, BINS + 1) if logarithmic else np.linspace(low, high, BINS + 1)
     else:
         bounds = np.asarray(edges, dtype=np.float64)
     count = len(bounds) - 1
-    place = np.clip(np.searchsorted(bounds, values, side="right") - 1, 0, count - 1)
-    kept = np.isfinite(values)
-    samples = np.bincount(place[kept], minlength=count)
+    number = np.clip(np.searchsorted(bounds, values, side="right") - 1, 0, count - 1)
+    finite = np.isfinite(values)
+    samples = np.bincount(number[finite], minlength=count)
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.bincount(place[kept], error_um[kept], minlength=count) / samples
-        rms = np.sqrt(np.bincount(place[kept], error_um[kept] ** 2, minlength=count) / samples)
+        mean = np.bincount(number[finite], error_um[finite], minlength=count) / samples
+        rms = np.sqrt(np.bincount(number[finite], error_um[finite] ** 2, minlength=count) / samples)
     return Profile(
         quantity, unit, tuple(bounds.tolist()), tuple(rms.tolist()), tuple(mean.tolist()), tuple(samples.tolist())
     )
 
 
 def range_in_words(profile: Profile) -> str:
-    """Smallest and largest rms of a profile, and where, in words."""
+    """Smallest and largest rms of a profile and the bins in which they lie."""
     rms = np.array(profile.rms_um)
     edges = zip(profile.edges[:-1], profile.edges[1:], strict=True)
     named = profile.unit.split(", ")
@@ -168,40 +167,32 @@ def range_in_words(profile: Profile) -> str:
     return f"{rms[low]:.2g} um ({centres[low]}) .. {rms[high]:.2g} um ({centres[high]})"
 
 
-def spectrum(error_um: Floats, Ts_s: float, bands: int = 60) -> Spectrum:
-    """Rms of the error in bands of equal width in log f; their squares add up to its variance (Hann window)."""
+def spectrum(error_um: Floats, Ts_s: float, bands: int = BANDS) -> Spectrum:
+    """Rms of the error, (n,), in bands of equal width in log f (Hann window); the squares sum to its variance."""
     n = len(error_um)
-    window = np.hanning(n) if n > 2 else np.ones(n)  # of two samples Hann's window leaves nothing
+    window = np.hanning(n) if n > 2 else np.ones(n)  # Hann's window of two samples is 0
     power = np.abs(np.fft.rfft((error_um - error_um.mean()) * window)) ** 2 * 2.0 / (n * float(window @ window))
     f_Hz = np.fft.rfftfreq(n, Ts_s)
     edges = np.geomspace(f_Hz[1], f_Hz[-1] * 1.0001, bands + 1)
-    place = np.searchsorted(edges, f_Hz[1:], side="right") - 1
-    total = np.bincount(place, power[1:], minlength=bands)[:bands]
-    filled = np.bincount(place, minlength=bands)[:bands] > 0
+    band = np.searchsorted(edges, f_Hz[1:], side="right") - 1
+    total = np.bincount(band, power[1:], minlength=bands)[:bands]
+    filled = np.bincount(band, minlength=bands)[:bands] > 0
     centres = np.sqrt(edges[:-1] * edges[1:])
     return Spectrum(tuple(centres[filled].tolist()), tuple(np.sqrt(total[filled]).tolist()))
 
 
 def turning_points(u_V: Floats) -> NDArray[np.intp]:
-    """Samples at which the input turns round after a swing of at least 1 % of its range, the ends included."""
-    least = SMALLEST_SWING * float(np.ptp(u_V))
-    turns, top, bottom, rising = [0], 0, 0, 0
-    for k, u in enumerate(u_V.tolist()):
-        if u > u_V[top]:
-            top = k
-        if u < u_V[bottom]:
-            bottom = k
-        if rising >= 0 and u_V[top] - u > least:
-            turns.append(top)
-            rising, bottom = -1, k
-        elif rising <= 0 and u - u_V[bottom] > least:
-            turns.append(bottom)
-            rising, top = 1, k
-    return np.unique(np.array([*turns, len(u_V) - 1]))
+    """Rows at which swings of the input, (n,), of at least 1 % of its range begin; the first and the last row included.
+
+    A plateau at a turning point belongs to the swing that follows.
+    """
+    rows = turning_rows(u_V, SMALLEST_SWING * float(np.ptp(u_V)))
+    plateau_starts = np.maximum.accumulate(np.where(np.diff(u_V, prepend=np.nan) != 0.0, np.arange(len(u_V)), 0))
+    return np.unique(np.concatenate([[0], plateau_starts[rows], [len(u_V) - 1]]))
 
 
 def _swings(u_V: Floats, Ts_s: float) -> tuple[Floats, Floats, Floats, Floats]:
-    """Of the swing that each sample is on: half its size in V, its frequency in Hz, its direction, its age in s."""
+    """Half size in V, frequency in Hz, direction and age in s of the swing of each sample, (n,) each."""
     turns = turning_points(u_V)
     n = len(u_V)
     swing = np.clip(np.searchsorted(turns, np.arange(n), side="right") - 1, 0, max(len(turns) - 2, 0))

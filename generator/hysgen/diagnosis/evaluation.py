@@ -1,4 +1,4 @@
-"""A diagnosis beside the record it was made of: what people look at, as numbers and as pictures."""
+"""A diagnosis with its record and the error maps of the base and of the extended model on the held-out rows."""
 
 from __future__ import annotations
 
@@ -20,17 +20,16 @@ from hysgen.record import Record
 
 Floats = NDArray[np.float64]
 
-
 LADDER = ("step", "free run um", "of stroke", "gain um, 95 %", "of the error", "cycles", "bytes", "confidence")
 """Column heads of `Study.ladder`."""
 
 
 @dataclass(frozen=True)
 class HeldOut:
-    """The longest uninterrupted run of held-out samples within one segment; every array is (n,).
+    """The longest part of a segment that is held out; every array is (n,).
 
     base_um, extended_um: free run of the base and of the extended model. `extended_um` includes the ramp or the change
-    of gain that the diagnosis named.
+    of gain that the diagnosis identified.
     """
 
     t_s: Floats
@@ -42,10 +41,11 @@ class HeldOut:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Displayed):
-    """record: identification and held-out part joined; cut: first held-out row.
+    """A diagnosis, its record, and the error maps before and after the extension.
 
-    before, after: error of the held-out part, of the base and of the extended model.
-    span_um: range of the displacement over the whole record, what percentages refer to.
+    record: identification and held-out part joined; cut: first row of the held-out part.
+    before, after: error map of the base and of the extended model on the held-out rows.
+    span_um: range of the displacement over the whole record, the reference of percentages.
     """
 
     diagnosis: Diagnosis
@@ -62,7 +62,7 @@ class Study(Displayed):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The causes that were named."""
+        """Names of the causes, `unknown` last if structure is left."""
         return self.diagnosis.names
 
     def summary(self) -> Summary:
@@ -105,12 +105,12 @@ class Study(Displayed):
 
     @property
     def improved(self) -> bool:
-        """Whether there is an extended model to show beside the base."""
+        """Whether the extended model differs from the base."""
         return bool(self.extended)
 
     @property
     def extended(self) -> tuple[NamedCause, ...]:
-        """The named causes whose extension pays and stands in the model, in the order of the ladder."""
+        """The named causes whose extension is in the model, in the order of the ladder."""
         return tuple(cause for cause in self.diagnosis.causes if cause.extended)
 
     def percent(self, rms_um: float) -> float:
@@ -136,7 +136,7 @@ class Study(Displayed):
         return HeldOut(time_s, segment.u_V[inside], measured, measured + base, measured + extended)
 
     def to_json(self) -> dict[str, Any]:
-        """The diagnosis, and the error of the held-out part sorted by everything, as plain JSON values."""
+        """The diagnosis and the error maps of the held-out rows as plain JSON values."""
         return self.diagnosis.to_json() | {
             "record": {
                 "source": self.record.source,
@@ -161,13 +161,13 @@ def diagnose_and_evaluate(
     settings: DiagnoseSettings | None = None,
     progress: Progress | None = None,
 ) -> Study:
-    """Diagnose a record and sort the error of its held-out part. Raises RecordError or FitError with one line."""
+    """Diagnose a record and map its held-out errors. Raises RecordError or FitError with a message of one line."""
     chosen = settings or DiagnoseSettings()
     return evaluate(diagnose(record, holdout, chosen, progress), record, holdout, chosen.identify)
 
 
 def evaluate(diagnosis: Diagnosis, record: Record, holdout: Record | None, identify: float) -> Study:
-    """A diagnosis that was made of these records, with the error of its held-out part."""
+    """The diagnosis of these records with the error maps of its held-out rows."""
     prepared = prepare(record, holdout, identify)
     first, noise_um = int(diagnosis.held_rows[0]), diagnosis.noise.rms_um
     low_um, high_um = prepared.record.y_range_um

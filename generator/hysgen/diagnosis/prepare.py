@@ -1,8 +1,11 @@
-"""The part of a record that may be looked at, and the part that only scores.
+"""The rows of a record: training rows and held-out rows, without burn-in.
 
-Identification: everything before the cut. Held out: everything from it on; no choice is ever made on it.
-A segment that the cut goes through is simulated from its own beginning, because everything that drives a model over it
-(input, channels, clock) is known; only its displacement behind the cut is hidden.
+The rows before `cut` are the identification part; the held-out rows from `cut` on only score. The input, the channels
+and the clock of the whole record are known in advance, so a segment that contains the cut is simulated from its start;
+only its displacement from the cut on is hidden.
+
+Burn-in: the state of the stage before a segment is unknown. Hysteresis forgets it once the input has covered its range,
+the lag forgets it exponentially after that.
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
@@ -33,71 +37,78 @@ IDENTIFY = 0.65
 FEWEST = 400
 """Samples that the identification part must have."""
 
-SETTLED_RANGE = 0.98
-"""The first excursion has settled the memory once the input has run through this share of its range."""
+COVERED = 0.98
+"""Share of its range that the input has to cover for the hysteresis to forget its initial state."""
 
-FADED, FORGOTTEN, MOST_FADING = 3.0, 8.0, 0.03
-"""Time constants of the lag after which it has let go of the unknown past: as far as a model can tell, which needs what
-the first stroke shows of the far end of its range; and, for the probe, to 1/3000 of a stroke, the noise of a good
-sensor. And the share of a segment that is given up for that at most."""
+LATEST_COVERED, ASSUMED_COVERED = 0.3, 0.03
+"""If the input covers its range only after the first share of a segment, the second share is taken as burn-in."""
+
+MODEL_LAGS, PROBE_LAGS, MOST_LAGS = 3.0, 8.0, 0.03
+"""Burn-in of the lag in time constants: for a model, which has to learn the end of the range from the first stroke, and
+for the probe (exp(-8) = 1/3000 of a stroke, the noise of a good sensor). Both are at most this share of a segment."""
 
 FADING_TRUST = 0.3
-"""What a row counts in the fit of a model while the unknown past still fades: it may be the only one so far out."""
+"""Weight of a fading row in the fit of a model: no other row may lie as near to the end of the range."""
 
 LAGS = 0.3 * 1.5 ** np.arange(18.0)
-"""Time constants in samples among which the range that a command reaches is looked for."""
+"""Candidate time constants of the quasi-static fit in samples."""
 
 HALF_WIDTHS = np.array([0.15, 0.4, 0.8])
-"""Plays beside the cubic, in half ranges: small loops, middle ones, and those that only full strokes move."""
+"""Plays of the quasi-static fit in half ranges: for small, medium and full strokes."""
 
 MOST_CHECKED = 100
-"""Fits whose errors are kept; a diagnosis makes some 50."""
+"""Cached cross-validation errors; a diagnosis needs about 50."""
 
-LATEST_SETTLED, EARLIEST_SETTLED = 0.3, 0.03
-"""If that takes longer than the first share of a segment, it counts as settled at the second, and the start guessed."""
+
+class Use(IntEnum):
+    """What a row can be used for, in rising order: a PROBE row is also a MODEL row."""
+
+    LOST = 0
+    """The sensor is at the end of its range: no use."""
+    UNKNOWN_PAST = 1
+    """The hysteresis still depends on the unknown initial state: no use."""
+    FADING = 2
+    """The lag still depends on the unknown initial state: fitted by a model with the weight FADING_TRUST."""
+    MODEL = 3
+    """Fitted by a model, or scored."""
+    PROBE = 4
+    """Fitted by the probe too."""
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """All segments, in order, as one record; rows before `cut` identify.
+    """A record, or several joined, with the use of each row; the rows before `cut` are the identification part.
 
-    lost: (n,) rows at which the sensor is at its end; they are not among the others.
-    swept: (n,) rows after the first excursion, whose plays know their past; what lags behind them may not.
-    settled: (n,) rows on which a model's unknown past no longer counts; only they are scored.
-    forgotten: (n,) rows on which the probe sees nothing of it either; it looks at no others.
-    checked: errors on rows left out of a fit, by what was fitted: the same models are asked for more than once.
+    use: (n,) one `Use` per row, all segments in order. checked: cache of cross-validation errors by terms and settings.
     """
 
     record: Record
     cut: int
-    lost: NDArray[np.bool_]
-    swept: NDArray[np.bool_]
-    settled: NDArray[np.bool_]
-    forgotten: NDArray[np.bool_]
+    use: NDArray[np.int8]
     checked: LruCache[tuple[Rows, Floats]] = field(default_factory=lambda: LruCache(MOST_CHECKED))
 
     @cached_property
     def training_rows(self) -> Rows:
-        """Rows of the identification part that count in full."""
+        """Rows of the identification part that a model is fitted to with full weight."""
         return np.flatnonzero(self.trust == 1.0)
 
     @cached_property
     def trust(self) -> Floats:
-        """(n,) how much a row counts in the fit of a model: 1, less while the past fades, 0 before and held out.
+        """(n,) weights in the fit of a model: 1, FADING_TRUST while the past fades, 0 for burn-in and held-out rows.
 
-        The last of a run do not count, for whether they are corrupted, nobody can tell.
+        The last EDGE rows of a segment have weight 0, because a corrupted sample is not recognised there.
         """
-        counts = np.where(self.settled, 1.0, np.where(self.swept, FADING_TRUST, 0.0))
-        counts[self.cut :] = 0.0
-        runs = np.cumsum([segment.samples for segment in self.identification().segments])
+        weights = np.where(self.use >= Use.MODEL, 1.0, np.where(self.use >= Use.FADING, FADING_TRUST, 0.0))
+        weights[self.cut :] = 0.0
+        ends = np.cumsum([segment.samples for segment in self.identification().segments])
         for back in range(1, EDGE + 1):
-            counts[runs - back] = 0.0
-        return counts
+            weights[ends - back] = 0.0
+        return weights
 
     @property
     def held_rows(self) -> Rows:
-        """Rows of the held-out part that count."""
-        return self.cut + np.flatnonzero(self.settled[self.cut :])
+        """Rows of the held-out part that are scored."""
+        return self.cut + np.flatnonzero(self.use[self.cut :] >= Use.MODEL)
 
     @property
     def y_um(self) -> Floats:
@@ -115,104 +126,104 @@ class Prepared:
 
     @cached_property
     def predicted_range_um(self) -> tuple[float, float]:
-        """The range of displacement that the whole command visits, foreseen from the identification part."""
+        """Range of the displacement over the whole command, predicted from the training rows."""
         return predicted_range_um(self.record, self.training_rows)
 
     def scene(self) -> Scene:
-        """What the probe may see: the identification part."""
+        """The identification part, as the probe is fitted to it."""
         part = self.identification()
         runs = tuple(Trace(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
-        # Ranges are those of the whole command and channels, known beforehand; the probe must not extrapolate.
+        # Ranges over the whole record, because the probe must not extrapolate to inputs that are known in advance.
         low_V, high_V = self.record.u_range_V
-        rows = self.training_rows[self.forgotten[self.training_rows]]
-        lost = np.flatnonzero(self.lost[: self.cut])
+        rows = self.training_rows[self.use[self.training_rows] == Use.PROBE]
+        lost = np.flatnonzero(self.use[: self.cut] == Use.LOST)
         return Scene(runs, self.record.Ts_s, rows, Operator(low_V, high_V), self.record.aux_ranges, lost)
 
 
 def predicted_range_um(record: Record, rows: Rows) -> tuple[float, float]:
-    """The range of displacement that the whole command of a record visits, as far as its rows `rows` tell.
+    """Range of the displacement over the whole command of a record, predicted by a fit to its rows `rows`.
 
-    That of the quasi-static fit, and beyond its ends twice the rms it leaves. A model whose grid ends where the
-    identification part ends could not follow a plateau that it only ever touched in passing.
+    The range of the quasi-static fit, widened at both ends by twice the rms of its residual. The displacement measured
+    on `rows` is not enough: a later plateau can lie beyond it, and a model is undefined outside its grid.
     """
     fit = _quasi_static(record, rows)
-    return float(fit.y_um.min()) - 2.0 * fit.left_um, float(fit.y_um.max()) + 2.0 * fit.left_um
+    return float(fit.y_um.min()) - 2.0 * fit.residual_um, float(fit.y_um.max()) + 2.0 * fit.residual_um
 
 
 @dataclass(frozen=True, eq=False)
 class QuasiStatic:
-    """Time constant in samples, displacement over the whole record, (n,), and the rms that it leaves on some rows."""
+    """Time constant in samples, displacement of the whole record, (n,), and rms of the residual on the fitted rows."""
 
     lag: float
     y_um: Floats
-    left_um: float
+    residual_um: float
 
 
 def _quasi_static(record: Record, rows: Rows) -> QuasiStatic:
-    """A cubic and a few plays of the command behind a lag, as far as the rows `rows` tell.
+    """A cubic and three plays of the lagged command, fitted to the rows `rows` by least squares.
 
         y(k) = g(x(k)) + sum_i c_i play_i(x(k)),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k)),   g a cubic
 
-    g, c and tau by least squares on these rows, x and the plays from the whole command, which is known beforehand.
+    x and the plays follow the whole command; tau is the best of LAGS.
     """
     y_um = np.concatenate([segment.y_um for segment in record.segments])[rows]
 
-    def at(lag: float) -> QuasiStatic:
-        columns = _behind(record, lag)
+    def fitted(lag: float) -> QuasiStatic:
+        columns = _quasi_static_columns(record, lag)
         weights, *_ = np.linalg.lstsq(columns[:, rows].T, y_um)
-        left_um = float(np.sqrt(np.mean((y_um - weights @ columns[:, rows]) ** 2)))
-        return QuasiStatic(lag, weights @ columns, left_um)
+        residual_um = float(np.sqrt(np.mean((y_um - weights @ columns[:, rows]) ** 2)))
+        return QuasiStatic(lag, weights @ columns, residual_um)
 
-    return min(map(at, LAGS.tolist()), key=lambda fit: fit.left_um)
+    return min(map(fitted, LAGS.tolist()), key=lambda fit: fit.residual_um)
 
 
-def _behind(record: Record, lag: float) -> Floats:
-    """(4 + p, n) powers and plays of the command behind a lag of so many samples, from -1 to 1."""
+def _quasi_static_columns(record: Record, lag: float) -> Floats:
+    """(4 + p, n) powers and plays of the command behind a lag of `lag` samples, scaled to -1 to 1."""
     rate = np.array([-np.expm1(-1.0 / lag)])
-    behind = [lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments]
-    low, high = min(x.min() for x in behind), max(x.max() for x in behind)
-    behind = [(2.0 * x - (low + high)) / max(high - low, 1e-300) for x in behind]
-    x = np.concatenate(behind)
-    plays = np.concatenate([play_operators(x, HALF_WIDTHS, np.full(HALF_WIDTHS.size, x[0])) for x in behind])
+    lagged = [lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments]
+    low, high = min(x.min() for x in lagged), max(x.max() for x in lagged)
+    lagged = [(2.0 * x - (low + high)) / max(high - low, 1e-300) for x in lagged]
+    x = np.concatenate(lagged)
+    plays = np.concatenate([play_operators(x, HALF_WIDTHS, np.full(HALF_WIDTHS.size, x[0])) for x in lagged])
     return np.vstack([x**0, x, x**2, x**3, plays.T])
 
 
 def prepare(record: Record, holdout: Record | None = None, identify: float = IDENTIFY) -> Prepared:
-    """Cut a record, or join it with a held-out one.
+    """Split a record at the share `identify`, or join it with a held-out one, and find the use of each row.
 
-    Raises RecordError if the identification part is too short, or too little of it is settled, or the two records'
-    periods differ.
+    Raises RecordError if the identification part is too short or consists of burn-in, or the records' periods differ.
     """
     joined = record if holdout is None else Record.joined(record, holdout)
     cut = record.samples if holdout is not None else round(identify * record.samples)
     if cut < FEWEST:
         raise RecordError(f"{record.source}: {cut} samples to identify from, a diagnosis needs {FEWEST}; record longer")
-    firsts = [_swept(segment) for segment in joined.segments]
-    swept = _from(joined, firsts)
-    seen = np.flatnonzero(swept[:cut])
-    if seen.size < FEWEST // 2:
+    covered = [_range_covered(segment) for segment in joined.segments]
+    known_past = _rows_from(joined, covered)
+    rows = np.flatnonzero(known_past[:cut])
+    if rows.size < FEWEST // 2:
         raise RecordError(
-            f"{record.source}: {seen.size} of the {cut} samples to identify from come after the input has run through "
+            f"{record.source}: {rows.size} of the {cut} samples to identify from come after the input has run through "
             f"its range, a diagnosis needs {FEWEST // 2}; identify from more"
         )
-    lag = _quasi_static(joined, seen).lag
-    most = [int(MOST_FADING * one.samples) for one in joined.segments]
-    settled, forgotten = (
-        _from(joined, np.add(firsts, np.minimum(math.ceil(lags * lag), most))) for lags in (FADED, FORGOTTEN)
-    )
-    # Accepted all the same: what a sensor says at its end is nothing that a stage has done.
-    lost = np.concatenate(at_end([Channels.of_arrays(one.name, one.u_V, one.y_um, {}) for one in joined.segments]))
-    return Prepared(joined, cut, lost, swept & ~lost, settled & ~lost, forgotten & ~lost)
+    lag = _quasi_static(joined, rows).lag
+    most = [int(MOST_LAGS * one.samples) for one in joined.segments]
+    use = np.where(known_past, Use.FADING, Use.UNKNOWN_PAST).astype(np.int8)
+    for lags, reached in ((MODEL_LAGS, Use.MODEL), (PROBE_LAGS, Use.PROBE)):
+        use[_rows_from(joined, np.add(covered, np.minimum(math.ceil(lags * lag), most)))] = reached
+    # A record may be accepted with its sensor at the end of its range; these samples are no displacement of the stage.
+    runs = [Channels.of_arrays(one.name, one.u_V, one.y_um, {}) for one in joined.segments]
+    use[np.concatenate(at_end(runs))] = Use.LOST
+    return Prepared(joined, cut, use)
 
 
-def _from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:
+def _rows_from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:
     """(n,) True from the given sample of each segment on."""
     return np.concatenate([np.arange(one.samples) >= first for first, one in zip(firsts, record.segments, strict=True)])
 
 
-def _swept(segment: Segment) -> int:
-    """The sample at which the input has first run through most of its range; a guess if that takes long."""
+def _range_covered(segment: Segment) -> int:
+    """First sample at which the input has covered the share COVERED of its range, or the assumed burn-in."""
     n = segment.samples
     swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
-    first = int(np.argmax(swept >= SETTLED_RANGE * swept[-1]))
-    return max(first, int(EARLIEST_SETTLED * n / 3)) if first <= LATEST_SETTLED * n else int(EARLIEST_SETTLED * n)
+    first = int(np.argmax(swept >= COVERED * swept[-1]))
+    return max(first, int(ASSUMED_COVERED * n / 3)) if first <= LATEST_COVERED * n else int(ASSUMED_COVERED * n)

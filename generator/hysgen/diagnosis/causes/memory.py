@@ -13,6 +13,7 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
 from hysgen.machine.kernels import play_operators
 from hysgen.model.terms.memory import Memory
+from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
 
@@ -106,13 +107,9 @@ def _range_V(extension: Extension) -> tuple[float, float] | None:
 
 
 def swings(u_V: Floats) -> NDArray[np.int64]:
-    """(n,) number of the swing that each sample belongs to: it grows where the input turns round."""
-    moves = np.sign(np.diff(u_V, prepend=u_V[0]))
-    standing = moves == 0
-    # Where the input stands still, it belongs to the swing before.
-    last = np.maximum.accumulate(np.where(standing, 0, np.arange(len(u_V))))
-    moves = moves[last]
-    return np.asarray(np.cumsum(np.diff(moves, prepend=moves[0]) != 0), dtype=np.int64)
+    """(n,) number of the swing of each sample; a plateau belongs to the swing before it, at the start to its own."""
+    moves = np.flatnonzero(np.diff(u_V))
+    return np.searchsorted(np.append(moves[:1], turning_rows(u_V, 0.0)), np.arange(len(u_V))).astype(np.int64)
 
 
 def _opening(residual: Residual, rival: Fit) -> float:

@@ -1,15 +1,16 @@
-"""The hysteresis of the probe: Preisach and Duhem operators side by side, linear in their coefficients.
+"""The hysteresis of the probe: a Preisach operator plus Duhem operators, linear in its coefficients.
 
     h(u) = g(u) + integral over r of q(r, z_r(u)) dr + sum_j (b_j d_j + c_j d_j |d_j|)
     z_r: play of half-width r;      d_j' = (sign(u') - d_j) |u'| / reach_j
 
-Every Preisach operator with a density is the first two terms (Brokate and Sprekels, 1996, chapter 2.4). g and q are
-expanded in Chebyshev polynomials of the normalised input and play, and in hat functions of r. The d_j forget along the
-path and not in time; they stand for Duhem operators such as Dahl's and Bouc-Wen's, which no Preisach operator equals.
+The first two terms are every Preisach operator with a density (Brokate and Sprekels, 1996, chapter 2.4). g and q are
+Chebyshev polynomials of the normalised input and play, q is piecewise linear in r (hat functions). The states d_j
+forget along the path, not in time; they approximate Duhem operators such as Dahl's and Bouc-Wen's, which are no
+Preisach operators.
 
     h = sum_m a_m T_m(v) + sum_b sum_m c_bm * sum_i hat_b(r_i) T_m(z_i) + ...,     v, z_i in [-1, 1]
 
-Only the probe uses it, to look; the model that goes to the DSP has the cheaper terms of `hysgen.model.terms`.
+Only the probe uses this operator; a model that is delivered has the cheaper terms of `hysgen.model.terms`.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Operator:
-    """Shape of the expansion over the input range [low_V, high_V].
+    """Size of the expansion over the input range [low_V, high_V].
 
-    plays: radii used for the integral; hats: functions of the radius, 0 for a single-valued curve without memory.
-    curve, degree: highest Chebyshev polynomial of the input and of the plays. reaches: of the Duhem states, in half
-    ranges of the input.
+    plays: number of half-widths r_i of the quadrature; hats: hat functions of r, 0 for a single-valued curve g(u).
+    curve, degree: degree of the Chebyshev polynomials of the input and of the plays. reaches: path lengths in half
+    ranges of the input after which the Duhem states forget.
     """
 
     low_V: float
@@ -44,18 +45,18 @@ class Operator:
 
     @property
     def size(self) -> int:
-        """Number of coefficients, the constant not counted."""
+        """Number of coefficients without the constant."""
         return self.curve + self.hats * self.degree + 2 * len(self.reaches)
 
     def columns(self, u_V: Floats, start: float) -> Floats:
-        """(size, n) columns of h for the path u_V, (n,); one column per row, so that each lies in one piece.
+        """(size, n) columns of h for the path u_V, (n,); one column per row, contiguous in memory.
 
-        start: where every play stands before the first sample, -1 to 1: at u(0) + start * r, inside the range. A stage
-        that came down from above has +1, one that came up from below -1.
+        start: initial state of the plays, z_r = u(0) + start * r within the range: +1 after a falling, -1 after a
+        rising input.
         """
         half = 0.5 * (self.high_V - self.low_V)
         v = (u_V - 0.5 * (self.low_V + self.high_V)) / half
-        # Radii lie closer together near 0, where the small loops are decided.
+        # Half-widths are denser near 0, because narrow plays determine the small loops.
         r = (np.arange(1, self.plays + 1) / (self.plays + 1)) ** 1.5
         place = np.sqrt(r / r[-1]) * (self.hats - 1)
         hats = np.clip(1.0 - np.abs(place[:, None] - np.arange(self.hats)), 0.0, None)
@@ -69,9 +70,9 @@ class Operator:
         return out
 
     def at(self, u_V: float) -> Floats:
-        """(size,) the columns in the middle of the widest loop at u_V; outside the range, on the line through its ends.
+        """(size,) columns at u_V, mean of both branches of the major loop; extrapolated linearly outside the range.
 
-        On that loop every play is where it has been: its polynomials say nothing of where it never was.
+        On the major loop every play has a value that it also has in a record; elsewhere its polynomials extrapolate.
         """
         return _middle(self, u_V)
 
