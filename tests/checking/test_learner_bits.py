@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,12 +19,12 @@ from hysgen.checking.bits.comparison import Task, compare_task
 from hysgen.checking.bits.functions import LEARNER
 from hysgen.checking.bits.inputs import STYLES
 from hysgen.checking.host import Host
-from hysgen.codegen.structs import members
 from hysgen.errors import HysgenError
 from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
+from hysgen.model.structs import Member
 from hysgen.model.terms.memory import Memory
 
 SUBSETS = [LEARNED["bias"], LEARNED["terms"], LEARNED["rules"], ("gain",), ("offset",), ("slope", "offset", "terms")]
@@ -140,10 +141,10 @@ def test_a_learner_starts_with_every_state_of_the_model_and_of_what_the_input_pa
     assert np.count_nonzero([a for a, _ in copied]) > 20
 
 
-@pytest.mark.parametrize("member", ["double x;", "float x[N];", "float x[2][2][2];", "float *x;"])
-def test_a_state_that_cannot_be_copied_number_by_number_is_refused(member: str) -> None:
-    with pytest.raises(HysgenError, match="write float or uint32_t, a name, and sizes as numbers"):
-        members(f"typedef struct {{\n    uint32_t n; /**< x; */\n    {member}\n}} state_t;")
+@pytest.mark.parametrize(("kind", "sizes"), [("double", ()), ("float *", ()), ("float", (2, 2, 2))])
+def test_a_state_that_cannot_be_copied_number_by_number_is_refused(kind: Any, sizes: tuple[int, ...]) -> None:
+    with pytest.raises(HysgenError, match="is a float or a uint32_t, alone or with up to two sizes"):
+        Member("x", kind, "state", sizes)
 
 
 def test_terms_blocks_and_drift_of_the_learner_are_its_own_and_equal() -> None:

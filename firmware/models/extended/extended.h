@@ -32,13 +32,13 @@
 
 /** Delay: past inputs, a ring of a power of two. */
 typedef struct {
-    float ring[4];  /**< [V] */
+    float ring[4];    /**< past inputs [V] */
     uint32_t newest;  /**< index of the last input */
 } extended_delay_t;
 
 /** What the input passes through before it reaches the stage. */
 typedef struct {
-    float v_V;  /**< what reached the stage last */
+    float v_V;               /**< last input of the stage [V] */
     extended_delay_t delay;  /**< input block */
 } extended_inputs_t;
 
@@ -49,14 +49,14 @@ typedef struct {
 
 /** Creep: slow first-order answers to the input, each a sum of two words. */
 typedef struct {
-    float high[4];  /**< [V] */
-    float low[4];   /**< what the rounding of `high` loses */
+    float high[4];  /**< slow states [V] */
+    float low[4];   /**< rounding error of `high`, carried along [V] */
 } extended_creep_t;
 
 /** State of the terms. */
 typedef struct {
     extended_memory_t memory;  /**< term */
-    extended_creep_t creep;  /**< term */
+    extended_creep_t creep;    /**< term */
 } extended_terms_t;
 
 /** Parameters as the sums over the rules need them: consequents times strengths, weights of the terms. */

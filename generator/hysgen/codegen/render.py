@@ -13,13 +13,14 @@ import numpy as np
 from hysgen.codegen.literals import bits, literal
 from hysgen.codegen.parameters import Constant
 from hysgen.codegen.polynomials import Sum, pairs, polynomial, powers, squares
-from hysgen.codegen.structs import bank_struct, instance_struct, members, rows
+from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, part_struct, rows, terms_struct
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.installed import data_folder, version
 from hysgen.model import float32_constants as arithmetic
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
 from hysgen.model.status import COUNTERS, MEANINGS
+from hysgen.model.structs import Struct
 from hysgen.model.terms import Term, channels_of, part_facts
 from hysgen.model.terms.base import Mirror
 
@@ -28,12 +29,12 @@ from hysgen.model.terms.base import Mirror
 class TermText:
     """A term as its template sees it.
 
-    type: name of its struct; prefix: of its functions and constants; first: index of its first regressor.
+    struct: of its state; prefix: of its functions and constants; first: index of its first regressor.
     corrects: whether it follows the innovation; heard: indices of its channels in aux[].
     """
 
     term: Term
-    type: str
+    struct: Struct
     prefix: str
     first: int
     corrects: bool
@@ -42,6 +43,16 @@ class TermText:
     @property
     def kind(self) -> str:
         return self.term.kind
+
+    @property
+    def type(self) -> str:
+        """Name of its struct."""
+        return self.struct.name
+
+    @property
+    def rows(self) -> list[str]:
+        """The members of its struct as C."""
+        return rows(self.struct.members)
 
     @property
     def size(self) -> int:
@@ -66,16 +77,30 @@ class PartText:
 
 @dataclass(frozen=True)
 class BlockText:
-    """An input block as its template sees it; type and prefix as with terms."""
+    """An input block as its template sees it; struct and prefix as with terms."""
 
     block: InputBlock
-    type: str
+    struct: Struct
     prefix: str
-    stateful: bool
 
     @property
     def kind(self) -> str:
         return self.block.kind
+
+    @property
+    def type(self) -> str:
+        """Name of its struct."""
+        return self.struct.name
+
+    @property
+    def rows(self) -> list[str]:
+        """The members of its struct as C."""
+        return rows(self.struct.members)
+
+    @property
+    def stateful(self) -> bool:
+        """Whether it keeps anything from one sample to the next."""
+        return bool(self.struct.members)
 
     @property
     def state(self) -> str:
@@ -95,19 +120,16 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
         prefix = f"{model.name}_{term.kind}"
         mirror = type(term.mirror(numbers.rest_V.reshape(1), model.Ts_s))
         heard = tuple(channels_of(model.terms).index(name) for name in term.channels)
-        texts.append(TermText(term, f"{prefix}_t", prefix, first, mirror.correct is not Mirror.correct, heard))
+        texts.append(
+            TermText(term, part_struct(model, term), prefix, first, mirror.correct is not Mirror.correct, heard)
+        )
         first += term.size
     return texts
 
 
-def block_texts(model: Model, numbers: Coefficients) -> list[BlockText]:
+def block_texts(model: Model) -> list[BlockText]:
     """The model's input blocks in order."""
-    texts = []
-    for block in model.blocks:
-        prefix = f"{model.name}_{block.kind}"
-        state = block.mirror(numbers.rest_V.reshape(1), model.Ts_s).state()
-        texts.append(BlockText(block, f"{prefix}_t", prefix, len(state) > 0))
-    return texts
+    return [BlockText(block, part_struct(model, block), f"{model.name}_{block.kind}") for block in model.blocks]
 
 
 def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
@@ -120,6 +142,8 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "Ts_us": f"{1e6 * model.Ts_s:.9g}",
         "rules": numbers.rules,
         "bank_rules": numbers.bank_rules,
+        "inputs_members": rows(inputs_struct(model).members),
+        "terms_members": rows(terms_struct(model).members) if model.terms else [],
         "bank_members": rows(bank_struct(model, numbers).members),
         "instance_members": rows(instance_struct(model, numbers).members),
         "counters": list(COUNTERS),
@@ -131,7 +155,7 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "bounded": any("twofloat" in term.parts for term in model.terms),
         "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
         "channels": channels_of(model.terms),
-        "blocks": block_texts(model, numbers),
+        "blocks": block_texts(model),
         "preview": preview(model.blocks),
         "status_rows": _status_rows(model.name.upper()),
         "squares": squares(numbers.rules),
@@ -228,7 +252,6 @@ def _environment() -> jinja2.Environment:
         "aligned": aligned,
         "each": each,
         "hexes": hexes,
-        "members": members,
     }
     return environment
 

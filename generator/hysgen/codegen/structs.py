@@ -2,20 +2,49 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
 
-from hysgen.errors import HysgenError
-from hysgen.float32.coefficients import Coefficients
+from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.instance_words import InstanceWords
 from hysgen.float32.learner_numbers import learner_numbers
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Holds, StructWords
 from hysgen.float32.update_schedule import factors
 from hysgen.model.model import Model
+from hysgen.model.path import InputBlock
 from hysgen.model.structs import Member, Struct
+from hysgen.model.terms import Term
+
+
+def structs(model: Model) -> tuple[Struct, ...]:
+    """Every struct of the generated header, in its order: one stands behind those that it consists of."""
+    numbers = coefficients(model)
+    found = [part_struct(model, block) for block in model.blocks if block.members()]
+    found += [inputs_struct(model)] if model.blocks else []
+    found += [part_struct(model, term) for term in model.terms]
+    found += [terms_struct(model)] if model.terms else []
+    found += [bank_struct(model, numbers), instance_struct(model, numbers)]
+    found += [candidate_struct(model, numbers), learner_struct(model, numbers)] if model.learner else []
+    return tuple(found)
+
+
+def part_struct(model: Model, part: Term | InputBlock) -> Struct:
+    """`<name>_<kind>_t`: the state of a term or of an input block."""
+    return Struct(f"{model.name}_{part.kind}_t", part.members())
+
+
+def inputs_struct(model: Model) -> Struct:
+    """`<name>_inputs_t`: the state of all input blocks."""
+    stateful = [block for block in model.blocks if block.members()]
+    members = [Member(block.kind, part_struct(model, block), "input block") for block in stateful]
+    return Struct(f"{model.name}_inputs_t", (Member("v_V", "float", "last input of the stage [V]"), *members))
+
+
+def terms_struct(model: Model) -> Struct:
+    """`<name>_terms_t`: the state of all terms."""
+    return Struct(
+        f"{model.name}_terms_t", tuple(Member(term.kind, part_struct(model, term), "term") for term in model.terms)
+    )
 
 
 def bank_struct(model: Model, numbers: Coefficients) -> Struct:
@@ -82,9 +111,9 @@ def _members(words: type[StructWords], model: Model, learned: int = 0) -> list[M
             case Holds.COUNTERS:
                 found += [Member(name, "uint32_t", counter.meaning) for name, counter in words.COUNTERS.items()]
             case Holds.INPUTS if model.blocks:
-                found.append(Member(member.name, Struct(f"{model.name}_inputs_t", ()), meaning))
+                found.append(Member(member.name, inputs_struct(model), meaning))
             case Holds.TERMS if model.terms:
-                found.append(Member(member.name, Struct(f"{model.name}_terms_t", ()), meaning))
+                found.append(Member(member.name, terms_struct(model), meaning))
     return found
 
 
@@ -93,36 +122,3 @@ def rows(members: Sequence[Member]) -> list[str]:
     declared = [f"{member.declaration()};" for member in members]
     wide = max(len(text) for text in declared)
     return [f"{text:<{wide}}  /**< {member.meaning} */" for text, member in zip(declared, members, strict=True)]
-
-
-# parser
-_COMMENT: Final = re.compile(r"/\*.*?\*/", re.DOTALL)
-_MEMBER: Final = re.compile(r"(?:float|uint32_t) (\w+)((?:\[\d+\]){0,2})$")
-
-
-@dataclass(frozen=True)
-class Declared:
-    """A scalar, or an array of one or two `sizes`."""
-
-    name: str
-    sizes: tuple[int, ...]
-
-
-def members(declaration: str) -> list[Declared]:
-    """The members of the struct that `declaration` declares, in its order.
-
-    >>> members("typedef struct {\\n    float play[3];  /**< [V] */\\n    uint32_t newest;\\n} plays_t;")
-    [Declared(name='play', sizes=(3,)), Declared(name='newest', sizes=())]
-
-    Raises HysgenError for a member of another type, of more than two sizes, or of a size that is not a number.
-    """
-    _, _, rest = _COMMENT.sub("", declaration).partition("{")
-    lines = [line.strip() for line in rest.partition("}")[0].split(";")]
-    return [_member(line) for line in lines if line]
-
-
-def _member(text: str) -> Declared:
-    found = _MEMBER.match(text)
-    if found is None:
-        raise HysgenError(f"state of a term or block: {text}: write float or uint32_t, a name, and sizes as numbers")
-    return Declared(found[1], tuple(int(size) for size in re.findall(r"\d+", found[2])))

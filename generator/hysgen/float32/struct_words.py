@@ -105,6 +105,16 @@ class StructWords:
             found += [dataclasses.replace(member, name=name) for member in members]
         return tuple(found)
 
+    @classmethod
+    def written_by(cls, function: str) -> tuple[str, ...]:
+        """The words that a kind of function of a learner's update writes, in the order of the struct."""
+        found: list[str] = []
+        for member in cls.described():
+            found += [member.name] if function in member.written_by else []
+            if member.holds is Holds.COUNTERS:
+                found += [name for name, counter in cls.COUNTERS.items() if function in counter.written_by]
+        return tuple(found)
+
     def words(self) -> Mapping[str, Words]:
         """The bits of every word of the struct in its order, (lanes,) each.
 

@@ -6,13 +6,21 @@ Every scalar of a generated struct has 32 bits, so a struct is the row of its wo
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.errors import ModelError
 
 Scalar: TypeAlias = Literal["float", "uint32_t"]
 
 BYTES_PER_WORD = 4
+
+Bits: TypeAlias = NDArray[np.uint32]
+LaneWords: TypeAlias = NDArray[np.float32] | Bits
 
 
 @dataclass(frozen=True)
@@ -28,7 +36,7 @@ class Member:
     """`type name[sizes];  /**< meaning */`.
 
     type: of the scalar, or the struct that the member is. sizes: of an array, none for anything else. extents: the
-    sizes as the header writes them; numbers unless given.
+    sizes as the header writes them; numbers unless given. Raises ModelError for another type or for more sizes.
     """
 
     name: str
@@ -36,6 +44,12 @@ class Member:
     meaning: str
     sizes: tuple[int, ...] = ()
     extents: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.sizes) > 2 or not (isinstance(self.type, Struct) or self.type in get_args(Scalar)):
+            raise ModelError(
+                f"{self.name}: a member of a generated struct is a float or a uint32_t, alone or with up to two sizes"
+            )
 
     @property
     def type_name(self) -> str:
@@ -83,6 +97,35 @@ class Struct:
         """The typedef as C, every size a number and without comments: what cffi has to be told."""
         members = "".join(f"    {member.declaration(sized=True)};\n" for member in self.members)
         return f"typedef struct {{\n{members}}} {self.name};\n"
+
+
+class MirroredStruct:
+    """State of a mirror: one attribute per member of a C struct, of the member's name.
+
+    A scalar is (lanes,), an array a list of them, an array of two sizes a list of lists.
+    """
+
+    members: tuple[Member, ...] = ()
+
+    def state(self) -> list[LaneWords]:
+        """Every 32-bit word of the C struct, in its order, (lanes,) each; compared bit for bit."""
+        return [word for member in self.members for word in _flat(getattr(self, member.name), len(member.sizes))]
+
+    def restore(self, words: Sequence[Bits]) -> None:
+        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
+        left = iter(words)
+        for member in self.members:
+            setattr(self, member.name, _nested(left, member.type, member.sizes))
+
+
+def _flat(value: Any, depth: int) -> list[LaneWords]:
+    return [value] if depth == 0 else [word for each in value for word in _flat(each, depth - 1)]
+
+
+def _nested(left: Iterator[Bits], kind: Scalar | Struct, sizes: tuple[int, ...]) -> Any:
+    if sizes:
+        return [_nested(left, kind, sizes[1:]) for _ in range(sizes[0])]
+    return next(left).view(np.float32) if kind == "float" else next(left)
 
 
 @dataclass(frozen=True)

@@ -37,19 +37,19 @@
 
 /** Slew limit: what left it last. */
 typedef struct {
-    float last_V;  /**< [V] */
+    float last_V;  /**< last output of the limiter [V] */
 } everything_slew_t;
 
 /** Delay: past inputs, a ring of a power of two. */
 typedef struct {
-    float ring[4];  /**< [V] */
+    float ring[4];    /**< past inputs [V] */
     uint32_t newest;  /**< index of the last input */
 } everything_delay_t;
 
 /** What the input passes through before it reaches the stage. */
 typedef struct {
-    float v_V;  /**< what reached the stage last */
-    everything_slew_t slew;  /**< input block */
+    float v_V;                 /**< last input of the stage [V] */
+    everything_slew_t slew;    /**< input block */
     everything_delay_t delay;  /**< input block */
 } everything_inputs_t;
 
@@ -60,43 +60,43 @@ typedef struct {
 
 /** Creep: slow first-order answers to the input, each a sum of two words. */
 typedef struct {
-    float high[3];  /**< [V] */
-    float low[3];   /**< what the rounding of `high` loses */
+    float high[3];  /**< slow states [V] */
+    float low[3];   /**< rounding error of `high`, carried along [V] */
 } everything_creep_t;
 
 /** Resonance: position and velocity of each mode, each a sum of two words. */
 typedef struct {
-    float position[1];  /**< [V] */
-    float position_low[1];  /**< what its rounding loses */
-    float velocity[1];  /**< [V], in units of the mode's angular frequency */
-    float velocity_low[1];  /**< what its rounding loses */
+    float position[1];      /**< [V] */
+    float position_low[1];  /**< rounding error of `position`, carried along [V] */
+    float velocity[1];      /**< [V], in units of the mode's angular frequency */
+    float velocity_low[1];  /**< rounding error of `velocity`, carried along [V] */
 } everything_resonance_t;
 
 /** Periodic disturbance: its phase in units of 2^-32 and 2^-64 of a turn, 0 at init. */
 typedef struct {
-    uint32_t phase[1];      /**< upper word */
-    uint32_t phase_low[1];  /**< lower word */
+    uint32_t phase[1];      /**< upper word of the phase [turns / 2^32] */
+    uint32_t phase_low[1];  /**< lower word of the phase [turns / 2^64] */
 } everything_periodic_t;
 
 /** Coupling: the last samples of temperature, around the middle of their ranges, newest first. */
 typedef struct {
-    float sample[1][2];  /**< [channel][age] */
+    float sample[1][2];  /**< [channel][age], in the unit of the channel, age 0 the newest */
 } everything_coupling_t;
 
 /** Drift: a slow bias, a sum of two words; predictions from measured displacements move it, other calls hold it. */
 typedef struct {
     float bias_um;      /**< the bias [um] */
-    float bias_low_um;  /**< what its rounding loses */
+    float bias_low_um;  /**< rounding error of `bias_um`, carried along [um] */
 } everything_drift_t;
 
 /** State of the terms. */
 typedef struct {
-    everything_memory_t memory;  /**< term */
-    everything_creep_t creep;  /**< term */
+    everything_memory_t memory;        /**< term */
+    everything_creep_t creep;          /**< term */
     everything_resonance_t resonance;  /**< term */
-    everything_periodic_t periodic;  /**< term */
-    everything_coupling_t coupling;  /**< term */
-    everything_drift_t drift;  /**< term */
+    everything_periodic_t periodic;    /**< term */
+    everything_coupling_t coupling;    /**< term */
+    everything_drift_t drift;          /**< term */
 } everything_terms_t;
 
 /** Parameters as the sums over the rules need them: consequents times strengths, weights of the terms. */

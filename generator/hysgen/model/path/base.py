@@ -13,7 +13,7 @@ d samples costs d samples of preview: in the inverse every argument belongs to s
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
+from hysgen.model.structs import Member, MirroredStruct
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -45,7 +46,7 @@ class BlockBox:
     integers: Mapping[str, int] = field(default_factory=dict)
 
 
-class BlockMirror(abc.ABC):
+class BlockMirror(MirroredStruct, abc.ABC):
     """The float32 reference of a block over `lanes` independent instances, in the generated C's order of operations."""
 
     @abc.abstractmethod
@@ -58,14 +59,6 @@ class BlockMirror(abc.ABC):
         Only blocks that are no limiters are asked.
         """
         return v_V
-
-    @abc.abstractmethod
-    def state(self) -> Sequence[Words]:
-        """Every 32-bit word of the C struct of this block, in its order, (lanes,) each; compared bit for bit."""
-
-    @abc.abstractmethod
-    def restore(self, words: Sequence[Bits]) -> None:
-        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
 
 
 @runtime_checkable
@@ -112,6 +105,13 @@ class InputBlock(Protocol):
 
     def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
         """Lower and upper bounds of `shape` between which a record of these commands can tell."""
+        ...
+
+    def members(self) -> tuple[Member, ...]:
+        """The members of the C struct that keeps the state, in its order, with units; () without a state.
+
+        Scalars and arrays of up to two sizes. The mirror has an attribute of the name of each.
+        """
         ...
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:

@@ -21,7 +21,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, Words
+from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32
+from hysgen.model.structs import Member
 
 MOST_SAMPLES = 1000
 
@@ -90,6 +91,12 @@ class Delay:
     def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
         return np.zeros(1), np.array([float(min(MOST_SAMPLES, u_V.size // 4))])
 
+    def members(self) -> tuple[Member, ...]:
+        return (
+            Member("ring", "float", "past inputs [V]", (self.ring,)),
+            Member("newest", "uint32_t", "index of the last input"),
+        )
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> DelayMirror:
         return DelayMirror(self, self.constants(Ts_s)["part"][0], u_V)
 
@@ -105,12 +112,13 @@ class Delay:
 
 
 class DelayMirror(BlockMirror):
-    """The float32 delay over lanes; its state is a ring of past inputs and the place of the newest."""
+    """The float32 delay over lanes: a ring of past inputs, (ring, lanes), and the place of the newest."""
 
     def __init__(self, block: Delay, part: np.float32, u_V: Floats32) -> None:
+        self.members = block.members()
         self._whole, self._part = block.whole, part
-        self._ring = np.tile(u_V, (block.ring, 1))
-        self._newest = np.zeros(u_V.shape, dtype=np.uint32)
+        self.ring = np.tile(u_V, (block.ring, 1))
+        self.newest = np.zeros(u_V.shape, dtype=np.uint32)
 
     def apply(self, u_V: Floats32) -> Floats32:
         self._push(u_V)
@@ -122,20 +130,17 @@ class DelayMirror(BlockMirror):
         before = self._past(1)
         return v_V if self._part == 0 else before + self._part * (v_V - before)
 
-    def state(self) -> list[Words]:
-        return [*self._ring, self._newest]
-
     def restore(self, words: Sequence[Bits]) -> None:
-        self._ring = np.array(words[:-1]).view(np.float32)
-        self._newest = words[-1]
+        super().restore(words)
+        self.ring = np.array(self.ring)
 
     def _push(self, u_V: Floats32) -> None:
-        self._newest = (self._newest + np.uint32(1)) % np.uint32(len(self._ring))
-        self._ring[self._newest, np.arange(u_V.size)] = u_V
+        self.newest = (self.newest + np.uint32(1)) % np.uint32(len(self.ring))
+        self.ring[self.newest, np.arange(u_V.size)] = u_V
 
     def _past(self, samples: int) -> Floats32:
-        place = (self._newest - np.uint32(samples)) % np.uint32(len(self._ring))
-        return np.asarray(self._ring[place, np.arange(place.size)])
+        place = (self.newest - np.uint32(samples)) % np.uint32(len(self.ring))
+        return np.asarray(self.ring[place, np.arange(place.size)])
 
 
 BLOCK = Delay

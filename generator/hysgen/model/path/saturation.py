@@ -7,14 +7,15 @@ The inverse never asks for more: what it commands lies between the levels alread
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, limited
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, limited
+from hysgen.model.structs import Member
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,9 @@ class Saturation:
         middle, gap = 0.5 * (low + high), 1e-3 * (high - low)
         return np.array([low, middle + gap]), np.array([middle - gap, high])
 
+    def members(self) -> tuple[Member, ...]:
+        return ()
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> ClipMirror:
         levels = self.constants(Ts_s)
         return ClipMirror(levels["low"][0], levels["high"][0])
@@ -84,12 +88,6 @@ class ClipMirror(BlockMirror):
 
     def apply(self, u_V: Floats32) -> Floats32:
         return limited(u_V, self._low, self._high)
-
-    def state(self) -> list[Floats32]:
-        return []
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        """There is nothing to take over."""
 
 
 BLOCK = Saturation

@@ -7,7 +7,7 @@ Where the limit is not reached v is u, bit for bit. The inverse walks within the
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -15,7 +15,8 @@ import numpy as np
 
 from hysgen.machine.kernels import slew_limited
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, limited
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, limited
+from hysgen.model.structs import Member
 
 
 @dataclass(frozen=True)
@@ -59,9 +60,12 @@ class Slew:
         steepest = np.maximum([np.max(steps), np.max(-steps)], np.finfo(np.float64).tiny)
         return np.log(1e-3 * steepest), np.log(steepest)
 
+    def members(self) -> tuple[Member, ...]:
+        return (Member("last_V", "float", "last output of the limiter [V]"),)
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> SlewMirror:
         steps = self.constants(Ts_s)
-        return SlewMirror(steps["rise"][0], steps["fall"][0], u_V)
+        return SlewMirror(self, steps["rise"][0], steps["fall"][0], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {
@@ -78,21 +82,16 @@ class Slew:
 
 
 class SlewMirror(BlockMirror):
-    """The float32 rate limiter over lanes; its state is what left it last."""
+    """The float32 rate limiter over lanes."""
 
-    def __init__(self, rise: np.float32, fall: np.float32, u_V: Floats32) -> None:
+    def __init__(self, block: Slew, rise: np.float32, fall: np.float32, u_V: Floats32) -> None:
+        self.members = block.members()
         self._rise, self._fall = rise, fall
-        self._last = u_V.copy()
+        self.last_V = u_V.copy()
 
     def apply(self, u_V: Floats32) -> Floats32:
-        self._last = limited(u_V, self._last - self._fall, self._last + self._rise)
-        return self._last
-
-    def state(self) -> list[Floats32]:
-        return [self._last]
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        self._last = words[0].view(np.float32)
+        self.last_V = limited(u_V, self.last_V - self._fall, self.last_V + self._rise)
+        return self.last_V
 
 
 BLOCK = Slew

@@ -13,7 +13,7 @@ so phi_j(k) never depends on u(k), the model stays affine in u(k), and Eq. (11) 
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
+from hysgen.model.structs import Member, MirroredStruct
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -81,7 +82,7 @@ class TermBox:
     integers: Mapping[str, int] = field(default_factory=dict)
 
 
-class Mirror(abc.ABC):
+class Mirror(MirroredStruct, abc.ABC):
     """The float32 reference of a term over `lanes` independent instances, in the generated C's order of operations.
 
     Written from the equations with NumPy float32 `+ - *`, integers and comparisons only; no reduction whose order is
@@ -92,7 +93,7 @@ class Mirror(abc.ABC):
         """The auxiliary channels of sample k, (lanes,) each. Returns the bits that it sets in the status word."""
         return None
 
-    def correct(self, innovation_um: Floats32) -> None:  # noqa: B027
+    def correct(self, innovation_um: Floats32) -> None:
         """y(k) - yhat(k), (lanes,): what a measured sample adds to what was predicted for it."""
 
     @abc.abstractmethod
@@ -102,14 +103,6 @@ class Mirror(abc.ABC):
     @abc.abstractmethod
     def advance(self, u_V: Floats32) -> None:
         """Let u(k), (lanes,), act on the state."""
-
-    @abc.abstractmethod
-    def state(self) -> Sequence[Words]:
-        """Every 32-bit word of the C struct of this term, in its order, (lanes,) each; compared bit for bit."""
-
-    @abc.abstractmethod
-    def restore(self, words: Sequence[Bits]) -> None:
-        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
 
 
 @runtime_checkable
@@ -208,6 +201,13 @@ class Term(Protocol):
 
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
         """Lower and upper bounds of `shape` between which a record like `drive` can tell."""
+        ...
+
+    def members(self) -> tuple[Member, ...]:
+        """The members of the C struct that keeps the state, in its order, with units; () without a state.
+
+        Scalars and arrays of up to two sizes. The mirror has an attribute of the name of each.
+        """
         ...
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> Mirror:

@@ -9,7 +9,7 @@ first sample every channel stands in the middle of its range.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -19,6 +19,7 @@ from hysgen.errors import ModelError
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.status import Status
+from hysgen.model.structs import Member
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 
 MOST_TAPS = 64
@@ -125,6 +126,10 @@ class Coupling:
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
         return np.zeros(0), np.zeros(0)
 
+    def members(self) -> tuple[Member, ...]:
+        about = "[channel][age], in the unit of the channel, age 0 the newest"
+        return (Member("sample", "float", about, (len(self.channels), self.taps)),)
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> ChannelMirror:
         return ChannelMirror(self, u_V)
 
@@ -152,16 +157,17 @@ class Coupling:
 
 
 class ChannelMirror(Mirror):
-    """Float32 channels over lanes; the state is the newest sample of each channel, then the older ones."""
+    """Float32 channels over lanes."""
 
     def __init__(self, term: Coupling, u_V: Floats32) -> None:
+        self.members = term.members()
         self._channels = term.channels
         self._limits = [np.asarray(numbers) for numbers in term.constants(1.0).values()]
-        self._past = [[np.zeros_like(u_V)] * term.taps for _ in term.channels]
+        self.sample: list[list[Floats32]] = [[np.zeros_like(u_V)] * term.taps for _ in term.channels]
 
     def listen(self, aux: Mapping[str, Floats32]) -> Bits:
-        status = np.zeros(self._past[0][0].shape, dtype=np.uint32)
-        for past, name, low, high, middle in zip(self._past, self._channels, *self._limits, strict=True):
+        status = np.zeros(self.sample[0][0].shape, dtype=np.uint32)
+        for past, name, low, high, middle in zip(self.sample, self._channels, *self._limits, strict=True):
             finite = np.isfinite(aux[name])
             value = np.where(finite, np.where(np.abs(aux[name]) < LEAST, np.float32(0.0), aux[name]), middle)
             limited = np.where(value < low, low, np.where(value > high, high, value))
@@ -171,19 +177,11 @@ class ChannelMirror(Mirror):
         return status
 
     def regressors(self) -> list[Floats32]:
-        return [value for past in self._past for value in past]
+        return [value for past in self.sample for value in past]
 
     def advance(self, u_V: Floats32) -> None:
-        for past in self._past:
+        for past in self.sample:
             past[1:] = past[:-1]
-
-    def state(self) -> list[Floats32]:
-        return [value for past in self._past for value in past]
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        floats = [word.view(np.float32) for word in words]
-        taps = len(self._past[0])
-        self._past = [floats[first : first + taps] for first in range(0, len(floats), taps)]
 
 
 TERM = Coupling

@@ -14,7 +14,7 @@ Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43 (cr
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -23,7 +23,8 @@ import numpy as np
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.structs import Member
+from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate
 
 
@@ -112,9 +113,15 @@ class Creep:
         low, high = np.log(2.0 * drive.Ts_s), np.log(3.0 * drive.Ts_s * drive.u_V.size)
         return np.full(self.lags, low), np.full(self.lags, high)
 
+    def members(self) -> tuple[Member, ...]:
+        return (
+            Member("high", "float", "slow states [V]", (self.lags,)),
+            Member("low", "float", "rounding error of `high`, carried along [V]", (self.lags,)),
+        )
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> CreepMirror:
         constants = self.constants(Ts_s)
-        return CreepMirror(constants["rate"], constants["mean"][0] if self.shared else None, u_V)
+        return CreepMirror(self, constants["rate"], constants["mean"][0] if self.shared else None, u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         rate = self.rates(Ts_s).astype(np.float32)
@@ -137,33 +144,29 @@ class Creep:
 
 
 class CreepMirror(Mirror):
-    """Float32 lags over lanes, each a sum of two words; the state is every high word, then every low one."""
+    """Float32 lags over lanes, each a sum of two words."""
 
-    def __init__(self, rate: Floats32, mean: np.float32 | None, u_V: Floats32) -> None:
+    def __init__(self, term: Creep, rate: Floats32, mean: np.float32 | None, u_V: Floats32) -> None:
+        self.members = term.members()
         self._rate, self._mean = rate, mean
-        self._words = [(u_V.copy(), np.zeros_like(u_V)) for _ in rate]
+        self.high: list[Floats32] = [u_V.copy() for _ in rate]
+        self.low: list[Floats32] = [np.zeros_like(u_V) for _ in rate]
 
     def regressors(self) -> list[Floats32]:
-        states = [high for high, _ in self._words]
         if self._mean is None:
-            return states
-        total = states[0]
-        for state in states[1:]:
+            return list(self.high)
+        total = self.high[0]
+        for state in self.high[1:]:
             total = total + state
         return [self._mean * total]
 
     def advance(self, u_V: Floats32) -> None:
         # The low word is left out of the difference: it is below the last bit of the high one.
-        self._words = [
-            accumulate(high, low, a * (u_V - high)) for (high, low), a in zip(self._words, self._rate, strict=True)
+        sums = [
+            accumulate(high, low, a * (u_V - high))
+            for high, low, a in zip(self.high, self.low, self._rate, strict=True)
         ]
-
-    def state(self) -> list[Floats32]:
-        return [*(high for high, _ in self._words), *(low for _, low in self._words)]
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        floats = [word.view(np.float32) for word in words]
-        self._words = list(zip(floats[: len(self._rate)], floats[len(self._rate) :], strict=True))
+        self.high, self.low = [high for high, _ in sums], [low for _, low in sums]
 
 
 TERM = Creep

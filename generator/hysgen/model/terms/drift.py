@@ -15,7 +15,7 @@ faster than tau and a predictor for what is slower. It cannot be fitted like oth
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -24,7 +24,8 @@ import numpy as np
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval, symmetric
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.structs import Member
+from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate
 
 
@@ -93,9 +94,15 @@ class Drift:
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
         return np.log([20.0 * drive.Ts_s]), np.log([drive.Ts_s * drive.u_V.size])
 
+    def members(self) -> tuple[Member, ...]:
+        return (
+            Member("bias_um", "float", "the bias [um]"),
+            Member("bias_low_um", "float", "rounding error of `bias_um`, carried along [um]"),
+        )
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> BiasMirror:
         constants = self.constants(Ts_s)
-        return BiasMirror(constants["rate"][0], constants["limit"][0], u_V)
+        return BiasMirror(self, constants["rate"][0], constants["limit"][0], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {
@@ -112,28 +119,23 @@ class Drift:
 
 
 class BiasMirror(Mirror):
-    """The float32 bias over lanes, a sum of two words; the state is the high word, then the low one."""
+    """The float32 bias over lanes, a sum of two words."""
 
-    def __init__(self, rate: np.float32, limit: np.float32, u_V: Floats32) -> None:
+    def __init__(self, term: Drift, rate: np.float32, limit: np.float32, u_V: Floats32) -> None:
+        self.members = term.members()
         self._rate, self._limit = rate, limit
-        self._high = self._low = np.zeros_like(u_V)
+        self.bias_um = self.bias_low_um = np.zeros_like(u_V)
 
     def correct(self, innovation_um: Floats32) -> None:
-        high, self._low = accumulate(self._high, self._low, self._rate * innovation_um)
+        high, self.bias_low_um = accumulate(self.bias_um, self.bias_low_um, self._rate * innovation_um)
         high = np.where(high > self._limit, self._limit, high)
-        self._high = np.where(high < -self._limit, -self._limit, high)
+        self.bias_um = np.where(high < -self._limit, -self._limit, high)
 
     def regressors(self) -> list[Floats32]:
-        return [self._high]
+        return [self.bias_um]
 
     def advance(self, u_V: Floats32) -> None:
         """The input does not move the bias."""
-
-    def state(self) -> list[Floats32]:
-        return [self._high, self._low]
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        self._high, self._low = (word.view(np.float32) for word in words)
 
 
 TERM = Drift

@@ -31,7 +31,8 @@ import numpy as np
 from hysgen.machine.kernels import play_operators
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
-from hysgen.model.terms.base import Bits, Drive, Flags, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.structs import Member
+from hysgen.model.terms.base import Drive, Flags, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.play_density import rising_rows, roughness_rows
 from hysgen.model.terms.play_slopes import steepest_move
 
@@ -214,8 +215,11 @@ class Memory:
         half = max(0.5 * float(np.ptp(drive.u_V)), np.finfo(np.float64).tiny)
         return np.log([0.05 * half]), np.log([half])
 
+    def members(self) -> tuple[Member, ...]:
+        return (Member("play", "float", "[V]", (self.plays,)),)
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> PlayMirror:
-        return PlayMirror(self.constants(Ts_s), self.degree, u_V)
+        return PlayMirror(self, self.constants(Ts_s), u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         constants = {"half_width": np.asarray(self.thresholds_V, dtype=np.float32)}
@@ -242,14 +246,15 @@ class Memory:
 class PlayMirror(Mirror):
     """Float32 play operators over lanes; `low = u - r`, `high = u + r`, then the two comparisons of the C."""
 
-    def __init__(self, constants: Mapping[str, Floats32], degree: int, u_V: Floats32) -> None:
+    def __init__(self, term: Memory, constants: Mapping[str, Floats32], u_V: Floats32) -> None:
+        self.members = term.members()
         self._half_width = constants["half_width"]
-        self._degree = degree
+        self._degree = degree = term.degree
         self._bend = [constants[name] for name in ("middle", "per_half", "reach")] if degree > 1 else []
-        self._play = [u_V.copy() for _ in self._half_width]
+        self.play: list[Floats32] = [u_V.copy() for _ in self._half_width]
 
     def regressors(self) -> list[Floats32]:
-        plays = [play.copy() for play in self._play]
+        plays = [play.copy() for play in self.play]
         if self._degree == 1:
             return plays
         places = [self._place(j, play) for j, play in enumerate(plays)]
@@ -265,15 +270,9 @@ class PlayMirror(Mirror):
 
     def advance(self, u_V: Floats32) -> None:
         for j, r in enumerate(self._half_width):
-            low, high, play = u_V - r, u_V + r, self._play[j]
+            low, high, play = u_V - r, u_V + r, self.play[j]
             play = np.where(play > high, high, play)
-            self._play[j] = np.where(play < low, low, play)
-
-    def state(self) -> list[Floats32]:
-        return self._play
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        self._play = [word.view(np.float32) for word in words]
+            self.play[j] = np.where(play < low, low, play)
 
 
 TERM = Memory

@@ -12,7 +12,7 @@ caller, who may write the phase words of the struct.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar, Self
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
+from hysgen.model.structs import Member
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.sine import cosine_sine
 
@@ -92,9 +93,16 @@ class Periodic:
         low, high = np.log(2.0 / (drive.Ts_s * drive.u_V.size)), np.log(0.45 / drive.Ts_s)
         return np.full(len(self.f_Hz), low), np.full(len(self.f_Hz), high)
 
+    def members(self) -> tuple[Member, ...]:
+        lines = (len(self.f_Hz),)
+        return (
+            Member("phase", "uint32_t", "upper word of the phase [turns / 2^32]", lines),
+            Member("phase_low", "uint32_t", "lower word of the phase [turns / 2^64]", lines),
+        )
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> PhaseMirror:
         constants = self.constants(Ts_s)
-        return PhaseMirror(constants["turn_high"], constants["turn_low"], u_V)
+        return PhaseMirror(self, constants["turn_high"], constants["turn_low"], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Bits]:
         """Turns per sample in units of 2^-32 and 2^-64.
@@ -127,28 +135,22 @@ def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDAr
 
 
 class PhaseMirror(Mirror):
-    """64-bit phases over lanes, in two words; the state is every high word, then every low one."""
+    """64-bit phases over lanes, in two words."""
 
-    def __init__(self, turn_high: Bits, turn_low: Bits, u_V: Floats32) -> None:
+    def __init__(self, term: Periodic, turn_high: Bits, turn_low: Bits, u_V: Floats32) -> None:
+        self.members = term.members()
         self._turns = list(zip(turn_high, turn_low, strict=True))
-        zero = np.zeros(u_V.shape, dtype=np.uint32)
-        self._phases = [(zero, zero) for _ in self._turns]
+        self.phase: list[Bits] = [np.zeros(u_V.shape, dtype=np.uint32) for _ in self._turns]
+        self.phase_low: list[Bits] = [np.zeros(u_V.shape, dtype=np.uint32) for _ in self._turns]
 
     def regressors(self) -> list[Floats32]:
-        return [part for high, _ in self._phases for part in cosine_sine(high)]
+        return [part for phase in self.phase for part in cosine_sine(phase)]
 
     def advance(self, u_V: Floats32) -> None:
         for j, (turn_high, turn_low) in enumerate(self._turns):
-            high, low = self._phases[j]
-            low = low + turn_low
+            low = self.phase_low[j] + turn_low
             carry = (low < turn_low).astype(np.uint32)
-            self._phases[j] = ((high + turn_high) + carry, low)
-
-    def state(self) -> list[Bits]:
-        return [phase[half] for half in (0, 1) for phase in self._phases]
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        self._phases = list(zip(words[: len(self._turns)], words[len(self._turns) :], strict=True))
+            self.phase[j], self.phase_low[j] = (self.phase[j] + turn_high) + carry, low
 
 
 TERM = Periodic

@@ -13,7 +13,7 @@ Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digit
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -24,7 +24,8 @@ from hysgen.errors import ModelError
 from hysgen.machine.kernels import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine
 from hysgen.model.intervals import Interval
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.structs import Member
+from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
@@ -130,9 +131,18 @@ class Resonance:
         high = np.log([0.45 / drive.Ts_s, 0.9])
         return np.tile(low, len(self.f_Hz)), np.tile(high, len(self.f_Hz))
 
+    def members(self) -> tuple[Member, ...]:
+        modes = (len(self.f_Hz),)
+        return (
+            Member("position", "float", "[V]", modes),
+            Member("position_low", "float", "rounding error of `position`, carried along [V]", modes),
+            Member("velocity", "float", "[V], in units of the mode's angular frequency", modes),
+            Member("velocity_low", "float", "rounding error of `velocity`, carried along [V]", modes),
+        )
+
     def mirror(self, u_V: Floats32, Ts_s: float) -> ModeMirror:
         constants = self.constants(Ts_s)
-        return ModeMirror(constants["real"], constants["imag"], u_V)
+        return ModeMirror(self, constants["real"], constants["imag"], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         """Raises ModelError if the pole, rounded to float32, would not decay."""
@@ -159,31 +169,26 @@ def _modulus(z: NDArray[np.complex128]) -> Floats:
 
 
 class ModeMirror(Mirror):
-    """Float32 modes over lanes; the state is all positions, their low words, all velocities, their low words."""
+    """Float32 modes over lanes, position and velocity each a sum of two words."""
 
-    def __init__(self, real: Floats32, imag: Floats32, u_V: Floats32) -> None:
+    def __init__(self, term: Resonance, real: Floats32, imag: Floats32, u_V: Floats32) -> None:
+        self.members = term.members()
         self._steps = list(zip(real, imag, strict=True))
-        self._position = [(u_V.copy(), np.zeros_like(u_V)) for _ in self._steps]
-        self._velocity = [(np.zeros_like(u_V), np.zeros_like(u_V)) for _ in self._steps]
+        self.position: list[Floats32] = [u_V.copy() for _ in self._steps]
+        self.velocity: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
+        self.position_low: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
+        self.velocity_low: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
 
     def regressors(self) -> list[Floats32]:
-        return [high for mode in zip(self._position, self._velocity, strict=True) for high, _ in mode]
+        return [high for mode in zip(self.position, self.velocity, strict=True) for high in mode]
 
     def advance(self, u_V: Floats32) -> None:
         for j, (real, imag) in enumerate(self._steps):
-            position, velocity = self._position[j], self._velocity[j]
-            away = u_V - position[0]
-            self._position[j] = accumulate(*position, real * away + imag * velocity[0])
-            self._velocity[j] = accumulate(*velocity, imag * away - real * velocity[0])
-
-    def state(self) -> list[Floats32]:
-        return [words[half] for sums in (self._position, self._velocity) for half in (0, 1) for words in sums]
-
-    def restore(self, words: Sequence[Bits]) -> None:
-        floats, modes = [word.view(np.float32) for word in words], len(self._steps)
-        high, low, turning, turning_low = (floats[first : first + modes] for first in range(0, 4 * modes, modes))
-        self._position = list(zip(high, low, strict=True))
-        self._velocity = list(zip(turning, turning_low, strict=True))
+            position, velocity = self.position[j], self.velocity[j]
+            away = u_V - position
+            forward, turn = real * away + imag * velocity, imag * away - real * velocity
+            self.position[j], self.position_low[j] = accumulate(position, self.position_low[j], forward)
+            self.velocity[j], self.velocity_low[j] = accumulate(velocity, self.velocity_low[j], turn)
 
 
 TERM = Resonance

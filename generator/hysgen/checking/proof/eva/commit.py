@@ -11,7 +11,7 @@ from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY
 from hysgen.checking.proof.eva.contracts import with_beyond
 from hysgen.checking.proof.eva.frama import Verdict, analyse
-from hysgen.checking.proof.eva.learner_box import LEARNED, RESTS
+from hysgen.checking.proof.eva.learner_box import PARAMETERS, RESTS
 from hysgen.checking.proof.eva.splits import Split, annotated, signs, splits
 from hysgen.checking.proof.eva.states import float_word, integer_word
 from hysgen.codegen.render import render
@@ -31,7 +31,7 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     name, numbers = model.name, learner_numbers(model, coefficients(model))
     points = commit_numbers(model, coefficients(model), certify(model)).points
     limit, banks = float(numbers.limit_um), bank_box(model)
-    boxes = {f"{path}[{j}]": symmetric(limit) for path in LEARNED for j in range(numbers.size)}
+    boxes = {f"{path}[{j}]": symmetric(limit) for path in (*PARAMETERS, "candidate.theta") for j in range(numbers.size)}
     boxes |= {f"candidate.bank.{path}": box for path, box in banks.items()}
     boxes |= {f"base.{path}": box for path, box in banks.items()}
     boxes |= {path: symmetric(RESTS) for path in ("candidate.gain_rest_um_per_V", "candidate.slope_rest[0]")}

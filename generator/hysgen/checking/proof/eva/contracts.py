@@ -13,14 +13,12 @@ from typing import Final
 
 from hysgen.checking.proof.layout import words
 from hysgen.errors import ModelError
+from hysgen.float32.learner_words import LearnerWords
 
 WRITES: Final[Mapping[str, tuple[str, ...]]] = {
-    "project": ("f", "g"),
-    "factor": ("u", "k"),
-    "clear": ("u",),
-    "step": ("theta", "theta_low", "phase", "status", "limited", "updates", "age"),
+    kind: LearnerWords.written_by(kind) for kind in ("project", "factor", "clear", "step")
 }
-"""Words of the learner that each of them writes, and no other."""
+"""Words of the learner that each kind of function of an update writes, and no other."""
 
 _RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
 

@@ -17,14 +17,16 @@ from hysgen.checking.proof.eva.boxes import parts_box, regressor_sizes
 from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import FAST, LearnerNumbers, learner_numbers
+from hysgen.float32.learner_words import LearnerWords
+from hysgen.float32.struct_words import Holds
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.model import Model
 
-WILD: Final = ("d", "theta_low", "f", "g", "l", "k", "per_alpha", "u")
+WILD: Final = tuple(member.name for member in LearnerWords.described() if member.any_bits)
 """Words that may hold any bits: the covariance, and what is derived from it."""
 
-LEARNED: Final = ("theta", "reference", "candidate.theta")
-"""Words that hold a parameter each."""
+PARAMETERS: Final = tuple(member.name for member in LearnerWords.described() if member.parameter)
+"""Words that hold a parameter each, finite and within its limit."""
 
 RESTS: Final = 1e12
 """Larger than what commit may keep of a candidate between its calls, far from what overflows."""
@@ -88,7 +90,7 @@ def learner_box(model: Model) -> LearnerBox:
         Level("step_error", 1.01 * moved**2),
     )
     floats = {f"x[{j}]": symmetric(size).outwards() for j, size in enumerate(sizes)}
-    floats |= {f"{name}[{j}]": symmetric(limit) for name in ("theta", "reference") for j in range(numbers.size)}
+    floats |= {f"{name}[{j}]": symmetric(limit) for name in PARAMETERS for j in range(numbers.size)}
     floats |= {
         "inflate": Interval(1.0, float(max(numbers.inflate, numbers.inflate_first))),
         "innovation_um": symmetric(error).outwards(),
@@ -100,7 +102,7 @@ def learner_box(model: Model) -> LearnerBox:
     floats |= {level.path: level.box for level in levels}
     floats |= {path: box for path, box in instance.items() if path.startswith(("terms.", "inputs."))}
     integers = {**parts_box(model).integers, "turn": numbers.size - 1, "phase": numbers.spread.phases}
-    integers |= dict.fromkeys(("fresh", "rested", "measuring"), 1)
+    integers |= {member.name: 1 for member in LearnerWords.described() if member.holds is Holds.FLAG}
     return LearnerBox(floats, integers, levels)
 
 
