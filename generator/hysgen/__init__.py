@@ -6,7 +6,7 @@
     study = hysgen.diagnose(record)
     hysgen.generate(study.model).write("firmware/stage")
 
-The functions and types are those of `hysgen.api`, loaded when the first of them is used.
+The names of `hysgen.api`, loaded when the first of them is used.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import importlib
 import os
 from typing import TYPE_CHECKING, Any
 
-# The matrices here are small: threads of the BLAS cost up to ten times the work on a busy machine, and their number
-# changes last bits. A number that the user has set is kept.
+# For matrices as small as these, BLAS threads cost up to ten times the work on a busy machine, and their number changes
+# the last bits of results. A number set by the user is kept.
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
 

@@ -1,10 +1,10 @@
-"""The way through hysgen for scripts and notebooks; `import hysgen` has all of it at the top.
+"""The Python interface for scripts and notebooks; `import hysgen` gives all of its names.
 
 record = hysgen.load_record("record.csv")
-study = hysgen.diagnose(record)             # what the simulation gets wrong, and why
+study = hysgen.diagnose(record)             # errors of the simulation, their causes, an extended model
 model = study.model                         # or hysgen.fit(record, plays=12)
 code = hysgen.generate(model)               # the C, as text
-hysgen.verify(code)                         # equal bits
+hysgen.verify(code)                         # the C compared with its reference, bit for bit
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ Progress = Callable[[float, str], None]
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Generated(Displayed):
-    """Generated files: the model and file name -> text. `code["stage.h"]` is one of them."""
+    """Generated files: the model, and texts by file name; `code["stage.h"]` is one text."""
 
     model: Model
     texts: Mapping[str, str]
@@ -71,7 +71,7 @@ class Generated(Displayed):
         return self.texts[name]
 
     def write(self, folder: str | Path) -> Path:
-        """Write every file into a folder, each whole or not at all."""
+        """Write every file into a folder, each whole or not at all. Returns the folder."""
         write(self.texts, Path(folder))
         return Path(folder)
 
@@ -84,10 +84,10 @@ class Generated(Displayed):
 def fit(
     record: Record, settings: FitSettings | None = None, *, plays: int = 0, progress: Progress | None = None
 ) -> Model:
-    """A model of a record: the paper's, with the free run refined, or as `settings` say.
+    """A model of a record: by default the paper's structure with refined free run, otherwise as in `settings`.
 
-    plays: add memory of so many play operators, half-widths up to half the record's voltage range.
-    Raises FitError or RecordError with one line.
+    plays: number of play operators of an added memory, half-widths up to half the record's voltage range.
+    Raises FitError or RecordError.
     """
     chosen = settings or FitSettings()
     if plays > 0:
@@ -103,10 +103,10 @@ def diagnose(
     settings: DiagnoseSettings | None = None,
     progress: Progress | None = None,
 ) -> Study:
-    """What the simulation of a record gets wrong, why, and what an extended model gains and costs.
+    """Errors of the simulation of a record, their causes, and the gain and price of an extended model.
 
-    Structure and numbers come from `record` alone (without `holdout` from its first 65 %); scores are held out.
-    Raises RecordError or FitError with one line.
+    Structure and parameters come from `record` (from its first 65 % if `holdout` is None); scores are held out.
+    Raises RecordError or FitError.
     """
     chosen = settings or DiagnoseSettings()
     if chosen.price is None:
@@ -115,18 +115,18 @@ def diagnose(
 
 
 def generate(model: Model, options: Options | None = None) -> Generated:
-    """The C of a model, in memory; with the inverse where that is certified, unless `options` say otherwise.
+    """The C of a model as text; by default with the inverse if that is certified.
 
-    Raises CertificateError or BudgetError with place and value.
+    Raises CertificateError if the inverse in `options` is not certified, BudgetError if a sample exceeds its period.
     """
     chosen = options or Options(inverse=certify(model).inverse_holds)
     return Generated(model, generate_texts(model, chosen))
 
 
 def verify(code: Generated | str | Path, samples: int = 200_000, progress: Progress | None = None) -> Report:
-    """Compare generated C, or a folder of it, with its reference, bit for bit, in every build that is possible here.
+    """Compare generated C, or a folder of it, with its float32 reference, bit for bit, in every available build.
 
-    Raises HysgenError if the folder is not complete or there is no compiler.
+    samples: per build. Raises HysgenError if the folder is incomplete or there is no compiler.
     """
     if isinstance(code, Generated):
         return verify_texts(code.model, code.texts, samples=samples, structures=0, progress=progress)
@@ -137,7 +137,7 @@ def verify(code: Generated | str | Path, samples: int = 200_000, progress: Progr
 
 
 def cost(code: Generated | str | Path) -> Cost:
-    """What generated C, or a folder of it, costs: operations, cycles against the sample period, bytes."""
+    """The cost of generated C, or of a folder of it: operations, cycles against the sample period, bytes."""
     if isinstance(code, Generated):
         return cost_of_texts(code.model, code.texts, timed=False)
     folder = read_folder(Path(code))
