@@ -42,8 +42,8 @@ SEED = 1
 def counted(model: Model, texts: dict[str, str], samples: int) -> tuple[int, int]:
     """Updates and restarts of the chain that is compared."""
     host = Host(model.name, texts)
-    learner = LEARNER.start(host)
-    for columns in chunks(model, "smooth", LEARNER.functions["learn"], samples, SEED, LEARNER.piece):
+    learner = LEARNER.create(host)
+    for columns in chunks(model, "smooth", LEARNER.functions["learn"], samples, SEED, LEARNER.chunk):
         host.run("learn", learner, columns)
     return int(learner.updates), int(learner.restarts)
 

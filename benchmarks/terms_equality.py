@@ -16,7 +16,7 @@ import hysgen  # noqa: F401  before NumPy, whose BLAS reads once how many thread
 import numpy as np
 
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits import verify_texts
+from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.codegen import generate
 from hysgen.display import table
 from hysgen.model.file import load_model
@@ -64,7 +64,7 @@ def main() -> int:
     models.append(model("with_everything", TERMS, BLOCKS))
     rows, equal = [], True
     for each in models:
-        report = verify_texts(each, generate(each), samples=samples, structures=0)
+        report = verify_texts(each, generate(each), VerifySettings(samples, other_models=0))
         equal &= report.equal
         inverse = "certified" if certify(each).inverse_holds else "NOT certified"
         rows.append([each.name, f"{report.samples:,}", str(report.equal), inverse])

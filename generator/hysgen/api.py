@@ -15,7 +15,7 @@ from pathlib import Path
 
 from hysgen.c674x.cost import Cost, cost_of_texts
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits import verify_texts
+from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.codegen import Options, write
 from hysgen.codegen import generate as generate_texts
@@ -128,12 +128,11 @@ def verify(code: Generated | str | Path, samples: int = 200_000, progress: Progr
 
     samples: per build. Raises HysgenError if the folder is incomplete or there is no compiler.
     """
+    settings = VerifySettings(samples=samples, other_models=0)
     if isinstance(code, Generated):
-        return verify_texts(code.model, code.texts, samples=samples, structures=0, progress=progress)
+        return verify_texts(code.model, code.texts, settings, progress)
     folder = read_folder(Path(code))
-    return verify_texts(
-        folder.model, folder.texts, samples=samples, structures=0, progress=progress, altered=folder.altered
-    )
+    return verify_texts(folder.model, folder.texts, settings, progress, folder.altered)
 
 
 def cost(code: Generated | str | Path) -> Cost:

@@ -11,12 +11,14 @@ import pytest
 
 from fixtures.c674x_compiler import need_compiler
 from fixtures.proof_models import model, texts
-from hysgen.c674x import generated, toolchain
+from hysgen.c674x import toolchain
 from hysgen.c674x.assembly import instructions
 from hysgen.c674x.cycles import bounds
-from hysgen.c674x.learning import SimulatedSide
+from hysgen.c674x.equality import verify_on_target
+from hysgen.c674x.footprint import c_texts, cycle_bounds
 from hysgen.c674x.packets import packets
-from hysgen.checking.bits.closed_loop import LEAST_UPDATES, HostSide, follow
+from hysgen.c674x.simulated_side import SimulatedSide
+from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, compare_learning
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.errors import BuildError
@@ -28,12 +30,12 @@ SAMPLES = 400
 def test_every_function_has_the_hosts_bits_and_constant_cycles() -> None:
     need_compiler()
     plain, generated_c = model("appendix_a"), texts("appendix_a")
-    report = generated.verify_on_target(plain, generated_c, SAMPLES)
+    report = verify_on_target(plain, generated_c, SAMPLES)
     assert report.equal
     assert {run.function for run in report.runs} == {"predict", "simulate", "inverse"}
     assert all(run.words > 40 for run in report.runs)
     # What the static bound says is what every call took, whatever the data: random, edges, or any 32 bits.
-    bounds = generated.cycles(plain.name, generated_c)
+    bounds = cycle_bounds(plain.name, generated_c)
     for run in report.runs:
         assert run.cycles == (bounds[run.function].best, bounds[run.function].worst)
     assert all(bound.constant for bound in bounds.values())
@@ -43,13 +45,13 @@ def test_every_function_has_the_hosts_bits_and_constant_cycles() -> None:
 def compiled(name: str) -> toolchain.Firmware:
     """One of the models for proofs, for the target."""
     need_compiler()
-    return toolchain.compile(generated.c_texts(texts(name)))
+    return toolchain.compile(c_texts(texts(name)))
 
 
 def test_a_learner_has_the_hosts_bits_on_inputs_of_every_style(monkeypatch: pytest.MonkeyPatch) -> None:
     firmware = compiled("learning")
     monkeypatch.setattr(toolchain, "compile", lambda sources: firmware)
-    report = generated.verify_on_target(model("learning"), texts("learning"), SAMPLES)
+    report = verify_on_target(model("learning"), texts("learning"), SAMPLES)
     assert report.equal, report.notes()
     assert {run.function for run in report.runs} == {"predict", "simulate", "inverse", "learn", "commit"}
     assert report.committed
@@ -75,7 +77,7 @@ def test_banks_change_on_the_target_in_the_hosts_bits_and_within_the_bounds(name
     assert learner.learner is not None
     assert host.layout(f"{name}_t")["active"] == 0
     side, stuck = SimulatedSide(host, firmware.machine()), Stuck(host, firmware.machine())
-    here, there, wrong = follow(learner, [HostSide("here", host), side, stuck], host, LEAST_UPDATES)
+    here, there, wrong = compare_learning(learner, [HostSide("here", host), side, stuck], host, LEAST_UPDATES)
     assert (there.learnt_wrong, there.committed_wrong) == (0, 0), there.first
     assert there.samples == LEAST_UPDATES * learner.learner.calls_per_update
     # The bank in use changed in the target's own memory each time that commit said so; the predictions behind it agree.
@@ -97,7 +99,7 @@ def test_one_bit_of_one_constant_is_seen_and_told(monkeypatch: pytest.MonkeyPatc
         return honest(wrong, flags)
 
     monkeypatch.setattr(toolchain, "compile", altered)
-    report = generated.verify_on_target(model("appendix_a"), texts("appendix_a"), SAMPLES)
+    report = verify_on_target(model("appendix_a"), texts("appendix_a"), SAMPLES)
     assert not report.equal
     assert any("DIFFERENT" in note and "the host's is 0x" in note for note in report.notes())
 
@@ -105,4 +107,4 @@ def test_one_bit_of_one_constant_is_seen_and_told(monkeypatch: pytest.MonkeyPatc
 def test_without_the_compiler_the_message_says_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HYSGEN_C674X", str(tmp_path))
     with pytest.raises(BuildError, match=r"run firmware/toolchain/build_c674x\.sh"):
-        generated.cycles("appendix_a", generate(load_model("appendix_a")))
+        cycle_bounds("appendix_a", generate(load_model("appendix_a")))

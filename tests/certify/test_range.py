@@ -12,7 +12,7 @@ import pytest
 from fixtures.generated_models import smooth
 from fixtures.learner_bench import ANY_CLOCK
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits import verify_texts
+from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.errors import CertificateError, ModelError
@@ -43,7 +43,7 @@ def test_a_singular_model_is_refused_and_generates_over_the_range_where_it_is_no
         generate(singular(rules))
     part = singular(rules).within((1.0, 5.0))
     texts = generate(part)
-    report = verify_texts(part, texts, samples=20_000, structures=0, compilers=["cc"], levels=["-O2"])
+    report = verify_texts(part, texts, VerifySettings(20_000, 0, compilers=["cc"], levels=["-O2"]))
     assert report.equal, "\n".join(report.lines())
     assert accuracy(part, 20_000).predict_um < 5e-6
 

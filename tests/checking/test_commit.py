@@ -17,7 +17,7 @@ from fixtures.learner_bench import START_UM, START_V, sized, texts_of
 from fixtures.tools import need
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits.builds import compiled
-from hysgen.checking.bits.committing import answers, border, committer_of, compare_commit, directions
+from hysgen.checking.bits.committing import acceptance_boundary, answers, committer_of, compare_commit, directions
 from hysgen.checking.host import Host
 from hysgen.float32.learner_numbers import learned_model
 from hysgen.float32.learner_status import Commit
@@ -111,7 +111,7 @@ def farthest_are_certified(model: Model, spoil: Callable[[Committer], None] = la
     """
     committer = committer_of(model)
     spoil(committer)
-    last, first = border(committer, directions(committer, np.random.default_rng(11)))
+    last, first = acceptance_boundary(committer, directions(committer, np.random.default_rng(11)))
     accepted = answers(committer, last)
     assert (accepted == Commit.COMMITTED).all()
     assert (answers(committer, first) != Commit.COMMITTED).all()
@@ -142,7 +142,9 @@ def test_without_a_protection_an_uncertified_shadow_would_pass(model: Model, pro
 @pytest.mark.parametrize("points_per_call", [1, 7, 64])
 def test_the_answer_does_not_depend_on_how_the_check_is_spread_over_calls(points_per_call: int) -> None:
     committer = committer_of(sized(18, points_per_call=points_per_call))
-    shadows = np.concatenate(border(committer, directions(committer, np.random.default_rng(5)))[:2], axis=1)
+    shadows = np.concatenate(
+        acceptance_boundary(committer, directions(committer, np.random.default_rng(5)))[:2], axis=1
+    )
     shadows = shadows[:, :: shadows.shape[1] // committer.learner.theta.shape[1]]
     expected = answers(committer_of(sized(18)), shadows)
     assert len(set(expected.tolist())) >= 3

@@ -11,12 +11,12 @@ import pytest
 from fixtures.proof_models import model, texts
 from fixtures.tools import need
 from hysgen.checking.bits.builds import Build
-from hysgen.checking.bits.closed_loop import LEAST_UPDATES, HostSide, follow
 from hysgen.checking.bits.committing import compare_commit
+from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, compare_learning
 from hysgen.checking.host import Host
 from hysgen.checking.proof.emulated.contraction import contraction, unguarded
-from hysgen.checking.proof.emulated.equality import equality
-from hysgen.checking.proof.emulated.machines import MACHINES, Machine
+from hysgen.checking.proof.emulated.equality import EmulationSettings, equality
+from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
 from hysgen.checking.proof.emulated.program import Emulated
 from hysgen.cli import main
 from hysgen.codegen import write
@@ -27,21 +27,21 @@ from hysgen.machine.native import Toolchain
 SAMPLES = 4000
 
 
-def need_machines() -> None:
-    for machine in MACHINES:
-        need(machine.compiler)
-        need(machine.emulator)
+def need_platforms() -> None:
+    for platform in PLATFORMS:
+        need(platform.compiler)
+        need(platform.emulator)
 
 
-def machine(name: str) -> Machine:
-    (found,) = [machine for machine in MACHINES if machine.name == name]
+def platform(name: str) -> Platform:
+    (found,) = [platform for platform in PLATFORMS if platform.name == name]
     return found
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "extended", "everything"])
 def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None:
-    need_machines()
-    report = equality(model(name), texts(name), samples=SAMPLES)
+    need_platforms()
+    report = equality(model(name), texts(name), EmulationSettings(SAMPLES))
     assert report.equal, "\n".join(report.lines())
     assert len(report.comparison.builds) == 5
     assert not report.comparison.skipped
@@ -49,8 +49,8 @@ def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None
     assert compared >= {"init", "predict", "simulate", "inverse", "selftest"}
     assert ("learn" in compared) == (model(name).learner is not None)
     if model(name).learner is not None:
-        # Behind a stage the bank in use changes in each machine's own memory, in this machine's bits.
-        here, *there = report.followed
+        # Behind a stage the active bank changes in each platform's own memory, in this platform's bits.
+        here, *there = report.learning
         assert len(there) == 5
         assert here.switches == here.committed >= 1
         assert all(row.equal and row.switches == row.committed == here.committed for row in there)
@@ -58,7 +58,7 @@ def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None
 
 
 class Stuck(HostSide):
-    """A machine on which the bank in use never changes."""
+    """A platform on which the bank in use never changes."""
 
     def commit(self) -> int:
         words, active = self.host.words_of(self._instance), self.host.layout(f"{self.host.name}_t")["active"]
@@ -71,7 +71,7 @@ class Stuck(HostSide):
 def test_a_machine_on_which_no_bank_changes_is_seen() -> None:
     host = Host("learning", texts("learning"))
     sides = [HostSide("here", host), HostSide("there", host), Stuck("stuck", host)]
-    here, there, stuck = follow(model("learning"), sides, host, LEAST_UPDATES)
+    here, there, stuck = compare_learning(model("learning"), sides, host, LEAST_UPDATES)
     assert here.switches == here.committed >= 1
     assert there.equal
     assert (stuck.equal, stuck.switches, stuck.committed) == (False, 0, here.committed)
@@ -84,7 +84,7 @@ def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
     wrong = {file: text.replace("self->active = 1u - self->active;", "") for file, text in texts("learning").items()}
     assert wrong != texts("learning")
     builds = [
-        Build(Toolchain(label, ()), False, cast(Host, Emulated("learning", sources, machine("s390x"))))
+        Build(Toolchain(label, ()), False, cast(Host, Emulated("learning", sources, platform("s390x"))))
         for label, sources in {"honest": texts("learning"), "stuck": wrong}.items()
     ]
     run, found = compare_commit(model("learning"), builds, seed=1)
@@ -95,12 +95,12 @@ def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
 def test_one_bit_of_one_constant_is_seen_on_the_machine_that_has_it() -> None:
     need("s390x-linux-gnu-gcc")
     need("qemu-s390x-static")
-    # A big-endian machine whose C has another last bit in one coefficient of the exponential.
+    # A big-endian platform whose C has another last bit in one coefficient of the exponential.
     wrong = {file: text.replace("0.240226477f", "0.240226492f") for file, text in texts("appendix_a").items()}
     assert wrong != texts("appendix_a")
-    program = Emulated("appendix_a", wrong, machine("s390x"))
+    program = Emulated("appendix_a", wrong, platform("s390x"))
     assert program.call("selftest") > 0
-    report = equality(model("appendix_a"), wrong, samples=2000, machines=[machine("s390x")])
+    report = equality(model("appendix_a"), wrong, EmulationSettings(2000, [platform("s390x")]))
     assert not report.equal
     assert any("s390x" in mismatch.build for mismatch in report.comparison.mismatches)
 
@@ -108,15 +108,15 @@ def test_one_bit_of_one_constant_is_seen_on_the_machine_that_has_it() -> None:
 def test_words_in_the_other_order_of_bytes_would_be_seen() -> None:
     need("powerpc-linux-gnu-gcc")
     need("qemu-ppc-static")
-    mistaken = dataclasses.replace(machine("powerpc"), order="<")
+    mistaken = dataclasses.replace(platform("powerpc"), order="<")
     with pytest.raises(BuildError, match="the program ended"):
-        equality(model("appendix_a"), texts("appendix_a"), samples=100, machines=[mistaken])
+        equality(model("appendix_a"), texts("appendix_a"), EmulationSettings(100, [mistaken]))
 
 
 def test_the_guard_forbids_fusing_and_without_it_the_self_test_tells() -> None:
-    need_machines()
+    need_platforms()
     found = contraction(model("appendix_a"), texts("appendix_a"), samples=20_000)
-    assert len(found) == 2 * len(MACHINES)
+    assert len(found) == 2 * len(PLATFORMS)
     for row in found:
         if row.guarded:
             assert (row.differing, row.selftest) == (0, 0), row
@@ -131,20 +131,20 @@ def test_a_guard_that_has_gone_is_told() -> None:
 
 
 def test_a_missing_compiler_is_told_with_its_packages() -> None:
-    absent = dataclasses.replace(machine("armhf"), compiler="arm-nowhere-gcc")
+    absent = dataclasses.replace(platform("armhf"), compiler="arm-nowhere-gcc")
     with pytest.raises(BuildError, match=r"arm-nowhere-gcc not installed; apt-get install gcc-arm-linux-gnueabihf"):
         Emulated("appendix_a", texts("appendix_a"), absent)
-    report = equality(model("appendix_a"), texts("appendix_a"), samples=100, machines=[absent, *_installed()[:1]])
+    report = equality(model("appendix_a"), texts("appendix_a"), EmulationSettings(100, [absent, *_installed()[:1]]))
     assert report.comparison.skipped == (
         "armhf: arm-nowhere-gcc not installed; "
         "apt-get install gcc-arm-linux-gnueabihf libc6-dev-armhf-cross qemu-user-static",
     )
 
 
-def _installed() -> list[Machine]:
-    found = [machine for machine in MACHINES if not machine.missing]
+def _installed() -> list[Platform]:
+    found = [platform for platform in PLATFORMS if not platform.missing]
     if not found:
-        need(MACHINES[0].compiler)
+        need(PLATFORMS[0].compiler)
     return found
 
 

@@ -12,7 +12,7 @@ import pytest
 from fixtures.generated_models import learning, smooth
 from fixtures.proof_models import model, texts
 from fixtures.tools import need
-from hysgen.checking.bits.closed_loop import Followed
+from hysgen.checking.bits.learning_run import LearningResult
 from hysgen.checking.bits.report import Report
 from hysgen.checking.proof.emulated.equality import EmulatedReport
 from hysgen.checking.proof.misra import ADVISORY, DEVIATIONS, misra
@@ -130,5 +130,5 @@ def test_sanitizers_stop_at_a_planted_fault(anchor: str, replacement: str) -> No
 
 def test_answers_of_commit_are_told_by_name() -> None:
     comparison = Report("m", builds=(), skipped=(), altered=(), runs=(), mismatches=(), seconds=0.0)
-    report = EmulatedReport(comparison, (Followed("sanitizers", answers=Counter(COMMITTED=2)),))
+    report = EmulatedReport(comparison, (LearningResult("sanitizers", answers=Counter(COMMITTED=2)),))
     assert json.loads(json.dumps(report.to_json()))["followed"][0]["answers"] == {"COMMITTED": 2}

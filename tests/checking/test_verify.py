@@ -14,7 +14,7 @@ import pytest
 
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
-from hysgen.checking.bits import Report, verify, verify_texts
+from hysgen.checking.bits import Report, VerifySettings, verify, verify_texts
 from hysgen.checking.bits.random_models import RULES, faint_model, random_model
 from hysgen.codegen import generate, write
 from hysgen.errors import HysgenError
@@ -40,7 +40,7 @@ def extended() -> Model:
 
 
 def compared(model: Model, texts: Mapping[str, str], level: str = "-O2") -> Report:
-    return verify_texts(model, texts, samples=SAMPLES, structures=0, compilers=["cc"], levels=[level])
+    return verify_texts(model, texts, VerifySettings(SAMPLES, 0, compilers=["cc"], levels=[level]))
 
 
 def altered(file: str, old: str, new: str) -> dict[str, str]:
@@ -51,7 +51,7 @@ def altered(file: str, old: str, new: str) -> dict[str, str]:
 
 
 def test_generated_c_equals_reference_in_every_installed_build() -> None:
-    report = verify_texts(extended(), generate(extended()), samples=SAMPLES, structures=3)
+    report = verify_texts(extended(), generate(extended()), VerifySettings(SAMPLES, 3))
     assert report.equal, "\n".join(report.lines())
     assert report.samples >= SAMPLES
     assert {run.function for run in report.runs} == {"selftest", "init", "predict", "simulate", "inverse"}
@@ -60,7 +60,7 @@ def test_generated_c_equals_reference_in_every_installed_build() -> None:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_c_that_ships_equals_its_reference(name: str) -> None:
     folder = shipped(name)
-    report = verify_texts(folder.model, folder.texts, samples=SAMPLES, structures=0, compilers=["gcc"], levels=["-O2"])
+    report = verify_texts(folder.model, folder.texts, VerifySettings(SAMPLES, 0, compilers=["gcc"], levels=["-O2"]))
     assert report.equal, "\n".join(report.lines())
     assert {run.function for run in report.runs} >= {"predict", "simulate", "inverse", "learn", "commit"}
 
@@ -160,10 +160,11 @@ def test_guard_keeps_the_compiler_from_fusing_multiplication_and_addition(compil
     texts = generate(extended())
     guard = re.search(r"#if defined\(__clang__\)\n#pragma STDC.*?#endif\n", texts["stage.c"], re.DOTALL)
     assert guard
-    build = {"compilers": [compiler], "levels": [f"-O3 -march=native -ffp-contract={contract}"]}
+    level = f"-O3 -march=native -ffp-contract={contract}"
+    settings = VerifySettings(SAMPLES, 0, compilers=[compiler], levels=[level])
     bare = texts | {"stage.c": texts["stage.c"].replace(guard[0], "")}
-    assert verify_texts(extended(), texts, samples=SAMPLES, structures=0, **build).equal
-    assert not verify_texts(extended(), bare, samples=SAMPLES, structures=0, **build).equal
+    assert verify_texts(extended(), texts, settings).equal
+    assert not verify_texts(extended(), bare, settings).equal
 
 
 def test_drawn_models_cover_every_number_of_rules_and_repeat() -> None:
@@ -175,8 +176,8 @@ def test_drawn_models_cover_every_number_of_rules_and_repeat() -> None:
 def test_folder_is_verified_as_it_was_written_and_altered_files_are_named(tmp_path: Path) -> None:
     write(generate(extended()), tmp_path)
     seen: list[float] = []
-    quick = {"samples": 3000, "structures": 0, "levels": ["-O0"]}
-    report = verify(tmp_path, **quick, progress=lambda fraction, _: seen.append(fraction))
+    quick = VerifySettings(3000, 0, levels=["-O0"])
+    report = verify(tmp_path, quick, lambda fraction, _: seen.append(fraction))
     assert report.equal
     assert json.loads(json.dumps(report.to_json()))["equal"] is True
     assert seen == sorted(seen)
@@ -184,7 +185,7 @@ def test_folder_is_verified_as_it_was_written_and_altered_files_are_named(tmp_pa
 
     header = tmp_path / "stage.h"
     header.write_text(header.read_text() + "/* edited */\n")
-    report = verify(tmp_path, **quick)
+    report = verify(tmp_path, quick)
     assert not report.equal
     assert any(str(header) in line for line in report.altered)
 
@@ -196,5 +197,5 @@ def test_folder_without_manifest_is_refused_in_one_line(tmp_path: Path) -> None:
 
 def test_missing_compiler_is_told_loudly() -> None:
     texts = generate(extended())
-    report = verify_texts(extended(), texts, samples=3000, structures=0, compilers=["cc", "no-such-compiler"])
+    report = verify_texts(extended(), texts, VerifySettings(3000, 0, compilers=["cc", "no-such-compiler"]))
     assert any("NOT COMPARED: no-such-compiler" in line for line in report.lines())

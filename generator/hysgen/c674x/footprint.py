@@ -5,20 +5,42 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hysgen.c674x import toolchain
-from hysgen.c674x.generated import c_texts, cycles_of
+from hysgen.c674x.assembly import instructions
+from hysgen.c674x.cycles import CycleBounds, bounds
+from hysgen.c674x.packets import packets
 from hysgen.codegen.operations import figures
 
 
-def footprint(name: str, texts: Mapping[str, str]) -> dict[str, dict[str, int]]:
-    """Function without the model's name -> worst cycles, bytes of its own code, most stack with all that it calls.
+def c_texts(texts: Mapping[str, str]) -> list[tuple[str, str]]:
+    """(file name, text) of the C sources and headers among generated files."""
+    return [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
 
-    "data" holds the bytes of the public structs and of the constant tables, "all" the bytes of the program's code.
+
+def cycle_bounds(
+    name: str, texts: Mapping[str, str], firmware: toolchain.Firmware | None = None
+) -> dict[str, CycleBounds]:
+    """Stall-free cycles of each public function, by its name without the model's.
+
+    firmware: the compiled texts, if they are compiled already.
+    Raises BuildError without the toolchain, TargetError if the cycles of a function cannot be bounded.
+    """
+    program = firmware or toolchain.compile(c_texts(texts))
+    code = packets(instructions(program.listing))
+    functions = figures(name, texts).operations
+    return {function: bounds(program.image, code, f"{name}_{function}") for function in functions}
+
+
+def footprint(name: str, texts: Mapping[str, str]) -> dict[str, dict[str, int]]:
+    """Function without the model's name -> worst-case cycles, bytes of its own code, most stack including callees.
+
+    "all" holds the bytes of the program's code, "data" the bytes of the public structs and of the constant tables. The
+    self-test is left out.
     Raises BuildError without the toolchain, TargetError if cycles or stack cannot be bounded.
     """
     firmware = toolchain.compile([(file, text) for file, text in c_texts(texts) if "selftest" not in file])
     counted = figures(name, texts)
     taken: dict[str, dict[str, int]] = {}
-    for function, bound in cycles_of(name, texts, firmware).items():
+    for function, bound in cycle_bounds(name, texts, firmware).items():
         taken[function] = {
             "cycles": bound.worst,
             "code_bytes": firmware.function_bytes(f"{name}_{function}"),

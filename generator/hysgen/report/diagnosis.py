@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hysgen.c674x.cost import Cost, cost_of_texts
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits import verify_texts
+from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.codegen import Options, generate
 from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text
@@ -160,7 +160,7 @@ def _proof(study: Study) -> tuple[Report | None, Cost | None, str]:
     except HysgenError as fault:
         return None, None, str(fault)
     try:
-        return verify_texts(model, texts, samples=SAMPLES, structures=0), price, ""
+        return verify_texts(model, texts, VerifySettings(samples=SAMPLES, other_models=0)), price, ""
     except HysgenError as fault:
         return None, price, str(fault)
 

@@ -1,17 +1,21 @@
-"""What generated C costs: operations of the worst path, cycles and their budget, bytes, and time on this machine.
+"""Cost of generated C: operations of the worst path, cycles and their budget, bytes, and time on this machine.
 
-Operations are counted in the C text (package `operations`), exactly. Cycles of the C674x are those that the caller
-measured on the target, else estimates and named so. Nanoseconds belong to this machine and say nothing about the DSP.
+Operations are counted exactly in the C text (`codegen.operations`). Cycles of the C674x are measured ones if the caller
+passes them, else estimates, and labelled as such. Nanoseconds are those of this machine, not of the DSP.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
-from hysgen.c674x.cost.timing import nanoseconds
+import numpy as np
+
+from hysgen.checking.bits.functions import COMPARED_STRUCTS
+from hysgen.checking.bits.inputs import chunks
 from hysgen.checking.host import Host
 from hysgen.codegen.manifest import read_folder
 from hysgen.codegen.operations import Counts, figures
@@ -22,10 +26,14 @@ from hysgen.model.model import Model
 
 __all__ = ["Cost", "FunctionCost", "cost", "cost_of_texts"]
 
+REPEATS: Final = 9
+SAMPLES: Final = 1 << 14
+"""Samples of one timed run."""
+
 
 @dataclass(frozen=True)
 class FunctionCost:
-    """One call of one function; host_ns is None where it was not timed."""
+    """Cost of one call of one function. host_ns: time on this machine, None if it was not timed."""
 
     name: str
     operations: Counts
@@ -35,9 +43,11 @@ class FunctionCost:
 
 @dataclass(frozen=True, repr=False)
 class Cost(Displayed):
-    """functions: public ones, in the order of the source; struct_bytes: every public struct, constant_bytes: tables.
+    """Cost of the generated C of a model.
 
-    per_sample: the dearest step, and learning if there is any; budget: cycles of a sample period at clock_Hz.
+    functions: the public ones, in the order of the source. struct_bytes: by public struct. constant_bytes: of the
+    tables. per_sample: cycles of the most expensive step function, plus learn and commit. budget: cycles of a sample
+    period at clock_Hz. host: compiler of the timed runs.
     """
 
     model: str
@@ -52,7 +62,7 @@ class Cost(Displayed):
 
     @property
     def share(self) -> float:
-        """Part of the sample period that is used."""
+        """Used part of the sample period."""
         return self.per_sample.value / self.budget
 
     def to_json(self) -> dict[str, Any]:
@@ -77,7 +87,7 @@ class Cost(Displayed):
         }
 
     def summary(self) -> Summary:
-        """One row per function, and below what the columns mean."""
+        """One row per function, and notes that explain the columns."""
         title = f"Cost of {self.model}: {self.per_sample} of {self.budget} a sample, {100.0 * self.share:.2g} %"
         return Summary(title, self.header(), self.rows(), self.notes())
 
@@ -90,7 +100,7 @@ class Cost(Displayed):
         return [_row(f) for f in self.functions]
 
     def notes(self) -> list[str]:
-        """What stands below the table."""
+        """Lines below the table."""
         structs = ", ".join(f"{name} {size}" for name, size in self.struct_bytes.items())
         rate = f"{1e-3 / self.Ts_s:.4g} kHz and {self.clock_Hz / 1e6:.4g} MHz"
         return [
@@ -102,10 +112,10 @@ class Cost(Displayed):
 
 
 def cost(folder: Path, cycles: Mapping[str, int] | None = None, *, timed: bool = True) -> Cost:
-    """Cost of a folder that `hysgen generate` wrote.
+    """Cost of a folder written by `hysgen generate`.
 
-    cycles: stall-free cycles per function, measured on the target. timed: run the functions on this machine as well.
-    Raises HysgenError if the folder is not complete, BuildError if it is to be timed and there is no compiler.
+    cycles: stall-free cycles per function, measured on the target. timed: also run the functions on this machine.
+    Raises HysgenError if the folder is incomplete, BuildError if `timed` and no compiler is installed.
     """
     generated = read_folder(folder)
     clock_Hz = float(generated.facts.get("options", {}).get("clock_Hz", CLOCK_HZ))
@@ -120,15 +130,15 @@ def cost_of_texts(
     timed: bool = True,
     clock_Hz: float = CLOCK_HZ,
 ) -> Cost:
-    """`cost` for generated texts that need not lie in a folder."""
+    """`cost` for generated texts in memory."""
     found = figures(model.name, texts)
     known = cycles_of(found.operations, cycles)
     toolchain = default_toolchain() if timed else None
-    spent = nanoseconds(Host(model.name, texts, toolchain), model) if timed else {}
+    host_ns = _nanoseconds(Host(model.name, texts, toolchain), model) if timed else {}
     return Cost(
         model=model.name,
         functions=[
-            FunctionCost(name, counts, known[name], spent.get(name)) for name, counts in found.operations.items()
+            FunctionCost(name, counts, known[name], host_ns.get(name)) for name, counts in found.operations.items()
         ],
         struct_bytes=found.struct_bytes,
         constant_bytes=found.constant_bytes,
@@ -138,6 +148,24 @@ def cost_of_texts(
         Ts_s=model.Ts_s,
         host=f"{compiler_version(toolchain.command)}, {' '.join(toolchain.flags)}" if toolchain else "not timed",
     )
+
+
+def _nanoseconds(host: Host, model: Model) -> Mapping[str, float]:
+    """Time per sample of each step function, in ns: the median of REPEATS runs over smooth inputs."""
+    found = {}
+    for compared in COMPARED_STRUCTS:
+        for function in compared.functions:
+            if function not in host.entries or function == "init":
+                continue
+            columns = next(chunks(model, "smooth", compared.quantities(function, host), SAMPLES, seed=1))
+            struct = compared.create(host)
+            times = []
+            for _ in range(REPEATS):
+                started = time.perf_counter_ns()
+                host.run(function, struct, columns)
+                times.append((time.perf_counter_ns() - started) / SAMPLES)
+            found[function] = float(np.median(times))
+    return found
 
 
 def _row(f: FunctionCost) -> list[str]:

@@ -1,4 +1,4 @@
-"""Which compilers, levels and floating-point modes a verification covers on this machine, and which it cannot."""
+"""The builds of a verification: compilers, optimisation levels and floating-point modes available on this machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LEVELS: Final = ("-O0", "-O2", "-O3")
 
 @dataclass(frozen=True)
 class Build:
-    """Generated C as one compiler made it, run with or without flushing denormal numbers to zero."""
+    """Generated C compiled by one toolchain, run with or without flushing denormal numbers to zero."""
 
     toolchain: Toolchain
     flush: bool
@@ -28,31 +28,31 @@ class Build:
 
 
 def toolchains(compilers: Sequence[str], levels: Sequence[str]) -> tuple[list[Toolchain], list[str]]:
-    """Every level of the compilers that are installed, and a line for each compiler that is not.
+    """Every level of every installed compiler, and one line for each compiler that is not installed.
 
-    levels: flags, those of one level in one string. Raises BuildError if no compiler is installed.
+    levels: compiler flags; one string may hold several flags. Raises BuildError if no compiler is installed.
     """
-    there = [compiler for compiler in compilers if shutil.which(compiler)]
-    missing = [f"{name}: not installed, nothing was compared with it" for name in compilers if name not in there]
-    if not there:
+    installed = [compiler for compiler in compilers if shutil.which(compiler)]
+    missing = [f"{name}: not installed, nothing was compared with it" for name in compilers if name not in installed]
+    if not installed:
         raise BuildError(f"none of {', '.join(compilers)} is installed; install one to verify with")
-    return [Toolchain(compiler, tuple(level.split())) for compiler in there for level in levels], missing
+    return [Toolchain(compiler, tuple(level.split())) for compiler in installed for level in levels], missing
 
 
 def compiled(name: str, texts: Mapping[str, str], chain: Sequence[Toolchain]) -> tuple[list[Build], list[str]]:
-    """Every build of generated texts, and a line if this machine cannot flush.
+    """Every build of the texts, and one line if this machine cannot flush denormal numbers.
 
-    Raises BuildError if a compiler refuses the generated C.
+    Raises BuildError if a compiler rejects the generated C.
     """
     hosts = [(toolchain, Host(name, texts, toolchain)) for toolchain in chain]
     flushes = all(host.flushes for _, host in hosts)
     modes = (False, True) if flushes else (False,)
-    skipped = [] if flushes else ["flush to zero: this machine has no control for it that is known here"]
+    skipped = [] if flushes else ["flush to zero: hysgen knows no control for it on this machine"]
     return [Build(toolchain, flush, host) for toolchain, host in hosts for flush in modes], skipped
 
 
 def versions(chain: Sequence[Toolchain]) -> list[str]:
-    """One line per compiler: its version and the levels."""
+    """One line per compiler: its version and its levels."""
     commands = dict.fromkeys(toolchain.command for toolchain in chain)
     return [
         f"{compiler_version(command)} ({', '.join(' '.join(t.flags) for t in chain if t.command == command)})"

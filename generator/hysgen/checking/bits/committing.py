@@ -1,4 +1,4 @@
-"""Comparing `<name>_commit` with its reference: shadows of every kind, in every build, every word after every call."""
+"""Comparison of `<name>_commit` with its reference: shadows of every kind, every build, every word after every call."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits.builds import Build
 from hysgen.checking.bits.functions import START_UM, START_V
-from hysgen.checking.bits.report import Mismatch, Run
+from hysgen.checking.bits.report import ComparedRun, Mismatch
 from hysgen.checking.host import Host
 from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.float32.learner_numbers import MOST_PARAMETERS
@@ -28,42 +28,44 @@ Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 
 SHADOWS: Final = MOST_PARAMETERS + 16
-"""Shadows that are committed side by side, each in an instance and a learner of its own."""
+"""Number of shadows committed side by side, each in its own instance and learner."""
 
 CHANGES: Final = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 1e3)
-"""How far shadows lie from the model's parameters, as a share of each parameter's typical size."""
+"""Distances of shadows from the model's parameters, as a share of each parameter's typical magnitude."""
 
-HALVINGS: Final = 30
-"""Of the way from a shadow that is committed to one that is not: until they differ in few last bits."""
+BISECTIONS: Final = 30
+"""Bisections between an accepted and a refused shadow; afterwards the two differ in a few last bits."""
 
-WHOLE: Final = "commit"
+COMMIT: Final = "commit"
 
 
 @dataclass(frozen=True)
 class Shadows:
-    """What is committed: theta (2, n, shadows) and age (2, shadows), the second ones from call `every` on."""
+    """Two generations of shadows: theta (2, n, shadows) and age (2, shadows); the second replaces the first at call
+    `second_from` of `calls` calls.
+    """
 
     theta: Floats32
     age: Words
-    every: int
+    second_from: int
     calls: int
 
 
-def compare_commit(model: Model, builds: Sequence[Build], seed: int) -> tuple[Run, list[Mismatch]]:
-    """The answers, candidates, both banks and reference parameters of SHADOWS commits; a difference per build."""
+def compare_commit(model: Model, builds: Sequence[Build], seed: int) -> tuple[ComparedRun, list[Mismatch]]:
+    """Answers, candidates, both banks and reference parameters over SHADOWS commits; the first difference per build."""
     committer = committer_of(model)
     shadows = _shadows(committer, seed)
-    paths, expected = _expected(committer, shadows)
+    paths, expected = _reference_trace(committer, shadows)
     found: list[Mismatch] = []
     for build in builds:
-        got = _of_build(build, shadows, paths)
+        got = _compiled_trace(build, shadows, paths)
         wrong = np.argwhere(got != expected)
         if wrong.size:
             call, lane, word = wrong[0]
             found.append(
                 Mismatch(
                     model=model.name,
-                    function=WHOLE,
+                    function=COMMIT,
                     style=f"shadow {lane}",
                     build=str(build),
                     sample=int(call),
@@ -73,11 +75,11 @@ def compare_commit(model: Model, builds: Sequence[Build], seed: int) -> tuple[Ru
                     inputs=(),
                 )
             )
-    return Run(model.name, WHOLE, "shadows", shadows.calls * SHADOWS, len(builds)), found
+    return ComparedRun(model.name, COMMIT, "shadows", shadows.calls * SHADOWS, len(builds)), found
 
 
 def committer_of(model: Model, lanes: int = SHADOWS) -> Committer:
-    """The reference, every lane at the model's own parameters and old enough to be committed."""
+    """The reference of commit; every lane holds the model's own parameters and is old enough to be committed."""
     start = Instance(model, np.full(lanes, START_UM), np.full(lanes, START_V))
     numbers = commit_numbers(model, start.numbers, certify(model))
     learner = Learner(model, start)
@@ -86,19 +88,20 @@ def committer_of(model: Model, lanes: int = SHADOWS) -> Committer:
 
 
 def answers(committer: Committer, theta: Floats32) -> Words:
-    """What commit answers to shadows theta (n, lanes) in the end; the committer stays as it was."""
-    own = copy.deepcopy(committer)
-    own.learner.theta = theta
+    """The final answer of commit for each shadow of theta (n, lanes), (lanes,); the committer is not changed."""
+    copied = copy.deepcopy(committer)
+    copied.learner.theta = theta
     with np.errstate(all="ignore"):
-        refused = own.commit()
-        return np.where(refused == Commit.BUSY, own.verdict(), refused).astype(np.uint32)
+        refused = copied.commit()
+        return np.where(refused == Commit.BUSY, copied.verdict(), refused).astype(np.uint32)
 
 
-def border(committer: Committer, direction: Floats) -> tuple[Floats32, Floats32]:
-    """The last shadows that are committed and the first ones that are refused, (n, lanes) each, along `direction`."""
+def acceptance_boundary(committer: Committer, direction: Floats) -> tuple[Floats32, Floats32]:
+    """The last accepted and the first refused shadow in each lane along `direction`, (n, lanes) each, by bisection."""
     own = committer.learner.theta.astype(np.float64)
     inside, outside = np.full(own.shape[1], 1e-9), np.full(own.shape[1], 1e6)
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
+        # Geometric mean while the interval spans orders of magnitude, arithmetic mean afterwards.
         middle = np.where(outside > 4.0 * inside, np.sqrt(inside * outside), 0.5 * (inside + outside))
         committed = answers(committer, (own + middle * direction).astype(np.float32)) == Commit.COMMITTED
         inside, outside = np.where(committed, middle, inside), np.where(committed, outside, middle)
@@ -106,7 +109,11 @@ def border(committer: Committer, direction: Floats) -> tuple[Floats32, Floats32]
 
 
 def directions(committer: Committer, rng: np.random.Generator) -> Floats:
-    """(n, lanes) ways to leave the model's parameters: one alone, all, those of a group in step, those of a group."""
+    """Directions away from the model's parameters, (n, lanes).
+
+    In turn over the lanes: one parameter; all parameters at random; one group scaled by a common factor; one group at
+    random.
+    """
     learner = committer.learner
     own = learner.theta.astype(np.float64)
     size, lanes = own.shape
@@ -117,41 +124,42 @@ def directions(committer: Committer, rng: np.random.Generator) -> Floats:
     group = np.array(groups)[:, None] == np.array(kinds)[(lane // 8) % len(kinds)]
     typical = np.maximum(np.abs(own), 0.1 * np.abs(own).mean(axis=0)) + 1e-6
     drawn = typical * rng.standard_normal(own.shape)
-    # In step: down to nothing in some lanes, up without end in the others.
-    in_step = np.where(lane % 8 < 4, -1.0, 1.0) * own
-    ways = [typical * np.sign(drawn) * one, drawn, in_step * group, drawn * group]
-    return np.asarray(np.choose(lane % 4, ways))
+    # The common factor falls to zero in one half of the lanes and grows without bound in the other half.
+    scaled = np.where(lane % 8 < 4, -1.0, 1.0) * own
+    choices = [typical * np.sign(drawn) * one, drawn, scaled * group, drawn * group]
+    return np.asarray(np.choose(lane % 4, choices))
 
 
 def _shadows(committer: Committer, seed: int) -> Shadows:
-    """Shadows near and far, with each parameter broken in turn, some too young; then some from both sides of the border
-    of what is committed. They change while a candidate of theirs is being checked.
+    """First shadows at all distances of CHANGES, each parameter broken in turn; then pairs at the acceptance boundary.
+
+    A tenth of them is too young. The second generation arrives while candidates of the first are being checked.
     """
-    rng = np.random.default_rng([seed, *WHOLE.encode()])
+    rng = np.random.default_rng([seed, *COMMIT.encode()])
     numbers, own = committer.numbers, committer.learner.theta
-    whole = -(-numbers.points // numbers.settings.points_per_call) + 4
+    calls_per_check = -(-numbers.points // numbers.settings.points_per_call) + 4
     lane = np.arange(SHADOWS)
-    far = np.where(lane < SHADOWS - MOST_PARAMETERS, np.array(CHANGES)[lane % len(CHANGES)], 0.0)
+    change = np.where(lane < SHADOWS - MOST_PARAMETERS, np.array(CHANGES)[lane % len(CHANGES)], 0.0)
     typical = np.maximum(np.abs(own), np.abs(own).mean())
-    drawn = (own + typical * far * rng.standard_normal(own.shape)).astype(np.float32)
+    drawn = (own + typical * change * rng.standard_normal(own.shape)).astype(np.float32)
     broken = np.arange(own.shape[0])[:, None] == SHADOWS - 1 - lane
     drawn[broken] = rng.choice(np.array([np.nan, np.inf, -np.inf, 1e30], np.float32), int(broken.sum()))
-    last, first = border(committer, directions(committer, rng))
-    theta = np.stack([drawn, np.where(lane // 4 % 2, last, first)])
+    accepted, refused = acceptance_boundary(committer, directions(committer, rng))
+    theta = np.stack([drawn, np.where(lane // 4 % 2, accepted, refused)])
     young = rng.random((2, SHADOWS)) < 0.1
     age = np.where(young, numbers.settings.mature // 2, numbers.settings.mature).astype(np.uint32)
-    return Shadows(theta, age, whole - 2, 2 * whole)
+    return Shadows(theta, age, calls_per_check - 2, 2 * calls_per_check)
 
 
-def _expected(committer: Committer, shadows: Shadows) -> tuple[list[str], Words]:
-    """C paths of the words that are compared, and their values, (calls, shadows, words + 1): the answer comes last."""
+def _reference_trace(committer: Committer, shadows: Shadows) -> tuple[list[str], Words]:
+    """C paths of the compared words, and their values with the answer last, (calls, shadows, words + 1)."""
     rows = []
     paths: list[str] = []
     with np.errstate(all="ignore"):
         for call in range(shadows.calls):
-            if call in (0, shadows.every):
-                committer.learner.theta = shadows.theta[call // shadows.every]
-                committer.learner.age = shadows.age[call // shadows.every]
+            if call in (0, shadows.second_from):
+                committer.learner.theta = shadows.theta[call // shadows.second_from]
+                committer.learner.age = shadows.age[call // shadows.second_from]
             answer = committer.commit()
             words = _words(committer)
             paths = list(words)
@@ -160,7 +168,7 @@ def _expected(committer: Committer, shadows: Shadows) -> tuple[list[str], Words]
 
 
 def _words(committer: Committer) -> dict[str, Words]:
-    """By C path: `candidate.` and `reference` in the learner, `active` and `bank` in the instance."""
+    """By C path: `candidate.` and `reference` of the learner, `active` and `bank` of the instance."""
     named = {f"candidate.{path}": word for path, word in committer.words().items()}
     named |= {f"reference[{i}]": row.view(np.uint32) for i, row in enumerate(committer.learner.reference)}
     named["active"] = committer.active
@@ -170,41 +178,41 @@ def _words(committer: Committer) -> dict[str, Words]:
     return named
 
 
-def _of_build(build: Build, shadows: Shadows, paths: Sequence[str]) -> Words:
-    """The same words of the compiled C."""
+def _compiled_trace(build: Build, shadows: Shadows, paths: Sequence[str]) -> Words:
+    """The values of `_reference_trace`, from the compiled C."""
     trace = np.empty((shadows.calls, SHADOWS, len(paths) + 1), dtype=np.uint32)
     for lane in range(SHADOWS):
-        pair = _Pair(build.host, paths)
+        compiled = _CompiledCommitter(build.host, paths)
         for call in range(shadows.calls):
-            if call in (0, shadows.every):
-                change = call // shadows.every
-                pair.learn(shadows.theta[change, :, lane], shadows.age[change, lane])
-            trace[call, lane] = pair.commit(flush=build.flush)
+            if call in (0, shadows.second_from):
+                generation = call // shadows.second_from
+                compiled.set_shadow(shadows.theta[generation, :, lane], shadows.age[generation, lane])
+            trace[call, lane] = compiled.commit(flush=build.flush)
     return trace
 
 
-class _Pair:
-    """An instance and its learner in C."""
+class _CompiledCommitter:
+    """An instance and its learner in C, and the places of the compared words in both structs."""
 
     def __init__(self, host: Host, paths: Sequence[str]) -> None:
         self.host = host
         self.instance = host.instance(float(START_UM), float(START_V))
         self.learner: Any = host.struct(f"{host.name}_learner_t")
         host.call("learn_init", self.learner, self.instance)
-        layout = host.layout(f"{host.name}_learner_t")
-        self.theta, self.age = layout["theta[0]"], layout["age"]
-        self.mine = np.array([layout[path] for path in paths if path in layout], dtype=np.int64)
-        others = host.layout(f"{host.name}_t")
-        self.others = np.array([others[path] for path in paths if path not in layout], dtype=np.int64)
+        learner_layout, instance_layout = host.layout(f"{host.name}_learner_t"), host.layout(f"{host.name}_t")
+        self.theta, self.age = learner_layout["theta[0]"], learner_layout["age"]
+        in_learner = [learner_layout[path] for path in paths if path in learner_layout]
+        in_instance = [instance_layout[path] for path in paths if path not in learner_layout]
+        self.in_learner, self.in_instance = np.array(in_learner, np.int64), np.array(in_instance, np.int64)
 
-    def learn(self, theta: Floats32, age: np.uint32) -> None:
-        """Put a shadow in place of the learner's."""
+    def set_shadow(self, theta: Floats32, age: np.uint32) -> None:
+        """Replace the learner's shadow parameters and their age."""
         words = self.host.words_of(self.learner)
         words[self.theta : self.theta + theta.size] = theta.view(np.uint32)
         words[self.age] = age
 
     def commit(self, *, flush: bool) -> Words:
-        """One call: the compared words, and the answer behind them."""
+        """One call: the compared words, then the answer."""
         answer = self.host.commit(self.instance, self.learner, flush=flush)
-        mine, others = self.host.words_of(self.learner), self.host.words_of(self.instance)
-        return np.concatenate([mine[self.mine], others[self.others], [np.uint32(answer)]])
+        learner, instance = self.host.words_of(self.learner), self.host.words_of(self.instance)
+        return np.concatenate([learner[self.in_learner], instance[self.in_instance], [np.uint32(answer)]])

@@ -1,4 +1,4 @@
-"""Comparing generated C with its reference: one model, every function, every style of inputs, every build."""
+"""Comparison of generated C with its reference: one model, every function, every input style, every build."""
 
 from __future__ import annotations
 
@@ -12,30 +12,36 @@ from numpy.typing import NDArray
 
 from hysgen.checking.bits.builds import Build
 from hysgen.checking.bits.committing import compare_commit
-from hysgen.checking.bits.functions import SUBJECTS, Lanes, Subject
-from hysgen.checking.bits.induction import Difference, first_difference
+from hysgen.checking.bits.functions import COMPARED_STRUCTS, ComparedStruct, Lanes
+from hysgen.checking.bits.induction import Difference, Trace, first_difference
 from hysgen.checking.bits.inputs import SHARES, STYLES, chunks
-from hysgen.checking.bits.report import Mismatch, Run
+from hysgen.checking.bits.report import ComparedRun, Mismatch
+from hysgen.checking.host import Host
 from hysgen.model.model import Model
 
 Words = NDArray[np.uint32]
 START_SAMPLES: Final = 5000
+"""Samples of `init` per style."""
 Progress = Callable[[int], None]
-"""Called with the number of samples that were just compared in every build."""
+"""Called with the number of samples just compared in every build."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """A function of a subject under a style of inputs."""
+    """A function of a compared struct under one input style."""
 
-    subject: Subject
+    compared: ComparedStruct
     function: str
     style: str
 
+    @property
+    def learns(self) -> bool:
+        return self.function == "learn"
+
 
 @dataclass
-class Record:
-    """A chain of samples in one build: its struct, and the words of it that are compared."""
+class Chain:
+    """The struct of one build that a chain of samples steps, and its compared words."""
 
     build: Build
     struct: Any
@@ -44,104 +50,105 @@ class Record:
 
     @property
     def words(self) -> Words:
-        """(1, count) the compared words as they are now."""
+        """(1, count) current values of the compared words."""
         words = self.build.host.words_of(self.struct)[self.first : self.first + self.count]
         return words.reshape(1, -1).copy()
 
-    def run(self, function: str, columns: Sequence[Words]) -> tuple[Words, Words, Words]:
-        """The next samples: states before them, results, states after them."""
+    def run(self, function: str, columns: Sequence[Words], arguments: int) -> Trace:
+        """Step the struct through samples. columns: the arguments of the function, then the auxiliary channels."""
         start = self.words
         out, after = self.build.host.run(
             function, self.struct, columns, first=self.first, words=self.count, flush=self.build.flush
         )
-        return np.concatenate([start, after[:-1]]), out, after
+        return Trace(columns[:arguments], columns[arguments:], np.concatenate([start, after[:-1]]), out, after)
 
 
-def tasks(build: Build) -> list[Task]:
-    """What there is to compare in the generated code of `build`."""
+def tasks(host: Host) -> list[Task]:
+    """Every function of the generated code on `host` under every style."""
     return [
-        Task(subject, function, style)
-        for subject in SUBJECTS
-        for function in subject.functions
-        if function in build.host.entries
+        Task(compared, function, style)
+        for compared in COMPARED_STRUCTS
+        for function in compared.functions
+        if function in host.entries
         for style in STYLES
     ]
 
 
 def compare(
     model: Model, builds: Sequence[Build], samples: int, seed: int, progress: Progress
-) -> Iterator[tuple[Run, list[Mismatch]]]:
-    """Every step over its share of `samples`, starts over START_SAMPLES besides; the first difference per build."""
+) -> Iterator[tuple[ComparedRun, list[Mismatch]]]:
+    """Self-test, commit and every task: the run, and the first difference of each build that differs.
+
+    samples: divided among the functions and their styles; `init` gets START_SAMPLES per style in addition.
+    """
     if builds[0].host.selftested:
         yield compare_selftest(model, builds)
     if builds[0].host.commits:
         yield compare_commit(model, builds, seed)
-    todo = tasks(builds[0])
+    todo = tasks(builds[0].host)
     functions = len({task.function for task in todo} - {"init"})
     for task in todo:
         share = START_SAMPLES if task.function == "init" else math.ceil(SHARES[task.style] * samples / functions)
         yield compare_task(model, builds, task, share, seed, progress)
 
 
-def compare_selftest(model: Model, builds: Sequence[Build]) -> tuple[Run, list[Mismatch]]:
-    """The generated self-test, once per build; its result is the number of its mismatches."""
+def compare_selftest(model: Model, builds: Sequence[Build]) -> tuple[ComparedRun, list[Mismatch]]:
+    """The generated self-test, once per build; it returns the number of its mismatches."""
     found = []
     for build in builds:
         result = int(build.host.call("selftest"))
         if result != 0:
             found.append(Mismatch(model.name, "selftest", "fixed", str(build), 0, "result", result, 0, ()))
-    return Run(model.name, "selftest", "fixed", 1, len(builds)), found
+    return ComparedRun(model.name, "selftest", "fixed", 1, len(builds)), found
 
 
 def compare_task(
     model: Model, builds: Sequence[Build], task: Task, samples: int, seed: int, progress: Progress
-) -> tuple[Run, list[Mismatch]]:
-    """One chain of `samples` in every build. A build that differs is told once and left out of the rest."""
-    lanes = task.subject.reference(model)
-    records = [_record(build, task, lanes) for build in builds]
+) -> tuple[ComparedRun, list[Mismatch]]:
+    """One chain of `samples` in every build. A build that differs is reported once and then left out."""
+    lanes = task.compared.reference(model)
+    chains = [_chain(build, task, lanes) for build in builds]
     found: list[Mismatch] = []
     done = 0
-    arguments = task.subject.functions[task.function]
-    heard = ["channel"] * builds[0].host.channels if task.subject.listens else []
-    for columns in chunks(model, task.style, [*arguments, *heard], samples, seed, task.subject.piece):
-        # Once one build's record of this piece is proved, the same record in another build is proved as well.
-        proved: tuple[Words, Words, Words] | None = None
-        for record in list(records):
-            run = record.run(task.function, columns)
-            if proved is not None and all(np.array_equal(a, b) for a, b in zip(run, proved, strict=True)):
+    arguments = len(task.compared.functions[task.function])
+    quantities = task.compared.quantities(task.function, builds[0].host)
+    for columns in chunks(model, task.style, quantities, samples, seed, task.compared.chunk):
+        # A trace equal to a proved trace of another build needs no reference of its own.
+        proved: Trace | None = None
+        for chain in list(chains):
+            trace = chain.run(task.function, columns, arguments)
+            if proved is not None and trace.equals(proved):
                 continue
-            difference = first_difference(
-                lanes, task.function, columns[: len(arguments)], columns[len(arguments) :], *run
-            )
+            difference = first_difference(lanes, task.function, trace)
             if difference is None:
-                proved = run
+                proved = trace
             else:
-                found.append(_mismatch(model, task, record.build, difference, columns, done))
-                records.remove(record)
+                found.append(_mismatch(model, task, chain.build, difference, columns, done))
+                chains.remove(chain)
         done += columns[0].size
         progress(columns[0].size)
-        if not records:
+        if not chains:
             break
-    return Run(model.name, task.function, task.style, samples, len(builds)), found
+    return ComparedRun(model.name, task.function, task.style, samples, len(builds)), found
 
 
-def _record(build: Build, task: Task, lanes: Lanes) -> Record:
-    struct = task.subject.start(build.host)
+def _chain(build: Build, task: Task, lanes: Lanes) -> Chain:
+    struct = task.compared.create(build.host)
     if task.style == "edges":
-        task.subject.wear(build.host, struct)
-    first = _layout(build, task)[task.subject.first]
-    return Record(build, struct, first, len(lanes.words()))
+        task.compared.wear(build.host, struct)
+    first = _layout(build, task)[task.compared.first_word]
+    return Chain(build, struct, first, len(lanes.words()))
 
 
 def _layout(build: Build, task: Task) -> dict[str, int]:
-    return build.host.layout(f"{build.host.name}_{task.subject.struct}")
+    return build.host.layout(f"{build.host.name}_{task.compared.type_suffix}")
 
 
 def _mismatch(
     model: Model, task: Task, build: Build, difference: Difference, columns: Sequence[Words], first: int
 ) -> Mismatch:
     layout = _layout(build, task)
-    paths, first_word = list(layout), layout[task.subject.first]
+    paths, first_word = list(layout), layout[task.compared.first_word]
     return Mismatch(
         model=model.name,
         function=task.function,

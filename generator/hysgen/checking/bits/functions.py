@@ -1,4 +1,4 @@
-"""What is compared: a generated struct, the functions that step it, and the float32 reference of both."""
+"""The compared structs: instance and learner, the generated functions that step them, and their float32 references."""
 
 from __future__ import annotations
 
@@ -22,54 +22,61 @@ Floats32 = NDArray[np.float32]
 
 START_UM: Final = np.float32(0.0)
 START_V: Final = np.float32(0.0)
+NEARLY_FULL: Final = 0xFFFFFF00
+"""A counter value close to the saturation of uint32."""
+QUIET_NAN: Final = 0x7FC00000
 
 
 class Lanes(Protocol):
-    """A reference that steps many independent states at once; its functions are methods of the C functions' names."""
+    """A reference that steps many independent states at once; its methods bear the names of the C functions."""
 
     def words(self) -> Mapping[str, Words]:
-        """Every word of the struct that is compared, by name, in the order of the C, (lanes,) each."""
+        """Every compared word of the struct by name, in the order of the C, (lanes,) each."""
         ...
 
     def restore(self, words: Sequence[Words]) -> None:
-        """Take over the states whose words are given in that order, (lanes,) each."""
+        """Set all states from their words in the same order, (lanes,) each."""
         ...
 
 
 @dataclass(frozen=True)
-class Subject:
-    """A struct and what steps it.
+class ComparedStruct:
+    """A generated struct and the functions that step it.
 
-    struct: its C type behind the model's name; functions: by name, the quantity of each float argument (see `inputs`).
-    first: C path of the first word that is compared; as many follow as the reference has `words`.
-    start: a new struct, initialised by the C, and the same start in NumPy, one lane.
-    wear: put a struct into a state that only months of use would reach.
-    listens: its functions are driven with the auxiliary channels of the model.
-    piece: samples that are recorded at once; less where the state is large.
+    type_suffix: its C type without the model's name. functions: the quantity of each float argument (see `inputs`), by
+    function. first_word: C path of the first compared word; the reference's `words` give their number.
+    create: a new struct initialised by the C. reference: the same initial state in NumPy, one lane.
+    wear: writes the state of a struct after months of operation: counters near saturation.
+    has_channels: whether its functions read the model's auxiliary channels. chunk: samples recorded at once; smaller
+    for a large state.
     """
 
-    struct: str
+    type_suffix: str
     functions: Mapping[str, tuple[str, ...]]
-    first: str
-    start: Callable[[Host], Any]
+    first_word: str
+    create: Callable[[Host], Any]
     reference: Callable[[Model], Lanes]
     wear: Callable[[Host, Any], None]
-    listens: bool
-    piece: int = CHUNK
+    has_channels: bool
+    chunk: int = CHUNK
+
+    def quantities(self, function: str, host: Host) -> list[str]:
+        """The quantity of each argument of `function`, then "channel" for each auxiliary channel of the model."""
+        return [*self.functions[function], *(["channel"] * host.channels if self.has_channels else [])]
 
 
 def _instance(model: Model) -> Lanes:
     return Instance(model, np.full(1, START_UM), np.full(1, START_V))
 
 
-def _wear(host: Host, struct: Any) -> None:
-    """Counters about to reach their end; the second bank in use and the first one full of NaN."""
+def _wear_instance(host: Host, struct: Any) -> None:
+    """Counters near saturation, the second bank active, the first bank full of NaN."""
     words, layout = host.words_of(struct), host.layout(f"{host.name}_t")
     for name in COUNTERS:
-        words[layout[name]] = 0xFFFFFF00
+        words[layout[name]] = NEARLY_FULL
     for path, place in layout.items():
         if path.startswith("bank[0]"):
-            words[place] = 0x7FC00000
+            words[place] = QUIET_NAN
     words[layout["active"]] = 1
 
 
@@ -84,38 +91,37 @@ def _learner(model: Model) -> Lanes:
 
 
 def _wear_learner(host: Host, struct: Any) -> None:
-    """Counters and age about to reach their end, the prior of the last parameter about to be put back."""
+    """Counters and the age of the shadow near saturation."""
     words, layout = host.words_of(struct), host.layout(f"{host.name}_learner_t")
-    for name in LEARNER_COUNTERS:
-        words[layout[name]] = 0xFFFFFF00
-    words[layout["age"]] = 0xFFFFFF00
+    for name in (*LEARNER_COUNTERS, "age"):
+        words[layout[name]] = NEARLY_FULL
 
 
-MODEL: Final = Subject(
-    struct="t",
+MODEL: Final = ComparedStruct(
+    type_suffix="t",
     functions={
         "init": ("displacement", "voltage"),
         "predict": ("displacement", "voltage"),
         "simulate": ("voltage",),
         "inverse": ("displacement", "reference"),
     },
-    first="y_um",
-    start=lambda host: host.instance(float(START_UM), float(START_V)),
+    first_word="y_um",
+    create=lambda host: host.instance(float(START_UM), float(START_V)),
     reference=_instance,
-    wear=_wear,
-    listens=True,
+    wear=_wear_instance,
+    has_channels=True,
 )
 
-LEARNER: Final = Subject(
-    struct="learner_t",
+LEARNER: Final = ComparedStruct(
+    type_suffix="learner_t",
     functions={"learn": ("measured", "voltage")},
-    first="d[0]",
-    start=_new_learner,
+    first_word="d[0]",
+    create=_new_learner,
     reference=_learner,
     wear=_wear_learner,
-    listens=False,
-    piece=1 << 12,
+    has_channels=False,
+    chunk=1 << 12,
 )
 
-SUBJECTS: Final[list[Subject]] = [MODEL, LEARNER]
-"""Every struct that is compared; a subject whose functions the header does not declare is passed over."""
+COMPARED_STRUCTS: Final[list[ComparedStruct]] = [MODEL, LEARNER]
+"""Every compared struct; functions that the generated header does not declare are skipped."""

@@ -1,8 +1,8 @@
 """Equality of whole runs by induction: equal at the start, and every step from a recorded state equal to the next.
 
-The C runs a chain of samples and records its state after each. The reference takes all these states as lanes, steps
-each by its sample, and must arrive at the state that follows it in the record, with the same result. If it does from
-the first state on, both would have produced the same run, however long, though the reference never ran it in a row.
+The C runs a chain of samples and records its state after each. The reference takes all recorded states as lanes, steps
+each lane by its sample, and must reproduce the next recorded state and the result. If every step agrees from the first
+state on, C and reference would have produced the same run of any length, although the reference never ran in sequence.
 """
 
 from __future__ import annotations
@@ -19,10 +19,30 @@ Words = NDArray[np.uint32]
 
 
 @dataclass(frozen=True)
-class Difference:
-    """The first sample at which C and reference part: the word that differs, and its bits.
+class Trace:
+    """A recorded chain of n calls of one function, as bit patterns.
 
-    place: index of the word in the state, None if it is the result.
+    inputs, aux: arguments and auxiliary channels, (n,) each. before, after: (n, words) states before and after each
+    call. results: (n,), 0 where the function returns nothing.
+    """
+
+    inputs: Sequence[Words]
+    aux: Sequence[Words]
+    before: Words
+    results: Words
+    after: Words
+
+    def equals(self, other: Trace) -> bool:
+        """Whether two traces of the same inputs agree in every state and result."""
+        pairs = ((self.before, other.before), (self.results, other.results), (self.after, other.after))
+        return all(np.array_equal(mine, theirs) for mine, theirs in pairs)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The first sample at which C and reference differ: the word that differs, and its bits.
+
+    place: index of the word in the state; None for the result.
     """
 
     sample: int
@@ -31,23 +51,17 @@ class Difference:
     expected: int
 
 
-def first_difference(
-    lanes: Lanes, function: str, inputs: Sequence[Words], aux: Sequence[Words], before: Words, out: Words, after: Words
-) -> Difference | None:
-    """Where a recorded run of `function` leaves the reference, or None.
-
-    inputs, aux: bits of arguments and auxiliary channels, (n,) each; before, after: (n, words) states around each
-    sample; out: (n,) bits of the results (0 where the function returns nothing).
-    """
+def first_difference(lanes: Lanes, function: str, trace: Trace) -> Difference | None:
+    """The first difference between a recorded run of `function` and the reference, or None."""
     with np.errstate(all="ignore"):
-        lanes.restore(list(np.ascontiguousarray(before.T)))
-        if aux:
-            lanes.aux([column.view(np.float32) for column in aux])  # type: ignore[attr-defined]
-        result = getattr(lanes, function)(*(column.view(np.float32) for column in inputs))
-    expected = np.zeros_like(out) if result is None else result.view(np.uint32)
-    found = _earlier(None, None, out, expected)
+        lanes.restore(list(np.ascontiguousarray(trace.before.T)))
+        if trace.aux:
+            lanes.aux([column.view(np.float32) for column in trace.aux])  # type: ignore[attr-defined]
+        result = getattr(lanes, function)(*(column.view(np.float32) for column in trace.inputs))
+    expected = np.zeros_like(trace.results) if result is None else result.view(np.uint32)
+    found = _earlier(None, None, trace.results, expected)
     for place, word in enumerate(lanes.words().values()):
-        found = _earlier(found, place, after[:, place], word)
+        found = _earlier(found, place, trace.after[:, place], word)
     return found
 
 

@@ -1,4 +1,4 @@
-"""What a verification found, as data, as JSON values and as lines for people."""
+"""Results of a verification as data, JSON values and text."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ SMALLEST_NORMAL = 0x00800000
 
 @dataclass(frozen=True)
 class Mismatch:
-    """One place where generated C and reference differ: the first of its run.
+    """The first difference between generated C and reference in one run of one build.
 
-    word: "result", or the C path of a word of the state; inputs: the bits of the arguments of that sample.
+    word: "result", or the C path of a word of the state. got, expected: its bits. inputs: bits of the sample's
+    arguments.
     """
 
     model: str
@@ -36,8 +37,8 @@ class Mismatch:
 
 
 @dataclass(frozen=True)
-class Run:
-    """Samples of one function of one model that were compared in `builds` builds."""
+class ComparedRun:
+    """One function of one model under one input style: the samples compared in each of `builds` builds."""
 
     model: str
     function: str
@@ -48,24 +49,28 @@ class Run:
 
 @dataclass(frozen=True, repr=False)
 class Report(Displayed):
-    """builds: compilers, levels and flushing that were compared; skipped: what was not, and why; seconds: wall time."""
+    """Result of a verification.
+
+    builds: compared compilers, levels and floating-point modes. skipped: builds left out, with the reason. altered:
+    files that differ from the manifest. seconds: wall time.
+    """
 
     model: str
     builds: tuple[str, ...]
     skipped: tuple[str, ...]
     altered: tuple[str, ...]
-    runs: tuple[Run, ...]
+    runs: tuple[ComparedRun, ...]
     mismatches: tuple[Mismatch, ...]
     seconds: float
 
     @property
     def equal(self) -> bool:
-        """Every bit of every comparison, and every file as the manifest says."""
+        """Whether every compared bit is equal and every file is as in the manifest."""
         return not self.mismatches and not self.altered and bool(self.runs)
 
     @property
     def samples(self) -> int:
-        """Samples of the model itself that every build was compared over, starts, self-test and commits left out."""
+        """Samples per build of the model's step functions; init, self-test and commit do not count."""
         steps = (
             run for run in self.runs if run.model == self.model and run.function not in ("init", "selftest", "commit")
         )
@@ -76,7 +81,7 @@ class Report(Displayed):
         return dataclasses.asdict(self) | {"equal": self.equal, "samples": self.samples}
 
     def summary(self) -> Summary:
-        """One row per function and model, then what was skipped and what differs."""
+        """One row per function and model; notes name skipped builds, altered files and differences."""
         rows = []
         keys = dict.fromkeys((run.model, run.function) for run in self.runs)
         for model, function in keys:
@@ -95,12 +100,13 @@ class Report(Displayed):
         return Summary(title, ["model", "function", "samples", "builds", "result"], rows, notes, left=2)
 
     def lines(self) -> list[str]:
-        """The report as text, the verdict last."""
-        told = self.summary()
-        return [table(told.header, told.rows, told.left), *told.notes, f"{told.title}, {self.seconds:.1f} s"]
+        """The report as text; the verdict is the last line."""
+        summary = self.summary()
+        text = table(summary.header, summary.rows, summary.left)
+        return [text, *summary.notes, f"{summary.title}, {self.seconds:.1f} s"]
 
 
 def _shown(bits: int) -> str:
-    """The pattern, and the number that it is: a float, or where that would be denormal, a counter or status word."""
+    """The pattern and its value as a float, or as an integer if the float would be denormal: counters, status words."""
     value = struct.unpack("<f", struct.pack("<I", bits))[0] if bits >= SMALLEST_NORMAL else bits
     return f"0x{bits:08x} ({value:.9g})"

@@ -1,9 +1,9 @@
-"""Undefined behaviour and memory errors, looked for while the generated C runs on every kind of input.
+"""Run-time checks for undefined behaviour and memory errors in the generated C.
 
-The C is compiled with gcc's sanitizers, which stop the program at the first fault, and runs the self-test and the
-samples of `hysgen verify`: random, smooth, the edges of every range, and any 32 bits at all, NaN, infinity and denormal
-numbers among them. Its bits are compared on the way. A run shows that nothing happened, not that nothing can: that is
-what `proof.eva` is for.
+The C is compiled with gcc's sanitizers, which stop the program at the first fault. It runs the self-test and the
+samples of `hysgen verify`: random, smooth, edge values and arbitrary bit patterns, with NaN, infinities and denormal
+numbers among them; its bits are compared as well. A run shows that no fault occurred; `proof.eva` proves that none can
+occur.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from hysgen.checking.proof.emulated.equality import EmulatedReport, equality
-from hysgen.checking.proof.emulated.machines import Machine
+from hysgen.checking.proof.emulated.equality import EmulatedReport, EmulationSettings, equality
+from hysgen.checking.proof.emulated.platforms import Platform
 from hysgen.model.model import Model
 
 SANITIZERS: Final = (
@@ -23,7 +23,7 @@ SANITIZERS: Final = (
     "-fno-omit-frame-pointer",
 )
 
-SANITIZED: Final = Machine(
+SANITIZED: Final = Platform(
     "sanitizers", "gcc", "", "<" if sys.byteorder == "little" else ">", ("gcc", "libasan8", "libubsan1"), SANITIZERS
 )
 
@@ -41,4 +41,4 @@ def sanitize(
     Raises BuildError with the sanitizer's first line if it stops the program, or if gcc or its libraries are missing.
     """
     flags = ("-O1", "-ffp-contract=off")
-    return equality(model, texts, samples=samples, machines=[SANITIZED], flags=flags, seed=seed, progress=progress)
+    return equality(model, texts, EmulationSettings(samples, [SANITIZED], flags, seed), progress)

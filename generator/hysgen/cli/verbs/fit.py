@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits import verify
+from hysgen.checking.bits import VerifySettings, verify
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_learner_options, add_record_options, parse_rows, read_records, with_learner
 from hysgen.cli.verbs import Verb
@@ -230,7 +230,7 @@ def regenerate(model: Model, folder: Path, console: Console) -> dict[str, Any]:
     changed = [item.name for item in stale(texts, folder)]
     write(texts, folder)
     console.say(f"changed in {folder}: {', '.join(changed) or 'nothing'}; as before: {len(texts) - len(changed)} files")
-    report = verify(folder, samples=VERIFIED_SAMPLES, structures=0, progress=console.progress)
+    report = verify(folder, VerifySettings(samples=VERIFIED_SAMPLES, other_models=0), console.progress)
     console.say(report.lines()[-1])
     return {"changed": changed, "equal": report.equal, "samples": report.samples}
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hysgen.c674x.cost import cost
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits import verify
+from hysgen.checking.bits import VerifySettings, verify
 from hysgen.checking.endurance import ALLOWED_RATIO, CASES, HEADINGS, endurance_tests, rows
 from hysgen.checking.endurance import run as endure
 from hysgen.cli.console import Console
@@ -101,7 +101,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     write(generate(extended), code)
     console.say(f"\nhysgen generate  {code}: {', '.join(sorted(path.name for path in code.iterdir()))}")
 
-    report = verify(code, samples=arguments.samples, structures=1, progress=console.progress)
+    report = verify(code, VerifySettings(samples=arguments.samples, other_models=1), console.progress)
     console.say("\nhysgen verify\n" + "\n".join(report.lines()))
     price = cost(code)
     console.say("\nhysgen cost\n" + cost_text(price))

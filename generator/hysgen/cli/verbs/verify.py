@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any, Final, Protocol
 
 from hysgen.c674x.cost import cost_of_texts
-from hysgen.c674x.generated import verify_on_target
-from hysgen.checking.bits import DEFAULT_SAMPLES, DEFAULT_STRUCTURES, verify
+from hysgen.c674x.equality import verify_on_target
+from hysgen.checking.bits import DEFAULT_OTHER_MODELS, DEFAULT_SAMPLES, VerifySettings, verify
+from hysgen.checking.bits.inputs import LEARNING_SHARE
 from hysgen.checking.proof.emulated.contraction import contraction, contraction_rows
-from hysgen.checking.proof.emulated.equality import LEARNING_SHARE, equality
-from hysgen.checking.proof.emulated.machines import MACHINES, Machine
+from hysgen.checking.proof.emulated.equality import EmulationSettings, equality
+from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
 from hysgen.checking.proof.eva.report import prove
 from hysgen.checking.proof.misra import misra
 from hysgen.checking.proof.sanitize import sanitize
@@ -98,7 +99,7 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--structures",
         type=int,
-        default=DEFAULT_STRUCTURES,
+        default=DEFAULT_OTHER_MODELS,
         metavar="N",
         help="random models of other structures beside it (default %(default)s)",
     )
@@ -112,7 +113,7 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--machine",
-        choices=[machine.name for machine in MACHINES],
+        choices=[platform.name for platform in PLATFORMS],
         action="append",
         help="with --target emulated: this processor only (may be repeated)",
     )
@@ -131,13 +132,12 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError("--machine and --fused: they belong to --target emulated; add it")
     if arguments.target:
         return run_on_target(arguments, console)
-    report = verify(
-        Path(arguments.folder),
+    settings = VerifySettings(
         samples=DEFAULT_SAMPLES if arguments.samples is None else arguments.samples,
-        structures=arguments.structures,
+        other_models=arguments.structures,
         seed=arguments.seed,
-        progress=console.progress,
     )
+    report = verify(Path(arguments.folder), settings, console.progress)
     console.say("\n".join(report.lines()))
     if arguments.report:
         folder = read_folder(Path(arguments.folder))
@@ -159,14 +159,12 @@ def run_on_target(arguments: argparse.Namespace, console: Console) -> int:
 def run_emulated(arguments: argparse.Namespace, console: Console) -> int:
     """Compare the bits of emulated processors with those of the reference."""
     generated = read_folder(Path(arguments.folder))
-    report = equality(
-        generated.model,
-        generated.texts,
+    settings = EmulationSettings(
         samples=EMULATED_SAMPLES if arguments.samples is None else arguments.samples,
-        machines=chosen(arguments.machine),
+        platforms=chosen(arguments.machine),
         seed=arguments.seed,
-        progress=console.progress,
     )
+    report = equality(generated.model, generated.texts, settings, console.progress)
     console.say("\n".join(report.lines()))
     return console.finish(report.to_json(), report.equal)
 
@@ -178,7 +176,7 @@ def run_fused(arguments: argparse.Namespace, console: Console) -> int:
         generated.model,
         generated.texts,
         samples=EMULATED_SAMPLES if arguments.samples is None else arguments.samples,
-        machines=chosen(arguments.machine),
+        platforms=chosen(arguments.machine),
         progress=console.progress,
     )
     header, rows = contraction_rows(found)
@@ -189,9 +187,9 @@ def run_fused(arguments: argparse.Namespace, console: Console) -> int:
     )
 
 
-def chosen(names: list[str] | None) -> list[Machine]:
-    """The machines of these names; all if `names` is None."""
-    return [machine for machine in MACHINES if names is None or machine.name in names]
+def chosen(names: list[str] | None) -> list[Platform]:
+    """The platforms of these names; all of them if `names` is None."""
+    return [platform for platform in PLATFORMS if names is None or platform.name in names]
 
 
 def prove_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,8 +1,8 @@
-"""What fusing a multiplication with an addition does to the bits, and how the generated C keeps compilers from it.
+"""Effect of fused multiply-adds on the bits, and the guard of the generated C against them.
 
-A fused multiply-add rounds once where the C says twice. Compilers may form it by default; the generated C forbids it
-where the compiler lets itself be told in the source. Here every machine is asked to fuse: with the guard all bits have
-to stay; with the guard taken out of the text one sees what it guards against, and whether the self-test would tell.
+A fused multiply-add rounds once where the C rounds twice. Compilers may form it by default; a guard in the generated C
+forbids it to the compilers that accept this in the source. Every platform is compiled with fusing enabled: with the
+guard no bit may change; without it, the changed results and the mismatches of the self-test are counted.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.checking.bits.functions import MODEL
 from hysgen.checking.bits.inputs import chunks
 from hysgen.checking.host import Host
-from hysgen.checking.proof.emulated.machines import MACHINES, Machine
+from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
 from hysgen.checking.proof.emulated.program import Emulated
 from hysgen.errors import BuildError
 from hysgen.model.model import Model
@@ -31,10 +32,10 @@ _GUARD: Final = re.compile(r"^#if defined\(__clang__\)\n#pragma STDC FP_CONTRACT
 
 @dataclass(frozen=True)
 class Fused:
-    """One machine told to fuse.
+    """Results of one platform compiled with fusing enabled, with or without the guard.
 
-    differing: results of predict that are not the host's, out of `samples`; largest_um: the largest difference;
-    selftest: mismatches that the generated self-test counts.
+    differing: results of predict, out of `samples`, that differ from the host's. largest_um: the largest difference.
+    selftest: mismatches counted by the generated self-test.
     """
 
     machine: str
@@ -55,31 +56,31 @@ def contraction(
     texts: Mapping[str, str],
     *,
     samples: int = 100_000,
-    machines: Sequence[Machine] = MACHINES,
+    platforms: Sequence[Platform] = PLATFORMS,
     progress: Callable[[float, str], None] | None = None,
 ) -> list[Fused]:
-    """Each installed machine told to fuse, with the guard and without it.
+    """Compile and run every installed platform with fusing enabled, with the guard and without it.
 
-    Raises BuildError if the guard is not found, or no machine is installed.
+    Raises BuildError if the guard is not found, or no platform is installed.
     """
     expected, inputs = _expected(model, texts, samples)
     bare = unguarded(model.name, texts)
     found = []
-    there = [machine for machine in machines if not machine.missing]
-    if not there:
+    installed = [platform for platform in platforms if not platform.missing]
+    if not installed:
         raise BuildError("no other instruction set is installed: qemu-user-static and a cross gcc are needed")
-    for place, machine in enumerate(there):
+    for place, platform in enumerate(installed):
         if progress is not None:
-            progress(place / len(there), f"fusing on {machine.name}")
+            progress(place / len(installed), f"fusing on {platform.name}")
         for guarded, sources in ((True, texts), (False, bare)):
-            flags = (*FUSING, *machine.fused)
-            program = Emulated(model.name, sources, machine, flags)
+            flags = (*FUSING, *platform.fused)
+            program = Emulated(model.name, sources, platform, flags)
             out = _results(program, inputs)
-            away = np.abs(out.view(np.float32).astype(np.float64) - expected.view(np.float32))
+            difference = np.abs(out.view(np.float32).astype(np.float64) - expected.view(np.float32))
             selftest = int(program.call("selftest")) if program.selftested else 0
             differing = int(np.count_nonzero(out != expected))
-            largest = float(away.max())
-            found.append(Fused(machine.name, " ".join(flags), guarded, samples, differing, largest, selftest))
+            largest = float(difference.max())
+            found.append(Fused(platform.name, " ".join(flags), guarded, samples, differing, largest, selftest))
     return found
 
 
@@ -102,7 +103,7 @@ def contraction_rows(found: Sequence[Fused]) -> tuple[list[str], list[list[str]]
 
 
 def unguarded(name: str, texts: Mapping[str, str]) -> dict[str, str]:
-    """The same texts without what forbids fusing. Raises BuildError if there is no such guard."""
+    """The same texts without the guard against fusing. Raises BuildError if it is not found exactly once."""
     bare, count = _GUARD.subn("", texts[f"{name}.c"])
     if count != 1:
         raise BuildError(f"{name}.c: the guard against fused multiply-adds was not found; adapt the proof")
@@ -111,11 +112,10 @@ def unguarded(name: str, texts: Mapping[str, str]) -> dict[str, str]:
 
 def _expected(model: Model, texts: Mapping[str, str], samples: int) -> tuple[Words, list[Words]]:
     host = Host(model.name, texts)
-    heard = ["channel"] * host.channels
-    pieces = list(chunks(model, "random", ["displacement", "voltage", *heard], samples, 1))
+    pieces = list(chunks(model, "random", MODEL.quantities("predict", host), samples, 1))
     inputs = [np.concatenate(column) for column in zip(*pieces, strict=True)]
     return _results(host, inputs), inputs
 
 
-def _results(machine: Host | Emulated, inputs: Sequence[Words]) -> Words:
-    return machine.run("predict", machine.instance(0.0, 0.0), inputs)[0]
+def _results(host: Host | Emulated, inputs: Sequence[Words]) -> Words:
+    return host.run("predict", host.instance(0.0, 0.0), inputs)[0]

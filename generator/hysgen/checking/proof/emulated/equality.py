@@ -1,7 +1,7 @@
-"""The generated C on other instruction sets, both orders of bytes: every result and every state, bit for bit.
+"""Equality of bits on other instruction sets of both byte orders: every result and every word of the state.
 
-The comparison is that of `hysgen verify` (equality of whole runs by induction, against the float32 reference), with the
-machines of `machines` as builds beside the host's.
+The method is that of `hysgen verify`, equality of whole runs by induction against the float32 reference. The builds are
+the host's and those of the platforms in `platforms`.
 """
 
 from __future__ import annotations
@@ -14,82 +14,91 @@ from dataclasses import dataclass
 from typing import Any, Final, cast
 
 from hysgen.checking.bits.builds import Build
-from hysgen.checking.bits.closed_loop import LEAST_UPDATES, Followed, HostSide, follow
 from hysgen.checking.bits.committing import compare_commit
 from hysgen.checking.bits.comparison import START_SAMPLES, Task, compare_selftest, compare_task, tasks
-from hysgen.checking.bits.inputs import SHARES
-from hysgen.checking.bits.report import Mismatch, Report, Run
+from hysgen.checking.bits.inputs import LEARNING_SHARE, SHARES
+from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, LearningResult, compare_learning
+from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
 from hysgen.checking.host import Host
-from hysgen.checking.proof.emulated.machines import MACHINES, STRICT, Machine
+from hysgen.checking.proof.emulated.platforms import PLATFORMS, STRICT, Platform
 from hysgen.checking.proof.emulated.program import Emulated
 from hysgen.errors import BuildError
 from hysgen.machine.native import Toolchain, compiler_version
 from hysgen.model.model import Model
 
-LEARNING_SHARE: Final = 0.1
-"""Part of the samples that learning gets: its state is some hundred words, each of them compared after every sample."""
-FOLLOWED_SHARE: Final = 0.01
-"""Updates of the learner that follows a stage and commits, for each of the samples."""
+LEARNING_RUN_SHARE: Final = 0.01
+"""Updates of the learning run, as a share of the samples."""
 
 SHADOWS_FROM: Final = 10_000
-"""Samples from which on it is worth while to commit hundreds of shadows as well."""
+"""Least number of samples with which shadows are committed against the reference; these commits take minutes."""
+
+
+@dataclass(frozen=True)
+class EmulationSettings:
+    """Extent of a comparison.
+
+    samples: per function and platform; LEARNING_SHARE of them for `learn`. platforms: those whose compiler or emulator
+    is not installed are skipped. flags: of the compilers.
+    """
+
+    samples: int = 1_000_000
+    platforms: Sequence[Platform] = PLATFORMS
+    flags: Sequence[str] = STRICT
+    seed: int = 1
 
 
 @dataclass(frozen=True)
 class EmulatedReport:
-    """comparison: with the reference. followed: this machine and the others behind one stage, commits among it; empty
-    for a model that does not learn.
+    """comparison: with the reference. learning: the learning run on the host and on each platform; empty for a model
+    without a learner.
     """
 
     comparison: Report
-    followed: tuple[Followed, ...]
+    learning: tuple[LearningResult, ...]
 
     @property
     def equal(self) -> bool:
-        """Every bit of everything."""
-        return self.comparison.equal and all(row.equal for row in self.followed)
+        """Whether every compared bit is equal."""
+        return self.comparison.equal and all(result.equal for result in self.learning)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        # asdict would take a Counter for a list of its items.
-        followed = [dataclasses.asdict(row) | {"answers": dict(row.answers)} for row in self.followed]
-        return self.comparison.to_json() | {"equal": self.equal, "followed": followed}
+        # asdict turns a Counter into a list of its items.
+        learning = [dataclasses.asdict(result) | {"answers": dict(result.answers)} for result in self.learning]
+        return self.comparison.to_json() | {"equal": self.equal, "followed": learning}
 
     def lines(self) -> list[str]:
-        """For people."""
-        return [*self.comparison.lines(), *(str(row) for row in self.followed[1:])]
+        """The report as text."""
+        return [*self.comparison.lines(), *(str(result) for result in self.learning[1:])]
 
 
 def equality(
     model: Model,
     texts: Mapping[str, str],
-    *,
-    samples: int = 1_000_000,
-    machines: Sequence[Machine] = MACHINES,
-    flags: Sequence[str] = STRICT,
-    seed: int = 1,
+    settings: EmulationSettings | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> EmulatedReport:
-    """Compare the C in `texts` on every machine whose compiler and emulator are installed.
+    """Compare the C in `texts` on every platform whose compiler and emulator are installed.
 
-    samples: per function and machine, LEARNING_SHARE of them for learning. Learners follow a stage for FOLLOWED_SHARE
-    of so many updates, or LEAST_UPDATES, and commit; from SHADOWS_FROM samples on, shadows near and far are committed
-    besides. flags: how to compile.
-    Raises BuildError if no machine is there, or a compiler refuses the C.
+    A model with a learner also makes a learning run of LEARNING_RUN_SHARE of the samples, at least LEAST_UPDATES
+    updates; from SHADOWS_FROM samples on, commit is compared with the reference.
+    Raises BuildError if no platform is installed or a compiler rejects the C.
     """
     started = time.monotonic()
-    there = [machine for machine in machines if not machine.missing]
-    skipped = [_missing(machine) for machine in machines if machine.missing]
-    if not there:
+    chosen = settings or EmulationSettings()
+    samples, flags = chosen.samples, chosen.flags
+    installed = [platform for platform in chosen.platforms if not platform.missing]
+    skipped = [_missing(platform) for platform in chosen.platforms if platform.missing]
+    if not installed:
         raise BuildError(f"no other instruction set: {skipped[0]}")
     if progress is not None:
-        progress(0.0, "compiling for " + ", ".join(machine.name for machine in there))
-    builds = [_build(model, texts, machine, flags) for machine in there]
-    # The host's record is proved by the reference; where a machine's is the same, it is proved with it.
+        progress(0.0, "compiling for " + ", ".join(platform.name for platform in installed))
+    builds = [_build(model, texts, platform, flags) for platform in installed]
+    # The host comes first: the reference proves the host's trace, and an equal trace of a platform is proved with it.
     host = Build(Toolchain("gcc", ("-O2",)), False, Host(model.name, texts))
-    todo = tasks(host)
+    todo = tasks(host.host)
     total, done = sum(_share(task, samples) for task in todo), 0
-    runs: list[Run] = []
+    runs: list[ComparedRun] = []
     mismatches: list[Mismatch] = []
 
     def advance(compared: int) -> None:
@@ -104,41 +113,44 @@ def equality(
     if host.host.commits and samples >= SHADOWS_FROM:
         if progress is not None:
             progress(0.0, f"committing shadows on {len(builds)} instruction sets, some minutes")
-        run, wrong = compare_commit(model, [host, *builds], seed)
+        run, wrong = compare_commit(model, [host, *builds], chosen.seed)
         runs.append(run)
         mismatches.extend(wrong)
     for task in todo:
-        run, wrong = compare_task(model, [host, *builds], task, _share(task, samples), seed, advance)
+        run, wrong = compare_task(model, [host, *builds], task, _share(task, samples), chosen.seed, advance)
         runs.append(run)
         mismatches.extend(wrong)
-    followed: list[Followed] = []
+    learning: list[LearningResult] = []
     if host.host.commits:
         if progress is not None:
             progress(1.0, f"learning and committing on {len(builds)} instruction sets")
         sides = [
             HostSide("this machine", host.host),
-            *(HostSide(m.name, b.host) for m, b in zip(there, builds, strict=True)),
+            *(HostSide(platform.name, build.host) for platform, build in zip(installed, builds, strict=True)),
         ]
-        updates = max(LEAST_UPDATES, math.ceil(FOLLOWED_SHARE * samples))
-        followed = follow(model, sides, host.host, updates, seed)
-    labels = tuple(f"{machine.name}: {compiler_version(machine.compiler)}, {' '.join(flags)}" for machine in there)
+        updates = max(LEAST_UPDATES, math.ceil(LEARNING_RUN_SHARE * samples))
+        learning = compare_learning(model, sides, host.host, updates, chosen.seed)
+    labels = tuple(
+        f"{platform.name}: {compiler_version(platform.compiler)}, {' '.join(flags)}" for platform in installed
+    )
     seconds = time.monotonic() - started
     report = Report(model.name, labels, tuple(skipped), (), tuple(runs), tuple(mismatches), seconds)
-    return EmulatedReport(report, tuple(followed))
+    return EmulatedReport(report, tuple(learning))
 
 
 def _share(task: Task, samples: int) -> int:
     """Samples of one function under one style."""
     if task.function == "init":
         return min(samples, START_SAMPLES)
-    return math.ceil(SHARES[task.style] * samples * (LEARNING_SHARE if task.function == "learn" else 1.0))
+    return math.ceil(SHARES[task.style] * samples * (LEARNING_SHARE if task.learns else 1.0))
 
 
-def _build(model: Model, texts: Mapping[str, str], machine: Machine, flags: Sequence[str]) -> Build:
-    # An emulated program offers what a comparison uses of a Host.
-    program = cast(Host, Emulated(model.name, texts, machine, flags))
-    return Build(Toolchain(machine.compiler, tuple(flags)), False, program)
+def _build(model: Model, texts: Mapping[str, str], platform: Platform, flags: Sequence[str]) -> Build:
+    # Emulated has the part of Host's interface that a comparison uses.
+    program = cast(Host, Emulated(model.name, texts, platform, flags))
+    return Build(Toolchain(platform.compiler, tuple(flags)), False, program)
 
 
-def _missing(machine: Machine) -> str:
-    return f"{machine.name}: {', '.join(machine.missing)} not installed; apt-get install {' '.join(machine.packages)}"
+def _missing(platform: Platform) -> str:
+    packages = " ".join(platform.packages)
+    return f"{platform.name}: {', '.join(platform.missing)} not installed; apt-get install {packages}"

@@ -1,4 +1,4 @@
-"""Generated C as a program for another processor, under qemu: the interface of `checking.host.Host` over pipes."""
+"""Generated C as a program for another processor, run under qemu: the interface of `checking.host.Host` over pipes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.checking.host import channels, commits, entries
-from hysgen.checking.proof.emulated.machines import STRICT, Machine
+from hysgen.checking.proof.emulated.platforms import STRICT, Platform
 from hysgen.checking.proof.layout import words
 from hysgen.codegen.render import render
 from hysgen.errors import BuildError
@@ -24,30 +24,30 @@ COMMON: Final = ("-std=c99", "-Wall", "-Wextra", "-Werror")
 
 
 class Emulated:
-    """A model's generated C, compiled for `machine` and running under its emulator until this object goes.
+    """A model's generated C, compiled for `platform` and run under its emulator until this object is deleted.
 
-    texts: file name -> text, as `emit.generate` returns them; flags: what shapes the arithmetic and the schedule.
-    Structs are arrays of their 32-bit words. Raises BuildError if a command is missing or the compiler refuses the C.
+    texts: file name -> text, as `codegen.generate` returns them. flags: of the compiler, for arithmetic and scheduling.
+    Structs are arrays of their 32-bit words. Raises BuildError if a command is missing or the compiler rejects the C.
     """
 
     flushes: Final = False
 
-    def __init__(self, name: str, texts: Mapping[str, str], machine: Machine, flags: Sequence[str] = STRICT) -> None:
-        if machine.missing:
-            needed = " ".join(machine.packages)
-            raise BuildError(f"{machine.name}: {', '.join(machine.missing)} not installed; apt-get install {needed}")
-        self.name, self.machine = name, machine
+    def __init__(self, name: str, texts: Mapping[str, str], platform: Platform, flags: Sequence[str] = STRICT) -> None:
+        if platform.missing:
+            needed = " ".join(platform.packages)
+            raise BuildError(f"{platform.name}: {', '.join(platform.missing)} not installed; apt-get install {needed}")
+        self.name, self.platform = name, platform
         self._header = texts[f"{name}.h"]
         self.entries = {entry.name: entry for entry in entries(name, self._header)}
         self.channels = channels(self._header)
         self.selftested = f"{name}_selftest.c" in texts
         self.commits = commits(name, self._header)
         self._scratch = tempfile.TemporaryDirectory(prefix="hysgen-")
-        _compile(self.name, texts, machine, flags, self._facts(), Path(self._scratch.name))
-        self._complaints = Path(self._scratch.name) / "stderr"
-        with self._complaints.open("wb") as stderr:
+        _compile(self.name, texts, platform, flags, self._facts(), Path(self._scratch.name))
+        self._stderr = Path(self._scratch.name) / "stderr"
+        with self._stderr.open("wb") as stderr:
             self._process = subprocess.Popen(
-                [*filter(None, [machine.emulator]), str(Path(self._scratch.name) / "program")],
+                [*filter(None, [platform.emulator]), str(Path(self._scratch.name) / "program")],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=stderr,
@@ -76,7 +76,7 @@ class Emulated:
             self._send([len(self.entries) + 1, 0, 0, 0, 0, model.size], model)
             learner[:] = self._receive(learner.size)
             return None
-        raise BuildError(f"{self.name}_{function}: not among the functions that are run on other processors")
+        raise BuildError(f"{self.name}_{function}: the driver for other processors does not have this function")
 
     def commit(self, instance: Words, learner: Words, *, flush: bool = False) -> int:
         """One call of `<name>_commit`: its answer."""
@@ -123,7 +123,7 @@ class Emulated:
 
     def _send(self, head: list[int], *arrays: Words) -> None:
         assert self._process.stdin is not None
-        order = f"{self.machine.order}u4"
+        order = f"{self.platform.order}u4"
         try:
             for array in (np.array(head), *arrays):
                 self._process.stdin.write(array.astype(order).tobytes())
@@ -136,28 +136,28 @@ class Emulated:
         data = self._process.stdout.read(4 * count)
         if len(data) != 4 * count:
             raise BuildError(self._end())
-        return np.frombuffer(data, dtype=f"{self.machine.order}u4").astype(np.uint32)
+        return np.frombuffer(data, dtype=f"{self.platform.order}u4").astype(np.uint32)
 
     def _end(self) -> str:
-        """Why there is no answer: the exit code, and what the program complained of first."""
+        """The error text: exit code and first line of stderr of the ended program."""
         code = self._process.wait()
-        complaint = next(iter(self._complaints.read_text(errors="replace").splitlines()), "no message")
-        return f"{self.name} on {self.machine.name}: the program ended with {code}: {complaint}"
+        message = next(iter(self._stderr.read_text(errors="replace").splitlines()), "no message")
+        return f"{self.name} on {self.platform.name}: the program ended with {code}: {message}"
 
 
 def _compile(
-    name: str, texts: Mapping[str, str], machine: Machine, flags: Sequence[str], facts: dict[str, Any], folder: Path
+    name: str, texts: Mapping[str, str], platform: Platform, flags: Sequence[str], facts: dict[str, Any], folder: Path
 ) -> None:
     sources = {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
     sources |= {"driver.c": render("driver.c.j2", facts), "main.c": render("proof/emulated.c.j2", facts)}
     for file, text in sources.items():
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
     units = [file for file in sources if file.endswith(".c")]
-    call = [machine.compiler, *COMMON, *machine.flags, *flags, "-o", "program", *units]
+    call = [platform.compiler, *COMMON, *platform.flags, *flags, "-o", "program", *units]
     run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
     if run.returncode != 0:
-        complaint = next((line for line in run.stderr.splitlines() if "error" in line), run.stderr.strip()[:200])
-        raise BuildError(f"{machine.compiler} {' '.join(flags)}: {complaint}")
+        message = next((line for line in run.stderr.splitlines() if "error" in line), run.stderr.strip()[:200])
+        raise BuildError(f"{platform.compiler} {' '.join(flags)}: {message}")
 
 
 def _close(process: subprocess.Popen[bytes], scratch: tempfile.TemporaryDirectory[str]) -> None:

@@ -1,4 +1,4 @@
-"""A model's learner on the simulated C674x: one of the sides that `hysgen.checking.bits.closed_loop` compares."""
+"""A model's learner on the simulated C674x, as one side of `hysgen.checking.bits.learning_run`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from hysgen.checking.host import Host
 Words = NDArray[np.uint32]
 
 
-class Spent:
-    """Fewest and most cycles of the calls that were told to it."""
+class CycleRange:
+    """Fewest and most cycles of all added calls."""
 
     def __init__(self) -> None:
         self.least, self.most = 1 << 62, 0
@@ -27,23 +27,26 @@ class Spent:
 
 
 class SimulatedSide:
-    """An instance and its learner in the memory of `machine`, started as on the host. learning, committing: cycles."""
+    """An instance and its learner in the memory of `machine`, with the host's initial states.
+
+    learning, committing: cycles of the calls of learn and of commit.
+    """
 
     name = "c674x"
 
     def __init__(self, host: Host, machine: Machine) -> None:
         self._machine, self._prefix, self._channels = machine, host.name, host.channels
-        self.learning, self.committing = Spent(), Spent()
-        starts = [host.words_of(MODEL.start(host)).copy(), host.words_of(LEARNER.start(host)).copy()]
+        self.learning, self.committing = CycleRange(), CycleRange()
+        starts = [host.words_of(MODEL.create(host)).copy(), host.words_of(LEARNER.create(host)).copy()]
         self._sizes = [start.size for start in starts]
         self._instance, self._learner = (machine.allocate(size) for size in self._sizes)
         machine.write(self._instance, starts[0])
         machine.write(self._learner, starts[1])
 
     def learn(self, y: Words, u: Words) -> Words:
-        told = self._map("learn", self._learner, y, u, self._sizes[1])
-        self.learning.add(told.cycles)
-        return told.memory[self._learner]
+        outcomes = self._map("learn", self._learner, y, u, self._sizes[1])
+        self.learning.add(outcomes.cycles)
+        return outcomes.memory[self._learner]
 
     def commit(self) -> int:
         outcome = self._machine.call(f"{self._prefix}_commit", self._instance, self._learner)
@@ -52,10 +55,10 @@ class SimulatedSide:
 
     def predict(self, y: Words, u: Words) -> Words:
         bits = np.empty_like(y)
-        silent = self._machine.allocate(self._channels) if self._channels else 0
+        channels = self._machine.allocate(self._channels) if self._channels else 0
         for k in range(y.size):
             if self._channels:
-                self._machine.call(f"{self._prefix}_aux", self._instance, silent)
+                self._machine.call(f"{self._prefix}_aux", self._instance, channels)
             bits[k] = self._map("predict", self._instance, y[k : k + 1], u[k : k + 1], 0).bits[0]
         return bits
 
