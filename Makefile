@@ -10,19 +10,25 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3 p
 CC_FOUND := $(shell for c in "$(CC)" cc gcc clang; do command -v $$c >/dev/null 2>&1 && { echo $$c; break; }; done)
 OUT ?= hysgen-demo
 
-.PHONY: run test check bench clean
+.PHONY: run test check style help clean
 
 run: $(VENV)/.installed  ## the main job on the bundled record: fit, score, C, equivalence, cost, plots
 	$(PY) -m hysgen demo -o $(OUT)
 
-test: $(VENV)/.tested check  ## style, types, and the whole test suite
+check: style  ## style, types, import layers, and the fast tests: at most 90 s on two cores
+	$(PY) -m pytest -n auto --dist worksteal -m "not slow"
+
+test: style  ## style, types, import layers, and every test: at most 5 minutes on two cores
 	$(PY) -m pytest -n auto --dist worksteal
 
-check: $(VENV)/.tested  ## style, types, import layers
+style: $(VENV)/.tested
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
 	$(VENV)/bin/lint-imports --no-cache
+
+help:  ## what can be made
+	@sed -n 's/^\([a-z]*\):.*## /\1: /p' $(MAKEFILE_LIST)
 
 $(VENV)/.installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "hysgen needs Python 3.11 or newer: install it, or name it: make PYTHON=/path/to/python3"; exit 1; }

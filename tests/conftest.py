@@ -1,9 +1,13 @@
-"""What every test may lean on: the reference models, the measured records, and how a missing tool is told."""
+"""Fixtures of the whole suite: the folder of the measured records, and results that are computed once per run."""
 
 from __future__ import annotations
 
+import fcntl
 import os
+import pickle
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,3 +25,28 @@ def measured() -> Path:
     if not folder:
         pytest.skip("measured records: set HYSGEN_DATA to their folder to run this test")
     return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def once_per_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Callable[[], Any]], Any]:
+    """`once_per_run(name, make)`: the result of make(), computed by one process of the run and read by the others.
+
+    With pytest-xdist every process has its own session fixtures; the result is pickled into the folder above theirs,
+    and a lock on a file makes the others wait for it.
+    """
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
+    read: dict[str, Any] = {}
+
+    def once(name: str, make: Callable[[], Any]) -> Any:
+        if name not in read:
+            path = folder / f"{name}.pickle"
+            with (folder / f"{name}.lock").open("w") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                if not path.exists():
+                    path.write_bytes(pickle.dumps(make()))
+            read[name] = pickle.loads(path.read_bytes())
+        return read[name]
+
+    return once
