@@ -40,7 +40,7 @@ from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.causes.resonance import ResonancePart, mode_evidence
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.comparison import levels, remaining
-from hysgen.diagnosis.probe import Chain, Errors, Fit, Mode, Operator, Scene, Trace, linear_fit, refine
+from hysgen.diagnosis.probe import Chain, Fit, Mode, Operator, Scene, StandardErrors, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.search import drop_unsupported_parts, eliminate_backward, present, search
 
@@ -89,7 +89,7 @@ def test_rate_that_is_not_known_or_holds_a_few_samples_back_is_no_slew(
     limited = LAG.having(SlewPart(rate_V_per_s))
     seen = scene(limited)
     look = Residual(seen, linear_fit(seen, limited))
-    errors = Errors({"slew.rate_V_per_s": error}, np.zeros(1))  # of the logarithm
+    errors = StandardErrors({"slew.rate_V_per_s": error}, np.zeros(1))  # of the logarithm
     monkeypatch.setattr(slew, "standard_errors", lambda at, fit: errors)
     assert causes()["slew"].signature(look, look.fit).holds == holds
 

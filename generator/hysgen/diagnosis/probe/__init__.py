@@ -9,13 +9,12 @@ from hysgen.diagnosis.probe.operator import Operator
 from hysgen.diagnosis.probe.part import Drive, Extent, Mode, Parameter, Part, SlowStates
 from hysgen.diagnosis.probe.scene import Scene, Trace
 from hysgen.diagnosis.probe.solve import Fit, Projector, linear_fit, refine, rms
-from hysgen.diagnosis.probe.uncertainty import Errors, standard_errors
+from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
 from hysgen.diagnosis.probe.whitened import WhitenedScene, schwarz, whitened_fit
 
 __all__ = [
     "Chain",
     "Drive",
-    "Errors",
     "Extent",
     "Fit",
     "Mode",
@@ -25,6 +24,7 @@ __all__ = [
     "Projector",
     "Scene",
     "SlowStates",
+    "StandardErrors",
     "Trace",
     "WhitenedScene",
     "linear_fit",

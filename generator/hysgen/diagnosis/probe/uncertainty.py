@@ -30,14 +30,14 @@ MOST_LEVERAGE = 0.99
 
 
 @dataclass(frozen=True)
-class Errors:
+class StandardErrors:
     """Standard errors of the chain's coordinates by name, and of the linear weights of the added columns, (q,)."""
 
     coordinates: Mapping[str, float]
     added: Floats
 
 
-def standard_errors(scene: Scene, fit: Fit) -> Errors:
+def standard_errors(scene: Scene, fit: Fit) -> StandardErrors:
     """Cluster-robust standard errors of a fit; infinite for a coordinate without influence on the fitted rows."""
     columns = scene.columns(fit.chain)[:, scene.rows]
     shape_columns = sensitivities(scene, fit, Projector.of(columns))
@@ -47,7 +47,7 @@ def standard_errors(scene: Scene, fit: Fit) -> Errors:
     size = scene.hysteresis_size(fit.chain)
     others = np.vstack([columns[size:], shape_columns])
     linear = _sandwich(_orthogonal_part(others, columns[:size]), error)[: len(columns) - size]
-    return Errors(dict(zip(fit.chain.names(), shape.tolist(), strict=True)), linear)
+    return StandardErrors(dict(zip(fit.chain.names(), shape.tolist(), strict=True)), linear)
 
 
 def block_left_out_error(columns: Floats, error: Floats) -> Floats:
