@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, booted, sine, tracking
-from hysgen.firmware.host import Fault, HostFirmware, Log, Request, Settings, State, Status
+from hysgen.firmware.host import BoardFault, FirmwareStatus, HostFirmware, Log, Request, Settings, State
 
 SETTINGS = Settings(low_V=-5.0, high_V=60.0, step_V=1.0)
 
@@ -24,7 +24,7 @@ def assert_limits(log: Log, before_V: float, settings: Settings = SETTINGS) -> N
 
 
 def suffered(
-    fault: Fault,
+    fault: BoardFault,
     value: float = 0.0,
     after: int = 700,
     samples: int = 0xFFFFFFFF,
@@ -36,7 +36,7 @@ def suffered(
     before_V = firmware.board.output_V
     firmware.request(Request.CLEAR)
     firmware.run(np.full(1, REFERENCE_UM))
-    assert Status(firmware.status & ~Status.MODEL & ~Status.OUTPUT_SLEWED) == 0
+    assert FirmwareStatus(firmware.status & ~FirmwareStatus.MODEL & ~FirmwareStatus.OUTPUT_SLEWED) == 0
     firmware.fail(fault, value, after, samples)
     log = firmware.run(sine(8000) if reference_um is None else reference_um)
     assert_limits(log, before_V)
@@ -46,32 +46,32 @@ def suffered(
 @pytest.mark.parametrize(
     ("fault", "value", "told", "within"),
     [
-        (Fault.STUCK, 0.0, Status.FAULT_STUCK, 400),
-        (Fault.READING, np.nan, Status.FAULT_SENSOR | Status.SENSOR_INVALID, 12),
-        (Fault.READING, np.inf, Status.FAULT_SENSOR | Status.SENSOR_INVALID, 12),
-        (Fault.READING, 14.0, Status.FAULT_SENSOR | Status.SENSOR_RANGE, 12),
-        (Fault.SATURATED, 33.0, Status.FAULT_FOLLOW, 800),
-        (Fault.LIMITS, 0.0, Status.FAULT_AMPLIFIER | Status.AMPLIFIER_LIMITS, 12),
-        (Fault.AMPLIFIER, 0.0, Status.FAULT_AMPLIFIER, 3),
-        (Fault.LATE, 7501.0, Status.FAULT_DEADLINE | Status.DEADLINE_MISSED, 12),
-        (Fault.OVERRUN, 0.0, Status.FAULT_DEADLINE | Status.DEADLINE_MISSED, 12),
+        (BoardFault.STUCK, 0.0, FirmwareStatus.FAULT_STUCK, 400),
+        (BoardFault.READING, np.nan, FirmwareStatus.FAULT_SENSOR | FirmwareStatus.SENSOR_INVALID, 12),
+        (BoardFault.READING, np.inf, FirmwareStatus.FAULT_SENSOR | FirmwareStatus.SENSOR_INVALID, 12),
+        (BoardFault.READING, 14.0, FirmwareStatus.FAULT_SENSOR | FirmwareStatus.SENSOR_RANGE, 12),
+        (BoardFault.SATURATED, 33.0, FirmwareStatus.FAULT_FOLLOW, 800),
+        (BoardFault.LIMITS, 0.0, FirmwareStatus.FAULT_AMPLIFIER | FirmwareStatus.AMPLIFIER_LIMITS, 12),
+        (BoardFault.AMPLIFIER, 0.0, FirmwareStatus.FAULT_AMPLIFIER, 3),
+        (BoardFault.LATE, 7501.0, FirmwareStatus.FAULT_DEADLINE | FirmwareStatus.DEADLINE_MISSED, 12),
+        (BoardFault.OVERRUN, 0.0, FirmwareStatus.FAULT_DEADLINE | FirmwareStatus.DEADLINE_MISSED, 12),
     ],
-    ids=lambda each: each.name if isinstance(each, Fault) else None,
+    ids=lambda each: each.name if isinstance(each, BoardFault) else None,
 )
 def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
-    fault: Fault, value: float, told: Status, within: int
+    fault: BoardFault, value: float, told: FirmwareStatus, within: int
 ) -> None:
     firmware, log = suffered(fault, value)
     assert firmware.state is State.TRIPPED
     assert firmware.board.output_V == SETTINGS.off_V
-    faults = Status(firmware.status & 0x3F0000)
+    faults = FirmwareStatus(firmware.status & 0x3F0000)
     assert told in firmware.status
-    assert faults == Status(told & 0x3F0000), f"{faults!r}: one cause, one fault"
+    assert faults == FirmwareStatus(told & 0x3F0000), f"{faults!r}: one cause, one fault"
     tripped = int(np.argmax(log.state == State.TRIP))
     assert 700 <= tripped <= 700 + within
     # It stays down until it is told otherwise, and goes on once the fault is gone.
     firmware.request(Request.START)
-    firmware.fail(Fault.NONE)
+    firmware.fail(BoardFault.NONE)
     assert set(firmware.run(sine(1000)).output_V.tolist()) == {SETTINGS.off_V}
     firmware.request(Request.CLEAR)
     firmware.run(sine(2))
@@ -83,14 +83,14 @@ def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
 @pytest.mark.parametrize(
     ("fault", "value", "told"),
     [
-        (Fault.READING, np.nan, Status.SENSOR_INVALID),
-        (Fault.READING, -9.0, Status.SENSOR_RANGE),
-        (Fault.LIMITS, 0.0, Status.AMPLIFIER_LIMITS),
-        (Fault.LATE, 7501.0, Status.DEADLINE_MISSED),
+        (BoardFault.READING, np.nan, FirmwareStatus.SENSOR_INVALID),
+        (BoardFault.READING, -9.0, FirmwareStatus.SENSOR_RANGE),
+        (BoardFault.LIMITS, 0.0, FirmwareStatus.AMPLIFIER_LIMITS),
+        (BoardFault.LATE, 7501.0, FirmwareStatus.DEADLINE_MISSED),
     ],
-    ids=lambda each: each.name if isinstance(each, Fault) else None,
+    ids=lambda each: each.name if isinstance(each, BoardFault) else None,
 )
-def test_a_few_bad_samples_are_told_and_survived(fault: Fault, value: float, told: Status) -> None:
+def test_a_few_bad_samples_are_told_and_survived(fault: BoardFault, value: float, told: FirmwareStatus) -> None:
     firmware, log = suffered(fault, value, samples=SETTINGS.bad_samples - 2)
     assert told in firmware.status
     assert not firmware.status & 0x3F0000
@@ -105,7 +105,7 @@ def test_a_reference_step_beyond_the_range_is_followed_as_far_and_as_fast_as_all
     before_V = firmware.board.output_V
     log = firmware.run(reference_um)
     assert_limits(log, before_V, settings)
-    assert Status.REFERENCE_LIMITED | Status.REFERENCE_SLEWED in firmware.status
+    assert FirmwareStatus.REFERENCE_LIMITED | FirmwareStatus.REFERENCE_SLEWED in firmware.status
     assert firmware.state is State.TRACK
     assert abs(float(log.reading_um[-200:].mean()) - REFERENCE_UM) < 0.3
 
@@ -113,8 +113,8 @@ def test_a_reference_step_beyond_the_range_is_followed_as_far_and_as_fast_as_all
 @pytest.mark.parametrize("level", [np.nan, np.inf, -np.inf])
 def test_a_reference_that_is_no_number_holds_the_last_one(level: float) -> None:
     reference_um = np.concatenate([np.full(500, 2.1), np.full(2000, level)])
-    firmware, log = suffered(Fault.NONE, reference_um=reference_um)
-    assert Status.REFERENCE_INVALID in firmware.status
+    firmware, log = suffered(BoardFault.NONE, reference_um=reference_um)
+    assert FirmwareStatus.REFERENCE_INVALID in firmware.status
     assert firmware.state is State.TRACK
     assert float(np.ptp(log.output_V[1500:])) < 0.05
 
@@ -124,7 +124,7 @@ def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> 
     for _ in range(20):
         firmware = tracking(replace(SETTINGS, trim=True, bad_samples=1 << 30, follow_um=1e30, stuck_V=1e30))
         before_V = firmware.board.output_V
-        firmware.fail(Fault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), after=10)
+        firmware.fail(BoardFault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), after=10)
         log = firmware.run(rng.integers(0, 1 << 32, 300, dtype=np.uint32).view(np.float32))
         assert_limits(log, before_V)
         assert firmware.state is State.TRACK
@@ -159,7 +159,7 @@ def reached(state: State) -> HostFirmware:
         if state is State.FALL:
             firmware.request(Request.STOP)
         else:
-            firmware.fail(Fault.AMPLIFIER, samples=1)
+            firmware.fail(BoardFault.AMPLIFIER, samples=1)
     for _ in range(10_000):
         firmware.run(np.full(1, REFERENCE_UM))
         if firmware.state is state:
@@ -179,10 +179,10 @@ def test_every_state_answers_every_request_as_the_table_says(before: State, aske
 @pytest.mark.parametrize("before", [state for state in State if state not in (State.TRIP, State.TRIPPED)])
 def test_a_fault_trips_every_state(before: State) -> None:
     firmware = reached(before)
-    firmware.fail(Fault.AMPLIFIER, samples=1)
+    firmware.fail(BoardFault.AMPLIFIER, samples=1)
     firmware.run(np.full(2, REFERENCE_UM))
     assert firmware.state in (State.TRIP, State.TRIPPED)
-    assert Status.FAULT_AMPLIFIER in firmware.status
+    assert FirmwareStatus.FAULT_AMPLIFIER in firmware.status
 
 
 def test_the_ways_up_and_down_are_ramps_through_the_loop() -> None:
@@ -202,7 +202,7 @@ def test_the_ways_up_and_down_are_ramps_through_the_loop() -> None:
 
 def test_a_failed_selftest_keeps_the_stage_off_for_good() -> None:
     firmware = booted(SETTINGS)
-    firmware.firmware.controller.status |= int(Status.FAULT_SELFTEST)
+    firmware.firmware.controller.status |= int(FirmwareStatus.FAULT_SELFTEST)
     firmware.request(Request.START)
     firmware.run(np.full(10, REFERENCE_UM))
     firmware.request(Request.CLEAR)
@@ -210,5 +210,5 @@ def test_a_failed_selftest_keeps_the_stage_off_for_good() -> None:
     firmware.request(Request.START)
     log = firmware.run(np.full(2000, REFERENCE_UM))
     assert firmware.state is State.TRIPPED
-    assert Status.FAULT_SELFTEST in firmware.status
+    assert FirmwareStatus.FAULT_SELFTEST in firmware.status
     assert set(log.output_V.tolist()) == {SETTINGS.off_V}

@@ -10,7 +10,7 @@ import pytest
 from fixtures.firmware_bench import booted, model, sine, tracking
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import firmware_model, structure_digest
-from hysgen.firmware.host import SLOT_BYTES, HostFirmware, Image, Request, State, Status
+from hysgen.firmware.host import SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, State
 from hysgen.firmware.image import ANSWERS, decode, encode, pack
 from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
 from hysgen.fitting import FitSettings
@@ -50,7 +50,7 @@ def test_an_image_cut_at_any_byte_or_with_any_bit_flipped_changes_nothing() -> N
         flipped[bit // 8] ^= 1 << (bit % 8)
         assert firmware.send(bytes(flipped)) in (2, 3)
         assert firmware.bank() == good
-    assert Status.IMAGE_REFUSED in firmware.status
+    assert FirmwareStatus.IMAGE_REFUSED in firmware.status
     assert firmware.send(data) == 0
     assert firmware.bank() != good
 
@@ -127,7 +127,7 @@ def test_whole_and_right_but_not_certified_is_refused(consequents: tuple[float, 
     good = firmware.bank()
     assert firmware.send(encode(changed(np.array(consequents)))) == answer, ANSWERS[answer]
     assert firmware.bank() == good
-    assert Status.IMAGE_REFUSED in firmware.status
+    assert FirmwareStatus.IMAGE_REFUSED in firmware.status
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf, 1e-40, 2e6])
@@ -170,7 +170,7 @@ def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -
     new, _ = refit(old, weaker, same_range=True)
     assert structure_digest(new) == structure_digest(old)
     assert structure_digest(refit(old, weaker)[0]) != structure_digest(old)
-    image = Image.compile(old.name, firmware_model(old))
+    image = HostImage.compile(old.name, firmware_model(old))
     firmware = HostFirmware(image, StageState(laboratory(), TS_S, 1))
     before = firmware.bank()
     assert firmware.send(encode(new)) == 0

@@ -50,7 +50,7 @@ class Request(IntEnum):
     CLEAR = 3
 
 
-class Status(IntFlag):
+class FirmwareStatus(IntFlag):
     """Bits of the firmware's status word (status.h)."""
 
     SENSOR_INVALID = 0x1
@@ -75,7 +75,7 @@ class Status(IntFlag):
     FAULT_DEADLINE = 0x200000
 
 
-class Fault(IntEnum):
+class BoardFault(IntEnum):
     """Faults that the host's board can simulate (board/host/board_type.h)."""
 
     NONE = 0
@@ -132,14 +132,14 @@ class Log:
 
 
 @dataclass(frozen=True)
-class Image:
+class HostImage:
     """The compiled host image of one model."""
 
     name: str
     library: Library = field(repr=False)
 
     @classmethod
-    def compile(cls, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> Image:
+    def compile(cls, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> HostImage:
         """Compile controller, model and host board. texts: generated C and model.h by file name.
 
         Raises BuildError if there is no compiler or it reports an error.
@@ -153,7 +153,7 @@ class Image:
 class HostFirmware:
     """The image booted on a board with a stage. `firmware`, `board`: the C structs, through cffi."""
 
-    def __init__(self, image: Image, stage: StageState, settings: Settings | None = None) -> None:
+    def __init__(self, image: HostImage, stage: StageState, settings: Settings | None = None) -> None:
         self.image = image
         self.stage = stage
         self._ffi, self._lib = image.library.ffi, image.library.lib
@@ -179,8 +179,8 @@ class HostFirmware:
         return State(self.firmware.controller.state)
 
     @property
-    def status(self) -> Status:
-        return Status(self.firmware.controller.status)
+    def status(self) -> FirmwareStatus:
+        return FirmwareStatus(self.firmware.controller.status)
 
     def request(self, request: Request) -> None:
         """Set a request, which the controller takes at the next sample."""
@@ -216,7 +216,7 @@ class HostFirmware:
         joined = (np.concatenate([getattr(log, each.name) for log in logs]) for each in fields(Log))
         return Log(*joined)
 
-    def fail(self, fault: Fault, value: float = 0.0, after: int = 0, samples: int = 0xFFFFFFFF) -> None:
+    def fail(self, fault: BoardFault, value: float = 0.0, after: int = 0, samples: int = 0xFFFFFFFF) -> None:
         """Simulate `fault` on the board for `samples` samples, from sample `after` of the next run on."""
         self.board.sample = 0
         self.board.fault = int(fault)

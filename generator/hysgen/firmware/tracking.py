@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import HysgenError
 from hysgen.firmware.binding import firmware_model
-from hysgen.firmware.host import HostFirmware, Image, Settings, State
+from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
 from hysgen.firmware.reference_models import (
     TS_S,
     driven,
@@ -150,7 +150,7 @@ def run_controller(
 ) -> TrackingResult:
     """Track one frequency with the compiled firmware. Raises HysgenError if it does not reach TRACK."""
     model = controller.model
-    image = Image.compile(model.name, firmware_model(model))
+    image = HostImage.compile(model.name, firmware_model(model))
     firmware = HostFirmware(image, at_rest(controller.drive_V), controller.settings)
     reference_um = _reference(f_Hz, seconds)
     firmware.start(float(reference_um[0]))
@@ -172,7 +172,7 @@ def run_controller(
         **_errors_nm(reading_um, reference_um),
         voltage_V=_range_V(output_V),
         commits=int(firmware.firmware.commits),
-        status=str(firmware.status).removeprefix("Status."),
+        status=str(firmware.status),
     )
 
 
