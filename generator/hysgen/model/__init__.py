@@ -1,1 +1,1 @@
-"""The float64 model: rules, path blocks, additive terms, its file, its simulation and its scores."""
+"""The float64 model: rules, input blocks, additive terms, model file, simulation and scores."""

@@ -1,7 +1,7 @@
 """The model file: JSON with a versioned schema, exact, in units, deterministic to the byte.
 
 Every number is written with the fewest digits that read back as the same float64. Nothing in the file depends on the
-machine or the clock. Reading never executes anything and refuses what it does not understand, naming file and field.
+machine or the clock. Reading executes no code and refuses unknown or malformed fields, naming file and field.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def model_to_json(model: Model) -> dict[str, Any]:
 
 
 def dump_model(model: Model) -> str:
-    """The text of the model file. Raises ModelError if history, scores or certificates hold more than JSON values."""
+    """The text of the model file. Raises ModelError if history, scores or certificates contain non-JSON values."""
     try:
         return _text(model_to_json(model)) + "\n"
     except (TypeError, ValueError) as fault:
@@ -220,7 +220,7 @@ def _integer(value: Any, field: str) -> int:
 
 
 def _number(value: Any, field: str) -> float:
-    # A whole number beyond float64, or a literal that overflows, is as little a number as a string is.
+    # An integer beyond the range of float64 and a literal that overflows are refused too.
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(_as_float(value)):
         raise _fault(field, value, "a finite number")
     return float(value)
@@ -253,7 +253,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _text(value: Any, indent: int = 0) -> str:
-    """JSON with one field per line and lists of scalars on one line, so that a difference of two models is readable."""
+    """JSON with one field per line and lists of scalars on one line, for readable diffs of two models."""
     inner, outer = " " * (indent + 2), " " * indent
     if isinstance(value, dict) and value:
         fields = (f"{inner}{json.dumps(key)}: {_text(entry, indent + 2)}" for key, entry in value.items())

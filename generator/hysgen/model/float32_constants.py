@@ -1,14 +1,14 @@
-"""Numbers of the float32 power of two and reciprocal, and what is claimed of them.
+"""Constants of the float32 power of two and reciprocal, with their error bounds.
 
 2^x    n = round(x),  f = x - n (exact),  2^x = 2^n ((1 + c1 f) + (f^2 (c2 + c3 f) + f^4 ((c4 + c5 f) + c6 f^2)))
        |x| <= 8: relative error at most 1.2e-7 (polynomial 3.0e-9, the rest is rounding)
 1/x    integer seed good to 5.1 %, three Newton steps y <- y (2 - x y)
        2^-120 <= |x| <= 2^120: relative error at most 1.5e-7
 
-The memberships' exponential is a power of two whose change of base is part of the grid's scale factor: the reduction is
-then exact and needs no split ln 2. Both routines use float32 `+ - *` and integers only, so C and NumPy agree in every
-bit. The claims are held to every float32 of their intervals by tests/float32/test_arithmetic.py, which also makes the
-coefficients again (hysgen.float32.minimax).
+The exponential of the memberships is computed as a power of two; log2(e) is part of the grid's scale factor, so the
+range reduction is exact and needs no split ln 2. Both routines use float32 `+ - *` and integers only, so C and NumPy
+agree in every bit. tests/float32/test_arithmetic.py checks the bounds for every float32 of their intervals and computes
+the coefficients again (hysgen.float32.minimax).
 """
 
 from __future__ import annotations
@@ -42,6 +42,6 @@ RECIPROCAL_RELATIVE_ERROR: Final = 1.5e-7
 
 MAGNITUDE_BITS: Final = 0x7FFFFFFF
 INFINITY_BITS: Final = 0x7F800000
-# Magnitudes below 2^-40 (1e-12 um, 1e-12 V) count as zero: so no denormal number can reach a comparison or a result,
-# and a processor that flushes them gives the same bits as one that does not.
+# Magnitudes below 2^-40 (1e-12 um, 1e-12 V) are set to zero. No denormal number then reaches a comparison or a result,
+# and processors with and without flush-to-zero compute the same bits.
 LEAST: Final = np.float32(2.0**-40)

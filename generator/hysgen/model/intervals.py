@@ -1,6 +1,6 @@
 """Intervals of numbers, float64 ends that are rounded outwards to float32 on demand.
 
-Terms and input blocks say with them what their state never leaves; `proof/eva` demands it of the generated C.
+Terms and input blocks bound their states with them; `proof/eva` proves the bounds for the generated C.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What the generated learner is asked to do: which parameters, how fast it forgets, and what protects it.
+"""Settings of the generated learner: learned parameters, forgetting, and protections.
 
-The learner runs Eq. (10) in UD-factorised form on the DSP (see docs/learning.md). Its settings are part of the model
-and stored in the model file, because the generated C carries them.
+The learner runs Eq. (10) in UD-factorised form on the DSP (see docs/learning.md). Its settings are stored in the model
+file, because the generated C contains them as constants.
 """
 
 from __future__ import annotations
@@ -15,38 +15,39 @@ from typing import Any, Final, Self
 from hysgen.errors import ModelError
 
 GROUPS = ("slope", "gain", "offset", "terms")
-"""Groups of parameters that can be learned together: q_l1, q_l2, q_l3 of every rule, and the terms' weights."""
+"""Groups of parameters: q_l1, q_l2, q_l3 of every rule, and the terms' weights."""
 
 BIAS = ("bias",)
-"""Learning one number only: a displacement added to every q_l3."""
+"""A group of one parameter: a displacement added to every q_l3."""
 
 LEARNED = {"all": GROUPS, "rules": GROUPS[:3], "terms": GROUPS[3:], "bias": BIAS}
-"""The usual choices by name."""
+"""Common choices by name."""
 
 MOST_CALLS: Final = 32
-"""Calls over which an update can be spread."""
+"""Largest number of calls that one update can be divided among."""
 
 
 @dataclass(frozen=True)
 class LearnerSettings:
     """Settings of the on-line learner; a field that is None is derived from the model (see `learner_numbers`).
 
-    learned: groups of parameters, out of GROUPS, or BIAS; the others keep their values.
-    forgetting: lambda in (0, 1]. alpha: P(0) = alpha I, as in Eq. (10), in the units of the parameters.
-    window: with forgetting = 1, updates after which the memory slides, forgetting by `sliding`; before, nothing is
-        forgotten and the result is the least-squares fit.
-    refresh: one update in this many is spent on putting back what forgetting takes from the prior.
-    noise_um: rms noise of the displacement. dead_zone_um: innovations below it teach nothing while memory slides.
-    outlier_ratio: an innovation this many times the usual one is an outlier. outlier_run: so many in a row are none.
-    step_um, limit_um: largest change of a parameter per update, and largest parameter, as their share in y(k+1).
-    rest_V: an input that stays this close to its mean of the last 5 ms (at 50 kHz) teaches nothing; 0 lets all teach.
-    settle: updates after which the shadow is compared with the reference parameters and with y(k+1) = y(k).
-    worse, lost: the shadow restarts where its rms error is `worse` times the reference's, or `lost` times that of
-        y(k+1) = y(k).
-    calls_per_update: calls of `_learn` over which one update is spread, up to MOST_CALLS (see `learner_spread`).
+    learned: groups of parameters, out of GROUPS, or BIAS; all other parameters are constant.
+    forgetting: forgetting factor lambda in (0, 1]. alpha: P(0) = alpha I, as in Eq. (10), in units of the parameters.
+    window: with forgetting = 1, number of updates without forgetting (least squares); from then on the forgetting
+        factor is `sliding`, a sliding window.
+    refresh: one update in this many restores the prior, which forgetting reduces.
+    noise_um: rms noise of the displacement. dead_zone_um: with forgetting, smaller innovations cause no update.
+    outlier_ratio: an innovation this many times the rms innovation is an outlier. outlier_run: after this many
+        consecutive outliers, innovations are accepted again.
+    step_um, limit_um: largest change of a parameter per update, and largest parameter, as contributions to y(k+1).
+    rest_V: no update while the input is within rest_V of its mean over the last 5 ms (at 50 kHz); 0 disables it.
+    settle: updates before the first comparison of the shadow with the reference parameters and with persistence.
+    worse, lost: the shadow restarts if its rms error exceeds `worse` times that of the reference parameters, or `lost`
+        times that of persistence, y(k+1) = y(k).
+    calls_per_update: calls of `_learn` that one update is divided among, at most MOST_CALLS.
     mature: updates since the last restart before `_commit` accepts the shadow.
-    gain_floor_um_per_V, slope_limit: what the committed |b(y)| and |df/dy| must keep.
-    points, points_per_call: displacements at which `_commit` checks them, and how many of them per call.
+    gain_floor_um_per_V, slope_limit: lower bound of |b(y)| and upper bound of |df/dy| of committed parameters.
+    points, points_per_call: displacements at which `_commit` checks these bounds, and how many of them per call.
     Raises ModelError if a value is outside its range.
     """
 
@@ -120,7 +121,7 @@ class LearnerSettings:
 
 
 def _read(name: str, default: Any, value: Any) -> Any:
-    """The value of a field as its default's type. Raises ModelError if it is another."""
+    """The value of a field, converted to the type of its default. Raises ModelError if it has another type."""
     if name == "learned" and isinstance(value, list) and all(isinstance(group, str) for group in value):
         return tuple(value)
     number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -1,4 +1,4 @@
-"""Memberships of the uniform Gaussian partition and what the rules add up to."""
+"""Memberships of the uniform Gaussian partition, their derivatives, and the regressors of the rules."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def memberships(y_um: Floats, grid: Grid) -> Floats:
     y_um: (n,) displacement, clamped to the grid. Returns (n, L); rows sum to 1.
     """
     distance = (grid.clamp(y_um)[:, None] - grid.centres_um) / grid.step_um
-    # The nearest rule fires with at least exp(-1/8) inside the grid, so the sum cannot vanish.
+    # The nearest rule has a strength of at least exp(-1/8) inside the grid, so the sum is not zero.
     strength = exponential(-0.5 * distance * distance)
     return np.asarray(strength / total(strength)[:, None])
 

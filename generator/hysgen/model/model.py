@@ -1,11 +1,11 @@
-"""What a model is: a uniform partition of the displacement, one linear consequent per rule, and extension terms.
+"""The model: a uniform partition of the displacement, one linear consequent per rule, and additive terms.
 
     y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 v(k) + q_l3) + sum_j theta_j phi_j(k)
 
-The first sum is Eq. (4) of the paper, complete. The regressors phi_j come from extension terms (package `terms`): they
-depend on past inputs, auxiliary channels and time, never on v(k) itself, so the model stays affine in v(k) and Eq. (11)
-inverts it. v is the input u behind the input blocks (package `inputs`: saturation, slew, delay); without them, v = u.
-Everything here is float64: this is the truth that the float32 layers are measured against.
+The first sum is Eq. (4) of the paper, complete. The regressors phi_j come from additive terms (package `terms`): they
+depend on past inputs, auxiliary channels and time, but not on v(k), so the model is affine in v(k) and Eq. (11) inverts
+it. v is the input u after the input blocks (package `path`: saturation, slew, delay); without blocks, v = u.
+This package is float64: the reference for the errors of the float32 layers.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Grid:
 
     @property
     def step_um(self) -> float:
-        """Distance of neighbouring centres; on this partition sigma is the same number, Eq. (7)."""
+        """Distance of neighbouring centres; equal to sigma on this partition, Eq. (7)."""
         first, last = self.ends_um
         return (last - first) / (self.rules - 1)
 
@@ -76,14 +76,14 @@ class Grid:
 
     @property
     def places(self) -> tuple[float, float]:
-        """The ends of the range counted in steps from the first centre: 0 and L - 1 where it was not restricted."""
+        """The ends of the range in steps from the first centre: 0 and L - 1 if it was not restricted."""
         if self.centres_range_um is None:
             return 0.0, self.rules - 1.0
         first, step = self.centres_range_um[0], self.step_um
         return (self.y_min_um - first) / step, (self.y_max_um - first) / step
 
     def within(self, low_um: float, high_um: float) -> Grid:
-        """The same rules over a part of the range. Raises ModelError if it is none."""
+        """The same rules over a part of the range. Raises ModelError if low_um .. high_um is not a part of it."""
         if not self.y_min_um <= low_um < high_um <= self.y_max_um:
             raise ModelError(
                 f"displacement range: {low_um:.6g} .. {high_um:.6g} um is no part of the model's "
@@ -92,21 +92,20 @@ class Grid:
         return Grid(low_um, high_um, self.rules, self.ends_um)
 
     def clamp(self, y_um: Floats) -> Floats:
-        """`y_um` limited to the range: outside it the model answers as at its edge."""
+        """`y_um` limited to the range."""
         return np.clip(y_um, self.y_min_um, self.y_max_um)
 
 
 @dataclass(frozen=True, repr=False)
 class Model(Displayed):
-    """A Takagi-Sugeno hysteresis model with its extension terms.
+    """A Takagi-Sugeno hysteresis model with additive terms and input blocks.
 
     consequents: (L, 3), columns q_l1 [um/um], q_l2 [um/V], q_l3 [um].
     weights: (T,) theta_j of the terms' regressors, in the order of `terms`.
-    u_min_V, u_max_V: input range for which the model answers and its certificates hold; inputs outside are clamped.
-    blocks: what the input passes through before the stage, in that order.
-    learner: what the generated learner does; None generates none.
-    history: where it comes from (fit settings, record digest); scores: what was measured of it; certificates: what is
-    guaranteed of it. All plain JSON values.
+    u_min_V, u_max_V: input range of model and certificates; inputs outside are clamped.
+    blocks: input blocks between the command and the stage, in the order of the signal.
+    learner: settings of the generated learner; None generates no learner.
+    history: origin (fit settings, record digest); scores: measured errors; certificates: guarantees. Plain JSON values.
     Raises ModelError if sizes disagree or a number is not finite.
     """
 
@@ -147,7 +146,7 @@ class Model(Displayed):
             raise ModelError(f"terms: {', '.join(kinds)}: a kind of term may stand once in a model")
 
     def summary(self) -> Summary:
-        """Its structure, range and parts."""
+        """Structure, ranges, terms and blocks."""
         grid = self.grid
         rows = [
             ["rules", f"{grid.rules} over {grid.y_min_um:.4g} .. {grid.y_max_um:.4g} um"],
@@ -163,9 +162,9 @@ class Model(Displayed):
     def within(
         self, displacement_um: tuple[float, float] | None = None, input_V: tuple[float, float] | None = None
     ) -> Model:
-        """The same model over a part of its ranges; None: all of it. Scores and certificates go.
+        """The same model over a part of its ranges, without scores and certificates; None keeps a range.
 
-        Raises ModelError if it is none.
+        Raises ModelError if a range is not a part of the model's.
         """
         low_V, high_V = (self.u_min_V, self.u_max_V) if input_V is None else input_V
         if not self.u_min_V <= low_V < high_V <= self.u_max_V:
@@ -182,7 +181,7 @@ class Model(Displayed):
         return np.concatenate([self.consequents.ravel(), self.weights])
 
     def with_parameters(self, parameters: Floats) -> Model:
-        """The same structure with other numbers; scores and certificates go, for they no longer belong to it."""
+        """The same structure with other parameters, without scores and certificates."""
         cut = 3 * self.grid.rules
         return dataclasses.replace(
             self,

@@ -1,4 +1,4 @@
-"""The model as a linear regression: what drives it over a record, and its regressors row by row.
+"""The model as a linear regression: its inputs over a record, and its regressors in chunks of rows.
 
     y(k+1) = x(k)' theta,   x(k) = [p_1 y, p_1 u, p_1, p_2 y, ..., phi_1(k), phi_2(k), ...]
 
@@ -22,13 +22,13 @@ from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
 Trust = Sequence[Floats]
-"""One array per segment: how much each sample counts, 0 for not at all."""
+"""One array per segment: the weight of each sample; 0 excludes it."""
 
 Starts = Sequence[Mapping[str, Floats]]
-"""One mapping per segment: the state of a term before sample 0, by its kind; what is not named starts at rest."""
+"""One mapping per segment: the state of a term before sample 0, by its kind; other terms start at rest."""
 
 ROWS_PER_CHUNK = 8192
-"""Rows handed out at once: some megabytes, however long the record is."""
+"""Rows per chunk: a few megabytes, independent of the length of the record."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class Structure:
-    """All of a model but its linear parameters: partition, input range, terms and input blocks."""
+    """A model without its linear parameters: partition, input range, terms and input blocks."""
 
     grid: Grid
     u_min_V: float
@@ -57,12 +57,12 @@ class Structure:
 
     @property
     def range_um(self) -> tuple[float, float, float, float]:
-        """The partition as the kernels take it: y_min, y_max, step and first centre."""
+        """The partition as an argument of the kernels: y_min, y_max, step and first centre."""
         return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um, self.grid.ends_um[0])
 
 
 def density_rows(structure: Structure, rows_of: Callable[[DensityTerm], Floats]) -> Floats:
-    """(n, p) what `rows_of` says of the weights of each `DensityTerm` term, in their places among all parameters."""
+    """(n, p) rows_of(term) of every `DensityTerm`, in the columns of its weights; zero in all other columns."""
     rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
     for term in structure.terms:
         if isinstance(term, DensityTerm):
@@ -74,16 +74,16 @@ def density_rows(structure: Structure, rows_of: Callable[[DensityTerm], Floats])
 
 
 def structure_of(model: Model) -> Structure:
-    """What remains of `model` without its linear parameters."""
+    """The structure of `model`."""
     return Structure(model.grid, model.u_min_V, model.u_max_V, model.terms, model.blocks)
 
 
 def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping[str, Floats] | None = None) -> Drive:
-    """What drives rules and terms over a segment: the input that reaches the stage, the channels, the clock.
+    """The inputs of rules and terms over a segment: the input after the blocks, the channels, and the time.
 
     The input is limited to the model's range and passed through its blocks, from rest under u(0).
     start: states of terms before the first sample, where they are known.
-    Raises RecordError if a sample is not finite: the recurrences would carry it to the end.
+    Raises RecordError if a sample is not finite.
     """
     if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
         raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
@@ -111,7 +111,7 @@ def term_regressors(terms: Sequence[Term], drive: Drive) -> Floats:
 
 
 def term_output(model: Model, drive: Drive, kinds: Collection[str] | None = None) -> Floats:
-    """w(k) = sum_j theta_j phi_j(k) in um, (n,): what the terms, or those of the given kinds, add to y(k+1)."""
+    """w(k) = sum_j theta_j phi_j(k) in um, (n,), of all terms or of those of the given kinds; w(k) adds to y(k+1)."""
     total = np.zeros(drive.u_V.size)
     start = 0
     for term in model.terms:
@@ -122,7 +122,7 @@ def term_output(model: Model, drive: Drive, kinds: Collection[str] | None = None
 
 
 def full_trust(record: Record) -> list[Floats]:
-    """Every sample of the record counts once."""
+    """Weight 1 for every sample of the record."""
     return [np.ones(segment.samples) for segment in record.segments]
 
 
@@ -135,7 +135,7 @@ def regression_rows(
 ) -> Iterator[Rows]:
     """The regression of the whole model over a record, `chunk` rows at a time, segment after segment.
 
-    trust: a row counts as much as the product of its two samples, for both enter it.
+    trust: the weight of a row is the product of the weights of its two samples.
     Raises RecordError if a segment is not finite.
     """
     rules = structure.grid.rules

@@ -1,10 +1,10 @@
-"""The paper's rivals, fitted and scored on the same records by the same functions as the model.
+"""Rival models of the paper, fitted and scored on the same records by the same functions as the model.
 
-    Prandtl-Ishlinskii   yhat(k) = c + sum_j w_j z_j(k),   z_j play operators, thresholds uniform in [0, max(u)/2]
-    (4.1) proportional         yhat(k) = u(k)/K + c;  its inverse u = K (y - c) is the proportional feed-forward
-       (4.3) ARX                  yhat(k) = sum_i a_i yhat(k-i) + sum_j b_j u(k-j-d) + c
+    Prandtl-Ishlinskii (section 4.1)   yhat(k) = c + sum_j w_j z_j(k),  z_j plays, half-widths uniform in [0, max(u)/2]
+    proportional (section 4.3)         yhat(k) = u(k)/K + c;  its inverse u = K (y - c) is the proportional feed-forward
+    ARX                                yhat(k) = sum_i a_i yhat(k-i) + sum_j b_j u(k-j-d) + c
 
-All weights by least squares; all runs are free runs. The last is linear, fitted one step ahead as usual.
+All parameters by least squares, those of ARX on the one-step error. All scores are of free runs.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ PAPER_PLAYS = 20
 
 
 class Rival(Protocol):
-    """A fitted rival."""
+    """A fitted rival model."""
 
     @property
     def name(self) -> str:
-        """What tables call it."""
+        """Its name in tables."""
         ...
 
     def free_run(self, record: Record) -> list[Floats]:
-        """Its prediction of every segment, (n,) each."""
+        """The free run over every segment, (n,) each."""
         ...
 
     def to_json(self) -> dict[str, Any]:
-        """Plain JSON values: its parameters with units."""
+        """Plain JSON values: parameters, with units in their names."""
         ...
 
 
@@ -72,7 +72,7 @@ class PrandtlIshlinskii:
 
 @dataclass(frozen=True)
 class Proportional:
-    """yhat = u/K + c; its inverse is the feed-forward without a model of the hysteresis."""
+    """yhat = u/K + c; its inverse is a feed-forward without hysteresis."""
 
     K_V_per_um: float
     offset_um: float
@@ -107,12 +107,12 @@ class Arx:
 
     @property
     def first(self) -> int:
-        """First sample that it predicts; those before are taken as measured."""
+        """First predicted sample; the samples before are measured ones."""
         return max(self.a.size, self.b_um_per_V.size + self.delay)
 
     @property
     def stable(self) -> bool:
-        """Whether its free run can settle: all poles inside the unit circle."""
+        """Whether all poles are inside the unit circle."""
         return bool((np.abs(np.roots(np.concatenate([[1.0], -self.a]))) < 1.0).all())
 
     def free_run(self, record: Record) -> list[Floats]:
@@ -138,10 +138,10 @@ class Arx:
 
 
 def fit_prandtl_ishlinskii(record: Record, plays: int = PAPER_PLAYS) -> PrandtlIshlinskii:
-    """The paper's rival: `plays` thresholds uniform in [0, max(u)/2], weights and an offset by least squares.
+    """The paper's rival: `plays` half-widths uniform in [0, max(u)/2], weights and an offset by least squares.
 
-    Where plays cannot be told apart (thresholds beyond the largest half-amplitude never move), the smallest weights
-    are taken. Raises FitError if max(u) is not positive, for then the thresholds have no range.
+    Plays wider than the largest half-amplitude never move; the minimum-norm solution is taken for them.
+    Raises FitError if max(u) is not positive: the range of half-widths is empty.
     """
     top = record.u_range_V[1]
     if top <= 0.0:
@@ -184,7 +184,7 @@ def fit_arx(record: Record, na: int = 2, nb: int = 2, delay: int = 0) -> Arx:
 
 
 def fit_rivals(record: Record, plays: int = PAPER_PLAYS, arx: tuple[int, int, int] = (2, 2, 0)) -> list[Rival]:
-    """Every rival, fitted to one record. Raises FitError as the single fits do."""
+    """All rivals, fitted to one record. Raises FitError as the single fits do."""
     return [fit_prandtl_ishlinskii(record, plays), fit_proportional(record), fit_arx(record, *arx)]
 
 
@@ -194,7 +194,7 @@ def score_rivals(rivals: Sequence[Rival], record: Record, settle: int = 0) -> li
 
 
 def _plays(u_V: Floats, thresholds_V: Floats) -> Floats:
-    """(n, m) play outputs with u(k) already acting, each started centred on u(0)."""
+    """(n, m) play outputs after u(k) acts, initially centred on u(0)."""
     return play_operators(u_V, thresholds_V, np.full(thresholds_V.size, u_V[0]))
 
 
@@ -203,5 +203,5 @@ def _measured(record: Record) -> Floats:
 
 
 def _least_squares(rows: Floats, target: Floats) -> Floats:
-    """The smallest solution of least squares, (p,)."""
+    """The minimum-norm least-squares solution, (p,)."""
     return np.asarray(np.linalg.lstsq(rows, target, rcond=None)[0], dtype=np.float64)

@@ -1,10 +1,11 @@
-"""How good a model is on a record, shown so that it cannot flatter: one step, horizon and free run side by side.
+"""Scores of a model on a record: one-step error, error over the horizon, and free-run error.
 
     e_rms  = sqrt(sum_k (y(k) - yhat(k))^2 / N)
     e_r    = max_k |y(k) - yhat(k)| / max_k y(k) * 100 %          section 4 of the paper, "maximum e_r"
 
-Beside them stand what persistence, yhat(k+1) = y(k), scores one step ahead, and the noise floor that no model can pass.
-e_r has no meaning where the displacement is not positive; the error is given in um and of the span, too.
+They are shown with the one-step error of persistence, yhat(k+1) = y(k), and with the noise floor: at high sampling
+rates the one-step error alone is small for any model. e_r is undefined where the displacement is not positive; errors
+are also given in um and relative to the span.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ class Score:
     """The error of one prediction of a record.
 
     e_rms_um; largest_um: max |y - yhat|; e_r_percent: the paper's maximum e_r, None where max y is not positive;
-    of_span_percent: e_rms as a part of the record's span. samples: how many were scored.
+    of_span_percent: e_rms relative to the span of the record. samples: number of scored samples.
     """
 
     e_rms_um: float
@@ -54,7 +55,7 @@ class Score:
 
 @dataclass(frozen=True, repr=False)
 class Scores(Displayed):
-    """All scores of a model on a record. settle: samples at the start of each segment that were not scored."""
+    """All scores of a model on a record. settle: burn-in, unscored samples at the start of each segment."""
 
     model: str
     source: str
@@ -85,7 +86,7 @@ class Scores(Displayed):
         }
 
     def summary(self) -> Summary:
-        """A small table for people."""
+        """Table of the scores, with noise floor, horizon curve and clamped samples."""
         rows = [("free run", self.free_run), ("one step", self.one_step), ("persistence, one step", self.persistence)]
         curve = zip(self.horizon.steps, self.horizon.rms_um, strict=True)
         notes = [
@@ -126,9 +127,9 @@ def score_rows(rows: Sequence[tuple[str, Score]]) -> list[list[str]]:
 
 
 def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int = 0) -> Score:
-    """Score one prediction of every segment, (n,) each. Sample 0 of a segment is given, so it is never scored.
+    """Score one prediction of every segment, (n,) each. Sample 0 of a segment is an input and not scored.
 
-    settle: samples at the start of each segment that are left out.
+    settle: burn-in, unscored samples at the start of each segment.
     """
     first = max(1, settle)
     pairs = [(segment.y_um[first:], y_um[first:]) for segment, y_um in zip(record.segments, predicted_um, strict=True)]
@@ -148,14 +149,14 @@ def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int
 
 
 def persistence(record: Record) -> list[Floats]:
-    """yhat(k+1) = y(k): what one-step scores have to be compared with."""
+    """Persistence, yhat(k+1) = y(k), of every segment, (n,) each: the reference for one-step errors."""
     return [np.concatenate([segment.y_um[:1], segment.y_um[:-1]]) for segment in record.segments]
 
 
 def score(
     model: Model, record: Record, settle: int = 0, starts: Starts | None = None, follow_drift: bool = False
 ) -> Scores:
-    """Score a model on a record three ways, with persistence and the noise floor beside.
+    """One-step, horizon and free-run scores of a model on a record, with persistence and the noise floor.
 
     settle: samples at the start of each segment that are simulated but not scored.
     starts, follow_drift: as for `simulate.free_run`.

@@ -1,10 +1,10 @@
 """Running a model over a record: one step ahead, error against the horizon, and free run.
 
-    one step    y^(k+1) = f(y(k), u(k)) + w(k)        from the measured y(k): flatters, for y(k+1) = y(k) is close
-    horizon h   y^(k+h) by h such steps from the measured y(k)
-    free run    y^(k+1) = f(y^(k), u(k)) + w(k)       from the measured y(0) alone: what a simulation is worth
+    one step    y^(k+1) = f(y(k), u(k)) + w(k)        from the measured y(k); small errors, since y(k+1) is near y(k)
+    horizon h   y^(k+h) by h steps, the first from the measured y(k)
+    free run    y^(k+1) = f(y^(k), u(k)) + w(k)       from the measured y(0) alone: the error of a simulation
 
-Inputs outside the model's range are clamped, displacements outside its grid act as at its edge; both are counted.
+Inputs outside the model's range and displacements outside its grid are clamped and counted.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ DRIFT = "drift"
 """The one kind of term that follows measured samples, and so predicts better than it simulates."""
 
 STEPS_PER_DECADE = 2_000_000
-"""Model steps that each decade of a horizon curve may take per segment: starts are spread out to keep to it."""
+"""Largest number of model steps per decade of a horizon curve and segment; it sets the distance of the starts."""
 
 
 @dataclass(frozen=True)
 class ModelOutput:
-    """A model's output over one segment: y_um (n,), and how many samples of y and of u had to be clamped."""
+    """A model's output over one segment: y_um (n,), and the numbers of clamped samples of y and of u."""
 
     y_um: Floats
     y_clamped: int
@@ -46,7 +46,7 @@ class ModelOutput:
 
 @dataclass(frozen=True)
 class HorizonCurve:
-    """Error against the horizon: for each number of steps rms and largest error in um, and from how many starts."""
+    """Error over the horizon: for each number of steps the rms and largest error in um, and the number of starts."""
 
     steps: tuple[int, ...]
     rms_um: tuple[float, ...]
@@ -64,14 +64,14 @@ class HorizonCurve:
 
 
 def rules_of(model: Model) -> Rules:
-    """The rules of `model` as the kernels take them."""
+    """The rules of `model` as arguments of the kernels."""
     return Rules(structure_of(model).range_um, model.consequents)
 
 
 def simulate(model: Model, drive: Drive, y0_um: float) -> ModelOutput:
-    """Free run over any input, measured or not: y(0) = y0.
+    """Free run from y(0) = y0 under any input.
 
-    The drive's input is the command: it is clamped to the model's range and passed through its blocks.
+    drive.u_V is the command: it is clamped to the model's range and passed through its blocks.
     """
     u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
     arriving = dataclasses.replace(drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s)))
@@ -82,10 +82,10 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> ModelOutput:
 def free_run(
     model: Model, record: Record, starts: Starts | None = None, follow_drift: bool = False
 ) -> tuple[ModelOutput, ...]:
-    """One run per segment, started at its first measured displacement and never corrected afterwards.
+    """One free run per segment, started at its first measured displacement.
 
     starts: states of the terms before each segment, where they are known.
-    follow_drift: let a drift term follow past measured samples; then say so beside the score.
+    follow_drift: let a drift term use past measured samples; state this beside the score.
     Raises RecordError if the record's sampling period is not the model's.
     """
     runs = []
@@ -112,10 +112,10 @@ def one_step(model: Model, record: Record, starts: Starts | None = None) -> tupl
 def horizon_curve(
     model: Model, record: Record, steps: Sequence[int] | None = None, starts: Starts | None = None, first: int = 0
 ) -> HorizonCurve:
-    """Error against the horizon over all segments; a drift term holds what it knew at each start.
+    """Error over the horizon in all segments; a drift term keeps its value at each start.
 
     steps: rising numbers of samples; by default 1, 2, 5, 10, ... up to a quarter of the shortest segment.
-    first: rows of the record before it move the states of the terms, but are not scored.
+    first: rows before it move the states of the terms but are not scored.
     Raises RecordError if a segment is shorter than the longest horizon or the sampling period is not the model's.
     """
     ends = np.cumsum([segment.samples for segment in record.segments])
@@ -149,7 +149,7 @@ def horizon_curve(
 
 
 def default_horizons(samples: int) -> list[int]:
-    """1, 2, 5, 10, 20, 50, ... as far as a quarter of `samples` reaches; at least 1."""
+    """1, 2, 5, 10, 20, 50, ... up to a quarter of `samples`; at least 1."""
     decades = [digit * 10**power for power in range(8) for digit in (1, 2, 5)]
     return [step for step in decades if step == 1 or step <= samples // 4]
 

@@ -1,4 +1,4 @@
-"""What the generated code reports of a sample: sticky bits of the status word, and the counters beside it."""
+"""Status of the generated code: sticky bits of the status word, and the counters of the struct."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hysgen.model.structs import Counter
 
 
 class Status(enum.IntFlag):
-    """Bits of `status`; set when it happened at least once, cleared by the caller or by `_init`."""
+    """Bits of `status`: set at the first occurrence, cleared by the caller or by `_init`."""
 
     Y_CLAMPED = 1
     U_CLAMPED = 2

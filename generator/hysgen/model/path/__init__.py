@@ -1,7 +1,7 @@
-"""Input blocks: what the amplifier and the transport do to the input before the stage sees it.
+"""Input blocks: models of amplifier and delay between the command and the stage.
 
-One file here and one template `inputs/<kind>.c.j2` per kind, found by looking into this package. Adding one is adding
-those two files: a module `<kind>.py` that defines `BLOCK`, a class that satisfies `InputBlock`.
+Each kind is one module `<kind>.py` here, which defines `BLOCK`, a class that satisfies `InputBlock`, and one template
+`inputs/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def kinds() -> Mapping[str, type[InputBlock]]:
 
 
 def block_from_json(data: Mapping[str, Any]) -> InputBlock:
-    """The block that `InputBlock.to_json` described. Raises ModelError if the kind is unknown or a field malformed."""
+    """Inverse of `InputBlock.to_json`. Raises ModelError if the kind is unknown or a field malformed."""
     kind = str(data.get("kind"))
     if kind not in kinds():
         raise ModelError(f"blocks: kind {kind!r} is unknown; this hysgen knows {', '.join(kinds())}")
@@ -51,7 +51,7 @@ def block_from_json(data: Mapping[str, Any]) -> InputBlock:
 
 
 def check_chain(blocks: Sequence[InputBlock]) -> None:
-    """Blocks stand in the order in which the input passes through them, each kind at most once.
+    """Check the blocks of a model: in the order of the signal, each kind at most once.
 
     Raises ModelError otherwise.
     """
@@ -64,12 +64,12 @@ def check_chain(blocks: Sequence[InputBlock]) -> None:
 
 
 def applied(blocks: Sequence[InputBlock], u_V: Floats, Ts_s: float) -> Floats:
-    """What reaches the stage of the commanded u_V, (n,): all blocks in turn, from rest under u(0)."""
+    """The input after all blocks, (n,), of the command u_V, (n,), from rest under u(0)."""
     for block in blocks:
         u_V = block.apply(u_V, Ts_s)
     return u_V
 
 
 def preview(blocks: Sequence[InputBlock]) -> int:
-    """Samples by which the inverse has to know its reference ahead."""
+    """Preview in samples: how far ahead the inverse needs its reference."""
     return sum(block.preview for block in blocks)

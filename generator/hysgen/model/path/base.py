@@ -1,13 +1,13 @@
-"""The contract of an input block: float64 over a record, a float32 mirror, and what the inverse has to do about it.
+"""The interface of an input block: float64 over a record, a float32 mirror, and its treatment in the inverse.
 
-The command u passes through the blocks and arrives at the stage as v; rules and terms see v only:
+The command u passes through the blocks and arrives at the stage as v, the input of rules and terms:
 
     forward    v(k) = apply(u(k))          predict, simulate, learn
-    inverse    Eq. (11) asks for v(k); the limiters are applied to it, the terms advance by what they let through, and
-               the other blocks say what to `command` for it, d samples ahead of time if they delay
+    inverse    Eq. (11) gives v(k); the limiters are applied to v(k), the terms advance by the limited v(k), and the
+               other blocks compute the `command` for it, d samples ahead if they delay
 
-so limits are obeyed where they act, the model's state follows what the stage really gets (anti-windup), and a delay of
-d samples costs d samples of preview: in the inverse every argument belongs to sample k + d, the result to sample k.
+The terms thus follow the limited input that reaches the stage (anti-windup), and a delay of d samples costs d samples
+of preview: in the inverse every argument belongs to sample k + d, the result to sample k.
 """
 
 from __future__ import annotations
@@ -54,30 +54,30 @@ class BlockMirror(MirroredStruct, abc.ABC):
         """v(k) of the command u(k), (lanes,); moves the state by one sample."""
 
     def command(self, v_V: Floats32) -> Floats32:
-        """What to command so that v arrives `preview` samples later, (lanes,); moves the state by one sample.
+        """The command for which v arrives `preview` samples later, (lanes,); moves the state by one sample.
 
-        Only blocks that are no limiters are asked.
+        Not called for limiters.
         """
         return v_V
 
 
 @runtime_checkable
 class InputBlock(Protocol):
-    """Something between the command and the stage."""
+    """A block between the command and the stage."""
 
     kind: ClassVar[str]
     place: ClassVar[int]
-    """Where in the chain the block stands, rising from the command to the stage."""
+    """Position in the chain, rising from the command to the stage."""
     limits: ClassVar[bool]
-    """A limiter lets through unchanged what it has let through once: the inverse applies it to what it asks for."""
+    """Whether the block is a limiter: its own output passes it unchanged, and the inverse applies it to v(k)."""
 
     @property
     def preview(self) -> int:
-        """Samples by which the inverse has to know its reference ahead because of this block."""
+        """Samples of preview that the inverse needs for this block."""
         ...
 
     def describe(self) -> str:
-        """One line for people: the parameters with units."""
+        """One line of text: the parameters with units."""
         ...
 
     def apply(self, u_V: Floats, Ts_s: float) -> Floats:
@@ -96,15 +96,15 @@ class InputBlock(Protocol):
         ...
 
     def shape(self) -> Floats:
-        """The parameters as an optimiser sees them: logarithms of what is positive."""
+        """The parameters for an optimiser: positive ones as logarithms."""
         ...
 
     def with_shape(self, shape: Floats) -> Self:
-        """The same block with other parameters. Raises ValueError outside their domain."""
+        """The same block with these parameters. Raises ValueError outside their domain."""
         ...
 
     def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
-        """Lower and upper bounds of `shape` between which a record of these commands can tell."""
+        """Lower and upper bounds of `shape` that a record with these commands can identify."""
         ...
 
     def members(self) -> tuple[Member, ...]:

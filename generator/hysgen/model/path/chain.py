@@ -1,4 +1,4 @@
-"""The input blocks of a model in a row, float32: what the generated `<name>_inputs_...` functions do."""
+"""The float32 mirror of a model's input blocks in series: the generated `<name>_inputs_...` functions."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock, Word
 
 
 class ChainMirror:
-    """The chain over lanes, at rest under the commands u_V (lanes,). Without blocks everything passes unchanged.
+    """The blocks in series over lanes, at rest under the commands u_V (lanes,); without blocks, v = u.
 
-    v_V: what reached the stage last.
+    v_V: the last input of the stage.
     """
 
     def __init__(self, blocks: Sequence[InputBlock], u_V: Floats32, Ts_s: float) -> None:
@@ -24,26 +24,26 @@ class ChainMirror:
             mirror = block.mirror(v, Ts_s)
             self._blocks.append(mirror)
             (self._limiters if block.limits else self._others).append(mirror)
-            # A block without a state has no rest of its own: the next one rests at what it makes of the command.
+            # After a block without a state, the next block rests under its output and not under the command.
             v = v if mirror.state() else mirror.apply(v)
         self.v_V = v
 
     def apply(self, u_V: Floats32) -> Floats32:
-        """What reaches the stage of the commands u(k), (lanes,)."""
+        """The input of the stage, (lanes,), for the commands u(k), (lanes,)."""
         for block in self._blocks:
             u_V = block.apply(u_V)
         self.v_V = u_V
         return u_V
 
     def reach(self, v_V: Floats32) -> Floats32:
-        """The nearest to v, (lanes,), that can be made to reach the stage: the limiters hold it back."""
+        """v, (lanes,), after the limiters: the nearest input that can reach the stage."""
         for block in self._limiters:
             v_V = block.apply(v_V)
         self.v_V = v_V
         return v_V
 
     def command(self, v_V: Floats32) -> Floats32:
-        """What to command, (lanes,), so that v reaches the stage."""
+        """The command, (lanes,), for which v reaches the stage."""
         for block in self._others:
             v_V = block.command(v_V)
         return v_V
@@ -55,7 +55,7 @@ class ChainMirror:
         return [self.v_V, *(word for block in self._blocks for word in block.state())]
 
     def restore(self, words: Sequence[Bits]) -> None:
-        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
+        """Set the state: the bits of every word in the order of `state`, (lanes,) each, for any number of lanes."""
         if not self._blocks:
             return
         self.v_V, first = words[0].view(np.float32), 1

@@ -1,9 +1,9 @@
-"""Delay: the input arrives late, by whole samples and a part of one.
+"""Delay of the input by whole samples and a fraction of one.
 
     v(k) = u(k-d) + mu (u(k-d-1) - u(k-d)),   d + mu = samples,  0 <= mu < 1
 
 Linear interpolation: v stays in the range of u, and a sine of frequency f loses at most (pi f Ts)^2 / 2 of its
-amplitude (at mu = 1/2), 2e-4 at f = fs/150. The inverse knows its reference n = ceil(samples) ahead and commands
+amplitude (at mu = 1/2), 2e-4 at f = fs/150. The inverse knows its reference n = ceil(samples) ahead, and its command is
 
     u(k) = v(k+n-1) + mu (v(k+n) - v(k+n-1))          (v(k+n) if mu = 0)
 
@@ -50,7 +50,7 @@ class Delay:
 
     @property
     def part(self) -> float:
-        """mu: the rest, 0 <= mu < 1."""
+        """mu: the fractional part, 0 <= mu < 1."""
         return self.samples - self.whole
 
     @property

@@ -1,8 +1,8 @@
-"""Saturation: the amplifier clips.
+"""Saturation of the amplifier.
 
     v(k) = min(max(u(k), low), high)
 
-The inverse never asks for more: what it commands lies between the levels already.
+The commands of the inverse lie between the levels already.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Slew: the amplifier limits du/dt.
+"""Slew: rate limit of the amplifier.
 
     v(k) = min(max(u(k), v(k-1) - fall Ts), v(k-1) + rise Ts)
 
-Where the limit is not reached v is u, bit for bit. The inverse walks within the limit already: what it commands passes.
+Where the limit is not active, v = u bit for bit. The commands of the inverse are within the limit already.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""Extension terms: one file here and one template `terms/<kind>.c.j2` per kind, found by looking into this package.
+"""Additive terms.
 
-Adding a cause is adding those two files: a module `<kind>.py` that defines `TERM`, a class that satisfies `Term`.
+Each kind is one module `<kind>.py` here, which defines `TERM`, a class that satisfies `Term`, and one template
+`terms/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
 """
 
 from __future__ import annotations
@@ -43,18 +44,18 @@ def kinds() -> Mapping[str, type[Term]]:
 
 
 def part_facts(part: str) -> Mapping[str, Any]:
-    """What the template `terms/<part>.c.j2` prints: FACTS of the module of that name, which also holds the mirror."""
+    """Constants of the template `terms/<part>.c.j2`: FACTS of the module `part`, which also contains the mirror."""
     facts: Mapping[str, Any] = importlib.import_module(f"{__name__}.{part}").FACTS
     return facts
 
 
 def channels_of(terms: Sequence[Term]) -> tuple[str, ...]:
-    """The auxiliary channels that the terms listen to, each once, in the order in which the C takes them."""
+    """The auxiliary channels that the terms read, each once, in the order of the C interface."""
     return tuple(dict.fromkeys(name for term in terms for name in term.channels))
 
 
 def term_from_json(data: Mapping[str, Any]) -> Term:
-    """The term that `Term.to_json` described. Raises ModelError if the kind is unknown or a field malformed."""
+    """Inverse of `Term.to_json`. Raises ModelError if the kind is unknown or a field malformed."""
     kind = str(data.get("kind"))
     if kind not in kinds():
         raise ModelError(f"terms: kind {kind!r} is unknown; this hysgen knows {', '.join(kinds()) or 'none'}")

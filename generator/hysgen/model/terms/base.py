@@ -1,13 +1,13 @@
-"""The contract of an extension term: regressors in float64, a float32 mirror, its dynamics, and its place in a file.
+"""The interface of an additive term: regressors in float64, float32 mirror, linear dynamics, JSON.
 
-One sample passes through a term like this, in the model, the mirror and the generated C alike:
+Model, mirror and generated C process a sample in this order:
 
     listen      the auxiliary channels of sample k, if the model has any
     correct     the innovation y(k) - yhat(k), where y(k) is measured (predict, learn), not in a free run or an inverse
-    regressors  phi_j(k), which the model weighs into y(k+1)
+    regressors  phi_j(k), whose weighted sum is added to y(k+1)
     advance     u(k) acts on the state
 
-so phi_j(k) never depends on u(k), the model stays affine in u(k), and Eq. (11) inverts it.
+Thus phi_j(k) does not depend on u(k), the model is affine in u(k), and Eq. (11) inverts it.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Drive:
-    """What drives the terms over one segment.
+    """The inputs of the terms over one segment.
 
-    u_V: (n,) the input that reaches the stage, i.e. behind the model's input blocks; aux: channels of (n,).
+    u_V: (n,) the input of the stage, after the model's input blocks; aux: channels of (n,).
     Ts_s: sampling period; first: index of sample 0 in absolute time.
-    start: state of a term before sample 0, by the term's kind; the others start as `Term.start` says.
-    innovation_um: (n,) y(k) minus what the model without its drift predicts for it from sample k-1; only the drift term
-    reads it, and only its past. None in a free run without measurements.
+    start: state of a term before sample 0, by its kind; terms that are not named start at `Term.start`.
+    innovation_um: (n,) y(k) minus its one-step prediction by the model without drift; only the drift term reads it, and
+    only past samples. None in a free run without measurements.
     """
 
     u_V: Floats
@@ -55,7 +55,7 @@ class StateSpace:
     """A term that is linear in the input: x(k+1) = A x(k) + B u(k), phi(k) = C x(k).
 
     A: (m, m); B: (m,); C: (size, m); m may be 0 (a term that the input does not drive). The free run is stable if A is.
-    The inverse at a frozen gain b moves its states by A - B theta C / b: those eigenvalues are its zeros.
+    The inverse at a frozen gain b has the state matrix A - B theta C / b.
     """
 
     A: Floats
@@ -64,7 +64,7 @@ class StateSpace:
 
     @classmethod
     def undriven(cls, size: int) -> Self:
-        """Regressors that do not depend on the input at all."""
+        """The system of regressors that do not depend on the input."""
         return cls(np.zeros((0, 0)), np.zeros(0), np.zeros((size, 0)))
 
 
@@ -86,15 +86,15 @@ class Mirror(MirroredStruct, abc.ABC):
     """The float32 reference of a term over `lanes` independent instances, in the generated C's order of operations.
 
     Written from the equations with NumPy float32 `+ - *`, integers and comparisons only; no reduction whose order is
-    not fixed. Most terms neither listen nor correct: both do nothing unless a subclass says more.
+    not fixed. `listen` and `correct` do nothing unless a subclass overrides them.
     """
 
     def listen(self, aux: Mapping[str, Floats32]) -> Bits | None:
-        """The auxiliary channels of sample k, (lanes,) each. Returns the bits that it sets in the status word."""
+        """The auxiliary channels of sample k, (lanes,) each. Returns the bits to set in the status word."""
         return None
 
     def correct(self, innovation_um: Floats32) -> None:
-        """y(k) - yhat(k), (lanes,): what a measured sample adds to what was predicted for it."""
+        """Use the innovation y(k) - yhat(k) of a measured sample, (lanes,)."""
 
     @abc.abstractmethod
     def regressors(self) -> list[Floats32]:
@@ -107,26 +107,26 @@ class Mirror(MirroredStruct, abc.ABC):
 
 @runtime_checkable
 class SlopeBounded(Protocol):
-    """A nonlinear term that bounds its output more closely than the gains of its regressors, one by one, do."""
+    """A nonlinear term with a bound of its slope that is sharper than the sum over the gains of its regressors."""
 
     def steepest(self, weights: Floats) -> Floats:
-        """(size,) a row: row @ weights bounds |change of theta . phi| / |change of u| over every step of the input.
+        """(size,) a row: row @ weights bounds |change of theta . phi| / |change of u| for theta = weights.
 
-        For any other weights the product is at most their own bound.
+        For other weights theta, row @ theta is at most the bound of theta.
         """
         ...
 
 
 @runtime_checkable
 class DensityTerm(Protocol):
-    """A term whose weights, by its physics, are samples of a density: it is not negative, and it is smooth."""
+    """A term whose weights are samples of a physical density, which is not negative and is smooth."""
 
     def rising(self) -> Floats:
-        """(n, size) rows: row @ weights is a slope with the sign of the gain, or 0; certified fits keep to it."""
+        """(n, size) rows: certified fits keep each row @ weights at 0 or at the sign of the gain."""
         ...
 
     def roughness(self) -> Floats:
-        """(n, size) rows: ||rows @ weights||^2, in the unit of the gain, is small for smooth densities."""
+        """(n, size) rows: ||rows @ weights||^2, in the unit of the gain squared, is the penalty of rough densities."""
         ...
 
     def past_input(self) -> Flags:
@@ -136,7 +136,7 @@ class DensityTerm(Protocol):
 
 @runtime_checkable
 class Term(Protocol):
-    """A source of regressors phi_j(k) that depend on the past of the drive; the model stays affine in u(k)."""
+    """A source of regressors phi_j(k) that do not depend on u(k)."""
 
     kind: ClassVar[str]
     parts: ClassVar[tuple[str, ...]]
@@ -149,15 +149,15 @@ class Term(Protocol):
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of the auxiliary channels that the term listens to."""
+        """Names of the auxiliary channels that the term reads."""
         ...
 
     def scales(self, span_V: float) -> tuple[float, ...]:
-        """Typical magnitude of each regressor under inputs up to span_V: the learner divides by it."""
+        """Typical magnitude of each regressor for inputs with this span; the learner divides by it."""
         ...
 
     def describe(self) -> str:
-        """One line for people: the shape parameters with units."""
+        """One line of text: the shape parameters with units."""
         ...
 
     def regressors(self, drive: Drive) -> Floats:
@@ -165,19 +165,19 @@ class Term(Protocol):
         ...
 
     def start(self, u_V: float) -> Floats:
-        """State that the generated `_init` gives: at rest under a constant input u_V."""
+        """State after the generated `_init`: at rest under a constant input u_V."""
         ...
 
     def burn_in(self, drive: Drive) -> int:
-        """First sample whose regressors have forgotten the state they started from (to 1 %); n if none has."""
+        """Samples until the influence of the initial state on the regressors has decayed to 1 %; at most n."""
         ...
 
     def linear(self, Ts_s: float) -> StateSpace | None:
-        """The term as a linear system, None if it is not one."""
+        """The term as a linear system, None if it is nonlinear."""
         ...
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
-        """Bounds of sup |phi_j| / sup |u|, also of their changes: what a small-gain test of the inverse needs."""
+        """Bounds of sup |phi_j| / sup |u|, valid for changes of both too, for the small-gain test of the inverse."""
         ...
 
     def box(self, v_V: Interval, Ts_s: float) -> TermBox:
@@ -192,15 +192,15 @@ class Term(Protocol):
         ...
 
     def shape(self) -> Floats:
-        """The shape parameters as an optimiser sees them: logarithms of what is positive; (0,) if there are none."""
+        """The shape parameters for an optimiser: positive ones as logarithms; (0,) if there are none."""
         ...
 
     def with_shape(self, shape: Floats) -> Self:
-        """The same term with other shape parameters. Raises ValueError outside their domain."""
+        """The same term with these shape parameters. Raises ValueError outside their domain."""
         ...
 
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
-        """Lower and upper bounds of `shape` between which a record like `drive` can tell."""
+        """Lower and upper bounds of `shape` that a record with this drive can identify."""
         ...
 
     def members(self) -> tuple[Member, ...]:
@@ -229,8 +229,10 @@ class Term(Protocol):
 
 
 def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
-    """(size,) a row: row @ weights bounds what the term makes of the steps of the input; of other weights at most that
-    of their own."""
+    """(size,) a row: row @ weights bounds |change of theta . phi| / |change of u| for theta = weights.
+
+    For other weights theta, row @ theta is at most the bound of theta, so a limit on row @ theta is convex in theta.
+    """
     if isinstance(term, SlopeBounded):
         return term.steepest(weights)
     return np.asarray(term.gains(Ts_s)) * np.sign(weights)

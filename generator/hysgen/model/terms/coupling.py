@@ -1,10 +1,10 @@
-"""Coupling: another measured channel (a neighbouring drive, a temperature) moves the output.
+"""Coupling: other measured channels (a neighbouring drive, a temperature) act on the displacement.
 
     phi_ci(k) = clamp(a_c(k - i), low_c, high_c) - m_c,   i = 0 .. taps - 1,   m_c the middle of low_c .. high_c
 
-a_c(k) is known when y(k+1) is predicted and does not depend on u(k). Several taps stand for a short path with dynamics.
-A channel that leaves its range counts as at its edge; a sample that is not finite counts as the one before. Before the
-first sample every channel stands in the middle of its range.
+a_c(k) is measured before y(k+1) is predicted and does not depend on u(k). Several taps are an FIR filter. A channel
+outside its range is clamped; a sample that is not finite is replaced by the one before. Before the first sample every
+channel is at the middle of its range.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Coupling:
 
     @property
     def middle(self) -> Floats:
-        """(channels,) what is subtracted from each channel: a float32, so that model and C subtract the same."""
+        """(channels,) m_c, float32 numbers, so that model and C subtract the same."""
         middle = 0.5 * (np.asarray(self.low) + np.asarray(self.high))
         return np.asarray(middle.astype(np.float32), dtype=np.float64)
 

@@ -1,13 +1,13 @@
-"""Creep: the output keeps moving for seconds after the input has stopped.
+"""Creep: the displacement moves for seconds after the input has stopped.
 
-    ds_j/dt = (u - s_j) / tau_j                                   slow first-order states, tau_j spread over decades
+    ds_j/dt = (u - s_j) / tau_j                                   slow first-order states, tau_j log-spaced
     s_j(k+1) = s_j(k) + a_j (u(k) - s_j(k)),   a_j = 1 - exp(-Ts / tau_j)     exact for an input held over a sample
-    phi_j(k) = s_j(k)                                             [V], each lag with a weight of its own
-    phi(k)   = sum_j s_j(k) / m                                   [V], one weight for all: alike in every decade
+    phi_j(k) = s_j(k)                                             [V], one weight per lag
+    phi(k)   = sum_j s_j(k) / m                                   [V], shared: one weight for all lags
 
-Piezo ceramics creep by the logarithm of time: lags evenly spaced over the decades, one weight for all. That is one
-parameter for the fit and the learner, and m lags that are nearly alike cannot lean on one another. Lags with weights of
-their own fit any other creep. A record starts at rest under u(0).
+Creep of piezo ceramics is logarithmic in time: log-spaced lags with one shared weight. The shared weight is one
+parameter for fit and learner, and avoids the ill-conditioning of m similar lags. Lags with separate weights fit other
+kinds of creep. A record starts at rest under u(0).
 In float32 a state is a sum of two words (module `twofloat`), because a_j may be smaller than the last bit of s_j.
 Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43 (creep as a chain of lags).
 """
@@ -32,7 +32,7 @@ from hysgen.model.terms.twofloat import KEPT, accumulate
 class Creep:
     """Lags with time constants `tau_s`, (m,) positive and rising; `shared`: one weight for all of them.
 
-    Raises ValueError if they are not.
+    Raises ValueError if tau_s is not positive and rising.
     """
 
     kind: ClassVar[str] = "creep"
@@ -61,7 +61,7 @@ class Creep:
         return len(self.tau_s)
 
     def rates(self, Ts_s: float) -> Floats:
-        """(m,) a_j: the part of the way to u that a state goes in one sample."""
+        """(m,) a_j: the part of the distance to u that a state moves in one sample."""
         return np.array([-expm1(-Ts_s / tau) for tau in self.tau_s])
 
     def scales(self, span_V: float) -> tuple[float, ...]:
@@ -90,7 +90,7 @@ class Creep:
         return StateSpace(np.diag(1.0 - rates), rates, self._mix)
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
-        """The impulse response of a lag is positive and adds up to 1."""
+        """1: the impulse response of a lag is positive with the sum 1."""
         return (1.0,) * self.size
 
     def box(self, v_V: Interval, Ts_s: float) -> TermBox:
@@ -109,7 +109,7 @@ class Creep:
         return type(self)(tuple(float(tau) for tau in np.exp(np.sort(shape))), self.shared)
 
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
-        """From 2 samples to 3 records: a slower state is a ramp that no record of this length tells from another."""
+        """From 2 samples to 3 lengths of the record: over one record, slower states are equal ramps."""
         low, high = np.log(2.0 * drive.Ts_s), np.log(3.0 * drive.Ts_s * drive.u_V.size)
         return np.full(self.lags, low), np.full(self.lags, high)
 
@@ -139,7 +139,7 @@ class Creep:
 
     @property
     def _mix(self) -> Floats:
-        """(size, m) from lags to regressors."""
+        """(size, m) matrix from lags to regressors."""
         return np.full((1, self.lags), 1 / self.lags) if self.shared else np.eye(self.lags)
 
 
@@ -161,7 +161,7 @@ class CreepMirror(Mirror):
         return [self._mean * total]
 
     def advance(self, u_V: Floats32) -> None:
-        # The low word is left out of the difference: it is below the last bit of the high one.
+        # The difference ignores the low word, which is below the last bit of the high one.
         sums = [
             accumulate(high, low, a * (u_V - high))
             for high, low, a in zip(self.high, self.low, self._rate, strict=True)

@@ -1,16 +1,16 @@
-"""Drift: the output wanders slowly and the input is not to blame (temperature, the sensor's zero).
+"""Drift: a slow movement of the displacement that does not depend on the input (temperature, sensor offset).
 
     b(k) = b(k-1) + g (y(k) - yhat(k)),   g = 1 - exp(-Ts / tau)          where y(k) is measured; else b(k) = b(k-1)
     phi(k) = b(k) [um], its weight is 1                                    |b| <= limit
 
-yhat(k) is the prediction of y(k) made one sample before, b(k-1) included. So b is the model's one-step error, averaged
-over the past tau seconds. `predict` and `learn` move b; `simulate` and `inverse` hold it. It enters y(k+1): at rest the
-displacement moves by b / (1 - a), a being the slope df/dy of the rules there.
+yhat(k) is the one-step prediction of y(k), including b(k-1). Thus b is the one-step error of the model, averaged over
+the past tau seconds. `predict` and `learn` update b; `simulate` and `inverse` keep it constant. b adds to y(k+1): in
+the steady state it moves the displacement by b / (1 - a), with the slope a = df/dy of the rules.
 
-On the host `regressors` takes the one-step errors of the model without its drift from `Drive.innovation_um` (a model
-with weight 1 and b makes exactly the b above out of them); without them it holds b. A free run scored with them uses
-measured samples of the past, averaged over tau: say so, with tau, beside the score. It is a free run for everything
-faster than tau and a predictor for what is slower. It cannot be fitted like other terms: fit the rest, then add it.
+On the host, `regressors` computes b from `Drive.innovation_um`, the one-step errors of the model without drift; without
+them b is constant. A free run with them uses past measured samples, averaged over tau: it is a free run for movements
+faster than tau and a predictor for slower ones. State this and tau beside its score. The drift has no fitted weight:
+fit the other terms first, then add it.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Drift:
             raise ValueError("tau_s and limit_um must be positive")
 
     def rate(self, Ts_s: float) -> float:
-        """g: the part of a one-step error that the bias takes over in one sample."""
+        """g: the part of a one-step error that is added to the bias in one sample."""
         return -expm1(-Ts_s / self.tau_s)
 
     def scales(self, span_V: float) -> tuple[float, ...]:
@@ -58,11 +58,11 @@ class Drift:
         return f"drift followed over {self.tau_s:.3g} s, bias within {self.limit_um:.3g} um per sample"
 
     def regressors(self, drive: Drive) -> Floats:
-        """(n, 1) the bias in um: from past one-step errors if the drive has them, else held."""
+        """(n, 1) the bias in um: from past one-step errors if the drive has them, else constant."""
         start = drive.start.get(self.kind, self.start(0.0))
         if drive.innovation_um is None:
             return np.full((drive.u_V.size, 1), start[0])
-        # b(k) holds the errors of samples 1 .. k; nothing was predicted for sample 0.
+        # b(k) is a sum over the errors of samples 1 .. k: there is no prediction of sample 0.
         errors = np.append(drive.innovation_um[1:], 0.0)
         bias = lag_states(errors, np.array([self.rate(drive.Ts_s)]), start)
         return np.clip(bias, -self.limit_um, self.limit_um)
@@ -135,7 +135,7 @@ class BiasMirror(Mirror):
         return [self.bias_um]
 
     def advance(self, u_V: Floats32) -> None:
-        """The input does not move the bias."""
+        """The bias does not depend on the input."""
 
 
 TERM = Drift

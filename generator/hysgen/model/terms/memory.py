@@ -1,21 +1,22 @@
-"""Memory: play operators, which remember past extremes of the input and keep the loop open as the frequency falls.
+"""Memory: play operators, whose state depends on past extremes of the input; their loop stays open at low frequency.
 
     z_j(k) = max(u(k) - r_j, min(u(k) + r_j, z_j(k-1)))        play (backlash) of half-width r_j [V]
-    phi_j(k) = z_j(k-1)                                        taken before u(k) acts
-    phi(k)   = T_2(x_j), T_3(x_j)                              beside it up to `degree`, T_m Chebyshev's polynomials
-    x_j      = clamp((z_j(k-1) - middle) / half, -a_j, a_j)    of where the play stands in range_V; a_j = 1 - r_j/half,
-                                                               for no play that was moved once stands further out
+    phi_j(k) = z_j(k-1)                                        before u(k) acts
+    phi(k)   = T_2(x_j), T_3(x_j)                              up to `degree`, T_m Chebyshev polynomials
+    x_j      = clamp((z_j(k-1) - middle) / half, -a_j, a_j)    middle and half width of range_V; a_j = 1 - r_j/half,
+                                                               the largest |x_j| of a play that has moved once
 
-A play of half-width 0 is the input one sample ago, and its polynomials are a curve without memory. Plays answer one
-sample late: an inverse has to make up for that with u(k), and overshoots where they weigh more than u(k) does. With
-b + s for u(k) and -s for u(k-1) it does not, for then half of what the plays are about to do is there already.
+A play of half-width 0 is the input one sample ago; its polynomials are a curve without memory. The plays enter y(k+1)
+one sample late. The inverse compensates this lag through u(k); it overshoots where the plays' slope exceeds the gain b.
+With a weight of -s for u(k-1) and a gain of b + s instead of b, the inverse does not overshoot: u(k) then contains part
+of the plays' next step.
 
-Plays alone weigh every level of the input alike. A Preisach operator with a density weighs by the level too: it is the
-sum over r of a function of z_r (Brokate and Sprekels, 1996, chapter 2.4), which T_2 and T_3 follow.
-The state one sample old costs nothing in accuracy and keeps the model affine in u(k). Thresholds beyond the largest
-half-amplitude in the record never move and cannot be identified, so they are placed inside it.
-Where the plays stand before a record is unknown: centred on u(0) by default, or as a past that `remembering` describes
-left them; `settled` tells from where on it no longer matters.
+Without polynomials, a play has the same weight at every level of the input. The weights of a Preisach operator with a
+density depend on the level: it is the integral over r of a function of z_r (Brokate and Sprekels, 1996, chapter 2.4),
+which T_2 and T_3 approximate. The lag of one sample keeps the model affine in u(k); its error is negligible.
+Half-widths above the largest half-amplitude of the record never move and cannot be identified, so they are placed
+below it. The states before a record are unknown: centred on u(0) by default, or from the turning points of a past
+input (`state_after`); `burn_in` is the number of samples that depend on them.
 Source: Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989); Brokate and Sprekels (1996), chapter 2.
 """
 
@@ -38,15 +39,15 @@ from hysgen.model.terms.play_slopes import steepest_move
 
 ONE = np.float32(1.0)
 ROOT_2 = np.float32(np.sqrt(2.0))
-"""T_2 as (sqrt(2) x - 1)(sqrt(2) x + 1): no product of two tiny numbers, so nothing becomes denormal."""
+"""T_2 = (sqrt(2) x - 1)(sqrt(2) x + 1) has no product of two small numbers, hence no denormal result."""
 
 
 @dataclass(frozen=True)
 class Memory:
     """Play operators with half-widths `thresholds_V`, (m,) rising; the first may be 0.
 
-    degree: 1, 2 or 3, of the polynomials; above 1 range_V must hold the lowest and the highest input.
-    Raises ValueError if they do not.
+    degree: of the polynomials, 1, 2 or 3; range_V: lowest and highest input, required for a degree above 1.
+    Raises ValueError if a value is outside its domain.
     """
 
     kind: ClassVar[str] = "memory"
@@ -71,14 +72,14 @@ class Memory:
 
     @classmethod
     def uniform(cls, count: int, largest_half_amplitude_V: float) -> Self:
-        """`count` thresholds spread evenly inside (0, largest_half_amplitude_V)."""
+        """`count` half-widths at equal distances inside (0, largest_half_amplitude_V)."""
         return cls(tuple(float(r) for r in largest_half_amplitude_V * np.arange(1, count + 1) / (count + 1)))
 
     @classmethod
     def polynomial(cls, count: int, degree: int, low_V: float, high_V: float, past_input: bool = False) -> Self:
-        """`count` plays up to the half range, closer together near 0, where the small loops are decided.
+        """`count` plays up to the half range, closer together near 0, because narrow plays determine small loops.
 
-        past_input: one more before them, of half-width 0.
+        past_input: one additional play of half-width 0.
         """
         r = 0.5 * (high_V - low_V) * (np.arange(0 if past_input else 1, count + 1) / (count + 1)) ** 1.5
         return cls(tuple(float(x) for x in r), degree, (low_V, high_V) if degree > 1 else None)
@@ -94,7 +95,7 @@ class Memory:
 
     @property
     def middle_and_half_V(self) -> tuple[float, float]:
-        """The middle and half the width of range_V, as float32 has them, so that model and C scale by the same."""
+        """Middle and half width of range_V; the middle is a float32 number, so that model and C subtract the same."""
         low, high = self.range_V or (-1.0, 1.0)
         middle = np.float32(0.5 * (low + high))
         return (float(middle) if abs(middle) >= LEAST else 0.0), 0.5 * (high - low)
@@ -108,9 +109,9 @@ class Memory:
         return (span_V,) * self.plays + (1.0,) * (self.size - self.plays)
 
     def describe(self) -> str:
-        bent = "" if self.degree == 1 else f", polynomials up to degree {self.degree}"
+        polynomials = "" if self.degree == 1 else f", polynomials up to degree {self.degree}"
         widths = f"half-widths {self.thresholds_V[0]:.3g} .. {self.thresholds_V[-1]:.3g} V"
-        return f"{self.plays} play operators, {widths}{bent}"
+        return f"{self.plays} play operators, {widths}{polynomials}"
 
     def regressors(self, drive: Drive) -> Floats:
         """(n, size) play outputs in V, one sample old; then T_2 of every play, then T_3."""
@@ -127,17 +128,18 @@ class Memory:
         return np.full(self.plays, u_V)
 
     def state_after(self, past_V: Sequence[float], u_V: float) -> Floats:
-        """(m,) state after an input that turned at each of past_V and then went to u_V.
+        """(m,) state after an input with the turning points past_V that ended at u_V.
 
-        The plays start centred on the first turn. One turn c gives the states clip(c, u - r_j, u + r_j): what is left
-        of oscillations that died out around c, so that c is the one unknown of a stage that was switched on at rest.
+        The plays start centred on the first turning point. One turning point c gives the states
+        clip(c, u - r_j, u + r_j), the states after oscillations about c that died out: the past of a stage that was
+        switched on at rest has this one unknown.
         """
         turns = np.asarray([*past_V, u_V], dtype=np.float64)
         track = play_operators(turns, np.asarray(self.thresholds_V), np.full(self.plays, turns[0]))
         return np.array(track[-1])
 
     def burn_in(self, drive: Drive) -> int:
-        """First sample at which plays started at either end of their slack have met: from there on it is exact."""
+        """First sample at which the widest play has the same state from both ends of its slack; exact from there on."""
         r = np.asarray(self.thresholds_V)
         low = play_operators(drive.u_V, r, drive.u_V[0] - r)[:, -1]
         high = play_operators(drive.u_V, r, drive.u_V[0] + r)[:, -1]
@@ -148,7 +150,7 @@ class Memory:
         return None
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
-        """A play never leaves the range of its input, and two runs of it are never further apart than their inputs.
+        """1 for a play: |z| <= sup |u|, and the distance of two plays is at most that of their inputs.
 
         |T_2'| <= 4 a and |T_3'| <= max(3, 12 a^2 - 3) on [-a, a].
         """
@@ -157,20 +159,20 @@ class Memory:
         return (1.0,) * self.plays + tuple(float(x) for x in steepest[: self.size - self.plays])
 
     def steepest(self, weights: Floats) -> Floats:
-        """Sharper than `gains`, for plays move together, up or down: see `play_slopes`."""
+        """Sharper than `gains`, because all moving plays move in one direction: see `play_slopes`."""
         return steepest_move(weights, self._r_over_half, self.middle_and_half_V[1])
 
     def rising(self) -> Floats:
-        """(n, size) slopes g_j'(z) of every play: a Preisach operator's density is nowhere negative.
+        """(n, size) slopes g_j'(z) of every play, which are not negative for a Preisach operator's density.
 
-        Without this squares and cubes turn back where the record was hardly ever; plays alone are left free.
+        Unconstrained, T_2 and T_3 give negative slopes where the record has few samples. No rows for degree 1.
         """
         if self.degree == 1:
             return np.zeros((0, self.size))
         return rising_rows(self._r_over_half, self.middle_and_half_V[1], self.degree)
 
     def roughness(self) -> Floats:
-        """(n, size) curvature of the density over the half-widths: see `play_density`; plays alone are left free."""
+        """(n, size) curvature of the density over the half-widths, see `play_density`. No rows for degree 1."""
         if self.degree == 1:
             return np.zeros((0, self.size))
         return roughness_rows(self._r_over_half, self.middle_and_half_V[1], self.degree)
@@ -204,7 +206,7 @@ class Memory:
         )
 
     def shape(self) -> Floats:
-        """(1,) logarithm of the widest threshold; the others keep their ratio to it."""
+        """(1,) logarithm of the largest half-width; the ratios of the others to it are constant."""
         return np.array([np.log(self.thresholds_V[-1])])
 
     def with_shape(self, shape: Floats) -> Self:
@@ -231,8 +233,8 @@ class Memory:
         return constants
 
     def to_json(self) -> dict[str, Any]:
-        told: dict[str, Any] = {"kind": self.kind, "thresholds_V": list(self.thresholds_V)}
-        return told if self.range_V is None else {**told, "degree": self.degree, "range_V": list(self.range_V)}
+        data: dict[str, Any] = {"kind": self.kind, "thresholds_V": list(self.thresholds_V)}
+        return data if self.range_V is None else {**data, "degree": self.degree, "range_V": list(self.range_V)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
@@ -250,7 +252,7 @@ class PlayMirror(Mirror):
         self.members = term.members()
         self._half_width = constants["half_width"]
         self._degree = degree = term.degree
-        self._bend = [constants[name] for name in ("middle", "per_half", "reach")] if degree > 1 else []
+        self._scaling = [constants[name] for name in ("middle", "per_half", "reach")] if degree > 1 else []
         self.play: list[Floats32] = [u_V.copy() for _ in self._half_width]
 
     def regressors(self) -> list[Floats32]:
@@ -263,7 +265,7 @@ class PlayMirror(Mirror):
         return [*plays, *even, *odd][: len(plays) * self._degree]
 
     def _place(self, j: int, play: Floats32) -> Floats32:
-        middle, per_half, reach = self._bend
+        middle, per_half, reach = self._scaling
         x = (play - middle[0]) * per_half[0]
         x = np.where(x < -reach[j], -reach[j], x)
         return np.asarray(np.where(x > reach[j], reach[j], x))

@@ -1,13 +1,13 @@
-"""Periodic: a disturbance at fixed frequencies (mains, the floor, a fan), whatever the input does.
+"""Periodic: a disturbance at fixed frequencies (mains, floor, a fan), independent of the input.
 
     phi = cos(2 pi f_j Ts n),  sin(2 pi f_j Ts n)                 n: sample since time 0 (model), since _init (C)
 
-The two weights of a frequency hold its amplitude and phase. The C counts the phase in 64 bits of a turn: the frequency
-is off by less than 2^-65 of the sampling frequency, amplitude and phase do not drift however long it runs, and the
-sine is a polynomial of the upper 32 bits (module `sine`). A phasor turned by float32 factors would lose 0.01 rad in
-1e8 samples and would have to be renormalised.
-The disturbance does not know when the DSP was switched on: its phase there is for the learner to find, or for the
-caller, who may write the phase words of the struct.
+The two weights of a frequency determine amplitude and phase. The C counts the phase as a 64-bit fraction of a turn: the
+frequency error is below 2^-65 of the sampling frequency, amplitude and phase have no drift, and the sine is a
+polynomial of the upper 32 bits (module `sine`). A phasor rotated by float32 factors would have a phase error of
+0.01 rad after 1e8 samples and would have to be renormalised.
+The phase at the start of the DSP is unknown: the learner estimates it, or the caller writes the phase words of the
+struct.
 """
 
 from __future__ import annotations
@@ -31,10 +31,7 @@ BLOCK = 512
 
 @dataclass(frozen=True)
 class Periodic:
-    """Frequencies `f_Hz`, (m,) positive and rising.
-
-    Raises ValueError if they are not.
-    """
+    """Frequencies `f_Hz`, (m,) positive and rising. Raises ValueError otherwise."""
 
     kind: ClassVar[str] = "periodic"
     parts: ClassVar[tuple[str, ...]] = ("sine",)
@@ -129,7 +126,7 @@ class Periodic:
 
 
 def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDArray[np.complex128]:
-    """exp(2 pi i f_j Ts n), (n, m); whole turns are taken off before the angle is rounded."""
+    """exp(2 pi i f_j Ts n), (n, m); whole turns are subtracted before the angle is rounded."""
     turns = np.asarray(f_Hz) * Ts_s * n[:, None]
     return np.asarray(np.exp(2j * np.pi * (turns - np.floor(turns))))
 

@@ -1,12 +1,12 @@
-"""What weights of play operators say about the density of a Preisach operator, and what a density is like.
+"""The density of a Preisach operator from the weights of play operators: sign and roughness.
 
 A Preisach operator with a density is the integral over r of g(r, z_r), whose slope in z is the density integrated over
-the thresholds (Brokate and Sprekels, 1996, chapter 2.4). Plays of half-widths r_j stand for the r around them, so
+the thresholds (Brokate and Sprekels, 1996, chapter 2.4). A play of half-width r_j represents an interval of r, so
 
     mu_m(r_j) = theta_mj / w_j,     w_j the width of the interval around r_j,  m = 1, 2, 3 for the play, T_2 and T_3
 
-are samples of functions of r. The slope is nowhere negative, and neighbouring r are alike: where a record hardly ever
-moves a wide play, what its neighbours do is the best that is known of it.
+are samples of functions of r. The slope is not negative, and the functions are smooth in r: the weight of a wide play
+that rarely moves in a record is interpolated between those of its neighbours.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from hysgen.model.terms.play_slopes import slopes
 Floats = NDArray[np.float64]
 
 LEVELS = 5
-"""Places at which the slope of a bent play is kept from turning; it is a parabola, so a little room is left between."""
+"""Points at which the slope of a play with polynomials is constrained; it is a parabola and may be negative between."""
 
 STEEPEST = (1.0, 4.0, 9.0)
-"""Steepest slopes of x, T_2 and T_3 on [-1, 1]: what a weight of each counts, over half the range."""
+"""Largest slopes of x, T_2 and T_3 on [-1, 1], which scale their weights."""
 
 
 def rising_rows(r_over_half: Floats, half_V: float, degree: int) -> Floats:
-    """(LEVELS m, degree m) slopes g_j'(z) of every play at LEVELS places of its reach; 0 for a play of half-width 0.
+    """(LEVELS m, degree m) slopes g_j'(z) of every play at LEVELS points of its reach; 0 for a play of half-width 0.
 
-    The latter is no part of the density: it is the input itself, and its slope is bounded with the sums of all.
+    A play of half-width 0 is the past input and not part of the density; the small-gain condition bounds its slope.
     """
     x = (1.0 - r_over_half) * np.linspace(-1.0, 1.0, LEVELS)[:, None]
     each = slopes(x, np.ones(x.shape, dtype=bool), half_V)[:degree] * (r_over_half > 0.0)
@@ -38,8 +38,8 @@ def rising_rows(r_over_half: Floats, half_V: float, degree: int) -> Floats:
 def roughness_rows(r_over_half: Floats, half_V: float, degree: int) -> Floats:
     """(n, degree m): ||rows @ theta||^2 is sum_m of the integral over rho = r/half of (d^2 mu_m / d rho^2)^2.
 
-    mu_m in the unit of theta_1, the weights of T_2 and T_3 taken by their steepest slopes. Second divided differences
-    over three neighbours at a time; fewer than three plays above half-width 0 have no rows.
+    mu_m in the unit of theta_1: the weights of T_2 and T_3 are scaled by their largest slopes. Second divided
+    differences over three neighbours; no rows for fewer than three plays with half-widths above 0.
     """
     m = r_over_half.size
     first = int(np.count_nonzero(r_over_half == 0.0))

@@ -1,18 +1,18 @@
-"""How far a step of the input moves the output of weighted play operators: by no more than its steepest slope.
+"""Bound of the slope of weighted play operators: |w(k) - w(k-1)| <= N |u(k) - u(k-1)|.
 
     w = sum_j g_j(z_j),   g_j(z) = theta_j z + theta_2j T_2(x_j) + theta_3j T_3(x_j),   x_j = clamp((z - middle)/half)
 
-A play that moves up stands at u - r_j, one that moves down at u + r_j, and where one moves, every narrower one moves
-with it, for neighbours are never further apart than their half-widths differ. So on the way of the input from u(k-1) to
-u(k) the slope dw/du is always one of the sums
+A play that moves up is at u - r_j, a play that moves down at u + r_j. If a play moves, every narrower play moves too:
+the distance of two plays is at most the difference of their half-widths. Hence, while the input moves from u(k-1) to
+u(k), the slope dw/du is always one of the sums
 
-    P_J(u) = sum over j <= J of g_j'(u - r_j), going up,  or of g_j'(u + r_j), going down
+    P_J(u) = sum over j <= J of g_j'(u - r_j), upwards,  or of g_j'(u + r_j), downwards
 
-and |w(k) - w(k-1)| <= N |u(k) - u(k-1)|, N the largest |P_J(u)| over all inputs and all J. Between the inputs at which
-plays enter their reach each P_J is a parabola in u, so N is exact. Weights of either sign count as they are: what the
-play of half-width 0, the input one sample ago, has below 0 lowers the sums of the wider ones.
+and N is the largest |P_J(u)| over all inputs and all J. Each P_J is a piecewise parabola in u, with knots where plays
+enter their reach, so the maximum is exact. Weights have signs: a negative weight of the play of half-width 0, the past
+input, reduces the sums of the wider plays.
 
-Source of the neighbours' rule: Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), section 2.
+Source: Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), section 2.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class _Move:
-    """The steepest move up: |P_J|, its sign, J, the input v in half ranges, and which plays are inside their reach."""
+    """The upward move of largest |P_J|: |P_J|, its sign, J, the input v in half ranges, plays inside their reach."""
 
     size: float
     sign: float
@@ -37,9 +37,9 @@ class _Move:
 
 
 def steepest_move(weights: Floats, r_over_half: Floats, half_V: float) -> Floats:
-    """(size,) slopes d(phi_j)/du, signed, on the steepest move: their product with `weights` is N.
+    """(size,) signed slopes d(phi_j)/du on the move of largest |P_J|: a row with row @ weights = N.
 
-    For other weights the product is at most their own N, so {weights: row @ weights <= limit} holds all weights whose
+    For other weights theta, row @ theta is at most their N, so {theta: row @ theta <= limit} contains all weights whose
     N is below the limit. weights: (degree m,) of plays, then T_2, then T_3; r_over_half: (m,) half-widths, rising, in
     half ranges; half_V: half the range.
     """
@@ -47,7 +47,7 @@ def steepest_move(weights: Floats, r_over_half: Floats, half_V: float) -> Floats
     degree = weights.size // m
     theta = np.zeros((3, m))
     theta[:degree] = weights.reshape(degree, m)
-    # Going down at u is going up at -u with the slopes of T_2, which are odd, turned round.
+    # A downward move at u equals an upward move at -u with the odd slopes of T_2 negated.
     ways = (np.ones((3, 1)), np.array([[1.0], [-1.0], [1.0]]))
     move, way = max(((_steepest_up(theta * way, r_over_half, half_V), way) for way in ways), key=lambda m: m[0].size)
     moving = np.arange(m) <= move.last
@@ -56,14 +56,14 @@ def steepest_move(weights: Floats, r_over_half: Floats, half_V: float) -> Floats
 
 
 def slopes(x: Floats, inside: NDArray[np.bool_], half_V: float) -> Floats:
-    """(3, ...) d(phi)/dz at x: 1, T_2'/half, T_3'/half; beyond its reach, where a play may start, 1, 0, 0."""
-    bent = (4.0 * x / half_V, (12.0 * x * x - 3.0) / half_V)
-    return np.stack([np.ones_like(x), *(np.where(inside, slope, 0.0) for slope in bent)])
+    """(3, ...) d(phi)/dz at x: 1, T_2'/half, T_3'/half; 1, 0, 0 for plays outside their reach."""
+    polynomial = (4.0 * x / half_V, (12.0 * x * x - 3.0) / half_V)
+    return np.stack([np.ones_like(x), *(np.where(inside, slope, 0.0) for slope in polynomial)])
 
 
 def _steepest_up(theta: Floats, rho: Floats, half_V: float) -> _Move:
     """The move up on which |P_J| is largest, for weights theta, (3, m), and half-widths rho, (m,)."""
-    # Going up, play j is inside its reach from v = -1 + 2 rho_j to 1: one more of them from knot to knot.
+    # Upwards, play j is inside its reach from v = -1 + 2 rho_j to 1: each knot adds one play.
     knots = np.concatenate([2.0 * rho[:1] - 1.0, 2.0 * rho - 1.0, [1.0]])
     low, high = knots[:-1, None], knots[1:, None]
     inside = np.tri(rho.size + 1, rho.size, -1, dtype=bool)

@@ -1,13 +1,13 @@
-"""Resonance: lightly damped structural modes, driven by the input.
+"""Resonance: lightly damped structural modes driven by the input.
 
     x'' + 2 zeta w x' + w^2 x = w^2 u,   w = 2 pi f               each mode; static gain 1
     c(k+1) = c(k) + q (u(k) - c(k)),     q = 1 - exp((-zeta - i sqrt(1 - zeta^2)) w Ts)   exact for a held input
     phi = Re c,  Im c                                             [V]
 
-Re c = x + (zeta/w) x' is like the position, Im c = sqrt(1 - zeta^2) x'/w like the velocity; their span holds every
-answer that has these two poles. The state is a rotation: its words are of the size of the motion, and a rounding of q
-moves the pole by 6e-8 of its distance from 1, where the coefficients of a difference equation in x would lose f and
-zeta altogether at f = fs/1000. Each word is a sum of two (module `twofloat`), so that slow or light modes do not stall.
+Re c = x + (zeta/w) x' is close to the position, Im c = sqrt(1 - zeta^2) x'/w to the velocity; their linear combinations
+are all responses with these two poles. In this coupled form the state has the magnitude of the motion, and rounding q
+moves the pole by 6e-8 of its distance from 1; rounding the coefficients of a difference equation in x would destroy f
+and zeta at f = fs/1000. Each state is a sum of two words (module `twofloat`), so that slow modes do not stall.
 Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digital Control (1998), section 4.3.
 """
 
@@ -75,7 +75,7 @@ class Resonance:
         return steps
 
     def scales(self, span_V: float) -> tuple[float, ...]:
-        """The motion builds up by at most 1/(2 zeta) at the resonance; half of it in decades is typical."""
+        """span / sqrt(2 zeta): the geometric mean of the amplification at rest, 1, and at resonance, 1/(2 zeta)."""
         return tuple(float(span_V / np.sqrt(2 * zeta)) for zeta in self.zeta for _ in range(2))
 
     def describe(self) -> str:

@@ -1,12 +1,12 @@
-"""Cosine and sine of a 32-bit phase in float32: integers find the quadrant, polynomials do the rest.
+"""Cosine and sine of a 32-bit phase in float32: quadrant by integers, then polynomials.
 
     phase = quadrant * 2^30 + rest,   r = rest / 2^30 in [-1/2, 1/2)             r = 1 is a quarter of a turn
     sin(pi r / 2) = r ((s_0 + s_1 z) + z^2 (s_2 + s_3 z)),   z = r^2
     cos(pi r / 2) = 1 + z ((c_0 + c_1 z) + z^2 (c_2 + c_3 z))
 
-Worst error against the exact functions, over every phase that the 23 bits of r tell apart: 1.9e-7, of which the grid of
-r makes 1.0e-7. r is exact: its bits become the significand of a float in [1, 2), less 1.5.
-Coefficients: Chebyshev interpolation in r^2, rounded; tests/model/test_periodic.py makes them again.
+Worst error against the exact functions, over all phases distinguished by the 23 bits of r: 1.9e-7, of which 1.0e-7 is
+the quantisation of r. r is exact: its bits become the significand of a float in [1, 2), minus 1.5.
+Coefficients: Chebyshev interpolation in r^2, rounded; tests/model/test_periodic.py computes them again.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
-"""A float32 sum kept in two words, for states that move by less than their last bit.
+"""A float32 sum in two words, for states whose increments are smaller than their last bit.
 
     step = (delta + K) - K            K = 1.5 * 2^-37: steps below 2^-61 become 0
     t    = low + step
     sum  = high + t
-    low' = t - (sum - high)           what the rounding of the sum lost, exact as long as |t| <= |high|
+    low' = t - (sum - high)           rounding error of the sum, exact for |t| <= |high|
     high' = sum, or 0 where |sum| >= LIMIT or not finite
 
 A creep state of 10 s at 50 kHz moves by 2e-6 of its input per sample: below the last bit of one float, but not below
-the last bit of `low`. A state that decays for ever ends at 0 and never at a denormal number, since inputs and steps are
-multiples of 2^-63. Where |t| > |high| (the state crosses zero) the loss is at most the last bit of t. No sound state
-comes near LIMIT; it makes sure that whatever happens to the memory, the next sample finds a state that is bounded.
+the last bit of `low`. A decaying state ends at 0 and not at a denormal number, since inputs and steps are multiples of
+2^-63. For |t| > |high| (a zero crossing) the error is at most the last bit of t. Valid states are far below LIMIT; the
+limit bounds the state after one sample even if memory was corrupted.
 Source: Dekker, A floating-point technique for extending the available precision (1971), Fast2Sum.
 """
 
