@@ -146,7 +146,7 @@ def test_misuse_of_a_machine_is_told_in_one_line() -> None:
         "no such symbol": lambda: machine.call("simulate"),
         "ten go in registers": lambda: machine.call("predict", *range(11)),
         "make them one": lambda: machine.map("predict", np.zeros(3, np.float32), np.zeros(4, np.float32)),
-        "do not lie in the target's memory": lambda: machine.read(0x100, 4),
+        "outside the target's memory": lambda: machine.read(0x100, 4),
         "do not fit": lambda: machine.allocate(70_000),
         "not 32 bits wide": lambda: machine.write(machine.allocate(4), np.zeros(4)),
         "still running after 50 cycles": lambda: machine.call("predict", 1.0, 1.0, cycle_limit=50),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, hard_inputs, model_with
-from hysgen.checking.bits.induction import Trace, first_difference
+from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.float32.reference.instance import Instance
@@ -40,7 +40,7 @@ def assert_equal_bits(model: Model, function: str, samples: int, start_V: float 
     # By induction: equal at the start, and every step from a recorded state equal to the next one.
     before = np.vstack([start, after[:-1]])
     arguments, channels = bits[: len(inputs)], bits[len(inputs) :]
-    assert first_difference(lanes, function, Trace(arguments, channels, before, out, after)) is None
+    assert first_difference(lanes, function, CallTrace(arguments, channels, before, out, after)) is None
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)

@@ -1,7 +1,9 @@
-"""The TI C674x without hardware: its C compiler, a simulator of the instructions that compiler emits, and cycle counts.
+"""The TI C674x without hardware: its C compiler, a simulator of the instructions the compiler emits, and cycle counts.
 
-Data take one way through: C texts are compiled (`toolchain`), the ELF file is read (`elf`), its disassembly becomes
-instructions (`assembly`), actions (`decode`, by the tables `latency` and `semantics`) and execute packets (`packets`).
-The `interpreter` runs packets and is written to be read; `translation` makes C of them that runs a hundred times faster
-with the same bits and cycles. `machine` calls functions of a program; `cycles` bounds them without running them.
+Steps: compile C (`toolchain`), read the ELF file (`elf`), parse its disassembly into instructions (`assembly`), decode
+them to actions (`decode`, with the tables `latency` and `semantics`), group them into execute packets (`packets`). The
+`interpreter` runs packets and serves as the readable specification; `translation` turns packets into C that runs a
+hundred times faster with the same bits and cycles. `machine` calls functions of a program; `cycles` bounds their cycles
+statically; `footprint` collects cycles, code, stack and data of generated C; `equality` compares its bits with the
+host's.
 """

@@ -1,4 +1,4 @@
-"""`python -m hysgen.c674x FILE.c [FILE.c ...]`: what each function of C files costs on the C674x."""
+"""`python -m hysgen.c674x FILE.c [FILE.c ...]`: code bytes and cycles of each function of C files on the C674x."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hysgen.errors import HysgenError, TargetError
 
 
 def report(paths: list[Path]) -> str:
-    """Code bytes and bounds of the stall-free cycles of every function of the files, as a table."""
+    """A table of code bytes and stall-free cycle bounds of every function in the files."""
     firmware = toolchain.compile([(path.name, path.read_text(encoding="utf-8")) for path in paths])
     found = packets(instructions(firmware.listing))
     lines = [f"{'function':32} {'code B':>8} {'cycles':>12}"]
@@ -22,12 +22,12 @@ def report(paths: list[Path]) -> str:
             continue
         try:
             cycles = bounds(firmware.image, found, symbol.name)
-            told = str(cycles.best) if cycles.constant else f"{cycles.best} .. {cycles.worst}"
+            shown = str(cycles.best) if cycles.constant else f"{cycles.best} .. {cycles.worst}"
         except TargetError as refusal:
-            told = f"not bounded: {refusal}"
-        lines.append(f"{symbol.name:32} {symbol.size:8} {told:>12}")
+            shown = f"not bounded: {refusal}"
+        lines.append(f"{symbol.name:32} {symbol.size:8} {shown:>12}")
     sizes = ", ".join(f"{name} {size} B" for name, size in firmware.section_bytes.items())
-    return "\n".join([*lines, sizes, "stall-free: caches, memory banks and cross paths may add to it"])
+    return "\n".join([*lines, sizes, "stall-free: caches, memory banks and cross paths may add cycles"])
 
 
 def main() -> int:

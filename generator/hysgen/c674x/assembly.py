@@ -1,7 +1,7 @@
-"""C674x instructions as data, read from the text that objdump prints.
+"""C674x instructions as data, parsed from the text of objdump.
 
-The assembler's own disassembler does the decoding of bits, so the simulator and the assembler cannot disagree about an
-encoding. One line becomes one `Instruction`; what it does is the business of `decode`.
+The assembler's own disassembler decodes the bits, so simulator and assembler cannot disagree about an encoding. One
+line becomes one `Instruction`; `decode` gives its action.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Register:
 
     @property
     def side(self) -> int:
-        """1 for file A, 2 for file B, as in the names of the units that own the file."""
+        """1 for register file A, 2 for file B, as in the names of the functional units."""
         return 1 + self.index // 32
 
     def __str__(self) -> str:
@@ -38,10 +38,10 @@ class Pair:
 
 @dataclass(frozen=True)
 class Memory:
-    """An address operand: base register plus or minus an offset, the base perhaps moved before or after.
+    """An address operand: base register plus or minus an offset, with optional update of the base.
 
-    offset: a number or a register; it counts bytes, or elements if `scaled`.
-    step: '' (base unchanged), 'before' or 'after' (base := base +- offset, used with or without the change).
+    offset: a number or a register, in bytes, or in elements if `scaled`. sign: +1 or -1.
+    step: '' (base unchanged), 'before' or 'after' (base := base +- offset before or after the access).
     """
 
     base: Register
@@ -58,14 +58,14 @@ class Label:
     address: int
 
 
-Operand = Register | Pair | Memory | Label | int | str  # str: a form not known here, such as a control register
+Operand = Register | Pair | Memory | Label | int | str  # str: a form without a class, such as a control register
 
 
 @dataclass(frozen=True)
 class Unit:
     """A functional unit: `kind` L, S, M or D on `side` 1 or 2.
 
-    cross: one operand comes from the other register file. path: the data path T1 or T2 of a load or store, else 0.
+    cross: one operand comes from the other register file. path: data path 1 or 2 of a load or store, else 0.
     """
 
     kind: str
@@ -75,13 +75,13 @@ class Unit:
 
     @property
     def name(self) -> str:
-        """Without the modifiers: L1, S2, ..."""
+        """Name without modifiers: L1, S2, ..."""
         return f"{self.kind}{self.side}"
 
 
 @dataclass(frozen=True)
 class Predicate:
-    """Execute only if the register is not zero, or only if it is (`when_zero`)."""
+    """A condition of execution: the register is not zero, or is zero if `when_zero`."""
 
     register: Register
     when_zero: bool
@@ -89,7 +89,7 @@ class Predicate:
 
 @dataclass(frozen=True)
 class Instruction:
-    """One 32-bit instruction. `parallel`: in the same execute packet as the one before it."""
+    """One 32-bit instruction. parallel: whether it is in the execute packet of the preceding instruction."""
 
     address: int
     parallel: bool
@@ -115,8 +115,8 @@ _MEMORY = re.compile(rf"\*(\+\+|--|\+|-)?([ab]\d+)(\+\+|--)?(?:\(({_OFFSET})\)|\
 def instructions(listing: str) -> Iterator[Instruction]:
     """Every instruction of an `objdump -dz` listing, in order.
 
-    Raises TargetError for an opcode that is not 32 bits wide. An operand of a form not known here stays text: whether
-    that matters is seen when the instruction is reached.
+    Raises TargetError for an opcode that is not 32 bits wide. An operand of an unknown form stays text; `decode`
+    refuses the instruction when it is executed.
     """
     for line in listing.splitlines():
         found = _LINE.match(line)
@@ -131,7 +131,7 @@ def instructions(listing: str) -> Iterator[Instruction]:
 def _instruction(address: int, text: str) -> Instruction:
     found = _INSTRUCTION.match(text)
     if found is None:
-        raise TargetError(f"{address:08x} {text}: not an instruction in a form that the simulator knows")
+        raise TargetError(f"{address:08x} {text}: not an instruction form that the simulator parses")
     parallel, inverted, condition, mnemonic, kind, side, cross, path, rest = found.groups()
     return Instruction(
         address=address,
@@ -166,7 +166,7 @@ def _memory(text: str) -> Memory | None:
     sign = -1 if "-" in (before or "") + (after or "") else 1
     offset = in_bytes or in_elements or "0"
     if _NUMBER.match(offset):
-        # objdump prints constant offsets in bytes, but for those of ldndw and stndw that the opcode holds in elements
+        # objdump prints constant offsets in bytes, except those of ldndw and stndw that the opcode encodes in elements.
         return Memory(_register(base), int(offset), sign, in_elements is not None, step)
     return Memory(_register(base), _register(offset), sign, in_elements is not None, step)
 

@@ -1,8 +1,8 @@
-"""Loop counters without running: registers whose value is known because nothing that depends on data went into it.
+"""Static evaluation of loop counters: registers whose values do not depend on data.
 
-A loop of constant length counts in a register, or moves a pointer to a fixed distance from where it began. So a value
-here is a number, or the value that a register had on entry plus a number. Only registers that decide a jump backwards,
-and those that they are computed from, are followed. Whatever is not understood is not known.
+A loop of constant length counts in a register, or moves a pointer to a fixed distance from its start. A value is
+therefore a number, or a number plus the value of a register on entry. Only registers that decide a backward branch, and
+the registers these are computed from, are evaluated. The result of any other operation is unknown.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from hysgen.errors import TargetError
 
 
 @dataclass(frozen=True)
-class Value:
-    """`number` on top of what register `base` held on entry; on top of nothing if base is None."""
+class CounterValue:
+    """`number` plus the value of register `base` on entry; `number` alone if base is None."""
 
     number: int
     base: int | None = None
@@ -30,14 +30,14 @@ _STEP_BACK = {"sub": 1, "subab": 1, "subah": 2, "subaw": 4}
 
 
 @dataclass(frozen=True)
-class Known:
-    """values: (register, value) of what is known. awaited: (cycles until a result lands, register), not known then."""
+class KnownRegisters:
+    """values: (register, value) pairs. awaited: (cycles until a pending write, register); its value is unknown then."""
 
-    values: tuple[tuple[int, Value], ...] = ()
+    values: tuple[tuple[int, CounterValue], ...] = ()
     awaited: tuple[tuple[int, int], ...] = ()
 
     def holds(self, instruction: Instruction) -> bool | None:
-        """Whether the instruction is executed; None if that is not known."""
+        """Whether the instruction is executed; None if unknown."""
         if instruction.predicate is None:
             return True
         value = dict(self.values).get(instruction.predicate.register.index)
@@ -46,15 +46,17 @@ class Known:
         return (value.number == 0) == instruction.predicate.when_zero
 
     def below(self, register: int) -> int:
-        """By how much the register is lower than on entry. Raises TargetError if that is not known."""
+        """Entry value of the register minus its value now, at least 0. Raises TargetError if that is unknown."""
         value = dict(self.values).get(register)
         if value is None or value.base != register:
-            raise TargetError(f"{Register(register)}: moved by what is not known here; how deep the stack is, neither")
+            raise TargetError(
+                f"{Register(register)}: changed by an unknown amount; the depth of the stack is not bounded"
+            )
         return max(0, -signed(value.number))
 
 
-def followed(packets: Mapping[int, Packet], start: int) -> frozenset[int]:
-    """Registers that decide a jump backwards in what can be reached from `start`, and what they are computed from."""
+def decisive_registers(packets: Mapping[int, Packet], start: int) -> frozenset[int]:
+    """Registers that decide a backward branch reachable from `start`, and the registers they are computed from."""
     reached = _reached(packets, start)
     every = [pair for packet in reached for pair in zip(packet.instructions, packet.actions, strict=True)]
     found = {
@@ -71,13 +73,13 @@ def followed(packets: Mapping[int, Packet], start: int) -> frozenset[int]:
     return frozenset(found)
 
 
-def on_entry(registers: frozenset[int]) -> Known:
-    """Every register holds what it holds."""
-    return Known(tuple((register, Value(0, register)) for register in sorted(registers)))
+def entry_values(registers: frozenset[int]) -> KnownRegisters:
+    """Every register has its own value on entry."""
+    return KnownRegisters(tuple((register, CounterValue(0, register)) for register in sorted(registers)))
 
 
-def after(known: Known, packet: Packet, cycles: int, registers: frozenset[int]) -> Known:
-    """What is known once the packet was issued and `cycles` cycles have passed."""
+def after(known: KnownRegisters, packet: Packet, cycles: int, registers: frozenset[int]) -> KnownRegisters:
+    """The known values after the packet was issued and `cycles` cycles have passed."""
     if not registers:
         return known
     before = dict(known.values)
@@ -97,16 +99,16 @@ def after(known: Known, packet: Packet, cycles: int, registers: frozenset[int]) 
             else:
                 values[register] = value
     left = tuple(sorted({(due - cycles, register) for due, register in awaited if due > cycles}))
-    return Known(tuple(sorted(values.items(), key=lambda item: item[0])), left)
+    return KnownRegisters(tuple(sorted(values.items(), key=lambda item: item[0])), left)
 
 
-def writes(action: Action, before: Mapping[int, Value]) -> list[tuple[int, Value | None, int]]:
-    """(register, value or None, delay slots) of each result, from what is known `before`."""
-    found: list[tuple[int, Value | None, int]] = []
+def writes(action: Action, before: Mapping[int, CounterValue]) -> list[tuple[int, CounterValue | None, int]]:
+    """(register, value or None, delay slots) of each result, given the values `before`."""
+    found: list[tuple[int, CounterValue | None, int]] = []
     if isinstance(action, Compute):
         found.append((action.destination.index, _computed(action, before), action.delay))
     elif isinstance(action, LoadAddress):
-        found.append((action.destination.index, Value(action.address), 0))
+        found.append((action.destination.index, CounterValue(action.address), 0))
     elif isinstance(action, Branch) and action.link is not None:
         found.append((action.link.index, None, 0))
     elif isinstance(action, Access):
@@ -117,43 +119,43 @@ def writes(action: Action, before: Mapping[int, Value]) -> list[tuple[int, Value
     return found
 
 
-def _moved(memory: Memory, size: int, before: Mapping[int, Value]) -> Value | None:
+def _moved(memory: Memory, size: int, before: Mapping[int, CounterValue]) -> CounterValue | None:
     base, offset = before.get(memory.base.index), _value(memory.offset, before)
     if base is None or offset is None or offset.base is not None:
         return None
     step = offset.number * (size if memory.scaled else 1)
-    return Value(base.number + memory.sign * step & MASK, base.base)
+    return CounterValue(base.number + memory.sign * step & MASK, base.base)
 
 
-def _computed(action: Compute, before: Mapping[int, Value]) -> Value | None:
+def _computed(action: Compute, before: Mapping[int, CounterValue]) -> CounterValue | None:
     operands = [_value(source, before) for source in action.sources]
     known = [operand for operand in operands if operand is not None]
     if action.mnemonic not in INTEGER or len(known) != len(operands):
         return None
     if all(operand.base is None for operand in known):
-        return Value(INTEGER[action.mnemonic](*[operand.number for operand in known]))
+        return CounterValue(INTEGER[action.mnemonic](*[operand.number for operand in known]))
     return _relative(action.mnemonic, *known) if len(known) == 2 else None
 
 
-def _relative(mnemonic: str, a: Value, b: Value) -> Value | None:
-    """a and b, at least one of them on top of what a register held on entry."""
+def _relative(mnemonic: str, a: CounterValue, b: CounterValue) -> CounterValue | None:
+    """The operation on a and b, of which at least one is relative to the entry value of a register."""
     if mnemonic in _STEP and b.base is None:
-        return Value(a.number + _STEP[mnemonic] * b.number & MASK, a.base)
+        return CounterValue(a.number + _STEP[mnemonic] * b.number & MASK, a.base)
     if mnemonic in _STEP and a.base is None and _STEP[mnemonic] == 1:
-        return Value(a.number + b.number & MASK, b.base)
+        return CounterValue(a.number + b.number & MASK, b.base)
     if mnemonic in _STEP_BACK and b.base is None:
-        return Value(a.number - _STEP_BACK[mnemonic] * b.number & MASK, a.base)
+        return CounterValue(a.number - _STEP_BACK[mnemonic] * b.number & MASK, a.base)
     if mnemonic == "sub" and a.base == b.base:
-        return Value(a.number - b.number & MASK)
+        return CounterValue(a.number - b.number & MASK)
     if mnemonic == "cmpeq" and a.base == b.base:
-        return Value(int(a.number == b.number))
-    if mnemonic in ("or", "xor") and Value(0) in (a, b):
-        return b if a == Value(0) else a
+        return CounterValue(int(a.number == b.number))
+    if mnemonic in ("or", "xor") and CounterValue(0) in (a, b):
+        return b if a == CounterValue(0) else a
     return None
 
 
-def _value(source: Source, before: Mapping[int, Value]) -> Value | None:
-    return before.get(source.index) if isinstance(source, Register) else Value(source & MASK)
+def _value(source: Source, before: Mapping[int, CounterValue]) -> CounterValue | None:
+    return before.get(source.index) if isinstance(source, Register) else CounterValue(source & MASK)
 
 
 def _goes_back(instruction: Instruction, action: Branch) -> bool:
@@ -161,7 +163,7 @@ def _goes_back(instruction: Instruction, action: Branch) -> bool:
 
 
 def _reached(packets: Mapping[int, Packet], start: int) -> list[Packet]:
-    """Every packet that some way may lead to, returns and calls included."""
+    """Every packet reachable from `start`, through calls and returns as well."""
     found: dict[int, Packet] = {}
     todo = [start]
     while todo:

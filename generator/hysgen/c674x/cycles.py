@@ -1,12 +1,12 @@
-"""Cycles of a function without running it: the shortest and the longest way through its packets.
+"""Static bounds of a function's cycles: the shortest and the longest path through its packets.
 
-Stalls are not modelled, so a way through the code fixes its cycles exactly. A function is followed packet by packet
-with the branches under way; where a branch depends on data, both ways are followed. Code without such branches has one
-way, and its cycles are a fact, not a measurement. A loop of constant length has one way too: its counter is followed
-(`counters`). A branch that can be taken again and again, as data will have it, needs a limit from the caller.
+Stalls are not modelled, so a path fixes its cycles exactly. The analysis follows a function packet by packet with the
+branches in flight; at a branch that depends on data it follows both paths. Code without such branches has one path, and
+its cycle count holds for every input. A loop of constant length also has one path: its counter is evaluated
+(`counters`). A loop whose length depends on data needs a limit from the caller.
 
-A jump through a register is taken for the return. That holds for what `toolchain` compiles, with -fno-jump-tables, from
-C without function pointers; a pointer that is called, not jumped to, is noticed and refused.
+A jump through a register is taken as the return. This holds for C without function pointers compiled by `toolchain`,
+with -fno-jump-tables; a call through a pointer is detected and refused.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from dataclasses import dataclass, field, replace
 from hysgen.c674x import counters
 from hysgen.c674x.assembly import Register
 from hysgen.c674x.decode import Branch, LoadAddress
-from hysgen.c674x.elf import Image
+from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
-from hysgen.c674x.predicates import Said
+from hysgen.c674x.predicates import KnownPredicates
 from hysgen.c674x.processor import STACK_POINTER
 from hysgen.errors import TargetError
 
 MAX_CALL_DEPTH = 16
-MAX_VISITS = 4096  # of one packet under different counters: a longer loop counts as one without a limit
+MAX_VISITS = 4096  # of one packet with different counters; a longer loop is treated as a loop without a limit
 
 _LINK = Register(32 + 3)
 _NEVER = 1 << 30
@@ -35,11 +35,10 @@ _NEVER = 1 << 30
 
 @dataclass(frozen=True)
 class CycleBounds:
-    """best <= cycles <= worst for every input. data_dependent: addresses of branches whose way depends on data.
+    """best <= cycles <= worst for every input. data_dependent: addresses of branches that depend on data.
 
-    One way only (no such branch) makes best = worst: the cycles of every call. Ways that no input takes are counted
-    too, so with data-dependent branches `worst` may exceed what can happen, never the reverse.
-    stack_bytes: how far the stack reaches down on some way, called functions included.
+    Without such branches best = worst, the cycles of every call. With them, paths that no input takes are included, so
+    `worst` may exceed the largest cycle count that occurs. stack_bytes: most stack on any path, callees included.
     """
 
     best: int
@@ -55,11 +54,11 @@ class CycleBounds:
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a way stands when a packet is issued.
+    """State of a path when a packet is issued.
 
-    landing: (cycles until it lands, target) of branches under way, a target None being the return. returns: addresses
-    to return to, innermost last. link: what a call has put into B3, until a branch into a function uses it.
-    taken: how often each bounded branch was taken. known: loop counters. said: what branches say of predicates.
+    landing: (cycles until it takes effect, target) of branches in flight; target None is the return. returns: return
+    addresses, innermost last. link: address in B3 set by a call, until a branch into a function uses it. taken: how
+    often each bounded branch was taken. known: values of loop counters. answers: knowledge about predicate registers.
     """
 
     address: int
@@ -67,34 +66,34 @@ class _Place:
     returns: tuple[int, ...] = ()
     link: int | None = None
     taken: tuple[int, ...] = ()
-    known: counters.Known = field(default_factory=counters.Known)
-    said: Said = field(default_factory=Said)
+    known: counters.KnownRegisters = field(default_factory=counters.KnownRegisters)
+    answers: KnownPredicates = field(default_factory=KnownPredicates)
 
 
 def bounds(
-    image: Image, packets: Mapping[int, Packet], function: str, limits: Mapping[int, int] | None = None
+    image: ProgramImage, packets: Mapping[int, Packet], function: str, limits: Mapping[int, int] | None = None
 ) -> CycleBounds:
     """Bounds of the stall-free cycles of one call of `function`, including what it calls.
 
-    limits: for the address of a branch instruction, how often it is taken at most in one call.
-    Raises TargetError for a loop without a limit, a computed jump, recursion, a stack that moves by what is not known,
-    or code that the simulator refuses.
+    limits: by address of a branch instruction, how often one call takes it at most.
+    Raises TargetError for a loop without a limit, a computed jump, recursion, a stack pointer changed by an unknown
+    amount, or code that the simulator refuses.
     """
     limits = limits or {}
     start = image.symbol(function).address
-    registers = counters.followed(packets, start) | {STACK_POINTER}
+    registers = counters.decisive_registers(packets, start) | {STACK_POINTER}
     walk = _Walk(image, packets, tuple(sorted(limits)), limits, registers)
-    known = counters.on_entry(registers)
+    known = counters.entry_values(registers)
     best, worst = walk.extremes(_Place(start, taken=(0,) * len(limits), known=known))
     return CycleBounds(best, worst, tuple(sorted(walk.data_dependent)), walk.stack_bytes)
 
 
 class _Walk:
-    """Every place that can be reached, each visited once."""
+    """Depth-first visit of every reachable state, each once."""
 
     def __init__(
         self,
-        image: Image,
+        image: ProgramImage,
         packets: Mapping[int, Packet],
         bounded: tuple[int, ...],
         limits: Mapping[int, int],
@@ -111,7 +110,7 @@ class _Walk:
         self.data_dependent: set[int] = set()
 
     def extremes(self, start: _Place) -> tuple[int, int]:
-        """Fewest and most cycles from `start` to the return: depth first, without recursion."""
+        """Fewest and most cycles from `start` to the return; iterative, for functions of any length."""
         known: dict[_Place | None, tuple[int, int]] = {None: (0, 0)}
         onward: dict[_Place, list[tuple[int, _Place | None]]] = {}
         stack: list[_Place] = [start]
@@ -123,20 +122,20 @@ class _Walk:
                     raise TargetError(self._endless(place, place))
                 self.stack_bytes = max(self.stack_bytes, place.known.below(STACK_POINTER))
                 onward[place] = list(self._steps(place))
-                for _, following in onward[place]:
-                    if following in onward and following not in known:
-                        raise TargetError(self._endless(place, following))
-                    if following is not None and following not in known:
-                        stack.append(following)
+                for _, successor in onward[place]:
+                    if successor in onward and successor not in known:
+                        raise TargetError(self._endless(place, successor))
+                    if successor is not None and successor not in known:
+                        stack.append(successor)
                 continue
             stack.pop()
             if place not in known:
-                ways = [(cycles, known[following]) for cycles, following in onward[place]]
-                known[place] = (min(c + w[0] for c, w in ways), max(c + w[1] for c, w in ways))
+                paths = [(cycles, known[successor]) for cycles, successor in onward[place]]
+                known[place] = (min(c + rest[0] for c, rest in paths), max(c + rest[1] for c, rest in paths))
         return known[start]
 
     def _steps(self, place: _Place) -> Iterator[tuple[int, _Place | None]]:
-        """What may follow the packet at `place`, and the cycles until then; None: the function has returned."""
+        """(cycles, next state) for each path onward from the packet at `place`; the state is None after the return."""
         packet = self.packets.get(place.address)
         if packet is None or packet.refusal:
             raise TargetError((packet and packet.refusal) or f"{place.address:08x}: no execute packet starts here")
@@ -145,13 +144,13 @@ class _Walk:
             cycles = min(due, 1 + packet.idle)
             landing = tuple((left - cycles, there) for left, there in after.landing if left > cycles)
             known = counters.after(place.known, packet, cycles, self.registers)
-            after = replace(after, known=known, said=after.said.after(packet, cycles))
+            after = replace(after, known=known, answers=after.answers.after(packet, cycles))
             if due > cycles:
                 yield cycles, replace(after, address=packet.next, landing=landing)
             elif target is not None:
                 yield cycles, self._entered(replace(after, address=target, landing=landing))
             elif after.link is not None:
-                raise TargetError(f"{place.address:08x}: a call through a pointer; what it calls is not known here")
+                raise TargetError(f"{place.address:08x}: a call through a pointer; its target is unknown")
             elif after.returns:
                 address, outer = after.returns[-1], after.returns[:-1]
                 yield cycles, replace(after, address=address, landing=landing, returns=outer)
@@ -159,9 +158,9 @@ class _Walk:
                 yield cycles, None
 
     def _issued(self, packet: Packet, place: _Place) -> Iterator[_Place]:
-        """`place` after the packet's own effects: one for each combination of branches taken and not taken."""
+        """`place` after the packet's own effects, one state for each combination of branches taken and not taken."""
         link = place.link
-        ways = [place]
+        paths = [place]
         for instruction, action in zip(packet.instructions, packet.actions, strict=True):
             if isinstance(action, LoadAddress) and action.destination == _LINK:
                 link = action.address
@@ -170,40 +169,42 @@ class _Walk:
             if action.link is not None:
                 link = packet.next
             onward: list[_Place] = []
-            for way in ways:
+            for path in paths:
                 counted = place.known.holds(instruction)
-                executed = way.said.holds(instruction.predicate) if counted is None else counted
+                executed = path.answers.holds(instruction.predicate) if counted is None else counted
                 if executed is None:
                     self.data_dependent.add(instruction.address)
-                may = executed is not False and self._may_be_taken(instruction.address, way)
+                may = executed is not False and self._may_be_taken(instruction.address, path)
                 if not (executed and may):
-                    onward.append(replace(way, said=way.said.with_answer(instruction.predicate, executed=False)))
+                    onward.append(
+                        replace(path, answers=path.answers.with_answer(instruction.predicate, executed=False))
+                    )
                 if may:
-                    said = way.said.with_answer(instruction.predicate, executed=True)
-                    onward.append(self._branched(instruction.address, action, replace(way, said=said)))
-            ways = onward
-        for way in ways:
-            yield replace(way, link=link)
+                    answers = path.answers.with_answer(instruction.predicate, executed=True)
+                    onward.append(self._branched(instruction.address, action, replace(path, answers=answers)))
+            paths = onward
+        for path in paths:
+            yield replace(path, link=link)
 
-    def _may_be_taken(self, branch: int, way: _Place) -> bool:
-        return branch not in self.limits or way.taken[self.bounded.index(branch)] < self.limits[branch]
+    def _may_be_taken(self, branch: int, path: _Place) -> bool:
+        return branch not in self.limits or path.taken[self.bounded.index(branch)] < self.limits[branch]
 
-    def _branched(self, branch: int, action: Branch, way: _Place) -> _Place:
+    def _branched(self, branch: int, action: Branch, path: _Place) -> _Place:
         target = action.target
         if isinstance(target, Register) and target != _LINK and self._in_library(branch):
             raise TargetError(
-                f"{branch:08x}: the compiler's library jumps to the address in {target}, by a table or so"
+                f"{branch:08x}: the compiler's library jumps to the address in {target}; jump tables are not followed"
             )
         there = None if isinstance(target, Register) else target
-        taken = tuple(n + (at == branch) for at, n in zip(self.bounded, way.taken, strict=True))
-        return replace(way, landing=(*way.landing, (BRANCH_DELAY + 1, there)), taken=taken)
+        taken = tuple(n + (at == branch) for at, n in zip(self.bounded, path.taken, strict=True))
+        return replace(path, landing=(*path.landing, (BRANCH_DELAY + 1, there)), taken=taken)
 
     def _in_library(self, address: int) -> bool:
-        """Whether the code is the compiler's own library, which is not compiled with FLAGS and may use jump tables."""
+        """Whether the code is from the compiler's library, which may use jump tables: FLAGS do not apply to it."""
         return self.owners[bisect_right(self.owners, (address, "~")) - 1][1].startswith("__")
 
     def _entered(self, place: _Place) -> _Place:
-        """A branch that lands on a function with B3 set for it is a call: remember where it returns to."""
+        """A branch to a function with B3 set is a call: push its return address."""
         if place.link is None or place.address not in self.entries:
             return place
         if len(place.returns) >= MAX_CALL_DEPTH:

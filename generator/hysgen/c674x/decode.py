@@ -1,6 +1,6 @@
-"""From an instruction to what it does: one of six actions.
+"""Decoding of an instruction to one of six actions.
 
-The interpreter, the fast engine and the cycle counts all start from the same actions.
+Interpreter, compiled engine and static cycle counts use the same actions.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ class Compute:
 
 @dataclass(frozen=True)
 class Access:
-    """What a load or a store shares: `size` bytes at `memory`, which must be a multiple of `alignment`.
+    """Common part of loads and stores: `size` bytes at address `memory`, a multiple of `alignment`.
 
-    registers: the low word's register first, then the high word's if there are 64 bits.
+    registers: the register of the low word, then, for 64 bits, the register of the high word.
     """
 
     memory: Memory
@@ -41,7 +41,7 @@ class Access:
 
 @dataclass(frozen=True)
 class Load(Access):
-    """registers := memory, extended by sign or by zeros; readable after `delay` further cycles."""
+    """registers := memory, sign-extended if `signed`, else zero-extended; readable after `delay` further cycles."""
 
     signed: bool
     delay: int
@@ -49,14 +49,14 @@ class Load(Access):
 
 @dataclass(frozen=True)
 class Store(Access):
-    """memory := registers, seen by loads of later packets."""
+    """memory := registers; loads of later packets read the new value."""
 
 
 @dataclass(frozen=True)
 class Branch:
-    """Go on at `target` after the delay slots. `link`: register that gets the address of the next packet, for a call.
+    """Jump to `target` after the delay slots. link: register for the address of the next packet, in a call.
 
-    idle: cycles without instructions that follow the packet.
+    idle: cycles without instructions after the packet.
     """
 
     target: Register | int
@@ -66,7 +66,7 @@ class Branch:
 
 @dataclass(frozen=True)
 class LoadAddress:
-    """destination := a code address, known when the program is linked; then `idle` cycles without instructions."""
+    """destination := a code address known at link time; then `idle` cycles without instructions."""
 
     destination: Register
     address: int
@@ -75,7 +75,7 @@ class LoadAddress:
 
 @dataclass(frozen=True)
 class Idle:
-    """`cycles` cycles without instructions beyond the packet's own."""
+    """`cycles` cycles without instructions after the packet's own cycle."""
 
     cycles: int
 
@@ -98,16 +98,16 @@ _CONSTANT_FORM_ONLY = frozenset({"ext", "extu", "set", "clr"})
 
 
 def action(instruction: Instruction) -> Action:
-    """What the instruction does.
+    """The action of an instruction.
 
-    Raises TargetError if it, or this form of it, is not modelled; the text says where and names the instruction.
+    Raises TargetError with address and text if the instruction, or this form of it, is not modelled.
     """
     try:
         found = _action(instruction)
     except (ValueError, IndexError):
         found = None
     if found is None:
-        raise TargetError(f"{instruction}: not modelled by the simulator; avoid what compiles to it, or use the host")
+        raise TargetError(f"{instruction}: not modelled by the simulator; change the C, or use the host")
     return found
 
 
@@ -174,7 +174,7 @@ _CONTROL: Mapping[str, Callable[[tuple[Operand, ...]], Action]] = {
 }
 
 MODELLED = frozenset({*INTEGER, *FLOAT, *_LOADS, *_STORES, *_CONTROL})
-"""Mnemonics of every instruction that has an action; whatever else there is, is refused."""
+"""Mnemonics of all modelled instructions; every other instruction is refused."""
 
 
 def _memory(operand: Operand) -> Memory:

@@ -1,4 +1,4 @@
-"""Reading a linked C674x program: what is loaded where, and what the symbols are called."""
+"""Reading a linked C674x program: its memory sections and symbols."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _STT_FUNC = 2
 
 
 @dataclass(frozen=True)
-class Section:
-    """A stretch of target memory: `size` bytes at `address`, zero beyond `content`."""
+class MemorySection:
+    """`size` bytes of target memory at `address`: `content`, then zeros."""
 
     name: str
     address: int
@@ -27,7 +27,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Symbol:
-    """A name, its address, the bytes it covers, and whether it is a function."""
+    """A named address of `size` bytes; function: whether it is a function."""
 
     name: str
     address: int
@@ -36,10 +36,10 @@ class Symbol:
 
 
 @dataclass(frozen=True)
-class Image:
-    """A program as it lies in the target's memory, ready to run."""
+class ProgramImage:
+    """The memory image of a linked program."""
 
-    sections: tuple[Section, ...]
+    sections: tuple[MemorySection, ...]
     symbols: Mapping[str, Symbol]
 
     def symbol(self, name: str) -> Symbol:
@@ -49,10 +49,10 @@ class Image:
         return self.symbols[name]
 
 
-def read(data: bytes) -> Image:
-    """Sections to load and named symbols of a linked little-endian ELF file.
+def read(data: bytes) -> ProgramImage:
+    """Loadable sections and named symbols of a linked ELF file.
 
-    Raises TargetError if the bytes are not such a file for the C6000.
+    Raises TargetError if `data` is not a little-endian 32-bit ELF file for the C6000.
     Source: System V ABI, chapters 4 and 5; C6000 EABI (SPRAB89), chapter 14.
     """
     if data[:6] != b"\x7fELF\x01\x01":
@@ -71,14 +71,14 @@ def read(data: bytes) -> Image:
         if flags & _SHF_ALLOC and size:
             content = b"" if kind == _SHT_NOBITS else data[offset : offset + size]
             name = _text(data, names_at + name_at)
-            sections.append(Section(name, address, size, content, bool(flags & _SHF_WRITE)))
+            sections.append(MemorySection(name, address, size, content, bool(flags & _SHF_WRITE)))
         if kind == _SHT_SYMTAB:
             for at in range(offset, offset + size, 16):
                 name_at, value, extent, info, _other, index = struct.unpack_from("<IIIBBH", data, at)
                 name = _text(data, headers[link][4] + name_at)
                 if name and index:
                     symbols[name] = Symbol(name, value, extent, info & 15 == _STT_FUNC)
-    return Image(tuple(sections), symbols)
+    return ProgramImage(tuple(sections), symbols)
 
 
 def _text(data: bytes, at: int) -> str:

@@ -1,12 +1,12 @@
-"""Running packets one cycle at a time, written to be read: the specification of the pipeline.
+"""Interpreter of execute packets, cycle by cycle: the readable specification of the pipeline.
 
 The rules, each a few lines below (source: SPRUFE8, sections 3 and 4):
 - every instruction of a packet reads its registers before any of them writes;
-- a result lands `delay + 1` cycles after issue; until then the old value is there to be read;
+- a result is written `delay + 1` cycles after issue; until then reads give the old value;
 - memory is read and written in the order of issue, the loads of a packet before its stores;
-- a taken branch lands 6 cycles after issue and ends a multi-cycle NOP that is under way;
-- two results for one register in one cycle, or from one unit's write port, are undefined: refused.
-Stalls (caches, memory banks, cross paths) are not part of `cycles`; those of the cross paths are counted aside.
+- a taken branch takes effect 6 cycles after issue and ends a multi-cycle NOP in progress;
+- two writes to one register, or from one unit's write port, in one cycle are undefined and refused.
+Stalls (caches, memory banks, cross paths) are not part of `cycles`; those of the cross paths are counted separately.
 """
 
 from __future__ import annotations
@@ -17,13 +17,21 @@ from hysgen.c674x.assembly import Instruction, Register
 from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source, Store
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
-from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, STACK_POINTER, Counts, Fault, Processor
+from hysgen.c674x.processor import (
+    MEMORY_BASE,
+    MEMORY_SIZE,
+    RETURN_ADDRESS,
+    STACK_POINTER,
+    Processor,
+    ProcessorFault,
+    RunCounts,
+)
 from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, FloatUnit, signed
 
 
 @dataclass(frozen=True)
 class _Write:
-    """A result on its way to a register. `port`: the unit that writes it, None for loads and addresses."""
+    """A pending write to a register. port: the writing unit, None for loads and addresses."""
 
     register: Register
     value: int
@@ -32,15 +40,15 @@ class _Write:
 
 
 class _FaultError(Exception):
-    """A fault inside the packet being issued; `run` adds where."""
+    """A fault in the packet being issued; `run` adds its address."""
 
-    def __init__(self, kind: Fault, detail: int = 0) -> None:
+    def __init__(self, kind: ProcessorFault, detail: int = 0) -> None:
         self.kind, self.detail = kind, detail
 
 
 @dataclass
 class _Run:
-    """A run under way: the processor, and the results and branches in flight by the cycle in which they land."""
+    """State of a run: the processor, and pending writes and branches by the cycle in which they take effect."""
 
     processor: Processor
     cycle: int = 0
@@ -50,10 +58,10 @@ class _Run:
     lowest_stack_pointer: int = MASK
 
 
-def run(processor: Processor, cycle_limit: int) -> Counts:
-    """Run from `processor.program_counter` until a branch to RETURN_ADDRESS lands.
+def run(processor: Processor, cycle_limit: int) -> RunCounts:
+    """Run from `processor.program_counter` until a branch to RETURN_ADDRESS takes effect.
 
-    Raises TargetError, naming the packet, for what the processor forbids or the simulator does not model.
+    Raises TargetError with the packet if the processor forbids its effect or the simulator does not model it.
     """
     state = _Run(processor)
     idle = stalls = issued = here = 0
@@ -65,7 +73,7 @@ def run(processor: Processor, cycle_limit: int) -> Counts:
         if processor.program_counter == RETURN_ADDRESS:
             break
         if state.cycle >= cycle_limit:
-            raise processor.fault(Fault.CYCLE_LIMIT, here, cycle_limit)
+            raise processor.fault(ProcessorFault.CYCLE_LIMIT, here, cycle_limit)
         if idle:
             idle -= 1
         else:
@@ -83,11 +91,11 @@ def run(processor: Processor, cycle_limit: int) -> Counts:
     while state.writes:
         state.cycle += 1
         _land(state)
-    return Counts(cycles, stalls, issued, state.unit.denormals, state.unit.nans, state.lowest_stack_pointer)
+    return RunCounts(cycles, stalls, issued, state.unit.denormals, state.unit.nans, state.lowest_stack_pointer)
 
 
 def _land(state: _Run) -> set[Register]:
-    """Results due in this cycle reach their registers; those that a cross path would have to wait for are returned."""
+    """Perform the writes due in this cycle; returns the registers that a cross path would have to wait for."""
     landing = state.writes.pop(state.cycle, [])
     for write in landing:
         state.processor.registers[write.register.index] = write.value
@@ -114,7 +122,7 @@ def _executes(instruction: Instruction, registers: tuple[int, ...]) -> bool:
 
 
 def _start(instruction: Instruction, action: Action, packet: Packet, registers: tuple[int, ...], state: _Run) -> None:
-    """Take the operands from `registers`, their values at issue, and put the results on their way."""
+    """Read the operands from `registers`, the values at issue, and schedule the results."""
     match action:
         case Compute(destination=destination, delay=delay):
             value = _computed(action, registers, state.unit)
@@ -131,7 +139,7 @@ def _start(instruction: Instruction, action: Action, packet: Packet, registers: 
         case Branch(target=target, link=link):
             lands = state.cycle + BRANCH_DELAY + 1
             if lands in state.branches:
-                raise _FaultError(Fault.BRANCH_CLASH)
+                raise _FaultError(ProcessorFault.BRANCH_CLASH)
             state.branches[lands] = _value(target, registers)
             if link is not None:
                 _later(state, 0, _Write(link, packet.next, None, False))
@@ -146,7 +154,7 @@ def _computed(action: Compute, registers: tuple[int, ...], unit: FloatUnit) -> i
     try:
         return FLOAT[action.mnemonic](unit, *images)
     except ValueError:
-        raise _FaultError(Fault.NAN_TO_INTEGER) from None
+        raise _FaultError(ProcessorFault.NAN_TO_INTEGER) from None
 
 
 def _value(source: Source, registers: tuple[int, ...]) -> int:
@@ -154,7 +162,7 @@ def _value(source: Source, registers: tuple[int, ...]) -> int:
 
 
 def _port(instruction: Instruction) -> str | None:
-    """The write port that results of different latencies of an L, S or M unit share; D knows one latency only."""
+    """The write port shared by results of different latencies of an L, S or M unit; a D unit has one latency only."""
     unit = instruction.unit
     return unit.name if unit and unit.kind in "LSM" else None
 
@@ -163,14 +171,14 @@ def _later(state: _Run, delay: int, write: _Write) -> None:
     landing = state.writes.setdefault(state.cycle + delay + 1, [])
     for other in landing:
         if other.register == write.register:
-            raise _FaultError(Fault.REGISTER_CLASH, write.register.index)
+            raise _FaultError(ProcessorFault.REGISTER_CLASH, write.register.index)
         if write.port is not None and other.port == write.port:
-            raise _FaultError(Fault.PORT_CLASH)
+            raise _FaultError(ProcessorFault.PORT_CLASH)
     landing.append(write)
 
 
 def _address(action: Access, registers: tuple[int, ...], state: _Run) -> int:
-    """The address accessed; the base register, if it moves, gets its new value in the next cycle."""
+    """The accessed address; an updated base register gets its new value in the next cycle."""
     memory = action.memory
     base = registers[memory.base.index]
     offset = _value(memory.offset, registers) * (action.size if memory.scaled else 1)
@@ -179,9 +187,9 @@ def _address(action: Access, registers: tuple[int, ...], state: _Run) -> int:
         _later(state, 0, _Write(memory.base, moved, None, False))
     address = base if memory.step == "after" else moved
     if address % action.alignment:
-        raise _FaultError(Fault.MISALIGNED, address)
+        raise _FaultError(ProcessorFault.MISALIGNED, address)
     if not MEMORY_BASE <= address <= MEMORY_BASE + MEMORY_SIZE - action.size:
-        raise _FaultError(Fault.OUTSIDE, address)
+        raise _FaultError(ProcessorFault.OUTSIDE, address)
     return address
 
 
@@ -193,6 +201,6 @@ def _read(processor: Processor, address: int, action: Load) -> int:
 
 def _store(processor: Processor, address: int, size: int, value: int) -> None:
     if address < processor.read_only_end:
-        raise _FaultError(Fault.READ_ONLY, address)
+        raise _FaultError(ProcessorFault.READ_ONLY, address)
     start = address - MEMORY_BASE
     processor.memory[start : start + size] = (value & (1 << 8 * size) - 1).to_bytes(size, "little")

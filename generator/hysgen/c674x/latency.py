@@ -1,7 +1,7 @@
-"""When a result can be read: delay slots of every instruction that the simulator models.
+"""Latencies: delay slots of every modelled instruction.
 
-A result of an instruction issued in cycle t with d delay slots is seen by instructions issued in cycle t + d + 1 and
-later; until then the register holds its old value. Nothing in the processor waits: the compiler must know.
+The result of an instruction issued in cycle t with d delay slots is read by instructions issued in cycle t + d + 1 and
+later; until then the register holds its old value. The pipeline has no interlocks: the compiler must schedule for it.
 Source: SPRUFE8, section 4 (pipeline phases per instruction type).
 """
 
@@ -34,10 +34,10 @@ _READ_AND_WRITTEN = re.compile(r"\bORWREG(\d)\b")
 
 
 def write_cycles(opcode_table: str) -> dict[str, frozenset[int]]:
-    """For each mnemonic, the pipeline cycles (1 = E1) in which binutils says that it writes its destination register.
+    """For each mnemonic, the pipeline cycles (1 = E1) of the write to its destination, according to binutils.
 
-    opcode_table: the text of binutils' include/opcode/tic6x-opcode-table.h, whose operand macros carry the cycle as a
-    digit, such as OWREG4. Forms with 40-bit results and those for 16-bit opcodes are listed there too and count.
+    opcode_table: text of binutils' include/opcode/tic6x-opcode-table.h; the digit of its operand macros, such as
+    OWREG4, is the cycle. Forms with 40-bit results and 16-bit opcodes are included.
     """
     found: dict[str, set[int]] = {}
     for entry in _ENTRY.finditer(opcode_table):
@@ -48,10 +48,10 @@ def write_cycles(opcode_table: str) -> dict[str, frozenset[int]]:
 
 
 def disagreements(opcode_table: str, delay_slots: Mapping[str, int] = DELAY_SLOTS) -> Iterator[str]:
-    """One line for each mnemonic of `delay_slots` whose delay binutils does not confirm; nothing if all agree."""
+    """One line for each mnemonic whose delay slots differ from the write cycles in binutils' opcode table."""
     written = write_cycles(opcode_table)
     for mnemonic, delay in sorted(delay_slots.items()):
         cycles = written.get(mnemonic, frozenset())
         if cycles != {delay + 1}:
-            told = " or ".join(f"E{cycle}" for cycle in sorted(cycles)) or "nothing"
-            yield f"{mnemonic}: {delay} delay slots here, written in {told} by binutils"
+            cycles_text = " or ".join(f"E{cycle}" for cycle in sorted(cycles)) or "nothing"
+            yield f"{mnemonic}: {delay} delay slots here, written in {cycles_text} by binutils"

@@ -1,4 +1,4 @@
-"""Calling functions of a C674x program from Python and looking at its memory."""
+"""Calls of functions of a C674x program from Python, and access to its memory."""
 
 from __future__ import annotations
 
@@ -11,41 +11,41 @@ from numpy.typing import DTypeLike, NDArray
 
 from hysgen.c674x import interpreter, translation
 from hysgen.c674x.assembly import Register, instructions
-from hysgen.c674x.elf import Image
+from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.packets import packets
-from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, STACK_POINTER, Counts, load
+from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, STACK_POINTER, RunCounts, load
 from hysgen.c674x.semantics import MASK, from_image, to_image
 from hysgen.errors import TargetError
 
 Argument = float | int | np.float32 | np.integer[Any]
 
-# C6000 EABI (SPRAB89), chapter 3: arguments alternate between the files; what a callee must give back unchanged.
+# C6000 EABI (SPRAB89), chapter 3: arguments alternate between the register files; a callee preserves 10..15 of both.
 _ARGUMENT_REGISTERS = (4, 32 + 4, 6, 32 + 6, 8, 32 + 8, 10, 32 + 10, 12, 32 + 12)
 _CALLEE_SAVED = (*range(10, 16), *range(32 + 10, 32 + 16))
 _RETURN_VALUE, _LINK = 4, 32 + 3
 
 _STACK_TOP = MEMORY_BASE + MEMORY_SIZE - 64
 _STACK_ROOM = 0x4000
-# What registers hold that a caller does not set: a conspicuous number, as integer and as float.
+# Initial value of registers that the caller does not set: conspicuous as integer and as float.
 _LEFTOVER = 0xCDCD_0000
 
 CYCLE_LIMIT = 100_000_000
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What a call returned and cost.
+class CallOutcome:
+    """Result and cost of a call.
 
-    bits: register A4, the return value's 32-bit image. stack_bytes: how far the stack reached down.
+    bits: register A4, the 32-bit image of the return value. stack_bytes: most stack in use.
     """
 
     bits: int
-    counts: Counts
+    counts: RunCounts
     stack_bytes: int
 
     @property
     def cycles(self) -> int:
-        """Cycles from the first packet until the return branch lands, without stalls."""
+        """Cycles from the first packet until the return branch takes effect, without stalls."""
         return self.counts.cycles
 
     @property
@@ -55,8 +55,8 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Outcomes:
-    """N calls of one function. bits, cycles, stalls, denormals, nans: (N,). memory: what was read back, (N, words)."""
+class CallOutcomes:
+    """Results of N calls of one function. bits, cycles, stalls: (N,). memory: words after each call, (N, words)."""
 
     bits: NDArray[np.uint32]
     cycles: NDArray[np.int64]
@@ -67,13 +67,13 @@ class Outcomes:
 
 
 class Machine:
-    """A C674x with a program in its memory. Memory lasts from call to call; registers do not.
+    """A C674x with a program in its memory. Memory persists between calls; registers are initialised in each call.
 
-    image, listing: the linked program and its disassembly (`toolchain.compile` gives both).
-    interpreted: use the readable interpreter instead of the compiled engine. Same results, a hundred times slower.
+    image, listing: the linked program and its disassembly, from `toolchain.compile`.
+    interpreted: use the interpreter instead of the compiled engine; same results, a hundred times slower.
     """
 
-    def __init__(self, image: Image, listing: str, interpreted: bool = False) -> None:
+    def __init__(self, image: ProgramImage, listing: str, interpreted: bool = False) -> None:
         self.image = image
         self.packets = packets(instructions(listing))
         self._processor = load(image, self.packets)
@@ -82,11 +82,11 @@ class Machine:
         self._free = self._processor.free
 
     def address(self, where: str | int) -> int:
-        """The address of a symbol; an address is returned as it is."""
+        """The address of a symbol; an address is returned unchanged."""
         return self.image.symbol(where).address if isinstance(where, str) else where
 
     def allocate(self, words: int) -> int:
-        """The address of `words` fresh 32-bit words of zeros, aligned to 8 bytes: a place for a caller's object."""
+        """Allocate `words` 32-bit words of zeros, aligned to 8 bytes; returns their address."""
         start = (self._free + 7) & ~7
         if start + 4 * words > _STACK_TOP - _STACK_ROOM:
             raise TargetError(f"{4 * words} bytes do not fit into the target's memory beside program and stack")
@@ -94,10 +94,10 @@ class Machine:
         return start
 
     def view(self, where: str | int, words: int, dtype: DTypeLike = np.float32) -> NDArray[Any]:
-        """`words` 32-bit numbers of the memory itself, at a symbol or address: writing to them writes the memory."""
+        """A writable view of `words` 32-bit numbers of the memory at a symbol or address."""
         start = self.address(where) - MEMORY_BASE
         if start < 0 or start % 4 or start + 4 * words > MEMORY_SIZE:
-            raise TargetError(f"{where}: {words} words there do not lie in the target's memory, aligned")
+            raise TargetError(f"{where}: {words} words there are unaligned or outside the target's memory")
         return self._bytes[start : start + 4 * words].view(np.dtype(dtype).newbyteorder("<"))
 
     def read(self, where: str | int, words: int, dtype: DTypeLike = np.float32) -> NDArray[Any]:
@@ -105,17 +105,17 @@ class Machine:
         return self.view(where, words, dtype).astype(np.dtype(dtype))
 
     def write(self, where: str | int, values: NDArray[Any] | Sequence[float]) -> None:
-        """Put 32-bit numbers into the memory: an array's own bits, or a sequence of floats rounded to float32."""
+        """Write 32-bit numbers to memory: the bits of an array, or a sequence of floats rounded to float32."""
         array = np.asarray(values, dtype=None if isinstance(values, np.ndarray) else np.float32)
         if array.dtype.itemsize != 4:
             raise TargetError(f"{where}: values of type {array.dtype} are not 32 bits wide; use float32 or uint32")
         self.view(where, array.size, array.dtype)[:] = array.ravel()
 
-    def call(self, function: str, *arguments: Argument, cycle_limit: int = CYCLE_LIMIT) -> Outcome:
+    def call(self, function: str, *arguments: Argument, cycle_limit: int = CYCLE_LIMIT) -> CallOutcome:
         """Call a function by the C calling convention.
 
         arguments: a float is passed as float32, an int as a 32-bit integer or pointer; at most ten.
-        Raises TargetError for whatever the simulator refuses, and if a register is not given back as the ABI demands.
+        Raises TargetError if the simulator refuses an instruction or the callee does not preserve a register.
         """
         return self._call(self.address(function), [_image(argument) for argument in arguments], cycle_limit)
 
@@ -126,12 +126,12 @@ class Machine:
         write: Mapping[str | int, NDArray[Any]] | None = None,
         read: Mapping[str | int, int] | None = None,
         cycle_limit: int = CYCLE_LIMIT,
-    ) -> Outcomes:
-        """Call a function N times, memory lasting from one call to the next.
+    ) -> CallOutcomes:
+        """Call a function N times; memory persists between the calls.
 
         arguments: arrays of N values, or one value for all calls.
-        write: for a symbol or address, (N, words) numbers; row i is put there before call i.
-        read: for a symbol or address, how many words to keep of what call i left there.
+        write: by symbol or address, (N, words) numbers; row i is written before call i.
+        read: by symbol or address, the number of words that are read after each call.
         """
         sources = {where: np.asarray(rows) for where, rows in (write or {}).items()}
         lengths = {len(each) for each in (*arguments, *sources.values()) if isinstance(each, np.ndarray)}
@@ -154,9 +154,9 @@ class Machine:
             bits[i], cycles[i], stalls[i] = outcome.bits, outcome.cycles, outcome.counts.stalls
             denormals += outcome.counts.denormals
             nans += outcome.counts.nans
-        return Outcomes(bits, cycles, stalls, denormals, nans, memory)
+        return CallOutcomes(bits, cycles, stalls, denormals, nans, memory)
 
-    def _call(self, entry: int, images: list[int], cycle_limit: int) -> Outcome:
+    def _call(self, entry: int, images: list[int], cycle_limit: int) -> CallOutcome:
         if len(images) > len(_ARGUMENT_REGISTERS):
             raise TargetError(f"{entry:08x}: {len(images)} arguments; ten go in registers, more are not modelled")
         registers = [_LEFTOVER + index for index in range(64)]
@@ -170,7 +170,7 @@ class Machine:
             if processor.registers[index] != registers[index]:
                 raise TargetError(f"{entry:08x}: returned with register {Register(index)} changed, against the ABI")
         stack_bytes = max(0, _STACK_TOP - counts.lowest_stack_pointer)
-        return Outcome(processor.registers[_RETURN_VALUE], counts, stack_bytes)
+        return CallOutcome(processor.registers[_RETURN_VALUE], counts, stack_bytes)
 
 
 def _image(argument: Argument) -> int:

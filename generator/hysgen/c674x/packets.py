@@ -1,7 +1,7 @@
-"""Execute packets: instructions that start in the same cycle, and the processor's limits on what may share one.
+"""Execute packets: instructions issued in the same cycle, and the resource limits of one packet.
 
-Sources: SPRUFE8, section 3.8 (resource constraints). A packet that breaks a limit would do something undefined on
-silicon, so the simulator refuses it, which is also a check on the compiler's schedule.
+Source: SPRUFE8, section 3.8 (resource constraints). The effect of a packet beyond a limit is undefined on silicon. The
+simulator refuses such packets, which also checks the compiler's schedule.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ _UNITS_PER_CROSS_PATH = 2
 
 @dataclass(frozen=True)
 class Packet:
-    """Instructions issued together at `address`, and what each does; `next` follows unless a branch lands.
+    """Instructions issued together at `address`, and their actions; `next` is the address after the packet.
 
-    idle: cycles without instructions after the packet's own.
-    cross_reads: registers read over a cross path. If one was written in the cycle before, by anything but a load,
-    silicon waits for one cycle: the simulator counts these stalls beside its stall-free cycles.
-    refusal: why the packet cannot be run, or None. Kept until the packet is reached: a library routine that is linked
-    in but never called may hold instructions that are not modelled.
+    idle: cycles without instructions after the packet's own cycle.
+    cross_reads: registers read over a cross path. Silicon stalls for one cycle if such a register was written in the
+    preceding cycle by an instruction other than a load; the simulator counts these stalls separately from the cycles.
+    refusal: why the packet cannot be run, or None. It is reported only when the packet is reached: linked library
+    routines that are never called may hold instructions that are not modelled.
     """
 
     address: int
@@ -44,7 +44,7 @@ class Packet:
 
 
 def packets(instructions: Iterable[Instruction]) -> Mapping[int, Packet]:
-    """The packets of a program by address, found from the bars before parallel instructions."""
+    """The packets of a program by address; the bars (`||`) of the listing mark parallel instructions."""
     return {packet.address: packet for packet in map(_packet, _groups(instructions))}
 
 
@@ -85,7 +85,7 @@ def _check(group: list[Instruction], actions: tuple[Action, ...]) -> None:
     reads = Counter(str(register) for each in actions for register in _reads(each))
     _refuse_excess(here, "register read port of", reads, _READS_PER_REGISTER)
     if sum(_idle(each) > 0 for each in actions) > 1:
-        raise TargetError(f"{here}: two instructions of the packet ask for idle cycles")
+        raise TargetError(f"{here}: two instructions of the packet request idle cycles")
     _check_cross_paths(group, actions)
     for instruction, each in zip(group, actions, strict=True):
         _check_sides(instruction, each)
@@ -98,7 +98,7 @@ def _refuse_excess(here: Instruction, what: str, uses: Counter[str], limit: int)
 
 
 def _idle(each: Action) -> int:
-    """Cycles without instructions that the action asks for beyond its packet's own cycle."""
+    """Cycles without instructions that the action requests after its packet's own cycle."""
     match each:
         case Idle(cycles=cycles):
             return cycles
@@ -108,7 +108,7 @@ def _idle(each: Action) -> int:
 
 
 def _data_paths(group: list[Instruction], actions: tuple[Action, ...]) -> Iterator[str]:
-    """Data paths taken by loads and stores; an access that need not be aligned takes both."""
+    """Data paths used by loads and stores; an unaligned access uses both."""
     for instruction, each in zip(group, actions, strict=True):
         if isinstance(each, Access) and instruction.unit:
             unaligned = each.alignment < each.size
@@ -116,7 +116,7 @@ def _data_paths(group: list[Instruction], actions: tuple[Action, ...]) -> Iterat
 
 
 def _reads(each: Action) -> Iterator[Register]:
-    """Registers read as operands. A predicate has its own port, and so has the register that mvkh and addk change."""
+    """Registers read through operand ports; predicates and the destination of mvkh and addk have their own ports."""
     match each:
         case Compute(mnemonic=mnemonic, sources=sources):
             printed = sources[:-1] if mnemonic in READS_DESTINATION else sources
@@ -138,7 +138,7 @@ def _cross_reads(instruction: Instruction, each: Action) -> Iterator[Register]:
 
 
 def _check_cross_paths(group: list[Instruction], actions: tuple[Action, ...]) -> None:
-    """One register per cross path and packet, for at most two units."""
+    """Each cross path carries one register per packet, to at most two units."""
     carried: dict[int, list[Register]] = defaultdict(list)
     for instruction, each in zip(group, actions, strict=True):
         if instruction.unit:
@@ -152,7 +152,7 @@ def _check_cross_paths(group: list[Instruction], actions: tuple[Action, ...]) ->
 
 
 def _check_sides(instruction: Instruction, each: Action) -> None:
-    """Operands come from the unit's own file but for those over the cross path; results go to the unit's own file."""
+    """Operands come from the unit's own register file or over the cross path; results go to the unit's own file."""
     unit = instruction.unit
     if unit is None:
         return

@@ -1,4 +1,4 @@
-"""The state that packets act on: registers and memory, what a run counts, and what ends it early."""
+"""Processor state: registers and memory; the counts of a run, and the faults that end it."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from hysgen.c674x.elf import Image
+from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.packets import Packet
 from hysgen.errors import TargetError
 
 MEMORY_BASE = 0x1180_0000
 MEMORY_SIZE = 0x4_0000  # the C6748's 256 KiB of L2 RAM, as the linker file says
-RETURN_ADDRESS = 0xFFFF_FF00  # where a called function returns to: outside any program
+RETURN_ADDRESS = 0xFFFF_FF00  # return address of the called function, outside any program
 STACK_POINTER = 32 + 15
 
 
-class Fault(enum.IntEnum):
-    """Why a run cannot go on; the text says it with the packet and one number."""
+class ProcessorFault(enum.IntEnum):
+    """Reasons for ending a run early; numbers as in engine/operations.h."""
 
     NONE = 0
     MISALIGNED = 1
@@ -33,24 +33,23 @@ class Fault(enum.IntEnum):
 
 
 _TEXTS = {
-    Fault.MISALIGNED: "address {detail:08x} is not a multiple of the size of the access",
-    Fault.OUTSIDE: "address {detail:08x} lies outside the memory",
-    Fault.READ_ONLY: "a store to {detail:08x}, where code and constants lie",
-    Fault.REGISTER_CLASH: "two results reach register {register} in one cycle",
-    Fault.PORT_CLASH: "two results leave one functional unit in one cycle",
-    Fault.BRANCH_CLASH: "two branches land in one cycle",
-    Fault.NAN_TO_INTEGER: "a NaN becomes an integer, which is not modelled; keep NaN out",
-    Fault.CYCLE_LIMIT: "still running after {detail} cycles; an endless loop, or raise the limit",
+    ProcessorFault.MISALIGNED: "address {detail:08x} is not a multiple of the size of the access",
+    ProcessorFault.OUTSIDE: "address {detail:08x} lies outside the memory",
+    ProcessorFault.READ_ONLY: "a store to {detail:08x}, where code and constants lie",
+    ProcessorFault.REGISTER_CLASH: "two results reach register {register} in one cycle",
+    ProcessorFault.PORT_CLASH: "two results leave one functional unit in one cycle",
+    ProcessorFault.BRANCH_CLASH: "two branches land in one cycle",
+    ProcessorFault.NAN_TO_INTEGER: "a NaN becomes an integer, which is not modelled; keep NaN out",
+    ProcessorFault.CYCLE_LIMIT: "still running after {detail} cycles; an endless loop, or raise the limit",
 }
 
 
 @dataclass(frozen=True)
-class Counts:
-    """What a run counted.
+class RunCounts:
+    """Counts of a run.
 
-    cycles: without stalls. stalls: cycles that silicon would add for operands over a cross path (not in `cycles`).
-    packets: execute packets issued. denormals: operands and results flushed to zero. nans: results that were NaN.
-    lowest_stack_pointer: how far the stack reached down.
+    cycles: without stalls. stalls: further cycles on silicon for operands over a cross path. packets: issued execute
+    packets. denormals: operands and results flushed to zero. nans: NaN results. lowest_stack_pointer: its least value.
     """
 
     cycles: int
@@ -63,7 +62,7 @@ class Counts:
 
 @dataclass
 class Processor:
-    """Registers, memory and the program in it. `read_only_end`: below it lie code and constants."""
+    """Registers, memory and program. read_only_end: end of code and constants. free: first unused address."""
 
     packets: Mapping[int, Packet]
     memory: bytearray
@@ -81,19 +80,19 @@ class Processor:
             raise TargetError(found.refusal)
         return found
 
-    def fault(self, kind: Fault, address: int, detail: int) -> TargetError:
-        """What to raise when the packet at `address` meets a fault."""
-        if kind in (Fault.NO_PACKET, Fault.REFUSED):
+    def fault(self, kind: ProcessorFault, address: int, detail: int) -> TargetError:
+        """The error for a fault in the packet at `address`; `detail` is an address, a register or a cycle limit."""
+        if kind in (ProcessorFault.NO_PACKET, ProcessorFault.REFUSED):
             try:
                 self.packet(address)
-            except TargetError as told:
-                return told
+            except TargetError as refusal:
+                return refusal
         register = f"{'ab'[detail // 32 % 2]}{detail % 32}"
-        told_text = _TEXTS[kind].format(detail=detail, register=register)
-        return TargetError(f"{address:08x} {self.packets[address]}: {told_text}")
+        text = _TEXTS[kind].format(detail=detail, register=register)
+        return TargetError(f"{address:08x} {self.packets[address]}: {text}")
 
 
-def load(image: Image, packets: Mapping[int, Packet]) -> Processor:
+def load(image: ProgramImage, packets: Mapping[int, Packet]) -> Processor:
     """A processor with the program in its memory. Raises TargetError if the program does not fit there."""
     memory = bytearray(MEMORY_SIZE)
     for section in image.sections:

@@ -1,4 +1,4 @@
-"""What each C674x operation computes, on 32-bit register images: the specification that the fast engine is held to.
+"""Arithmetic of each C674x operation on 32-bit register images: the specification of the compiled engine.
 
 Sources: TMS320C674x DSP CPU and Instruction Set (SPRUFE8), one page per instruction. Rounding is to nearest, ties to
 even (the reset state of FADCR and FMCR; no program here changes it).
@@ -38,12 +38,12 @@ def from_image(image: int) -> float:
 
 
 class FloatUnit:
-    """Single-precision arithmetic that knows no denormals: as operand and as result they are zero of the same sign.
+    """Single-precision arithmetic without denormals: a denormal operand or result becomes zero of the same sign.
 
-    Every operation is done in float64 and rounded once more to float32. That second rounding is harmless: products of
-    two 24-bit significands are exact in 53 bits, and for sums 53 >= 2 * 24 + 2 (Figueroa, 1995).
-    denormals, nans: how often one was flushed, how often NaN_out was the result. Equality with another machine can only
-    be promised while both stay 0.
+    Every operation is computed in float64 and rounded to float32. The double rounding changes no result: products of
+    two 24-bit significands are exact in 53 bits, and for sums 53 >= 2 * 24 + 2 (Figueroa, 1995). denormals, nans:
+    numbers of flushed denormals and of NaN results. Equality with another processor is guaranteed only while both are
+    0.
     """
 
     def __init__(self) -> None:
@@ -223,5 +223,5 @@ FLOAT: Mapping[str, Callable[..., int]] = {
     "sptrunc": FloatUnit.sptrunc,
 }
 
-# mvkh and addk change their destination: its old value is their last source.
+# Instructions that modify their destination: its old value is their last source.
 READS_DESTINATION = frozenset({"mvkh", "addk"})

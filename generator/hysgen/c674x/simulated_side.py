@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.c674x.machine import Machine, Outcomes
+from hysgen.c674x.machine import CallOutcomes, Machine
 from hysgen.checking.bits.functions import LEARNER, MODEL
 from hysgen.checking.host import Host
 
@@ -66,6 +66,6 @@ class SimulatedSide:
         places = zip((self._instance, self._learner), self._sizes, strict=True)
         return np.concatenate([self._machine.read(place, size, np.uint32) for place, size in places])
 
-    def _map(self, function: str, struct: int, y: Words, u: Words, words: int) -> Outcomes:
+    def _map(self, function: str, struct: int, y: Words, u: Words, words: int) -> CallOutcomes:
         columns = [column.view(np.float32) for column in (y, u)]
         return self._machine.map(f"{self._prefix}_{function}", struct, *columns, read={struct: words} if words else {})

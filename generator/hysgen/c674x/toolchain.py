@@ -1,7 +1,4 @@
-"""The C compiler for the target: finding it, compiling C texts with the project's flags, and what came out.
-
-The compiler is gcc for the C6000, made by firmware/toolchain/build_c674x.sh.
-"""
+"""The C compiler for the target, gcc for the C6000 built by firmware/toolchain/build_c674x.sh, and its output."""
 
 from __future__ import annotations
 
@@ -14,17 +11,17 @@ from importlib import resources
 from pathlib import Path
 
 from hysgen.c674x import elf
-from hysgen.c674x.elf import Image
+from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.machine import Machine
 from hysgen.errors import BuildError
 
-# No contraction and no reciprocals: bits. No small data: no pointer register to set up. No modulo scheduling: no
-# hardware loops, which the simulator does not model and which gain nothing here. No jump tables: the only jumps through
-# a register are returns, so cycles can be bounded without running. No loops turned into library calls: the library's
-# copy is a hardware loop, whose counter interrupt service routines do not save. -fsched-pressure and
-# -fno-tree-forwprop gave the fewest cycles for the generated code.
-# -fdbg-cnt=sched_breakdep:0 keeps the scheduler from moving loads across changes of their base register, where gcc 12
-# sometimes corrects the offset twice: wrong code, found by comparing bits.
+# -ffp-contract=off, -fno-reciprocal-math: keep the bits. -msdata=none: no pointer register to set up.
+# -fno-modulo-sched: no hardware loops, which the simulator does not model and which save no cycles here.
+# -fno-jump-tables: the only jumps through a register are returns, so cycles can be bounded statically.
+# -fno-tree-loop-distribute-patterns: no calls of the library's copy routine, a hardware loop whose counter interrupt
+# service routines do not save. -fsched-pressure, -fno-tree-forwprop: fewest cycles for the generated code.
+# -fdbg-cnt=sched_breakdep:0: the scheduler does not move loads across changes of their base register; gcc 12 sometimes
+# corrects the offset twice when it does, and the code is wrong.
 FLAGS = (
     "-std=c99",
     "-O2",
@@ -48,10 +45,10 @@ _OPCODE_TABLE = Path("share/hysgen/tic6x-opcode-table.h")
 
 @dataclass(frozen=True)
 class Firmware:
-    """A linked program. listing: its disassembly. section_bytes: of .text, .rodata, .data and .bss, 0 if absent."""
+    """A linked program. listing: disassembly. section_bytes: sizes of .text, .rodata, .data and .bss, 0 if absent."""
 
     elf: bytes
-    image: Image
+    image: ProgramImage
     listing: str
     section_bytes: Mapping[str, int]
 
@@ -60,14 +57,14 @@ class Firmware:
         return Machine(self.image, self.listing, interpreted)
 
     def function_bytes(self, name: str) -> int:
-        """Code bytes of one function, without what it calls."""
+        """Code bytes of one function, without its callees."""
         return self.image.symbol(name).size
 
 
 def folder() -> Path:
-    """Where the toolchain is: HYSGEN_C674X if set, else the cache folder that the build script fills.
+    """Folder of the toolchain: HYSGEN_C674X if set, else the build script's cache folder.
 
-    Raises BuildError that names the script if there is none.
+    Raises BuildError with the script's name if there is no compiler.
     """
     base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     chosen = Path(os.environ.get("HYSGEN_C674X") or Path(base) / "hysgen" / "c674x")
@@ -80,9 +77,9 @@ def folder() -> Path:
 
 
 def opcode_table() -> str:
-    """The assembler's table of instructions, which the build script keeps beside the compiler.
+    """Text of the assembler's opcode table, which the build script stores beside the compiler.
 
-    Raises BuildError if the toolchain was not made by that script.
+    Raises BuildError if the table is missing.
     """
     path = folder() / _OPCODE_TABLE
     if not path.exists():
@@ -99,16 +96,16 @@ def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), scrip
     """Compile and link C texts for the target.
 
     sources: (file name, text) pairs; headers among them are found by #include, `.c` and `.s` files are compiled.
-    flags: added after FLAGS. script: text of the linker script; None: a program alone in L2 RAM. Nothing is left out by
-    the linker, called or not.
-    Raises BuildError with the compiler's first complaint.
+    flags: added after FLAGS. script: text of the linker script; None: l2ram.ld, a program alone in L2 RAM. The linker
+    keeps functions that are never called.
+    Raises BuildError with the compiler's first error message.
     """
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
         for name, text in sources:
             (here / name).write_text(text, encoding="utf-8", newline="\n")
-        alone = resources.files("hysgen.c674x") / "l2ram.ld"
-        (here / "link.ld").write_text(script or alone.read_text(encoding="utf-8"), encoding="utf-8")
+        default_script = resources.files("hysgen.c674x") / "l2ram.ld"
+        (here / "link.ld").write_text(script or default_script.read_text(encoding="utf-8"), encoding="utf-8")
         units = [name for name, _ in sources if name.endswith((".c", ".s"))]
         _run("gcc", [*FLAGS, *WARNINGS, *flags, "-nostdlib", "-T", "link.ld", *units, "-lgcc", "-o", "a.out"], here)
         # -z: long runs of `nop 1` are encoded as zeros, which objdump would skip.
@@ -126,6 +123,6 @@ def _run(tool: str, arguments: Sequence[str], where: Path) -> str:
     run = subprocess.run([command, *arguments], cwd=where, capture_output=True, text=True, check=False, env=environment)
     if run.returncode != 0:
         lines = run.stderr.splitlines()
-        complaint = next((line for line in lines if "error" in line or "undefined" in line), run.stderr.strip()[:200])
-        raise BuildError(f"{_PREFIX}{tool}: {complaint}")
+        message = next((line for line in lines if "error" in line or "undefined" in line), run.stderr.strip()[:200])
+        raise BuildError(f"{_PREFIX}{tool}: {message}")
     return run.stdout

@@ -1,7 +1,7 @@
-"""Packets as C: the same rules as the interpreter's, compiled on the host, for runs of millions of cycles.
+"""Translation of packets to C with the rules of the interpreter, compiled on the host, for runs of millions of cycles.
 
-Every packet becomes one C function that puts its results on their way; `engine/run.c` is the cycle loop around them.
-Nothing is optimised across packets, so that each function can be read beside its assembly, which stands above it.
+Every packet becomes one C function that schedules its results; `engine/run.c` is the cycle loop. Nothing is optimised
+across packets: each function stands below its assembly and can be compared with it.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from hysgen.c674x.assembly import Instruction, Register
 from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source, Store
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
-from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, Counts, Fault, Processor
+from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, Processor, ProcessorFault, RunCounts
 from hysgen.c674x.semantics import FLOAT, MASK
 from hysgen.machine.native import Toolchain, build, default_toolchain
 
-Engine = Callable[[Processor, int], Counts]
+Engine = Callable[[Processor, int], RunCounts]
 
 _UNIT_BITS = {name: 1 << bit for bit, name in enumerate(("L1", "S1", "M1", "L2", "S2", "M2"))}
 
 
 def engine(packets: Mapping[int, Packet]) -> Engine:
-    """A function that runs this program as `interpreter.run` does: same registers, memory, counts and errors.
+    """A function with the same registers, memory, counts and errors as `interpreter.run` of this program.
 
     Raises BuildError if there is no C compiler on the host.
     """
@@ -31,7 +31,7 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
     host = Toolchain(default_toolchain().command, ("-O1",))
     library = build([*texts.items(), ("program.c", program(packets))], texts["state.h"], host)
 
-    def run(processor: Processor, cycle_limit: int) -> Counts:
+    def run(processor: Processor, cycle_limit: int) -> RunCounts:
         state = library.ffi.new("c674x_t *")
         state.reg = processor.registers
         state.memory = library.ffi.from_buffer("uint8_t[]", processor.memory)
@@ -42,24 +42,24 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
         state.lowest_stack_pointer = MASK
         library.lib.c674x_run(state)
         if state.fault:
-            raise processor.fault(Fault(state.fault), state.fault_address, state.fault_detail)
+            raise processor.fault(ProcessorFault(state.fault), state.fault_address, state.fault_detail)
         processor.registers = list(state.reg)
         processor.program_counter = state.program_counter
         lowest = state.lowest_stack_pointer
-        return Counts(state.cycle, state.stalls, state.packets, state.denormals, state.nans, lowest)
+        return RunCounts(state.cycle, state.stalls, state.packets, state.denormals, state.nans, lowest)
 
     return run
 
 
 def runtime() -> dict[str, str]:
-    """The engine's own C, by file name: what every translated program is compiled with."""
+    """The C files of the engine by name; every translated program is compiled with them."""
     names = ("state.h", "operations.h", "pipeline.h", "pipeline.c", "run.c")
     folder = resources.files("hysgen.c674x") / "engine"
     return {name: (folder / name).read_text(encoding="utf-8") for name in names}
 
 
 def program(packets: Mapping[int, Packet]) -> str:
-    """C of a whole program: one function per packet, and the table in which the cycle loop finds it by its address."""
+    """C of a program: one function per packet, and a table of the functions by address for the cycle loop."""
     start = min(packets, default=0)
     words = (max(packets, default=0) - start) // 4 + 1
     lines = ['#include "pipeline.h"', ""]

@@ -1,8 +1,9 @@
-"""A budget file: what the C of some models costs on the target, kept under version control, and what exceeds it.
+"""A budget file: cost on the target of the C of some models, kept under version control, and changes against it.
 
 {"compiler": ..., "models": {model: {function: {"cycles": .., "code_bytes": .., "stack_bytes": ..},
-"data": {"struct_bytes": .., "constant_bytes": ..}}}}. A figure may grow by TOLERANCE before it counts as exceeded;
-one that shrank by more asks for a tighter budget, so that what was won is not lost unseen.
+"data": {"struct_bytes": .., "constant_bytes": ..}}}}. A figure exceeds the budget if it
+grows by more than TOLERANCE. A figure that shrinks by more than TOLERANCE is reported as well, so that the budget can
+be tightened and a later growth is noticed.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from hysgen.machine.files import write_whole
 TOLERANCE: Final = 0.02
 
 Figures = Mapping[str, Mapping[str, int]]
-"""Function, or "data", -> what is counted -> how much."""
+"""Function, "all" or "data" -> name of the figure -> its value."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """A figure that is not what the budget says by more than TOLERANCE; None: there is none on that side."""
+    """A figure that differs from the budget by more than TOLERANCE; None: the figure is missing on that side."""
 
     model: str
     function: str
@@ -34,22 +35,22 @@ class Change:
 
     @property
     def exceeds(self) -> bool:
-        """Whether this is more than the budget, or something that it does not know of, or knows and is gone."""
+        """Whether the figure is above the budget, or missing on either side."""
         return self.budget is None or self.found is None or self.found > self.budget
 
     def __str__(self) -> str:
-        what = f"{self.model}, {self.function}: {self.figure.replace('_', ' ')}"
+        figure = f"{self.model}, {self.function}: {self.figure.replace('_', ' ')}"
         if self.budget is None:
-            return f"NOT IN THE BUDGET: {what} {self.found}"
+            return f"NOT IN THE BUDGET: {figure} {self.found}"
         if self.found is None:
-            return f"IN THE BUDGET ONLY: {what} {self.budget}"
+            return f"IN THE BUDGET ONLY: {figure} {self.budget}"
         share = 100.0 * (self.found - self.budget) / max(self.budget, 1)
         verdict = "OVER BUDGET" if self.exceeds else "below budget, tighten it with --update-budget"
-        return f"{verdict}: {what} {self.found}, budget {self.budget} ({share:+.1f} %)"
+        return f"{verdict}: {figure} {self.found}, budget {self.budget} ({share:+.1f} %)"
 
 
 def read(path: Path, model: str) -> Figures:
-    """The budget of one model. Raises HysgenError if the file is missing, is none, or does not know the model."""
+    """The budget of one model. Raises HysgenError if the file is missing, not a budget file, or lacks the model."""
     models = _models(path)
     if model not in models:
         raise HysgenError(f"{path}: no budget for {model}; write it with --update-budget")
@@ -58,7 +59,7 @@ def read(path: Path, model: str) -> Figures:
 
 
 def update(path: Path, model: str, figures: Figures, compiler: str) -> None:
-    """Put the figures of one model into the file, which is made if it is not there; other models stay."""
+    """Write the figures of one model to the file, created if missing; other models are kept."""
     models = dict(_models(path)) if path.exists() else {}
     models[model] = figures
     content = {"compiler": compiler, "models": dict(sorted(models.items()))}
@@ -66,7 +67,7 @@ def update(path: Path, model: str, figures: Figures, compiler: str) -> None:
 
 
 def changes(model: str, budget: Figures, found: Figures) -> list[Change]:
-    """Figures that differ from the budget by more than TOLERANCE, in the order of what was found."""
+    """Figures that differ from the budget by more than TOLERANCE, in the order of `found`."""
     different = []
     for function in [*found, *(name for name in budget if name not in found)]:
         old, new = budget.get(function, {}), found.get(function, {})

@@ -20,7 +20,7 @@ typedef struct {
     uint64_t cycle, stalls, packets, denormals, nans;
     uint32_t lowest_stack_pointer;
 
-    /* What ended the run early: numbers of hysgen.c674x.processor.Fault, the packet and a detail. */
+    /* What ended the run early: numbers of hysgen.c674x.processor.ProcessorFault, the packet and a detail. */
     uint32_t fault, fault_address, fault_detail;
 } c674x_t;
 

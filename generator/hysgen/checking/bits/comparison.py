@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysgen.checking.bits.builds import Build
 from hysgen.checking.bits.committing import compare_commit
 from hysgen.checking.bits.functions import COMPARED_STRUCTS, ComparedStruct, Lanes
-from hysgen.checking.bits.induction import Difference, Trace, first_difference
+from hysgen.checking.bits.induction import CallTrace, Difference, first_difference
 from hysgen.checking.bits.inputs import SHARES, STYLES, chunks
 from hysgen.checking.bits.report import ComparedRun, Mismatch
 from hysgen.checking.host import Host
@@ -40,7 +40,7 @@ class Task:
 
 
 @dataclass
-class Chain:
+class SampleChain:
     """The struct of one build that a chain of samples steps, and its compared words."""
 
     build: Build
@@ -54,13 +54,13 @@ class Chain:
         words = self.build.host.words_of(self.struct)[self.first : self.first + self.count]
         return words.reshape(1, -1).copy()
 
-    def run(self, function: str, columns: Sequence[Words], arguments: int) -> Trace:
+    def run(self, function: str, columns: Sequence[Words], arguments: int) -> CallTrace:
         """Step the struct through samples. columns: the arguments of the function, then the auxiliary channels."""
         start = self.words
         out, after = self.build.host.run(
             function, self.struct, columns, first=self.first, words=self.count, flush=self.build.flush
         )
-        return Trace(columns[:arguments], columns[arguments:], np.concatenate([start, after[:-1]]), out, after)
+        return CallTrace(columns[:arguments], columns[arguments:], np.concatenate([start, after[:-1]]), out, after)
 
 
 def tasks(host: Host) -> list[Task]:
@@ -114,7 +114,7 @@ def compare_task(
     quantities = task.compared.quantities(task.function, builds[0].host)
     for columns in chunks(model, task.style, quantities, samples, seed, task.compared.chunk):
         # A trace equal to a proved trace of another build needs no reference of its own.
-        proved: Trace | None = None
+        proved: CallTrace | None = None
         for chain in list(chains):
             trace = chain.run(task.function, columns, arguments)
             if proved is not None and trace.equals(proved):
@@ -132,12 +132,12 @@ def compare_task(
     return ComparedRun(model.name, task.function, task.style, samples, len(builds)), found
 
 
-def _chain(build: Build, task: Task, lanes: Lanes) -> Chain:
+def _chain(build: Build, task: Task, lanes: Lanes) -> SampleChain:
     struct = task.compared.create(build.host)
     if task.style == "edges":
         task.compared.wear(build.host, struct)
     first = _layout(build, task)[task.compared.first_word]
-    return Chain(build, struct, first, len(lanes.words()))
+    return SampleChain(build, struct, first, len(lanes.words()))
 
 
 def _layout(build: Build, task: Task) -> dict[str, int]:

@@ -19,7 +19,7 @@ Words = NDArray[np.uint32]
 
 
 @dataclass(frozen=True)
-class Trace:
+class CallTrace:
     """A recorded chain of n calls of one function, as bit patterns.
 
     inputs, aux: arguments and auxiliary channels, (n,) each. before, after: (n, words) states before and after each
@@ -32,7 +32,7 @@ class Trace:
     results: Words
     after: Words
 
-    def equals(self, other: Trace) -> bool:
+    def equals(self, other: CallTrace) -> bool:
         """Whether two traces of the same inputs agree in every state and result."""
         pairs = ((self.before, other.before), (self.results, other.results), (self.after, other.after))
         return all(np.array_equal(mine, theirs) for mine, theirs in pairs)
@@ -51,7 +51,7 @@ class Difference:
     expected: int
 
 
-def first_difference(lanes: Lanes, function: str, trace: Trace) -> Difference | None:
+def first_difference(lanes: Lanes, function: str, trace: CallTrace) -> Difference | None:
     """The first difference between a recorded run of `function` and the reference, or None."""
     with np.errstate(all="ignore"):
         lanes.restore(list(np.ascontiguousarray(trace.before.T)))
