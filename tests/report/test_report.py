@@ -16,7 +16,8 @@ from fixtures.bank_records import record_of
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
+from hysgen.diagnosis.evaluation import LADDER, Study, diagnose_and_evaluate
+from hysgen.display import table
 from hysgen.fitting import FitSettings, fit
 from hysgen.model.file import load_model
 from hysgen.model.scores import score
@@ -199,6 +200,15 @@ def test_cause_that_is_named_but_not_extended_is_told_apart(hum: Study) -> None:
     price = causes[0].price
     assert price is not None
     assert f"about {price.cycles} more cycles" in verdict(other)[2]
+
+
+def test_terminal_notebook_and_page_show_one_table_of_the_ladder(hum: Study, page: str) -> None:
+    lines = table(LADDER, hum.ladder())
+    assert lines in diagnosis_text(hum)
+    assert lines in str(hum)
+    shown = read(page).text
+    for row in hum.ladder():
+        assert re.search(r"\s+".join(re.escape(readable(cell)) for cell in row if cell), shown), row
 
 
 def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> None:

@@ -22,10 +22,11 @@ from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, fit
 from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
+from hysgen.model.model import Model
 from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import score, score_lines
 from hysgen.model.simulate import free_run, one_step
-from hysgen.record import load_record
+from hysgen.record import Record, load_record
 from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.plots import style
 from hysgen.report.plots.experiments import modelling_figures, tracking_figure
@@ -83,17 +84,16 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     known, unseen = load_record(csv).split_at(identification_rows())
     console.say(f"record       {csv}: {known.samples} samples to identify, {unseen.samples} to validate, 50 kHz")
 
-    paper = fit(known, FitSettings(name="paper", method="rls"))
-    extended = fit(known, FitSettings(name="stage", terms=memory_terms(known, PLAYS)), progress=console.progress)
-    scores = {PAPER: score(paper, unseen), EXTENDED: score(extended, unseen)}
-    for model in (paper, extended):
+    models = demo_models(known, console)
+    for model in models.values():
         identified = {"identification": score(model, known).to_json()}
         save_model(dataclasses.replace(model, scores=identified), folder / f"{model.name}.json")
     console.say(f"hysgen fit   {folder / 'paper.json'}, {folder / 'stage.json'}")
-    rivals = score_rivals(fit_rivals(known), unseen)
-    scored = ScoredModels(unseen, {PAPER: paper, EXTENDED: extended}, scores, rivals)
+    scores = {name: score(model, unseen) for name, model in models.items()}
+    scored = ScoredModels(unseen, models, scores, score_rivals(fit_rivals(known), unseen))
     lines = "\n".join([*score_lines(scored.rows()), f"noise floor {scored.noise.describe()}"])
     console.say(f"\nhysgen score, on rows that the fit has not seen\n{lines}\n")
+    extended = models[EXTENDED]
     console.say("\n".join(certify(extended).lines()))
 
     written = draw(folder, scored)
@@ -117,6 +117,13 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
         "report": str(page),
     }
     return console.finish(result, report.equal)
+
+
+def demo_models(known: Record, console: Console) -> dict[str, Model]:
+    """The paper's model by Eq. (10), and a refined one with PLAYS play operators, both fitted to `known`."""
+    settings = FitSettings(name="stage", terms=memory_terms(known, PLAYS))
+    paper = fit(known, FitSettings(name="paper", method="rls"))
+    return {PAPER: paper, EXTENDED: fit(known, settings, progress=console.progress)}
 
 
 def draw(folder: Path, scored: ScoredModels) -> list[Path]:
