@@ -1,4 +1,4 @@
-"""Certificates: never violated by any point of the range, tight, and honest about where they end."""
+"""Certificates: no point of the range violates them, and they are tight."""
 
 from __future__ import annotations
 

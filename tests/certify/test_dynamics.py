@@ -1,4 +1,4 @@
-"""What a model is as a dynamic system: lag, state line, and whether its loop stays open."""
+"""Time constants, steady states and loops of a model."""
 
 from __future__ import annotations
 

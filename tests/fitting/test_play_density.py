@@ -1,4 +1,4 @@
-"""What weights of plays say about a density: its curvature, its sign, and what a fit makes of that."""
+"""The density of plays: curvature and sign from the weights, and their effect on a fit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from hysgen.studies.bank.truth import true_extensions
 
 
 def fall(prepared: Prepared, seed: int) -> float:
-    """How often the held-out error falls by the memory extension."""
+    """Held-out rms error without the memory extension over that with it."""
     extensions = true_extensions(scenario("memory", seed))
     held = [
         fit_ladder(prepared, extensions, names, FitSettings()).error_um[prepared.held_rows]
@@ -32,8 +32,8 @@ def test_roughness_is_the_integral_of_the_curvature_squared_and_leaves_the_past_
     rho = np.asarray(plays.thresholds_V)[1:] / 40.0
     width = np.diff(np.concatenate([[0.0], 0.5 * (rho[1:] + rho[:-1]), [1.0]]))
 
-    def rough(play: np.ndarray, bent: np.ndarray, past: float) -> float:
-        theta = np.concatenate([[past], play * width, [past], bent * width * 40.0 / 4.0])
+    def rough(play: np.ndarray, polynomial: np.ndarray, past: float) -> float:
+        theta = np.concatenate([[past], play * width, [past], polynomial * width * 40.0 / 4.0])
         return float(np.sum((plays.roughness() @ theta) ** 2))
 
     # mu = sin(3 rho): the integral of 81 sin^2 over rho; 60 plays reach from 0.002 to 0.976.
@@ -43,10 +43,10 @@ def test_roughness_is_the_integral_of_the_curvature_squared_and_leaves_the_past_
     assert rough(1.0 + 2.0 * rho, 3.0 - rho, 7.0) < 1e-9 * curved
 
 
-def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_hardly_any_of(
+def test_smooth_densities_extrapolate_to_strokes_that_are_rare_in_the_record(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Record 829, the worst of its fifty before: without smoothness, 15 times."""
+    """A record with few long strokes: the gain of memory is 15 without the penalty of rough densities."""
     prepared = prepared_of("memory", 829)
     smooth = fall(prepared, 829)
     assert smooth > 35.0
@@ -56,7 +56,7 @@ def test_smooth_densities_and_the_past_input_follow_strokes_that_the_record_has_
 
 @pytest.mark.parametrize("seed", [2, 8, 22, 1045])
 def test_the_grid_reaches_where_the_command_leads_on_rows_that_are_held_out(seed: int) -> None:
-    # The identification part of these goes to the ends in passing only; a straight line through it falls short of them.
+    # The identification parts reach the ends of the range briefly; a straight line through them falls short.
     prepared = prepared_of("memory", seed)
     low, high = prepared.predicted_range_um
     held_um = prepared.y_um[prepared.held_rows]

@@ -1,4 +1,4 @@
-"""Refinement of the free run: exact sensitivities, never worse, never uncertified; shapes and start states."""
+"""Refinement of the free-run error: exact sensitivities, never worse, certified; shapes and initial states."""
 
 from __future__ import annotations
 

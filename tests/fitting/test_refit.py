@@ -1,4 +1,4 @@
-"""Identifying again: same structure, new numbers; only the numbers' file, self-test and manifest change."""
+"""Re-identification: same structure, new numbers; only parameter file, self-test and manifest change."""
 
 from __future__ import annotations
 

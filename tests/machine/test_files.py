@@ -1,4 +1,4 @@
-"""A file is written whole or not at all, whatever happens meanwhile."""
+"""File writes are atomic, also under interruption and on a full disk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""C is compiled on the host once, and never with arithmetic that the project forbids."""
+"""Host builds are cached by source and flags; errors name the place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_what_was_compiled_once_is_found_again_and_other_flags_are_another_library(cache: Path) -> None:
+def test_a_library_is_compiled_once_per_source_and_flags(cache: Path) -> None:
     first = build([("twice.c", SOURCE)], "double twice(double);")
     stamp = first.path.stat().st_mtime_ns
     again = build([("twice.c", SOURCE)], "double twice(double);")

@@ -1,4 +1,4 @@
-"""The BLAS has one thread while hysgen computes, and as many as before when it is done."""
+"""Thread limit: one BLAS thread inside a computation, the previous number afterwards."""
 
 from __future__ import annotations
 

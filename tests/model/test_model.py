@@ -1,4 +1,4 @@
-"""The model: partition, memberships, what is refused, and the paper's appendices."""
+"""The model: partition, memberships, refusals, and the paper's appendices."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_regressors_of_the_rules_are_those_of_equation_9() -> None:
     np.testing.assert_array_equal(row, np.ravel([[p_l * 1.7, p_l * 40.0, p_l] for p_l in p]))
 
 
-def test_parameters_keep_the_order_of_equation_9_and_drop_what_no_longer_belongs_to_them() -> None:
+def test_parameters_keep_the_order_of_equation_9_and_drop_scores_and_certificates() -> None:
     consequents = np.array([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
     terms, weights = (Memory((1.0, 2.0)),), np.array([6.0, 7.0])
     known: dict[str, Any] = {"history": {"fit": 0}, "scores": {"a": 1}, "certificates": {"b": 2}}

@@ -141,7 +141,7 @@ NOT_JSON = {
 
 
 @pytest.mark.parametrize("content", NOT_JSON.values(), ids=list(NOT_JSON))
-def test_what_is_no_model_file_is_refused_in_one_line(content: bytes, tmp_path: Path) -> None:
+def test_other_files_are_refused_in_one_line(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "m.json"
     path.write_bytes(content)
     with pytest.raises(ModelError, match=r"m\.json: .+") as refusal:
@@ -165,7 +165,7 @@ def test_shipped_files_are_what_the_tables_give() -> None:
         assert abs(shipped.certificates["contraction"]["slope"]["bound"] - certify(made).slope.bound) < 1e-6
 
 
-def test_what_is_no_json_value_cannot_be_saved(tmp_path: Path) -> None:
+def test_values_outside_json_cannot_be_saved(tmp_path: Path) -> None:
     for bad in (float("nan"), object()):
         with pytest.raises(ModelError, match="cannot be written as JSON"):
             save_model(dataclasses.replace(random_model(0), scores={"x": bad}), tmp_path / "m.json")

@@ -1,4 +1,4 @@
-"""What the input blocks promise: their physics, their float32 mirrors, and the inverse that undoes them."""
+"""Input blocks: physics, float32 mirrors, and their inverse."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def commands(samples: int, seed: int = 4) -> NDArray[np.float64]:
     return np.where(k % 1000 < 500, steps, 50 + 69 * np.sin(k / 30)).astype(np.float32).astype(np.float64)
 
 
-def test_every_kind_stands_in_this_list() -> None:
+def test_every_kind_is_in_this_list() -> None:
     assert sorted(kinds()) == sorted(block.kind for block in BLOCKS)
     assert all(isinstance(block, InputBlock) for block in BLOCKS)
 
@@ -78,7 +78,7 @@ def test_shape_parameters_come_back_and_lie_within_their_bounds(block: InputBloc
     assert block.with_shape(low).kind == block.with_shape(high).kind == block.kind
 
 
-def test_limiters_let_through_unchanged_what_they_have_let_through() -> None:
+def test_a_limiter_passes_its_own_output_unchanged() -> None:
     limiters = BLOCKS[:2]
     u = commands(4000).astype(np.float32)
     first, second = (ChainMirror(limiters, u[:1], TS_S) for _ in range(2))

@@ -1,4 +1,4 @@
-"""That the periodic term's phase never drifts and its sine is as exact as claimed."""
+"""The periodic term: no drift of the phase, and the error bound of its sine."""
 
 from __future__ import annotations
 

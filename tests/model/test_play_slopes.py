@@ -1,4 +1,4 @@
-"""The bound on weighted play operators: above everything that a step of the input can do, and met by one."""
+"""The slope bound of weighted plays: no step of the input exceeds it, and one step attains it."""
 
 import numpy as np
 import pytest
@@ -54,7 +54,7 @@ def test_some_step_moves_the_output_by_the_bound(degree: int) -> None:
         assert steepest_step(plays, theta, u_V) > 0.9 * bound_of(plays, theta)
 
 
-def test_what_the_past_input_has_below_zero_lowers_the_bound_of_the_plays() -> None:
+def test_a_negative_weight_of_the_past_input_lowers_the_bound_of_the_plays() -> None:
     plays = Memory((0.0, 1.0, 2.0))
     assert bound_of(plays, np.array([0.0, 1.0, 2.0])) == pytest.approx(3.0)
     assert bound_of(plays, np.array([-1.5, 1.0, 2.0])) == pytest.approx(1.5)

@@ -1,4 +1,4 @@
-"""The paper's rivals: their definitions, and that each finds itself."""
+"""The paper's rivals: definitions, and recovery of each one's own parameters."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_rivals_are_scored_in_free_run_by_the_models_own_score() -> None:
         json.dumps(rival.to_json(), allow_nan=False)
 
 
-def test_what_a_rival_cannot_be_fitted_to_is_refused() -> None:
+def test_records_that_no_rival_fits_are_refused() -> None:
     down = Record.from_segments([Segment("0", -np.arange(50.0), np.arange(50.0))], TS_S)
     with pytest.raises(FitError, match="the voltage is never positive"):
         fit_prandtl_ishlinskii(down)

@@ -1,4 +1,4 @@
-"""Scores: the paper's definitions, persistence and the noise floor beside them, and what is scored."""
+"""Scores: the paper's definitions, persistence, noise floor, and the scored samples."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_noise_is_found_from_repeated_periods_whatever_its_colour() -> None:
     assert found.rms_um == pytest.approx(0.02, rel=0.08)
 
 
-def test_noise_is_found_from_rests_under_creep() -> None:
+def test_noise_is_estimated_on_plateaus_under_creep() -> None:
     k = np.arange(8000)
     u = np.interp(k, [0, 1000, 3500, 4500, 8000], [0.0, 60.0, 60.0, 20.0, 20.0]) + 5 * np.sin(0.05 * k) * (k < 1000)
     y = 0.05 * u + 0.05 * np.log1p(k / 100)

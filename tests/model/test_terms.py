@@ -1,4 +1,4 @@
-"""What every extension term promises, whatever its kind."""
+"""Promises of every additive term."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def mirrored(term: Term, over: Drive) -> np.ndarray[Any, Any]:
     return np.array(rows)
 
 
-def test_every_kind_stands_in_this_list() -> None:
+def test_every_kind_is_in_this_list() -> None:
     assert set(kinds()) == {term.kind for term in TERMS}
     assert all(isinstance(term, Term) for term in TERMS)
 
@@ -159,7 +159,7 @@ def test_linear_system_gives_the_same_regressors(term: Term) -> None:
 
 
 @by_kind
-def test_gains_bound_what_any_input_can_do(term: Term) -> None:
+def test_gains_bound_the_response_to_any_input(term: Term) -> None:
     gains = np.array(term.gains(TS_S))
     system = term.linear(TS_S)
     rng = np.random.default_rng(3)

@@ -1,4 +1,4 @@
-"""That each term does what its physics says, measured on its response."""
+"""Each additive term against the physics of its effect."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_memory_forgets_inner_loops_when_the_input_passes_them() -> None:
     assert np.array_equal(last[0], last[1])
 
 
-def test_memory_start_left_by_dying_oscillations_is_what_remembering_says() -> None:
+def test_state_after_one_turning_point_is_that_after_decaying_oscillations() -> None:
     plays = Memory.uniform(10, 40.0)
     k = np.arange(200_000)
     demagnetising = 47.0 + 80 * np.exp(-k / 30_000) * np.sin(2 * np.pi * k / 400)
@@ -181,7 +181,7 @@ def test_drift_follows_a_step_of_the_error_with_its_time_constant_and_is_held_wi
     assert np.array_equal(held, np.full((10, 1), bias[-1]))
 
 
-def test_drift_sees_only_the_past() -> None:
+def test_drift_uses_past_samples_only() -> None:
     term, rng = Drift(0.01, 0.5), np.random.default_rng(2)
     errors = rng.normal(0, 0.1, 500)
     later = errors.copy()

@@ -1,4 +1,4 @@
-"""Too little for a fit is refused; poor excitation and left ranges are told with numbers; good records pass."""
+"""Too few samples are refused, poor excitation and exceeded ranges are warnings, sufficient records pass."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_noise_alone_does_not_tell_coefficients_apart() -> None:
     k = np.arange(5000)
     u_V = 50 + 40 * np.sin(k / 100)
     y_um = 0.1 * u_V + 0.01 * np.random.default_rng(4).normal(size=k.size)
-    # A cell of the 20 is 0.4 um wide: noise of 0.01 um there is a tenth of the movement, more than APART.
+    # A cell of the 20 is 0.4 um wide: noise of 0.01 um there is a tenth of the movement, more than SEPARATE.
     tells = check_for_fit(Record.from_arrays(u_V, y_um, 1e-3), 20, 60)[0]
     assert "tells about 40 of 60 rule coefficients apart" in tells
 

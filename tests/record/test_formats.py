@@ -1,4 +1,4 @@
-"""The same numbers come out of every format, under the same digest; and what a file may look like and still be read."""
+"""Every format gives the same numbers and digest; accepted variants of the formats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The measured records are read as their owners describe them, and a million rows without waiting."""
+"""Measured records are read as documented, and a million rows within seconds."""
 
 from __future__ import annotations
 

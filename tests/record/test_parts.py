@@ -1,4 +1,4 @@
-"""Cutting and joining records: no row lost, none moved, no state carried over, and a digest that tells them apart."""
+"""Cutting and joining of records: rows, initial states and digests."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_split_keeps_every_row_in_order_and_cuts_segments_only_there(row: int) -
     assert set(ends) == {20, 50, 57} | {row}
 
 
-def test_cut_segment_knows_when_it_starts() -> None:
+def test_a_cut_segment_has_its_start_time() -> None:
     part = WHOLE.rows(30, 55)
     assert [one.samples for one in part.segments] == [20, 5]
     assert [one.start_s for one in part.segments] == [5.0 + 10 * 1e-3, 0.0]
@@ -84,7 +84,7 @@ def test_record_does_not_change_with_the_arrays_it_was_made_of() -> None:
             segment.y_um[0] = 1.0
 
 
-def test_joining_keeps_the_channels_that_all_have_and_says_which_it_leaves_out() -> None:
+def test_joining_keeps_common_channels_and_warns_about_the_others() -> None:
     a, b = RNG.normal(size=(2, 9))
     joined = Record.joined(record(9, a=a, b=b), record(9, b=b))
     assert joined.aux_names == ("b",)

@@ -1,6 +1,6 @@
-"""Sound records are never turned away for how they look; sensors at their end and exchanged columns are noticed.
+"""Valid records are never refused; saturated sensors and exchanged columns are found.
 
-The records come from the virtual stage, whose hysteresis, modes and noise these checks know nothing about.
+The records come from the virtual stage, with hysteresis, modes and noise that the checks do not model.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def play(u: np.ndarray, width: float) -> np.ndarray:
 @pytest.mark.parametrize("shape", ["sine", "triangle"])
 @pytest.mark.parametrize("late", [0, 3, 15])
 @pytest.mark.parametrize("step_um", [0.0, 0.01, 0.1])
-def test_play_without_noise_rests_at_its_turning_points_and_is_no_sensor_at_its_end(
+def test_a_play_without_noise_at_its_turning_points_is_no_saturated_sensor(
     shape: str, late: int, step_um: float
 ) -> None:
     phase = np.arange(2000) / 200

@@ -3,7 +3,7 @@
     v(k) = u(k-d) + mu (u(k-d-1) - u(k-d)),   d + mu = samples,  0 <= mu < 1
 
 Linear interpolation: v stays in the range of u, and a sine of frequency f loses at most (pi f Ts)^2 / 2 of its
-amplitude (at mu = 1/2), 2e-4 at f = fs/150. The inverse knows its reference n = ceil(samples) ahead, and its command is
+amplitude (at mu = 1/2), 2e-4 at f = fs/150. With a preview of n = ceil(samples), the command of the inverse is
 
     u(k) = v(k+n-1) + mu (v(k+n) - v(k+n-1))          (v(k+n) if mu = 0)
 
