@@ -15,12 +15,14 @@ import pytest
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.checking.bits import Report, VerifySettings, verify, verify_texts
-from hysgen.checking.bits.random_models import RULES, faint_model, random_model
+from hysgen.checking.bits.random_models import RULES, complete_model, low_gain_model, random_model
 from hysgen.codegen import generate, write
 from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
+from hysgen.model.path import kinds as block_kinds
 from hysgen.model.path.slew import Slew
+from hysgen.model.terms import kinds as term_kinds
 from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.memory import Memory
 
@@ -142,13 +144,13 @@ def test_mismatch_names_function_arguments_and_both_bit_patterns() -> None:
     assert "cc -O2" in line
 
 
-def test_results_that_are_not_settled_are_found_by_the_faint_model() -> None:
-    model = faint_model()
+def test_results_that_are_not_settled_are_found_by_the_model_of_low_gain() -> None:
+    model = low_gain_model()
     texts = generate(model)
-    settle = "faint_float(bits & faint_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)))"
-    assert settle in texts["faint.c"]
+    settle = "low_gain_float(bits & low_gain_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)))"
+    assert settle in texts["low_gain.c"]
     assert compared(model, texts).equal
-    assert not compared(model, texts | {"faint.c": texts["faint.c"].replace(settle, "x")}).equal
+    assert not compared(model, texts | {"low_gain.c": texts["low_gain.c"].replace(settle, "x")}).equal
 
 
 # clang obeys the pragma unless -ffp-contract=fast overrides it; then only the self-test can tell.
@@ -171,6 +173,16 @@ def test_drawn_models_cover_every_number_of_rules_and_repeat() -> None:
     drawn = [random_model(seed) for seed in range(len(RULES))]
     assert sorted(model.grid.rules for model in drawn) == sorted(RULES)
     assert np.array_equal(random_model(3).consequents, random_model(3).consequents)
+
+
+def test_drawn_models_hold_every_form_of_term_that_a_diagnosis_delivers() -> None:
+    terms = {term.kind: term.to_json() for term in complete_model(1).terms}
+    assert set(terms) == set(term_kinds())
+    assert {block.kind for block in complete_model(1).blocks} == set(block_kinds())
+    assert terms["creep"]["shared"]
+    assert terms["memory"]["thresholds_V"][0] == 0.0
+    assert terms["memory"]["degree"] == 3
+    assert terms["coupling"]["taps"] > 1
 
 
 def test_folder_is_verified_as_it_was_written_and_altered_files_are_named(tmp_path: Path) -> None:

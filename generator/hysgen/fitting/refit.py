@@ -17,7 +17,6 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.fitting.refine import Progress
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores, score
-from hysgen.model.simulate import DRIFT
 from hysgen.record import Record
 
 WORSE, OVER_NOISE = 1.5, 2.0
@@ -46,7 +45,7 @@ def refit(
     driven_V = (min(model.u_min_V, record.u_range_V[0]), max(model.u_max_V, record.u_range_V[1]))
     again = fit(record, dataclasses.replace(settings, input_range_V=driven_V), progress=progress)
     for index, term in enumerate(model.terms):
-        if term.kind == DRIFT:
+        if term.follows_measurements:
             at = sum(other.size for other in model.terms[:index])
             terms = (*again.terms[:index], term, *again.terms[index:])
             again = dataclasses.replace(again, terms=terms, weights=np.insert(again.weights, at, 1.0))
@@ -102,7 +101,7 @@ def settings_of(model: Model) -> FitSettings:
     structure = {
         "name": model.name,
         "rules": model.grid.rules,
-        "terms": tuple(term for term in model.terms if term.kind != DRIFT),
+        "terms": tuple(term for term in model.terms if not term.follows_measurements),
         "blocks": model.blocks,
         "input_range_V": (model.u_min_V, model.u_max_V),
     }

@@ -28,9 +28,6 @@ from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
 
-DRIFT = "drift"
-"""The one kind of term that follows measured samples, and so predicts better than it simulates."""
-
 STEPS_PER_DECADE = 2_000_000
 """Largest number of model steps per decade of a horizon curve and segment; it sets the distance of the starts."""
 
@@ -174,13 +171,14 @@ def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Dr
             f"{record.source}: sampled every {record.Ts_s:g} s, but model {model.name} steps every {model.Ts_s:g} s; "
             "resample the record or fit a model at its rate"
         )
-    steady = [term.kind for term in model.terms if term.kind != DRIFT]
+    steady = [term.kind for term in model.terms if not term.follows_measurements]
+    following = [term.kind for term in model.terms if term.follows_measurements]
     for segment, drive in zip(record.segments, drives_of(record, structure_of(model), starts), strict=True):
         w_um = term_output(model, drive, steady)
         bias_um = np.zeros_like(w_um)
-        if len(steady) < len(model.terms):
+        if following:
             predicted, _ = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
             informed = dataclasses.replace(drive, innovation_um=segment.y_um - predicted)
-            bias_um = term_output(model, informed, [DRIFT])
+            bias_um = term_output(model, informed, following)
         outside = (segment.u_V < model.u_min_V) | (segment.u_V > model.u_max_V)
         yield _Driven(segment, drive, w_um, bias_um, int(np.count_nonzero(outside)))

@@ -16,7 +16,12 @@ from typing import Final
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits.builds import COMPILERS, LEVELS, compiled, toolchains, versions
 from hysgen.checking.bits.comparison import compare
-from hysgen.checking.bits.random_models import faint_model, kin, random_model
+from hysgen.checking.bits.random_models import (
+    complete_model,
+    low_gain_model,
+    perturbed_model,
+    random_model,
+)
 from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
 from hysgen.codegen import Options, generate
 from hysgen.codegen.manifest import read_folder
@@ -70,7 +75,8 @@ def verify_texts(
     chosen = settings or VerifySettings()
     seed = chosen.seed
     found, skipped = toolchains(chosen.compilers, chosen.levels)
-    drawn = [kin(model, seed), faint_model(), *(random_model(seed + k) for k in range(chosen.other_models))]
+    drawn = [perturbed_model(model, seed), low_gain_model(), complete_model(seed)]
+    drawn += [random_model(seed + k) for k in range(chosen.other_models)]
     others = drawn[: chosen.other_models]
     todo = [(model, texts, chosen.samples), *((other, _texts(other), SAMPLES_PER_OTHER_MODEL) for other in others)]
     total, done = sum(share for _, _, share in todo), 0

@@ -1,16 +1,20 @@
-"""Models drawn at random, of other structures and numbers than any that was fitted: what `verify` also compares."""
+"""Random models of other structures and numbers than the fitted one; `verify` compares them too."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from typing import Any, Final
+from collections.abc import Iterable
+from typing import Final, TypeVar
 
 import numpy as np
 
 from hysgen.model.model import Grid, Model
-from hysgen.model.path import block_from_json
-from hysgen.model.terms import term_from_json
+from hysgen.model.path import InputBlock
+from hysgen.model.path import kinds as block_kinds
+from hysgen.model.terms import Term
+from hysgen.model.terms import kinds as term_kinds
+
+T = TypeVar("T", Term, InputBlock)
 
 RULES: Final = (6, 13, 3, 12, 50, 2, 9, 25, 4, 11, 17, 7, 33, 5, 8, 10)
 """Every dense size, the first windowed one, and larger ones; mixed, so that the first few differ much."""
@@ -22,7 +26,19 @@ def random_model(seed: int) -> Model:
     Seeds 0 .. len(RULES) - 1 cover every number of rules in RULES.
     """
     rng = np.random.default_rng(seed)
-    rules = RULES[seed % len(RULES)]
+    terms, blocks = _some(term_kinds().values(), rng, 0.4), _some(block_kinds().values(), rng, 0.25)
+    return _model(f"random_{seed}", RULES[seed % len(RULES)], terms, blocks, rng)
+
+
+def complete_model(seed: int) -> Model:
+    """A random model with every kind of term and input block, each in the form that a diagnosis delivers."""
+    rng = np.random.default_rng(seed)
+    terms = [kind.examples(rng)[0] for kind in term_kinds().values()]
+    blocks = [kind.examples(rng)[0] for kind in block_kinds().values()]
+    return _model(f"complete_{seed}", RULES[seed % len(RULES)], terms, blocks, rng)
+
+
+def _model(name: str, rules: int, terms: list[Term], blocks: list[InputBlock], rng: np.random.Generator) -> Model:
     low = rng.uniform(-5.0, 5.0)
     span = rng.uniform(0.5, 20.0)
     sign = rng.choice([-1.0, 1.0])
@@ -33,58 +49,34 @@ def random_model(seed: int) -> Model:
             rng.uniform(low, low + span, rules) * rng.uniform(0.0, 0.5, rules),
         ]
     )
-    terms = [term_from_json(data) for data in _terms(rng)]
-    weights = np.concatenate([np.zeros(0), *(rng.normal(0.0, 1e-4, term.size) for term in terms)])
     return Model(
-        name=f"random_{seed}",
+        name=name,
         Ts_s=float(rng.choice([1e-5, 2e-5, 1e-4])),
         grid=Grid(low, low + span, rules),
         consequents=consequents,
         u_min_V=float(rng.choice([-20.0, 0.0, -120.0])),
         u_max_V=float(rng.choice([100.0, 120.0, 1000.0])),
         terms=tuple(terms),
-        weights=weights,
-        blocks=tuple(block_from_json(data) for data in _blocks(rng)),
+        weights=np.concatenate([np.zeros(0), *(rng.normal(0.0, 1e-4, term.size) for term in terms)]),
+        blocks=tuple(sorted(blocks, key=lambda block: block.place)),
     )
 
 
-def kin(model: Model, seed: int) -> Model:
+def perturbed_model(model: Model, seed: int) -> Model:
     """The same structure with other numbers: every parameter changed by up to 5 %."""
     rng = np.random.default_rng(seed)
     changed = model.with_parameters(model.parameters * rng.uniform(0.95, 1.05, model.parameters.size))
-    return dataclasses.replace(changed, name=f"{model.name}_kin")
+    return dataclasses.replace(changed, name=f"{model.name}_perturbed")
 
 
-def faint_model() -> Model:
+def low_gain_model() -> Model:
     """A model whose numbers lie just above the least magnitude that counts: its results often fall below it."""
     rng = np.random.default_rng(0)
     consequents = np.ldexp(rng.uniform(1.0, 2.0, (4, 3)), rng.integers(-38, -30, (4, 3)))
-    return Model("faint", 2e-5, Grid(-1e-3, 1e-3, 4), consequents, u_min_V=-1.0, u_max_V=1.0)
+    return Model("low_gain", 2e-5, Grid(-1e-3, 1e-3, 4), consequents, u_min_V=-1.0, u_max_V=1.0)
 
 
-def _terms(rng: np.random.Generator) -> list[Mapping[str, Any]]:
-    count = int(rng.integers(1, 13))
-    choices: list[Mapping[str, Any]] = [
-        {"kind": "memory", "thresholds_V": list(np.cumsum(rng.uniform(0.5, 8.0, count))), **_bent(rng)},
-        {"kind": "creep", "tau_s": sorted(rng.uniform(1e-3, 10.0, 3))},
-        {"kind": "resonance", "f_Hz": [float(rng.uniform(100.0, 2000.0))], "zeta": [0.02]},
-        {"kind": "periodic", "f_Hz": [50.0, 150.0]},
-        {"kind": "drift", "tau_s": 0.5, "limit_um": 0.1},
-        {"kind": "coupling", "channels": ["other"], "low": [0.0], "high": [40.0], "taps": int(rng.integers(1, 4))},
-    ]
-    return [choice for choice in choices if rng.random() < 0.4]
-
-
-def _bent(rng: np.random.Generator) -> Mapping[str, Any]:
-    """Polynomials of the plays, or none."""
-    degree = int(rng.integers(1, 4))
-    return {"degree": degree, "range_V": [-100.0, 120.0]} if degree > 1 else {}
-
-
-def _blocks(rng: np.random.Generator) -> list[Mapping[str, Any]]:
-    choices: list[Mapping[str, Any]] = [
-        {"kind": "saturation", "low_V": -10.0, "high_V": 95.0},
-        {"kind": "slew", "rise_V_s": 2e5, "fall_V_s": 1e5},
-        {"kind": "delay", "samples": float(rng.uniform(0.0, 6.0))},
-    ]
-    return [choice for choice in choices if rng.random() < 0.25]
+def _some(kinds: Iterable[type[T]], rng: np.random.Generator, share: float) -> list[T]:
+    """An example of a random form of each kind, left out at random so that the given share of the kinds stays."""
+    examples = [forms[rng.integers(len(forms))] for forms in (kind.examples(rng) for kind in kinds)]
+    return [example for example in examples if rng.random() < share]

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.model.path.base import BlockBox, BlockMirror, Floats, InputBlock, box_of
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, InputBlock
 
 __all__ = [
     "BlockBox",
@@ -21,7 +21,6 @@ __all__ = [
     "InputBlock",
     "applied",
     "block_from_json",
-    "box_of",
     "check_chain",
     "kinds",
     "preview",

@@ -16,19 +16,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32
+from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, InputBlock
 from hysgen.model.structs import Member
 
 MOST_SAMPLES = 1000
 
 
 @dataclass(frozen=True)
-class Delay:
+class Delay(InputBlock):
     """Delay of the input by `samples` sampling periods, 0 to 1000, not necessarily whole.
 
     Raises ValueError if it is outside that range.
@@ -103,12 +103,9 @@ class Delay:
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {"part": np.array([self.part], dtype=np.float32)}
 
-    def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "samples": self.samples}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(float(data["samples"]))
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        return (cls(float(rng.uniform(0.0, 6.0))),)
 
 
 class DelayMirror(BlockMirror):

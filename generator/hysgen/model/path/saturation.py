@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, limited
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member
 
 
 @dataclass(frozen=True)
-class Saturation:
+class Saturation(InputBlock):
     """Levels between which the input passes unchanged.
 
     Raises ValueError if they are not finite or low_V is not below high_V.
@@ -27,8 +27,6 @@ class Saturation:
 
     kind: ClassVar[str] = "saturation"
     place: ClassVar[int] = 0
-    limits: ClassVar[bool] = True
-    preview: ClassVar[int] = 0
     low_V: float
     high_V: float
 
@@ -72,12 +70,9 @@ class Saturation:
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {"low": np.array([self.low_V], dtype=np.float32), "high": np.array([self.high_V], dtype=np.float32)}
 
-    def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "low_V": self.low_V, "high_V": self.high_V}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(float(data["low_V"]), float(data["high_V"]))
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        return (cls(float(rng.uniform(-15.0, -5.0)), float(rng.uniform(90.0, 110.0))),)
 
 
 class ClipMirror(BlockMirror):

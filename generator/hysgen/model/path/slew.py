@@ -9,18 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from hysgen.machine.kernels import slew_limited
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, limited
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member
 
 
 @dataclass(frozen=True)
-class Slew:
+class Slew(InputBlock):
     """Largest rates of the input in V/s, upwards and downwards, both positive.
 
     Raises ValueError if one of them is not positive and finite.
@@ -28,8 +28,6 @@ class Slew:
 
     kind: ClassVar[str] = "slew"
     place: ClassVar[int] = 1
-    limits: ClassVar[bool] = True
-    preview: ClassVar[int] = 0
     rise_V_s: float
     fall_V_s: float
 
@@ -73,12 +71,9 @@ class Slew:
             "fall": np.array([self.fall_V_s * Ts_s], dtype=np.float32),
         }
 
-    def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "rise_V_s": self.rise_V_s, "fall_V_s": self.fall_V_s}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(float(data["rise_V_s"]), float(data["fall_V_s"]))
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        return (cls(float(rng.uniform(1e5, 3e5)), float(rng.uniform(0.5e5, 2e5))),)
 
 
 class SlewMirror(BlockMirror):

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
+from hysgen.model.plain import arguments, to_plain
 from hysgen.model.structs import Member, MirroredStruct
 
 Floats = NDArray[np.float64]
@@ -134,51 +135,65 @@ class DensityTerm(Protocol):
         ...
 
 
-@runtime_checkable
-class Term(Protocol):
-    """A source of regressors phi_j(k) that do not depend on u(k)."""
+class Term(abc.ABC):
+    """A source of regressors phi_j(k) that do not depend on u(k).
+
+    A kind is a frozen dataclass whose fields are the shape parameters. The defaults here are right for one regressor in
+    V without auxiliary channels, shape parameters that are not optimised, and C without constants.
+    """
 
     kind: ClassVar[str]
-    parts: ClassVar[tuple[str, ...]]
+    parts: ClassVar[tuple[str, ...]] = ()
     """Templates of C that the kind shares with others, `terms/<part>.c.j2`."""
 
     @property
     def size(self) -> int:
         """Number of regressors."""
-        ...
+        return 1
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names of the auxiliary channels that the term reads."""
-        ...
+    follows_measurements: ClassVar[bool] = False
+    """Whether the term follows measured samples with the weight 1: it is not fitted, and constant in a free run."""
+
+    channels: tuple[str, ...] = ()
+    """Names of the auxiliary channels that the term reads."""
 
     def scales(self, span_V: float) -> tuple[float, ...]:
         """Typical magnitude of each regressor for inputs with this span; the learner divides by it."""
-        ...
+        return (span_V,) * self.size
 
+    @abc.abstractmethod
     def describe(self) -> str:
         """One line of text: the shape parameters with units."""
-        ...
 
+    @abc.abstractmethod
     def regressors(self, drive: Drive) -> Floats:
         """(n, size) float64: phi_j(k) before u(k) acts."""
-        ...
 
+    @abc.abstractmethod
     def start(self, u_V: float) -> Floats:
         """State after the generated `_init`: at rest under a constant input u_V."""
-        ...
 
+    @abc.abstractmethod
     def burn_in(self, drive: Drive) -> int:
         """Samples until the influence of the initial state on the regressors has decayed to 1 %; at most n."""
-        ...
 
+    @abc.abstractmethod
     def linear(self, Ts_s: float) -> StateSpace | None:
         """The term as a linear system, None if it is nonlinear."""
-        ...
 
     def gains(self, Ts_s: float) -> tuple[float, ...]:
-        """Bounds of sup |phi_j| / sup |u|, valid for changes of both too, for the small-gain test of the inverse."""
-        ...
+        """Bounds of sup |phi_j| / sup |u|, valid for changes of both too, for the small-gain test of the inverse.
+
+        Of a linear term |C| (I - |A|)^-1 |B|, elementwise absolute values. Raises ModelError if the term is not linear
+        or |A| has an eigenvalue of 1 or more.
+        """
+        system = self.linear(Ts_s)
+        if system is not None and system.B.size == 0:
+            return (0.0,) * self.size
+        if system is None or np.abs(np.linalg.eigvals(np.abs(system.A))).max() >= 1.0:
+            raise ModelError(f"terms: {self.kind}: its gains need a bound of their own; write gains() in its file")
+        reach = np.linalg.solve(np.eye(system.B.size) - np.abs(system.A), np.abs(system.B))
+        return tuple(float(gain) for gain in np.abs(system.C) @ reach)
 
     def box(self, v_V: Interval, Ts_s: float) -> TermBox:
         """What the struct of the generated C never leaves while the input that reaches the stage stays in v_V:
@@ -188,44 +203,54 @@ class Term(Protocol):
         in float32, for the state `_init` leaves under any v in v_V and after every later call. The proof of the
         generated C assumes the box before a call and demands the box after the call, and knows an interval of every
         number but no relation between numbers: so a bound has to be as wide as intervals of each operation make it.
+
+        Raises ModelError if the kind gives no box.
         """
-        ...
+        raise ModelError(f"terms: {self.kind}: gives no box of its state; write box() in the file of the term")
 
     def shape(self) -> Floats:
         """The shape parameters for an optimiser: positive ones as logarithms; (0,) if there are none."""
-        ...
+        return np.zeros(0)
 
     def with_shape(self, shape: Floats) -> Self:
         """The same term with these shape parameters. Raises ValueError outside their domain."""
-        ...
+        return self
 
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
         """Lower and upper bounds of `shape` that a record with this drive can identify."""
-        ...
+        return np.zeros(0), np.zeros(0)
 
     def members(self) -> tuple[Member, ...]:
         """The members of the C struct that keeps the state, in its order, with units; () without a state.
 
         Scalars and arrays of up to two sizes. The mirror has an attribute of the name of each.
         """
-        ...
+        return ()
 
+    @abc.abstractmethod
     def mirror(self, u_V: Floats32, Ts_s: float) -> Mirror:
         """The float32 reference, initialised by the inputs u_V (lanes,), as the generated `_init` does."""
-        ...
 
     def constants(self, Ts_s: float) -> Mapping[str, Words]:
         """The 32-bit numbers that the C needs, by the name of their array in `<name>_params.h`."""
-        ...
+        return {}
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, exact; includes "kind"."""
-        ...
+        return {"kind": self.kind, **to_plain(self)}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """Inverse of to_json. Raises KeyError, TypeError or ValueError on malformed data."""
-        ...
+        return cls(**arguments(cls, data))
+
+    @classmethod
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        """One term with random parameters for each form of the C, first the form that a diagnosis delivers.
+
+        `verify` compares models of them bit for bit.
+        """
+        return (cls(),)
 
 
 def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
@@ -248,8 +273,6 @@ def box_of(term: Term, v_V: Interval, Ts_s: float) -> TermBox:
 
     Raises ModelError if the kind of the term gives no box, or bounds another number of regressors than the term has.
     """
-    if not hasattr(term, "box"):
-        raise ModelError(f"terms: {term.kind}: gives no box of its state; write box() in the file of the term")
     box = term.box(v_V, Ts_s)
     if len(box.regressors) != term.size:
         raise ModelError(f"terms: {term.kind}: box() bounds {len(box.regressors)} regressors, the term has {term.size}")

@@ -10,8 +10,8 @@ channel is at the middle of its range.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass, field
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -20,21 +20,20 @@ from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.status import Status
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
 
 MOST_TAPS = 64
 
 
 @dataclass(frozen=True)
-class Coupling:
+class Coupling(Term):
     """Auxiliary `channels`, each with its range `low` .. `high` in its own unit and `taps` samples.
 
     Raises ValueError if a range is empty, a channel stands twice, or taps is not 1 to 64.
     """
 
     kind: ClassVar[str] = "coupling"
-    parts: ClassVar[tuple[str, ...]] = ()
-    channels: tuple[str, ...]
+    channels: tuple[str, ...] = field()
     low: tuple[float, ...]
     high: tuple[float, ...]
     taps: int = 1
@@ -117,15 +116,6 @@ class Coupling:
             sizes += [away.magnitude] * self.taps
         return TermBox(floats, tuple(sizes))
 
-    def shape(self) -> Floats:
-        return np.zeros(0)
-
-    def with_shape(self, shape: Floats) -> Self:
-        return self
-
-    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
-        return np.zeros(0), np.zeros(0)
-
     def members(self) -> tuple[Member, ...]:
         about = "[channel][age], in the unit of the channel, age 0 the newest"
         return (Member("sample", "float", about, (len(self.channels), self.taps)),)
@@ -140,20 +130,11 @@ class Coupling:
             "middle": self.middle.astype(np.float32),
         }
 
-    def to_json(self) -> dict[str, Any]:
-        return {
-            "kind": self.kind,
-            "channels": list(self.channels),
-            "low": list(self.low),
-            "high": list(self.high),
-            "taps": self.taps,
-        }
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        names = tuple(str(name) for name in data["channels"])
-        low, high = (tuple(float(x) for x in data[key]) for key in ("low", "high"))
-        return cls(names, low, high, int(data["taps"]))
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        """Two channels with several taps, one channel with one tap."""
+        several = cls(("other", "third"), (0.0, -5.0), (40.0, 5.0), int(rng.integers(2, 5)))
+        return several, cls(("other",), (0.0,), (40.0,))
 
 
 class ChannelMirror(Mirror):

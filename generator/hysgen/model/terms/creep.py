@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -24,12 +24,12 @@ from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)
-class Creep:
+class Creep(Term):
     """Lags with time constants `tau_s`, (m,) positive and rising; `shared`: one weight for all of them.
 
     Raises ValueError if tau_s is not positive and rising.
@@ -37,7 +37,6 @@ class Creep:
 
     kind: ClassVar[str] = "creep"
     parts: ClassVar[tuple[str, ...]] = ("twofloat",)
-    channels: ClassVar[tuple[str, ...]] = ()
     tau_s: tuple[float, ...]
     shared: bool = False
 
@@ -127,15 +126,11 @@ class Creep:
         rate = self.rates(Ts_s).astype(np.float32)
         return {"rate": rate, "mean": np.array([1 / self.lags], np.float32)} if self.shared else {"rate": rate}
 
-    def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "tau_s": list(self.tau_s), "shared": self.shared}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        shared = data.get("shared", False)
-        if not isinstance(shared, bool):
-            raise TypeError("shared must be true or false")
-        return cls(tuple(float(tau) for tau in data["tau_s"]), shared)
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        """Three lags with one weight for all, or with a weight for each."""
+        lags_s = tuple(sorted(rng.uniform(1e-3, 10.0, 3).tolist()))
+        return cls(lags_s, shared=True), cls(lags_s)
 
     @property
     def _mix(self) -> Floats:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -25,21 +25,20 @@ from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)
-class Drift:
+class Drift(Term):
     """A bias that follows the one-step error with time constant `tau_s`, never beyond `limit_um`.
 
     Raises ValueError if one of them is not positive and finite.
     """
 
     kind: ClassVar[str] = "drift"
+    follows_measurements: ClassVar[bool] = True
     parts: ClassVar[tuple[str, ...]] = ("twofloat",)
-    channels: ClassVar[tuple[str, ...]] = ()
-    size: ClassVar[int] = 1
     tau_s: float
     limit_um: float
 
@@ -110,12 +109,9 @@ class Drift:
             "limit": np.array([self.limit_um], dtype=np.float32),
         }
 
-    def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "tau_s": self.tau_s, "limit_um": self.limit_um}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(float(data["tau_s"]), float(data["limit_um"]))
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        return (cls(float(rng.uniform(0.1, 5.0)), float(rng.uniform(0.01, 0.2))),)
 
 
 class BiasMirror(Mirror):

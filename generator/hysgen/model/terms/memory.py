@@ -33,7 +33,7 @@ from hysgen.machine.kernels import play_operators
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Drive, Flags, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.base import Drive, Flags, Floats, Floats32, Mirror, StateSpace, Term, TermBox
 from hysgen.model.terms.play_density import rising_rows, roughness_rows
 from hysgen.model.terms.play_slopes import steepest_move
 
@@ -43,7 +43,7 @@ ROOT_2 = np.float32(np.sqrt(2.0))
 
 
 @dataclass(frozen=True)
-class Memory:
+class Memory(Term):
     """Play operators with half-widths `thresholds_V`, (m,) rising; the first may be 0.
 
     degree: of the polynomials, 1, 2 or 3; range_V: lowest and highest input, required for a degree above 1.
@@ -51,8 +51,6 @@ class Memory:
     """
 
     kind: ClassVar[str] = "memory"
-    parts: ClassVar[tuple[str, ...]] = ()
-    channels: ClassVar[tuple[str, ...]] = ()
     thresholds_V: tuple[float, ...]
     degree: int = 1
     range_V: tuple[float, float] | None = None
@@ -243,6 +241,13 @@ class Memory:
             return cls(thresholds, int(data.get("degree", 1)))
         low, high = (float(end) for end in data["range_V"])
         return cls(thresholds, int(data["degree"]), (low, high))
+
+    @classmethod
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        """1 to 12 plays: with the past input and cubics, with quadratics, and plain."""
+        half_widths = tuple(np.cumsum(rng.uniform(0.5, 8.0, int(rng.integers(1, 13)))).tolist())
+        range_V = (-100.0, 120.0)
+        return cls((0.0, *half_widths), 3, range_V), cls(half_widths, 2, range_V), cls(half_widths)
 
 
 class PlayMirror(Mirror):

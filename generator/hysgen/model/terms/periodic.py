@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,19 +23,18 @@ from numpy.typing import NDArray
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
 from hysgen.model.terms.sine import cosine_sine
 
 BLOCK = 512
 
 
 @dataclass(frozen=True)
-class Periodic:
+class Periodic(Term):
     """Frequencies `f_Hz`, (m,) positive and rising. Raises ValueError otherwise."""
 
     kind: ClassVar[str] = "periodic"
     parts: ClassVar[tuple[str, ...]] = ("sine",)
-    channels: ClassVar[tuple[str, ...]] = ()
     f_Hz: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -117,12 +116,11 @@ class Periodic:
             "turn_low": np.array([turn & 0xFFFFFFFF for turn in turns], dtype=np.uint32),
         }
 
-    def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "f_Hz": list(self.f_Hz)}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(tuple(float(f) for f in data["f_Hz"]))
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        """Mains and a harmonic."""
+        mains_Hz = float(rng.uniform(49.0, 51.0))
+        return (cls((mains_Hz, 3.0 * mains_Hz)),)
 
 
 def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDArray[np.complex128]:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +25,14 @@ from hysgen.machine.kernels import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, TermBox
+from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
 from hysgen.model.terms.twofloat import KEPT, accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
 
 
 @dataclass(frozen=True)
-class Resonance:
+class Resonance(Term):
     """Modes of undamped frequency `f_Hz` and damping ratio `zeta`, (m,) each, frequencies rising.
 
     Raises ValueError if a frequency is not positive or a damping ratio outside 1e-4 .. 0.95.
@@ -40,7 +40,6 @@ class Resonance:
 
     kind: ClassVar[str] = "resonance"
     parts: ClassVar[tuple[str, ...]] = ("twofloat",)
-    channels: ClassVar[tuple[str, ...]] = ()
     f_Hz: tuple[float, ...]
     zeta: tuple[float, ...]
 
@@ -155,12 +154,9 @@ class Resonance:
             raise ModelError("resonance: a mode this slow and light does not decay in float32; raise its damping")
         return {"real": real, "imag": imag}
 
-    def to_json(self) -> dict[str, Any]:
-        return {"kind": self.kind, "f_Hz": list(self.f_Hz), "zeta": list(self.zeta)}
-
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        return cls(tuple(float(f) for f in data["f_Hz"]), tuple(float(zeta) for zeta in data["zeta"]))
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        return (cls((float(rng.uniform(100.0, 2000.0)),), (float(rng.uniform(0.01, 0.1)),)),)
 
 
 def _modulus(z: NDArray[np.complex128]) -> Floats:

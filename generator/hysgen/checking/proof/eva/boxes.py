@@ -19,7 +19,6 @@ from typing import Final
 import numpy as np
 
 from hysgen.float32.coefficients import coefficients
-from hysgen.model import path as inputs
 from hysgen.model import terms
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
@@ -71,7 +70,7 @@ def parts_box(model: Model) -> PartsBox:
     floats: dict[str, Interval] = {}
     integers: dict[str, int] = {}
     for block in model.blocks:
-        passed = inputs.box_of(block, applied, model.Ts_s)
+        passed = block.box(applied, model.Ts_s)
         floats |= {f"inputs.{block.kind}.{path}": interval for path, interval in passed.floats.items()}
         integers |= {f"inputs.{block.kind}.{path}": largest for path, largest in passed.integers.items()}
         applied, command = passed.through_V, command.hull(passed.commands_V)
