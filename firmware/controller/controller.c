@@ -20,6 +20,7 @@ void controller_init(controller_t *self, const settings_t *settings)
     self->state = CONTROLLER_OFF;
     self->request = CONTROLLER_NO_REQUEST;
     self->committing = 0u;
+    self->learns = 0u;
     self->status = 0u;
     self->upward = 1u;
     self->held = 0u;
@@ -136,13 +137,7 @@ static float controller_follow(controller_t *self, float reference_um)
     self->asked_um[now] = reference_um;
     self->expected_um[now] = self->model.y_um + self->offset_um - correction;
     self->oldest = (now + 1u < CONTROLLER_LINE) ? now + 1u : 0u;
-    if ((settings->options & SETTINGS_LEARN) != 0u) {
-        if (self->committing == 0u) {
-            model_learn(&self->learner, y_um - self->offset_um, u_V);
-        } else {
-            self->status |= STATUS_LEARN_SKIPPED;
-        }
-    }
+    self->learns = (uint32_t)((settings->options & SETTINGS_LEARN) != 0u);
     return u_V;
 }
 
@@ -243,6 +238,7 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
     float within_V;
 
     self->samples += 1u;
+    self->learns = 0u;
     if (self->request != CONTROLLER_NO_REQUEST) {
         controller_take_request(self);
     }
@@ -266,6 +262,19 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
         self->status |= STATUS_OUTPUT_SLEWED;
     }
     return self->output_V;
+}
+
+void controller_learn(controller_t *self)
+{
+    if (self->learns == 0u) {
+        return;
+    }
+    self->learns = 0u;
+    if (self->committing == 0u) {
+        model_learn(&self->learner, self->watchdog.sample_um - self->offset_um, self->output_V);
+    } else {
+        self->status |= STATUS_LEARN_SKIPPED;
+    }
 }
 
 void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun)

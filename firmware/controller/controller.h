@@ -46,6 +46,7 @@ typedef struct {
     controller_state_t state;
     volatile uint32_t request;
     volatile uint32_t committing;   /* the idle loop is inside the model's commit */
+    uint32_t learns;         /* this sample is one to learn from */
     uint32_t status;
     uint32_t upward;         /* LOOP: on the way up */
     uint32_t held;           /* samples in HOLD */
@@ -74,6 +75,10 @@ void controller_init(controller_t *self, const settings_t *settings);
  * amplifier     BOARD_AMPLIFIER_ bits
  * returns       u(k) [V] inside the settings' range, at most step_V from the one before */
 float controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier);
+
+/* After controller_step, once its voltage is put out: learn from the same sample, the reading as it was and the voltage
+ * that controller_step returned. In this order the time of the learner does not delay the output. */
+void controller_learn(controller_t *self);
 
 /* After a sample: how long it took. */
 void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun);

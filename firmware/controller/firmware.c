@@ -32,6 +32,7 @@ void firmware_interrupt(firmware_t *self, board_t *board)
     const uint32_t amplifier = board_amplifier(board);
 
     board_voltage(board, controller_step(&self->controller, y_um, reference_um, amplifier));
+    controller_learn(&self->controller);
     self->cycles_last = board_cycles(board) - start;
     self->cycles_most = (self->cycles_last > self->cycles_most) ? self->cycles_last : self->cycles_most;
     controller_time(&self->controller, self->cycles_last, board_overrun(board));

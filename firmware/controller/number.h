@@ -5,6 +5,8 @@
 
 #include <stdint.h>
 
+#define NUMBER_NAN 0x7FC00000u  /* bits of a quiet NaN */
+
 static inline uint32_t number_bits(float x)
 {
     union { float number; uint32_t word; } both;

@@ -7,6 +7,7 @@
 void watchdog_init(watchdog_t *self, const settings_t *settings)
 {
     self->reading_um = number_limited(0.0f, settings->low_um, settings->high_um);
+    self->sample_um = self->reading_um;
     self->bad = 0u;
     self->same_V = settings->off_V;
     self->same = 0u;
@@ -30,6 +31,7 @@ uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_
     } else {
         self->same += (uint32_t)(self->same < UINT32_MAX);
     }
+    self->sample_um = (status == 0u) ? y_um : number_of(NUMBER_NAN);
     self->bad = (status != 0u) ? self->bad + 1u : 0u;
     if (self->bad >= settings->bad_samples) {
         self->bad = settings->bad_samples;

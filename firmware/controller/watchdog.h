@@ -9,6 +9,7 @@
 
 typedef struct {
     float reading_um;        /* last reading that was one */
+    float sample_um;         /* the reading of this sample, NaN where it was none */
     uint32_t bad;            /* readings in a row that were none */
     float same_V;            /* input when the reading last changed, */
     uint32_t same;           /* and samples since then */
@@ -19,8 +20,8 @@ typedef struct {
 
 void watchdog_init(watchdog_t *self, const settings_t *settings);
 
-/* A reading [um] that came while the input was u_V: what may be used in its place stands in self->reading_um.
- * Returns STATUS_ bits. */
+/* A reading [um] that came while the input was u_V. self->reading_um is the reading that control uses, the last good one
+ * where this one is none; self->sample_um is NaN there, so that a learner rejects the sample. Returns STATUS_ bits. */
 uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V);
 
 /* The reading against what the model expected of this sample. Returns STATUS_ bits. */

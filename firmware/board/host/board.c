@@ -6,8 +6,11 @@
 
 static uint32_t faulty(const board_t *board, uint32_t fault)
 {
+    const uint32_t since = board->sample - board->fault_from;
+    const uint32_t on = (board->fault_period == 0u) || (since % board->fault_period < board->fault_length);
+
     return (uint32_t)(board->fault == fault) & (uint32_t)(board->sample >= board->fault_from)
-        & (uint32_t)(board->sample < board->fault_until);
+        & (uint32_t)(board->sample < board->fault_until) & on;
 }
 
 /* The byte that power allows to be changed next: 1 as long as there is power. */

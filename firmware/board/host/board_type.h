@@ -29,6 +29,8 @@ typedef struct board {
     uint32_t fault;
     uint32_t fault_from;        /* first sample of the fault, */
     uint32_t fault_until;       /* first sample after it */
+    uint32_t fault_period;      /* in between it acts on the first `fault_length` samples of every so many; 0: on all */
+    uint32_t fault_length;
     float fault_value;
     uint32_t cycles;
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import IntEnum, IntFlag
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from hysgen.checking.host import declarations
 from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
 from hysgen.machine.native import Library, Toolchain, build
-from hysgen.stage import StageState
 
 Floats32 = NDArray[np.float32]
 
@@ -150,10 +149,22 @@ class HostImage:
         return cls(name, build([*own.items(), *generated.items()], declared, toolchain, libraries=()))
 
 
+class DrivenPlant(Protocol):
+    """What the host's board drives; a `hysgen.stage.StageState` is one."""
+
+    @property
+    def y_um(self) -> float:
+        """Displacement at the start, in um."""
+
+    @property
+    def address(self) -> tuple[int, int]:
+        """Addresses of `double (*)(void *plant, double u_V)`, which holds u_V for one sample, and of its plant."""
+
+
 class HostFirmware:
     """The image booted on a board with a stage. `firmware`, `board`: the C structs, through cffi."""
 
-    def __init__(self, image: HostImage, stage: StageState, settings: Settings | None = None) -> None:
+    def __init__(self, image: HostImage, stage: DrivenPlant, settings: Settings | None = None) -> None:
         self.image = image
         self.stage = stage
         self._ffi, self._lib = image.library.ffi, image.library.lib
@@ -216,13 +227,24 @@ class HostFirmware:
         joined = (np.concatenate([getattr(log, each.name) for log in logs]) for each in fields(Log))
         return Log(*joined)
 
-    def fail(self, fault: BoardFault, value: float = 0.0, after: int = 0, samples: int = 0xFFFFFFFF) -> None:
-        """Simulate `fault` on the board for `samples` samples, from sample `after` of the next run on."""
+    def fail(
+        self,
+        fault: BoardFault,
+        value: float = 0.0,
+        after: int = 0,
+        samples: int = 0xFFFFFFFF,
+        pattern: tuple[int, int] = (0, 0),
+    ) -> None:
+        """Simulate `fault` on the board for `samples` samples, from sample `after` of the next run on.
+
+        pattern: (length, period): the fault acts on the first `length` of every `period` samples; (0, 0): on all.
+        """
         self.board.sample = 0
         self.board.fault = int(fault)
         self.board.fault_value = value
         self.board.fault_from = after
         self.board.fault_until = min(after + samples, 0xFFFFFFFF)
+        self.board.fault_length, self.board.fault_period = pattern
 
     def send(self, data: bytes, begins: bool = True) -> int:
         """Send bytes of a parameter image while the stage is off. Returns `image_answer`."""

@@ -1,0 +1,60 @@
+"""What the learner gets: the sensor's own readings, the voltage that was put out, and never a stand-in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fixtures.firmware_bench import model, on_itself, sine
+from hysgen.firmware.host import BoardFault, HostFirmware, Settings, State, FirmwareStatus
+
+LEARNING = Settings(learn=True, commit_pause=2000)
+
+
+def wrong_nm(firmware: HostFirmware) -> float:
+    """Largest change of an active parameter, as displacement over the whole range of its regressor, in nm."""
+    controller = firmware.firmware.controller
+    active, start = controller.model.bank[controller.model.active], controller.bank
+    changed = [
+        reach * (now - before)
+        for name, reach in (("slope", model().grid.y_max_um), ("offset", 1.0), ("gain", model().u_max_V))
+        for now, before in zip(getattr(active, name), getattr(start, name), strict=True)
+    ]
+    return 1e3 * max(abs(each) for each in changed)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 14.0], ids=["NaN", "infinite", "out of range"])
+def test_readings_that_are_none_reach_the_learner_as_none(value: float) -> None:
+    """Every 10th reading is bad, on a stage that is the model itself: there is nothing to learn, and nothing is."""
+    firmware = on_itself(LEARNING)
+    before = firmware.firmware.controller.learner.rejected
+    firmware.fail(BoardFault.READING, value, after=1, pattern=(1, 10))
+    firmware.run(sine(40_000))
+    assert firmware.state is State.TRACK
+    assert firmware.status & (FirmwareStatus.SENSOR_INVALID | FirmwareStatus.SENSOR_RANGE)
+    assert firmware.firmware.controller.learner.rejected - before == 4000
+    assert firmware.firmware.commits == 0
+    assert wrong_nm(firmware) == 0.0
+
+
+def test_the_voltage_is_put_out_before_the_learner_runs() -> None:
+    firmware = on_itself(LEARNING)
+    learner, told = firmware.firmware.controller.learner, []
+    firmware.stage.watch = lambda u_V: told.append((u_V, learner.u_V))
+    firmware.run(sine(500))
+    put_out, known = np.array(told).T
+    assert (known[1:] == put_out[:-1]).all()
+    assert (known != put_out).any()
+
+
+def test_the_learner_gets_the_voltage_that_was_put_out_not_the_one_that_was_wanted() -> None:
+    """The rate limit acts at every second sample or so."""
+    firmware = on_itself(replace(LEARNING, step_V=0.05, ramp_V=0.02, follow_um=5.0))
+    learner, told = firmware.firmware.controller.learner, []
+    firmware.stage.watch = lambda u_V: told.append((u_V, learner.u_V))
+    firmware.run(sine(2000, 200.0))
+    assert FirmwareStatus.OUTPUT_SLEWED in firmware.status
+    put_out, known = np.array(told).T
+    assert (known[1:] == put_out[:-1]).all()
