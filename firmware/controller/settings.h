@@ -39,8 +39,8 @@ typedef struct {
     float stuck_V;             /* the input moved this far while the reading stayed the same to the last bit, */
     uint32_t stuck_samples;    /* for at least so many samples */
     float follow_um;           /* |reading - model| beyond which the stage does not follow, */
-    uint32_t follow_samples;   /* for so many samples in a row */
-    uint32_t bad_samples;      /* so many readings in a row that are none, or amplifier limits, or late samples */
+    uint32_t follow_samples;   /* for so many samples (leaky count, see watchdog.h) */
+    uint32_t bad_samples;      /* so many readings that are none, amplifier limits or late samples (leaky counts) */
     uint32_t budget_cycles;    /* of one interrupt */
 
     /* Feedback trim, see trim.h. */

@@ -20,11 +20,11 @@
 #define STATUS_IMAGE_FALLBACK       0x00002000u  /* a stored image was not good: an older one, or the built-in numbers */
 
 #define STATUS_FAULT_SELFTEST       0x00010000u  /* this processor does not compute what was verified */
-#define STATUS_FAULT_SENSOR         0x00020000u  /* too many readings in a row were none */
+#define STATUS_FAULT_SENSOR         0x00020000u  /* too many readings were none */
 #define STATUS_FAULT_STUCK          0x00040000u  /* the reading stayed while the input moved */
 #define STATUS_FAULT_FOLLOW         0x00080000u  /* the stage does not follow: amplifier saturated, sensor or stage off */
 #define STATUS_FAULT_AMPLIFIER      0x00100000u  /* the amplifier failed, or was at its limit too long */
-#define STATUS_FAULT_DEADLINE       0x00200000u  /* too many late interrupts in a row */
+#define STATUS_FAULT_DEADLINE       0x00200000u  /* too many late interrupts */
 #define STATUS_FAULTS               0x003F0000u
 
 #endif

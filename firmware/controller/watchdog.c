@@ -4,16 +4,39 @@
 #include "number.h"
 #include "status.h"
 
+/* Counts a sample; returns 1 once the count has reached `most`. */
+static uint32_t watchdog_count(watchdog_count_t *count, uint32_t bad, uint32_t most)
+{
+    if (bad != 0u) {
+        count->bad += (uint32_t)(count->bad < most);
+    } else if (count->bad != 0u) {
+        count->good += 1u;
+        if (count->good >= WATCHDOG_LEAK) {
+            count->bad -= 1u;
+            count->good = 0u;
+        }
+    } else {
+        count->good = 0u;
+    }
+    return (uint32_t)(count->bad >= most);
+}
+
+static void watchdog_forget(watchdog_count_t *count)
+{
+    count->bad = 0u;
+    count->good = 0u;
+}
+
 void watchdog_init(watchdog_t *self, const settings_t *settings)
 {
     self->reading_um = number_limited(0.0f, settings->low_um, settings->high_um);
     self->sample_um = self->reading_um;
-    self->bad = 0u;
+    watchdog_forget(&self->unread);
     self->same_V = settings->off_V;
     self->same = 0u;
-    self->astray = 0u;
-    self->limits = 0u;
-    self->late = 0u;
+    watchdog_forget(&self->astray);
+    watchdog_forget(&self->limits);
+    watchdog_forget(&self->late);
 }
 
 uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V)
@@ -32,9 +55,7 @@ uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_
         self->same += (uint32_t)(self->same < UINT32_MAX);
     }
     self->sample_um = (status == 0u) ? y_um : number_of(NUMBER_NAN);
-    self->bad = (status != 0u) ? self->bad + 1u : 0u;
-    if (self->bad >= settings->bad_samples) {
-        self->bad = settings->bad_samples;
+    if (watchdog_count(&self->unread, (uint32_t)(status != 0u), settings->bad_samples) != 0u) {
         status |= STATUS_FAULT_SENSOR;
     }
     if ((self->same >= settings->stuck_samples) & (number_size(u_V - self->same_V) >= settings->stuck_V)) {
@@ -47,19 +68,16 @@ uint32_t watchdog_follow(watchdog_t *self, const settings_t *settings, float exp
 {
     const uint32_t far = (uint32_t)(number_size(self->reading_um - expected_um) > settings->follow_um);
 
-    self->astray = (far != 0u) ? self->astray + 1u : 0u;
-    return (self->astray >= settings->follow_samples) ? STATUS_FAULT_FOLLOW : 0u;
+    return (watchdog_count(&self->astray, far, settings->follow_samples) != 0u) ? STATUS_FAULT_FOLLOW : 0u;
 }
 
 uint32_t watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier)
 {
-    uint32_t status = 0u;
+    const uint32_t limits = (uint32_t)((amplifier & BOARD_AMPLIFIER_LIMITS) != 0u);
+    const uint32_t lasts = watchdog_count(&self->limits, limits, settings->bad_samples);
+    uint32_t status = (limits != 0u) ? STATUS_AMPLIFIER_LIMITS : 0u;
 
-    self->limits = ((amplifier & BOARD_AMPLIFIER_LIMITS) != 0u) ? self->limits + 1u : 0u;
-    if (self->limits != 0u) {
-        status |= STATUS_AMPLIFIER_LIMITS;
-    }
-    if ((self->limits >= settings->bad_samples) | ((amplifier & BOARD_AMPLIFIER_FAILED) != 0u)) {
+    if ((lasts != 0u) | ((amplifier & BOARD_AMPLIFIER_FAILED) != 0u)) {
         status |= STATUS_FAULT_AMPLIFIER;
     }
     return status;
@@ -69,8 +87,7 @@ uint32_t watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cy
 {
     const uint32_t late = (uint32_t)(cycles > settings->budget_cycles) | overrun;
 
-    self->late = (late != 0u) ? self->late + 1u : 0u;
-    if (self->late >= settings->bad_samples) {
+    if (watchdog_count(&self->late, late, settings->bad_samples) != 0u) {
         return STATUS_DEADLINE_MISSED | STATUS_FAULT_DEADLINE;
     }
     return (late != 0u) ? STATUS_DEADLINE_MISSED : 0u;

@@ -7,15 +7,25 @@
 
 #include "settings.h"
 
+/* A leaky count: +1 per bad sample, -1 per WATCHDOG_LEAK good ones. With 8, a lasting share of bad samples above one in
+ * nine reaches any limit, in whatever pattern they come, while seven bad samples in a row are forgotten after 56 good
+ * ones (1.1 ms): sparse noise never adds up, and trim and learner have at least 8 of 9 readings. */
+#define WATCHDOG_LEAK 8u
+
+typedef struct {
+    uint32_t bad;            /* the count */
+    uint32_t good;           /* good samples since it last fell */
+} watchdog_count_t;
+
 typedef struct {
     float reading_um;        /* last reading that was one */
     float sample_um;         /* the reading of this sample, NaN where it was none */
-    uint32_t bad;            /* readings in a row that were none */
+    watchdog_count_t unread; /* readings that were none */
     float same_V;            /* input when the reading last changed, */
     uint32_t same;           /* and samples since then */
-    uint32_t astray;         /* samples in a row in which the stage did not follow */
-    uint32_t limits;         /* samples in a row with the amplifier at its limit */
-    uint32_t late;           /* interrupts in a row that took too long */
+    watchdog_count_t astray; /* samples in which the stage did not follow */
+    watchdog_count_t limits; /* samples with the amplifier at its limit */
+    watchdog_count_t late;   /* interrupts that took too long */
 } watchdog_t;
 
 void watchdog_init(watchdog_t *self, const settings_t *settings);
