@@ -101,26 +101,31 @@ def test_a_few_bad_samples_are_told_and_survived(fault: BoardFault, value: float
 @pytest.mark.parametrize(
     ("fault", "value", "told"),
     [
-        (Fault.READING, np.nan, Status.FAULT_SENSOR),
-        (Fault.READING, 5.0, Status.FAULT_FOLLOW),
-        (Fault.LIMITS, 0.0, Status.FAULT_AMPLIFIER),
-        (Fault.LATE, 7501.0, Status.FAULT_DEADLINE),
+        (BoardFault.READING, np.nan, FirmwareStatus.FAULT_SENSOR),
+        (BoardFault.READING, 5.0, FirmwareStatus.FAULT_FOLLOW),
+        (BoardFault.LIMITS, 0.0, FirmwareStatus.FAULT_AMPLIFIER),
+        (BoardFault.LATE, 7501.0, FirmwareStatus.FAULT_DEADLINE),
     ],
-    ids=lambda each: each.name if isinstance(each, Fault) else None,
+    ids=lambda each: each.name if isinstance(each, BoardFault) else None,
 )
 def test_a_share_of_bad_samples_above_one_in_nine_trips(
-    fault: Fault, value: float, told: Status, pattern: tuple[int, int]
+    fault: BoardFault, value: float, told: FirmwareStatus, pattern: tuple[int, int]
 ) -> None:
     firmware = tracking(SETTINGS)
     firmware.fail(fault, value, after=1, pattern=pattern)
     # At (1, 8) the count grows by one in 64 samples: 1 - 7/8 of eight.
-    firmware.run(sine(64 * (SETTINGS.follow_samples + 1) if told is Status.FAULT_FOLLOW else 64 * 9))
+    firmware.run(sine(64 * (SETTINGS.follow_samples + 1) if told is FirmwareStatus.FAULT_FOLLOW else 64 * 9))
     assert told in firmware.status
     assert firmware.state in (State.TRIP, State.TRIPPED)
 
 
 def test_one_bad_sample_in_ten_is_told_and_survived() -> None:
-    for fault, value in ((Fault.READING, np.nan), (Fault.READING, 5.0), (Fault.LIMITS, 0.0), (Fault.LATE, 7501.0)):
+    for fault, value in (
+        (BoardFault.READING, np.nan),
+        (BoardFault.READING, 5.0),
+        (BoardFault.LIMITS, 0.0),
+        (BoardFault.LATE, 7501.0),
+    ):
         firmware = tracking(SETTINGS)
         firmware.fail(fault, value, after=1, pattern=(1, 10))
         firmware.run(sine(20_000))
