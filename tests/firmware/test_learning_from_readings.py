@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import model, on_itself, sine
-from hysgen.firmware.host import BoardFault, HostFirmware, Settings, State, FirmwareStatus
+from hysgen.firmware.host import BoardFault, FirmwareStatus, HostFirmware, Settings, State
 
 LEARNING = Settings(learn=True, commit_pause=2000)
 
