@@ -1,4 +1,4 @@
-"""The Python interface: one import, results that show themselves, pictures on request."""
+"""The Python interface: one import, results as text and HTML, pictures on request."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_every_result_shows_itself_on_one_line_as_text_and_as_html(results: dict
         reader.feed(page)
         assert {"table", "th", "td"} <= set(opened), name
         assert page.count("<td>") == page.count("</td>"), name
-        # A record's name is the user's: it may hold anything.
+        # The name of a record is chosen by the user and may hold any characters.
         assert "axis & one" not in page, name
 
 

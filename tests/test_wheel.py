@@ -1,4 +1,4 @@
-"""The wheel is all that a user needs: templates, models, kernels and the bundled record are inside."""
+"""The wheel is complete: templates, models, kernels and the bundled record are inside."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def test_the_wheel_generates_c_outside_the_checkout(tmp_path: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(tmp_path / "site")
     assert (tmp_path / "site" / "hysgen" / "stage" / "demo_stage.csv").exists()
-    # An isolated path: the checkout's own package must not be what answers.
+    # The package must come from the wheel, not from the checkout.
     environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
     code = "import hysgen; print(hysgen.__file__); from hysgen.cli import main; raise SystemExit(main())"
     call = [sys.executable, "-c", code, "generate", "appendix_a", "-o", "out"]

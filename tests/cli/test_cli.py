@@ -1,4 +1,4 @@
-"""The command line as a person meets it: the way through, the JSON, the exit codes, and one line a fault."""
+"""The command line: from record to C, JSON, exit codes, one-line errors."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ def test_a_record_becomes_a_scored_model_and_its_c(
     rivals = told["rivals_free_run"]
     assert told["free_run"]["e_rms_um"] < rivals["Prandtl-Ishlinskii, 20 plays"]["e_rms_um"]
     assert main(["generate", str(model), "-o", str(tmp_path / "c")]) == 0
-    # The model is called after its file, in letters that C allows.
+    # The name of the model is the name of its file as a C identifier.
     assert {"axis_one.h", "axis_one.c", "axis_one_params.h"} <= {path.name for path in (tmp_path / "c").iterdir()}
 
 
 def test_a_learner_is_asked_for_when_fitting_or_when_generating(record: Path, model: Path, tmp_path: Path) -> None:
-    """--learn makes `_learn` and `_commit`, of the parameters that it names; --learn none takes them out again."""
+    """--learn generates `_learn` and `_commit` for the parameters that it names; --learn none removes them."""
     learning = tmp_path / "learning.json"
     fit = ["fit", str(record), "--method", "batch", "--learn", "bias", "--learn-noise", "0.001", "-o", str(learning)]
     assert main(fit) == 0
@@ -78,7 +78,7 @@ def test_the_same_call_writes_the_same_bytes(record: Path, tmp_path: Path) -> No
     assert (tmp_path / "first.json").read_bytes() == (tmp_path / "second.json").read_bytes()
 
 
-def test_json_on_stdout_is_alone_there(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_on_stdout_comes_without_other_text(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["describe", str(model), "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["certificates"]
 
@@ -100,7 +100,7 @@ def test_json_on_stdout_is_alone_there(model: Path, capsys: pytest.CaptureFixtur
         (["polish"], "polish"),
     ],
 )
-def test_every_fault_of_the_user_is_one_line_and_exit_code_2(
+def test_every_error_of_the_user_is_one_line_and_exit_code_2(
     call: list[str],
     told: str,
     record: Path,
@@ -120,7 +120,7 @@ def test_every_fault_of_the_user_is_one_line_and_exit_code_2(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_interrupt_is_told_and_leaves_no_half_file(
+def test_an_interrupt_is_reported_and_leaves_no_partial_file(
     record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def interrupted(*_: object, **__: object) -> None:

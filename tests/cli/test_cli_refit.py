@@ -1,4 +1,4 @@
-"""Re-identification from the command line: what is up to date, what moved, what no longer fits, and the exit codes."""
+"""Re-identification by command: stale files, changed properties, structures that no longer fit, exit codes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STROKE = 1.08
 
 
 def write_record(path: Path, stage: Stage, seed: int, hum_um: float = 0.0) -> Path:
-    """Nested loops at two frequencies, twice; `hum_um` of 73 Hz on the displacement, from a floor, say."""
+    """Nested loops at two frequencies, twice; a vibration of 73 Hz and amplitude `hum_um` on the displacement."""
     u_V = nested_amplitudes(TS_S, (50.0, 20.0), 40.0, 25.0, 4)
     u_V = np.concatenate([u_V, u_V])
     y_um = run(stage, u_V, TS_S, seed=seed).displacement_um
@@ -54,7 +54,7 @@ def test_check_says_which_generated_files_are_stale(folder: Path, tmp_path: Path
         {"name": "axis.c", "fault": "differs", "line": 5},
         {"name": "axis.h", "fault": "missing", "line": None},
     ]
-    # Checking wrote nothing.
+    # --check writes nothing.
     assert not (tmp_path / "axis.h").exists()
 
 
@@ -70,14 +70,14 @@ def test_refit_changes_the_numbers_and_verifies_the_c(folder: Path, tmp_path: Pa
     assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c", "--check"]) == 1
 
 
-def test_diff_tells_what_moved_and_scores_both_models_on_both_records(folder: Path, tmp_path: Path) -> None:
+def test_diff_lists_changed_properties_and_scores_both_models_on_both_records(folder: Path, tmp_path: Path) -> None:
     old, new = f"{folder}/axis.json", f"{tmp_path}/axis.json"
     assert main(["refit", old, f"{folder}/second.csv", "-o", new]) == 0
     records = [f"{folder}/first.csv", f"{folder}/second.csv"]
     assert main(["diff", old, new, "--records", *records, "--json", f"{tmp_path}/told.json"]) == 0
     told = json.loads((tmp_path / "told.json").read_text())
     moved = {change["what"]: change["percent"] for change in told["changes"]}
-    # 8 % more stroke was planted: gain and loop follow, the lag does not. Noise and the fit are worth a percent or so.
+    # The stroke is 8 % larger: gain and loop change with it, the lag does not. Noise and fit change them by about 1 %.
     assert moved["DC gain, mid-range"] == pytest.approx(8.0, abs=1.5)
     widths = [percent for what, percent in moved.items() if what.startswith("loop width")]
     assert widths == pytest.approx([8.0, 8.0], abs=2.5)

@@ -1,4 +1,4 @@
-"""What goes wrong outside: the voltage stays inside its limits, the status tells, and every way ends at rest."""
+"""Faults outside the firmware: the voltage stays within its limits, status bits are set, the stage comes to rest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SETTINGS = Settings(low_V=-5.0, high_V=60.0, step_V=1.0)
 
 
 def assert_limits(log: Log, before_V: float, settings: Settings = SETTINGS) -> None:
-    """The voltage is a number inside its range and below its rate at every sample."""
+    """The voltage is finite, within its range, and within its rate at every sample."""
     u_V = np.concatenate([[before_V], log.output_V]).astype(np.float64)
     assert np.isfinite(u_V).all()
     assert u_V.min() >= settings.low_V
@@ -30,7 +30,7 @@ def suffered(
     samples: int = 0xFFFFFFFF,
     reference_um: np.ndarray | None = None,
 ) -> tuple[HostFirmware, Log]:
-    """Track the sine of section 4.3, suffer the fault, hold the limits all along."""
+    """Track the sine of section 4.3 with the fault; the limits hold throughout."""
     firmware = tracking(SETTINGS)
     assert firmware.state is State.TRACK
     before_V = firmware.board.output_V
@@ -69,7 +69,7 @@ def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
     assert faults == FirmwareStatus(told & 0x3F0000), f"{faults!r}: one cause, one fault"
     tripped = int(np.argmax(log.state == State.TRIP))
     assert 700 <= tripped <= 700 + within
-    # It stays down until it is told otherwise, and goes on once the fault is gone.
+    # The stage stays off until CLEAR, and starts again after the fault has ended.
     firmware.request(Request.START)
     firmware.fail(BoardFault.NONE)
     assert set(firmware.run(sine(1000)).output_V.tolist()) == {SETTINGS.off_V}
@@ -90,7 +90,9 @@ def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
     ],
     ids=lambda each: each.name if isinstance(each, BoardFault) else None,
 )
-def test_a_few_bad_samples_are_told_and_survived(fault: BoardFault, value: float, told: FirmwareStatus) -> None:
+def test_a_few_bad_samples_set_the_status_and_do_not_trip(
+    fault: BoardFault, value: float, told: FirmwareStatus
+) -> None:
     firmware, log = suffered(fault, value, samples=SETTINGS.bad_samples - 2)
     assert told in firmware.status
     assert not firmware.status & 0x3F0000
@@ -184,7 +186,7 @@ TRANSITIONS = {
 
 
 def reached(state: State) -> HostFirmware:
-    """A firmware brought to `state` the way it comes there by itself."""
+    """A firmware in `state`, reached by requests and faults only."""
     firmware = booted(SETTINGS)
     if state is State.OFF:
         return firmware

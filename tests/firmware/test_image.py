@@ -1,4 +1,4 @@
-"""Parameter images: running firmware takes them whole, right and certified, or keeps what it has, whatever is cut."""
+"""Parameter images: running firmware accepts complete, fitting, certified ones and else keeps its parameters."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STIFFER, SOFTER = np.array([1.0, 1.02, 1.0]), np.array([1.0, 0.98, 1.0])
 
 
 def changed(consequents: np.ndarray) -> Model:
-    """The model with its consequents q1, q2, q3 multiplied."""
+    """The model with its consequents q1, q2, q3 scaled."""
     return replace(model(), consequents=model().consequents * consequents)
 
 
@@ -84,7 +84,7 @@ def test_power_cut_at_any_byte_of_the_store_leaves_the_old_or_the_new_parameters
         firmware.board.bytes_to_cut = 0xFFFFFFFF
         firmware.boot()
         outcomes.append(firmware.bank() == old)
-    # Everything is old until the last byte of the seal is written.
+    # The old parameters are valid until the last byte of the seal is written.
     assert outcomes == [True] * whole + [False]
 
 
@@ -178,7 +178,7 @@ def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -
 
 
 def stop(firmware: HostFirmware) -> None:
-    """Down to off."""
+    """Stop, and run until the state is OFF."""
     firmware.request(Request.STOP)
     firmware.run(np.full(4000, 2.0))
     assert firmware.state is State.OFF

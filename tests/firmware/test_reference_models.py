@@ -1,4 +1,4 @@
-"""The firmware's reference models, its build for the C6748, its run on the simulator, and how it tracks."""
+"""The firmware's reference models, its image for the C6748, its run on the simulator, its tracking errors."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_the_image_links_into_the_targets_memories(model: Model) -> None:
     assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack"}
     assert all(size <= MEMORIES[name][1] for name, size in built.used.items())
     symbols = built.firmware.image.symbols
-    # Nothing of the compiler's library: its copy is a hardware loop, whose counter the interrupt does not save.
+    # No function of the compiler's library: its copy uses a hardware loop, whose counter the interrupt does not save.
     assert not [name for name in symbols if name.startswith("__c6xabi")]
     assert "sploop" not in built.firmware.listing
     # Reset at the start of the table, interrupt 4 four fetch packets further on.
@@ -66,12 +66,12 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Mod
     need_compiler()
     texts = firmware_model(model)
     compiled = compile_image(texts)
-    # Long enough for the extended image to learn what it then commits.
+    # Long enough for the extended firmware to learn and commit.
     run = simulate(model, texts, compiled, 9500 if model.name == "extended" else 1500)
     assert run.equal
     assert (run.commits >= 1) == (model.name == "extended")
     assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
-    # The longest way through the interrupt, learn_init at the take-over included, and one call of commit beside it.
+    # The longest path through the interrupt, learn_init at the start of learning included, and one call of commit.
     longest = static_bounds(model.name, compiled)
     interrupt, commit = longest["firmware_interrupt"], longest[f"{model.name}_commit"]
     assert interrupt is not None
@@ -83,7 +83,7 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Mod
 def test_the_extended_inverse_tracks_three_times_better_than_the_papers() -> None:
     paper, extended, trimmed, _ = (run_controller(controller, 50.0, 0.5) for controller in controllers(50.0))
     assert extended.rms_nm < paper.rms_nm / 3
-    # 10 s of it, both frequencies, are printed by `hysgen track`.
+    # `hysgen track` prints the result of 10 s at both frequencies.
     assert extended.rms_nm < 10.0
     assert trimmed.rms_nm < extended.rms_nm
 

@@ -1,4 +1,4 @@
-"""The report of a diagnosis: complete, true to its numbers, self-contained, the same bytes, words beside pictures."""
+"""The report of a diagnosis: all sections, the numbers of the diagnosis, self-contained, equal bytes, alt texts."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def test_every_picture_says_in_words_what_it_shows(page: str) -> None:
 
 @pytest.mark.parametrize("width", [390, 1280])
 def test_browser_shows_the_page_without_scrolling_sideways(page: str, width: int, tmp_path: Path) -> None:
-    """In a frame as wide as a phone or a desktop. CI has no browser: this one always may skip."""
+    """The page in a frame as wide as a phone or a desktop screen. Skipped without a browser, as in CI."""
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:
         pytest.skip("chromium is not installed: nothing looked at the page")
@@ -170,7 +170,7 @@ def test_same_study_gives_the_same_bytes(hum: Study, page: str) -> None:
 
 
 def test_error_shown_is_the_error_that_was_scored(hum: Study) -> None:
-    # Held-out rows are one stretch here, so the sorted error and the ladder look at the same samples.
+    # The held-out rows are contiguous here, so error profiles and ladder use the same samples.
     assert hum.before.rms_um == pytest.approx(hum.diagnosis.base_rms_um, rel=1e-12)
     assert hum.after.rms_um == pytest.approx(hum.diagnosis.extended_rms_um, rel=1e-12)
     held = hum.held_out()
@@ -189,7 +189,7 @@ def test_verdict_names_size_causes_gain_and_price(hum: Study) -> None:
     assert all(price is not None and price.cycles > 0 and price.bytes > 0 for price in prices)
 
 
-def test_cause_that_is_named_but_not_extended_is_told_apart(hum: Study) -> None:
+def test_cause_that_is_named_but_not_extended_is_listed_separately(hum: Study) -> None:
     causes = hum.diagnosis.causes
     kept = dataclasses.replace(causes[1], extended=False, price=None)
     other = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(causes[0], kept)))
