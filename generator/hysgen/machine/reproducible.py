@@ -1,9 +1,9 @@
-"""Arithmetic with the same bits on every machine, for all that generation writes down.
+"""Arithmetic with the same bits on every machine, for every number that generated files contain.
 
 IEEE 754 fixes the result of + - * / and sqrt to the last bit. It does not fix the order in which a sum is formed, nor
-exp, sin or a power: a BLAS orders its sums by processor and number of threads, and a C library has several exp for
-several processors. So sums are formed here one number after the other, exp of an array is a polynomial, and functions
-of single numbers go through `decimal`, whose results the standard of decimal arithmetic fixes.
+exp, sin or a power: a BLAS orders its sums by processor and number of threads, and a C library has several versions of
+exp for several processors. Sums are therefore formed here in sequence, exp of an array is a polynomial, and functions
+of single numbers are computed with `decimal`, whose results are standardised (General Decimal Arithmetic).
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 DIGITS: Final = 50
-"""Of decimal results before they are rounded to float64, which has 17: the 33 others never decide about a last bit."""
+"""Precision of decimal results before rounding to float64, which has 17 digits: enough for correct rounding."""
 
 # ln 2 in two parts (fdlibm, e_exp.c): products of the first with whole numbers up to 2^20 are exact.
 _LN_2_HIGH: Final = 6.93147180369123816490e-01
 _LN_2_LOW: Final = 1.90821492927058770002e-10
 _PER_LN_2: Final = 1.4426950408889634
-# 1/k!, k = 13 .. 2: at |r| <= ln 2 / 2 the first power left out is 4e-18.
+# 1/k!, k = 13 .. 2: at |r| <= ln 2 / 2 the first omitted term is 4e-18.
 _TAYLOR: Final = tuple(1.0 / math.factorial(k) for k in range(13, 1, -1))
 _LEAST_EXPONENT: Final = -746.0
 

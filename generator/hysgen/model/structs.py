@@ -94,13 +94,13 @@ class Struct:
         return BYTES_PER_WORD * self.size
 
     def declaration(self) -> str:
-        """The typedef as C, every size a number and without comments: what cffi has to be told."""
+        """The typedef as C, with numeric sizes and without comments, for cffi."""
         members = "".join(f"    {member.declaration(sized=True)};\n" for member in self.members)
         return f"typedef struct {{\n{members}}} {self.name};\n"
 
 
 class MirroredStruct:
-    """State of a mirror: one attribute per member of a C struct, of the member's name.
+    """State of a mirror: one attribute per member of a C struct, with the member's name.
 
     A scalar is (lanes,), an array a list of them, an array of two sizes a list of lists.
     """
@@ -112,7 +112,7 @@ class MirroredStruct:
         return [word for member in self.members for word in _flat(getattr(self, member.name), len(member.sizes))]
 
     def restore(self, words: Sequence[Bits]) -> None:
-        """Take over a state: the bits of every word in the order of `state`, (lanes,) each, any number of lanes."""
+        """Set the state: the bits of every word in the order of `state`, (lanes,) each, for any number of lanes."""
         left = iter(words)
         for member in self.members:
             setattr(self, member.name, _nested(left, member.type, member.sizes))

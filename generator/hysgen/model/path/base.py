@@ -94,7 +94,7 @@ class InputBlock(abc.ABC):
             x(k) in box, u(k) in u_V   =>   x(k+1) in box,   v(k) in through_V
 
         in float32, for the state `_init` leaves under any u in u_V and after every later call. The proof of the
-        generated C assumes the box before a call and demands the box after the call, and knows an interval of every
+        generated C assumes the box before a call and demands the box after the call, and uses an interval of every
         number but no relation between numbers: so a bound has to be as wide as intervals of each operation make it.
 
         Raises ModelError if the kind gives no box.

@@ -201,7 +201,7 @@ class Term(abc.ABC):
             x(k) in box, v(k) in v_V   =>   x(k+1) in box,   |phi_j(k)| <= regressors[j]
 
         in float32, for the state `_init` leaves under any v in v_V and after every later call. The proof of the
-        generated C assumes the box before a call and demands the box after the call, and knows an interval of every
+        generated C assumes the box before a call and demands the box after the call, and uses an interval of every
         number but no relation between numbers: so a bound has to be as wide as intervals of each operation make it.
 
         Raises ModelError if the kind gives no box.
