@@ -13,6 +13,7 @@ from pathlib import Path
 from hysgen.c674x import elf
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.machine import Machine
+from hysgen.checking.proof.warnings import BASIC
 from hysgen.errors import BuildError
 
 # -ffp-contract=off, -fno-reciprocal-math: keep the bits. -msdata=none: no pointer register to set up.
@@ -37,7 +38,6 @@ FLAGS = (
     "-fdbg-cnt=sched_breakdep:0",
     "-msdata=none",
 )
-WARNINGS = ("-Wall", "-Wextra", "-Werror")
 
 _PREFIX = "tic6x-elf-"
 _OPCODE_TABLE = Path("share/hysgen/tic6x-opcode-table.h")
@@ -107,7 +107,7 @@ def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), scrip
         default_script = resources.files("hysgen.c674x") / "l2ram.ld"
         (here / "link.ld").write_text(script or default_script.read_text(encoding="utf-8"), encoding="utf-8")
         units = [name for name, _ in sources if name.endswith((".c", ".s"))]
-        _run("gcc", [*FLAGS, *WARNINGS, *flags, "-nostdlib", "-T", "link.ld", *units, "-lgcc", "-o", "a.out"], here)
+        _run("gcc", [*FLAGS, *BASIC, *flags, "-nostdlib", "-T", "link.ld", *units, "-lgcc", "-o", "a.out"], here)
         # -z: long runs of `nop 1` are encoded as zeros, which objdump would skip.
         listing = _run("objdump", ["-dz", "a.out"], here)
         data = (here / "a.out").read_bytes()

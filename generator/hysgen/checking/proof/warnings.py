@@ -1,4 +1,4 @@
-"""The warning wall: one list of flags for gcc and clang, every warning an error."""
+"""The warning wall: the flags of gcc and clang under which generated C compiles, every warning an error."""
 
 from __future__ import annotations
 
@@ -16,21 +16,34 @@ from hysgen.machine.native import compiler_version
 
 COMPILERS: Final = ("gcc", "clang")
 
+BASIC: Final = ("-Wall", "-Wextra", "-Werror")
+"""Warnings of the cross compilers, whose headers and versions differ."""
+
 # fmt: off
-WALL: Final = (
-    "-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wconversion", "-Wsign-conversion",
-    "-Wfloat-conversion", "-Wdouble-promotion", "-Wfloat-equal", "-Wshadow", "-Wundef", "-Wunused", "-Wunused-macros",
-    "-Wuninitialized", "-Winit-self", "-Wcast-qual", "-Wcast-align", "-Wpointer-arith", "-Wstrict-prototypes",
-    "-Wmissing-prototypes", "-Wmissing-declarations", "-Wold-style-definition", "-Wnested-externs",
-    "-Wredundant-decls", "-Wbad-function-cast", "-Wwrite-strings", "-Wvla", "-Wformat=2", "-Wswitch-default",
-    "-Wswitch-enum", "-Wnull-dereference", "-Wstrict-overflow=2", "-Wstrict-aliasing=2", "-Wdisabled-optimization",
+COMMON: Final = (
+    *BASIC, "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wfloat-conversion", "-Wdouble-promotion",
+    "-Wfloat-equal", "-Wshadow", "-Wundef", "-Wunused", "-Wunused-macros", "-Wuninitialized", "-Winit-self",
+    "-Wcast-qual", "-Wcast-align", "-Wpointer-arith", "-Wstrict-prototypes", "-Wmissing-prototypes",
+    "-Wmissing-declarations", "-Wold-style-definition", "-Wnested-externs", "-Wredundant-decls",
+    "-Wbad-function-cast", "-Wwrite-strings", "-Wvla", "-Wformat=2", "-Wswitch-default", "-Wswitch-enum",
+    "-Wnull-dereference", "-Wstrict-overflow=2", "-Wstrict-aliasing=2", "-Wdisabled-optimization", "-Winline",
 )
+GCC_ONLY: Final = (
+    "-Wlogical-op", "-Wduplicated-cond", "-Wduplicated-branches", "-Wjump-misses-init", "-Wstack-usage=8192",
+)
+# Declarations after statements are C99; padding is no fault.
+CLANG_ONLY: Final = ("-Weverything", "-Wno-declaration-after-statement", "-Wno-padded")
 # fmt: on
+
+
+def wall_flags(compiler: str, level: str = "-O2") -> tuple[str, ...]:
+    """Flags of the warning wall for gcc or clang at one optimisation level."""
+    return ("-std=c99", level, *COMMON, *(CLANG_ONLY if "clang" in compiler else GCC_ONLY))
 
 
 @dataclass(frozen=True)
 class Walled:
-    """What one compiler said of one file: `complaints` are its lines."""
+    """Result of one file under one compiler; complaints: its warning and error lines."""
 
     compiler: str
     file: str
@@ -39,7 +52,10 @@ class Walled:
 
 @dataclass(frozen=True)
 class Wall:
-    """Every file under every installed compiler; skipped: compilers that are not installed."""
+    """Results of every file under every installed compiler.
+
+    flags: of all compilers together. skipped: compilers that are not installed.
+    """
 
     model: str
     flags: tuple[str, ...]
@@ -49,7 +65,7 @@ class Wall:
 
     @property
     def clean(self) -> bool:
-        """Nothing was complained of, and something was looked at."""
+        """Whether files were compiled and no compiler warned."""
         return bool(self.files) and not any(walled.complaints for walled in self.files)
 
     def to_json(self) -> dict[str, Any]:
@@ -72,22 +88,23 @@ def wall(
     progress: Callable[[float, str], None] | None = None,
 ) -> Wall:
     """Compile every C file of model `name` under the wall. Raises BuildError if no compiler is installed."""
-    there = [compiler for compiler in compilers if shutil.which(compiler)]
-    if not there:
+    installed = [compiler for compiler in compilers if shutil.which(compiler)]
+    if not installed:
         raise BuildError(f"none of {', '.join(compilers)} is installed; install one to check warnings with")
-    skipped = tuple(f"{compiler}: not installed" for compiler in compilers if compiler not in there)
+    skipped = tuple(f"{compiler}: not installed" for compiler in compilers if compiler not in installed)
     sources = sorted(file for file in texts if file.endswith(".c"))
     found = []
     with folder_of(texts) as scratch:
-        for place, compiler in enumerate(there):
+        for place, compiler in enumerate(installed):
             if progress is not None:
-                progress(place / len(there), f"warnings of {compiler}")
+                progress(place / len(installed), f"warnings of {compiler}")
             found += [_compile(compiler, file, scratch) for file in sources]
-    return Wall(name, WALL, tuple(map(compiler_version, there)), skipped, tuple(found))
+    flags = dict.fromkeys(flag for compiler in installed for flag in wall_flags(compiler))
+    return Wall(name, tuple(flags), tuple(map(compiler_version, installed)), skipped, tuple(found))
 
 
 def _compile(compiler: str, file: str, folder: Path) -> Walled:
-    call = [compiler, *WALL, "-c", "-o", "out.o", file]
+    call = [compiler, *wall_flags(compiler), "-c", "-o", "out.o", file]
     run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
     complaints = tuple(line for line in run.stderr.splitlines() if ": error:" in line or ": warning:" in line)
     if run.returncode != 0 and not complaints:

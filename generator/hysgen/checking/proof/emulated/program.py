@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from hysgen.checking.host import channels, commits, entries
 from hysgen.checking.proof.emulated.platforms import STRICT, Platform
 from hysgen.checking.proof.layout import words
+from hysgen.checking.proof.warnings import BASIC
 from hysgen.codegen.render import render
 from hysgen.errors import BuildError
 
 Words = NDArray[np.uint32]
-
-COMMON: Final = ("-std=c99", "-Wall", "-Wextra", "-Werror")
 
 
 class Emulated:
@@ -153,7 +152,7 @@ def _compile(
     for file, text in sources.items():
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
     units = [file for file in sources if file.endswith(".c")]
-    call = [platform.compiler, *COMMON, *platform.flags, *flags, "-o", "program", *units]
+    call = [platform.compiler, "-std=c99", *BASIC, *platform.flags, *flags, "-o", "program", *units]
     run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
     if run.returncode != 0:
         message = next((line for line in run.stderr.splitlines() if "error" in line), run.stderr.strip()[:200])
