@@ -96,7 +96,7 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
         "Where the error lies",
         text=[
             f"{100 * study.before.above_noise:.0f} % of the power of the paper's model's error stands above the noise "
-            f"floor{after}. One step ahead every model looks good; the free run is what a simulation is worth."
+            f"floor{after}. One-step errors are small for every model; the free run is the error of a simulation."
         ],
         pictures=chosen,
         notes=["Steps: rms, dotted: mean. Empty where the record has no such samples. Error: simulated - measured."],
@@ -122,10 +122,10 @@ def _causes(study: Study) -> PageSection:
     tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
     if found.refused:
         refused = [[item.name, item.why] for item in found.refused]
-        tables.append(PageTable(["cause", "why not"], refused, "Looked at closely and not named", left=2))
+        tables.append(PageTable(["cause", "why not"], refused, "Examined and not named", left=2))
     return PageSection(
         "Causes and their evidence",
-        text=[] if rows else ["None: what the paper's model leaves is not above what hysteresis and noise leave."],
+        text=[] if rows else ["None: the error of the paper's model is not above that of hysteresis and noise."],
         tables=tables if rows else tables[1:],
         notes=[
             *(["Not extended: its extension does not pay with the certificates kept."] if left_out else []),

@@ -62,7 +62,10 @@ def model_page(title: str, scored: ScoredModels, report: Report | None = None, p
             PageSection(
                 "Scores",
                 tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()))],
-                notes=[f"Noise floor {scored.noise.describe()}.", "One step flatters; the free run counts."],
+                notes=[
+                    f"Noise floor {scored.noise.describe()}.",
+                    "One-step errors are small for every model; the free run decides.",
+                ],
             ),
             model_section(best),
             equivalence_section(report, "no C was generated"),
@@ -78,7 +81,7 @@ def _key_figures(scored: ScoredModels, report: Report | None, price: Cost | None
         KeyFigure(f"free run, {name}", f"{s.free_run.e_rms_um:.3g} µm", f"{s.free_run.of_span_percent:.2g} % of span")
         for name, s in scored.scores.items()
     ]
-    figures.append(KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", "what no model can pass"))
+    figures.append(KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", "lower bound for any model"))
     if price is not None:
         figures.append(KeyFigure("one sample", _cycles(price), f"{100 * price.share:.2g} % of its period"))
     if report is not None:

@@ -127,7 +127,7 @@ def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> PageSe
 def _settings(fit: Mapping[str, Any]) -> str:
     """The settings of a fit without its terms and blocks, which the model section lists."""
     plain = {key: value for key, value in fit.items() if key not in ("terms", "blocks")}
-    return ", ".join(f"{key} {json.dumps(value)}" for key, value in plain.items()) or "not told by the model"
+    return ", ".join(f"{key} {json.dumps(value)}" for key, value in plain.items()) or "not recorded in the model"
 
 
 def _holds(holds: bool) -> str:
