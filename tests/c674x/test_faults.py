@@ -30,6 +30,8 @@ from hysgen.c674x.decode import MODELLED, Action
 from hysgen.c674x.semantics import FLOAT, INTEGER
 from hysgen.errors import BuildError, HysgenError
 
+pytestmark = pytest.mark.slow
+
 LEARNER_WORDS = 2 * 18 + 18 * 17 // 2
 
 

@@ -24,6 +24,8 @@ from hysgen.codegen import generate
 from hysgen.errors import BuildError
 from hysgen.model.file import load_model
 
+pytestmark = pytest.mark.slow
+
 SAMPLES = 400
 
 

@@ -12,6 +12,8 @@ from hysgen.c674x import toolchain
 from hysgen.errors import TargetError
 from hysgen.machine import native
 
+pytestmark = pytest.mark.slow
+
 N = 18
 LEARNER_WORDS = 2 * N + N * (N - 1) // 2
 

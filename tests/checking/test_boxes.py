@@ -225,6 +225,7 @@ def test_a_saturation_beyond_the_range_holds_the_input_at_its_level() -> None:
     assert box.through_V == Interval(130.0, 130.0)
 
 
+@pytest.mark.slow
 def test_eva_says_that_a_box_of_the_creep_that_is_too_small_is_left() -> None:
     need("frama-c")
 

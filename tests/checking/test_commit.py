@@ -66,6 +66,7 @@ BUILDS = [
 
 
 @pytest.mark.parametrize(("model", "toolchain"), BUILDS, ids=lambda given: getattr(given, "name", str(given)))
+@pytest.mark.slow
 def test_commit_equals_its_reference_in_every_word_after_every_call(model: Model, toolchain: Toolchain) -> None:
     """Candidate, banks, which is active, reference parameters, answer; shadows change while they are checked."""
     need(toolchain.command)
@@ -88,6 +89,7 @@ def test_commit_equals_its_reference_in_every_word_after_every_call(model: Model
         ("candidate->bank.gain[1] = candidate->theta[4]", "candidate->bank.gain[1] = learner->base.gain[1]"),
     ],
 )
+@pytest.mark.slow
 def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
     model = sized(6)
     texts = texts_of(model)
@@ -119,6 +121,7 @@ def farthest_are_certified(model: Model, spoil: Callable[[Committer], None] = la
 
 
 @pytest.mark.parametrize("model", [paper(), sized(24), sized(40), remembering()], ids=lambda model: model.name)
+@pytest.mark.slow
 def test_the_farthest_shadow_that_is_accepted_in_any_direction_is_certified(model: Model) -> None:
     """Bisection to where commit begins to refuse; float64 enclosures judge what it let pass just before."""
     assert farthest_are_certified(model)
@@ -197,6 +200,7 @@ REFUSALS: dict[str, tuple[int, float, Commit]] = {
 
 
 @pytest.mark.parametrize("reason", REFUSALS)
+@pytest.mark.slow
 def test_a_planted_shadow_is_refused_with_the_reason_and_what_is_active_stays(reason: str) -> None:
     place, factor, expected = REFUSALS[reason]
     planted = Planted(compiled_once())

@@ -39,6 +39,7 @@ def platform(name: str) -> Platform:
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "extended", "everything"])
+@pytest.mark.slow
 def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None:
     need_platforms()
     report = equality(model(name), texts(name), EmulationSettings(SAMPLES))
@@ -78,6 +79,7 @@ def test_a_machine_on_which_no_bank_changes_is_seen() -> None:
     assert "DIFFERENT, first: call" in str(stuck)
 
 
+@pytest.mark.slow
 def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
     need("s390x-linux-gnu-gcc")
     need("qemu-s390x-static")
@@ -113,6 +115,7 @@ def test_words_in_the_other_order_of_bytes_would_be_seen() -> None:
         equality(model("appendix_a"), texts("appendix_a"), EmulationSettings(100, [mistaken]))
 
 
+@pytest.mark.slow
 def test_the_guard_forbids_fusing_and_without_it_the_self_test_tells() -> None:
     need_platforms()
     found = contraction(model("appendix_a"), texts("appendix_a"), samples=20_000)

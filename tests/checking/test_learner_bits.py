@@ -31,12 +31,14 @@ SUBSETS = [LEARNED["bias"], LEARNED["terms"], LEARNED["rules"], ("gain",), ("off
 
 
 @pytest.mark.parametrize("size", [6, 18, 24, 40])
+@pytest.mark.slow
 def test_generated_learner_equals_reference_bit_for_bit_sample_by_sample(size: int) -> None:
     """Every compared word after every sample of one chain: the reference really runs it in a row."""
     assert Pair(sized(size, settle=256)).first_difference(*corrupted(600)) is None
 
 
 @pytest.mark.parametrize("learned", SUBSETS, ids="+".join)
+@pytest.mark.slow
 def test_a_subset_of_the_parameters_learns_bit_for_bit(learned: tuple[str, ...]) -> None:
     model = dataclasses.replace(
         smooth(5, (Memory.uniform(3, 60.0),)), learner=LearnerSettings(learned=learned, settle=128)
@@ -45,6 +47,7 @@ def test_a_subset_of_the_parameters_learns_bit_for_bit(learned: tuple[str, ...])
 
 
 @pytest.mark.parametrize(("size", "calls"), [(6, 2), (18, 6)])
+@pytest.mark.slow
 def test_a_spread_update_equals_its_reference_after_every_call(size: int, calls: int) -> None:
     assert Pair(sized(size, calls_per_update=calls, settle=64)).first_difference(*corrupted(600)) is None
 
@@ -79,6 +82,7 @@ def losing(pair: Pair) -> Iterator[tuple[Floats32, Floats32]]:
 
 
 @pytest.mark.parametrize(("size", "calls"), [(6, 12), (18, 2), (18, 8), (40, 8)])
+@pytest.mark.slow
 def test_a_restart_spread_over_calls_is_whole_for_commit_at_once_and_for_the_next_update(size: int, calls: int) -> None:
     """Bits after every call; the shadow that commit reads is there in the call that loses it, U before what follows."""
     pair = Pair(sized(size, calls_per_update=calls), spread_texts(size, calls))

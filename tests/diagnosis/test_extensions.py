@@ -67,6 +67,7 @@ def test_bent_plays_rise_wherever_they_can_stand_and_so_do_not_turn_back_beyond_
     assert held_um(prepared, {}, []) > 7.0 * rms(rung.error_um[prepared.held_rows])
 
 
+@pytest.mark.slow
 def test_plays_are_chosen_by_rows_left_out_and_stay_as_they_are_where_nothing_is_surely_better() -> None:
     prepared, known_ones = known("memory", 5)
     assert with_best_forms(prepared, known_ones, ["memory"], USUAL)["memory"].term == known_ones["memory"].term
@@ -105,6 +106,7 @@ def runs(names: list[str]) -> Model:
 
 
 @pytest.mark.parametrize("cause", ["drift", "aging"])
+@pytest.mark.slow
 def test_what_follows_a_running_stage_has_its_price(cause: str) -> None:
     before, after = price_of(runs(["memory"])), price_of(runs(["memory", cause]))
     assert before is not None
@@ -121,6 +123,7 @@ def test_an_update_of_many_parameters_is_spread_over_samples() -> None:
     assert calls_per_update(500, 2e-6) < MOST_CALLS, "more calls would not make the dearest one cheaper"
 
 
+@pytest.mark.slow
 def test_a_learner_of_54_parameters_fits_a_period_of_50_kHz() -> None:
     """Six rules, and memory of ten plays whose slopes are cubics: generating raises nothing."""
     model = smooth(6, (Memory.uniform(36, 60.0),))

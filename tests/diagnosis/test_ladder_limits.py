@@ -64,6 +64,7 @@ def test_the_top_of_the_first_stroke_is_fitted_where_the_held_out_part_goes_ther
     assert rms(rung.error_um[prepared.held_rows]) < 0.005 * np.ptp(prepared.y_um)
 
 
+@pytest.mark.slow
 def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse() -> None:
     """One rule beside the mode has a gain of next to nothing, and so would have limits that are multiples of it."""
     hidden = built(lag_s=2e-3, resonance=(18.0, 0.055, 0.685))

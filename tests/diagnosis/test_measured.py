@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hysgen.cli import main
 from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose
 from hysgen.record import Record
+
+pytestmark = pytest.mark.slow
 
 FITTED_ROWS = 5000
 
@@ -33,12 +33,3 @@ def test_extension_takes_most_of_the_error_on_the_micromanipulator(ramps: Diagno
     assert ramps.base_rms_um == pytest.approx(0.47, abs=0.02)
     assert ramps.noise.rms_um == pytest.approx(0.067, abs=0.01)
     assert ramps.extended_rms_um < 0.11
-
-
-def test_the_command_holds_rows_out_of_one_record(ramps: Diagnosis, measured: Path, tmp_path: Path) -> None:
-    """What the identified rows leave in the stage goes on in those held out: --rows cuts no record in two."""
-    told = tmp_path / "told.json"
-    rows = f"0:{FITTED_ROWS}"
-    assert main(["diagnose", str(measured / "dbo" / "ramps.csv"), "--rows", rows, "--json", str(told)]) == 0
-    extended_um = json.loads(told.read_text())["free_run_rms"]["extended"]
-    assert extended_um == pytest.approx(ramps.extended_rms_um, rel=1e-6)

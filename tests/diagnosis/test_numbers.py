@@ -42,6 +42,7 @@ def found(spiked: Record) -> Diagnosis:
     return diagnose(spiked, settings=QUICK)
 
 
+@pytest.mark.slow
 def test_command_line_writes_json_of_a_record_with_corrupted_samples(spiked: Record, tmp_path: Path) -> None:
     """A cause that the probe has no part for has no growth of the probe's error: null, not infinity."""
     segment = spiked.segments[0]

@@ -137,11 +137,6 @@ def test_ramp_that_an_uncertain_zero_of_an_aging_gain_explains_is_no_drift(zero_
     assert told.holds == holds, told.text
 
 
-def test_more_is_asked_of_a_drift_that_slows_down() -> None:
-    drift = causes()["drift"]
-    assert drift.needed_in(DRIFTING.having(DriftPart(0.1))) >= 3.0 > 1.5 > drift.needed_in(DRIFTING)
-
-
 def test_line_that_loses_its_phase_is_none() -> None:
     turned = np.where(T_S < 0.2 * SPAN_S, -1.0, 1.0) * 0.01 * np.sin(2 * math.pi * 50.3 * T_S)
     fit = linear_fit(scene(LAG, turned), HUMMING)

@@ -58,6 +58,7 @@ def suffered(
     ],
     ids=lambda each: each.name if isinstance(each, BoardFault) else None,
 )
+@pytest.mark.slow
 def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
     fault: BoardFault, value: float, told: FirmwareStatus, within: int
 ) -> None:

@@ -160,6 +160,7 @@ def test_an_image_that_arrives_while_the_stage_moves_waits_until_it_is_off() -> 
     assert firmware.firmware.image_answer == 0
 
 
+@pytest.mark.slow
 def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -> None:
     drive_V = nested_amplitudes(TS_S, (100.0, 50.0), 40.0, 15.0, 4)
     old = with_learner(identified(drive_V, FitSettings(name="refitted", method="batch")))

@@ -25,6 +25,7 @@ MODELS = Path(__file__).resolve().parents[2] / "firmware" / "models"
 
 
 @pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+@pytest.mark.slow
 def test_the_models_in_the_firmware_are_what_the_templates_make(model: Model, request: pytest.FixtureRequest) -> None:
     """Update with `pytest tests/firmware/test_reference_models.py --update-golden` and look at the diff."""
     folder, texts = MODELS / model.name, firmware_model(model)
@@ -38,6 +39,7 @@ def test_the_models_in_the_firmware_are_what_the_templates_make(model: Model, re
 
 
 @pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+@pytest.mark.slow
 def test_the_image_links_into_the_targets_memories(model: Model) -> None:
     need_compiler()
     built = link_image(model.name, firmware_model(model))
@@ -62,6 +64,7 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
 
 
 @pytest.mark.parametrize("model", firmware_models(), ids=lambda model: model.name)
+@pytest.mark.slow
 def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Model) -> None:
     need_compiler()
     texts = firmware_model(model)
@@ -80,6 +83,7 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(model: Mod
     assert interrupt[1] + commit[1] < 7500
 
 
+@pytest.mark.slow
 def test_the_extended_inverse_tracks_three_times_better_than_the_papers() -> None:
     paper, extended, trimmed, _ = (run_controller(controller, 50.0, 0.5) for controller in controllers(50.0))
     assert extended.rms_nm < paper.rms_nm / 3

@@ -6,6 +6,7 @@ import dataclasses
 from fractions import Fraction
 
 import numpy as np
+import pytest
 
 from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
@@ -89,6 +90,7 @@ def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> No
             assert error < (2 + 1 / zeta) * 2.0**-24 * np.abs(truth[:, 2 * j]).max()
 
 
+@pytest.mark.slow
 def test_amplitude_and_phase_do_not_drift_over_1e8_samples() -> None:
     f_Hz, samples, look = 49.9873, 10**8, 500_000
     model = flat(Periodic((f_Hz,)), [1.0, 0.0])

@@ -171,6 +171,7 @@ def test_simulation_passes_the_input_through_the_blocks() -> None:
 
 
 @pytest.mark.parametrize("samples", [None, 0.0, 3.0, 4.6])
+@pytest.mark.slow
 def test_inverse_with_preview_makes_the_free_run_follow_its_reference(samples: float | None) -> None:
     blocks: list[InputBlock] = [Saturation(-10.0, 110.0), Slew(2e6, 2e6)]
     blocks += [] if samples is None else [Delay(samples)]

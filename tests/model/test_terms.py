@@ -87,6 +87,7 @@ def test_regressors_do_not_see_the_present_input(term: Term) -> None:
 
 
 @by_kind
+@pytest.mark.slow
 def test_mirror_agrees_with_float64(term: Term) -> None:
     over = drive(20_000)
     truth, single = term.regressors(over), mirrored(term, over)

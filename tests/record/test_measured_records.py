@@ -47,6 +47,7 @@ def test_mirror_realisations_and_periods_are_twelve_segments(measured: Path, lev
         np.testing.assert_array_equal(record.segments[7].y_um, arrays[f"y_{level_mV}mV_train"][:, drive, 3, 1])
 
 
+@pytest.mark.slow
 def test_a_million_rows_are_read_in_seconds(tmp_path: Path) -> None:
     rows = 1_000_000
     k = np.arange(rows)

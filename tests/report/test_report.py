@@ -99,6 +99,7 @@ def read(page: str) -> Reader:
     return reader
 
 
+@pytest.mark.slow
 def test_every_section_of_the_report_is_there_and_holds_something(page: str) -> None:
     for title in SECTIONS:
         body = page.partition(f"<h2>{title}</h2>")[2].partition("</section>")[0]
@@ -164,6 +165,7 @@ def test_page_shows_the_numbers_of_the_diagnosis(hum: Study, page: str) -> None:
     assert hum.record.digest in text
 
 
+@pytest.mark.slow
 def test_same_study_gives_the_same_bytes(hum: Study, page: str) -> None:
     assert diagnosis_page(hum).html() == page
     assert [png_bytes(p.figure) for p in pictures(hum)[:3]] == [png_bytes(p.figure) for p in pictures(hum)[:3]]
@@ -226,6 +228,7 @@ def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> No
     assert max(len(line) for line in text.split("\n\n")[2].splitlines()) < 120
 
 
+@pytest.mark.slow
 def test_verb_writes_page_pictures_and_json(hum: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("hysgen.cli.verbs.diagnose.diagnose_and_evaluate", lambda *_: hum)
     monkeypatch.setattr("hysgen.cli.verbs.diagnose.read_records", lambda *_: hum.record)

@@ -13,11 +13,11 @@ from hysgen.studies.bank.limits import PARAMETERS
 from hysgen.studies.bank.result import Judgement
 from hysgen.studies.bank.scenario import CATEGORIES, EFFECTS
 
-SWEEP = (
-    *("creep", "resonance", "delay", "saturation", "slew", "periodic", "coupling", "pair"),
-    *("memory", "none", "unknown"),
-)
-"""Categories of the sweep, one draw of each. `hysgen bank` draws hundreds and holds them to its limits."""
+SWEEP = ("resonance", "delay", "saturation", "slew", "coupling", "pair", "none")
+"""Categories of the sweep, one draw of each; tests/diagnosis/test_answer.py diagnoses the others.
+
+`hysgen bank` draws hundreds of each and holds them to its limits.
+"""
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def sweep(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> BankResult:
 
 
 @pytest.mark.slow
-def test_at_least_ten_of_eleven_records_are_answered_with_the_planted_causes_and_no_other(sweep: BankResult) -> None:
+def test_at_least_six_of_seven_records_are_answered_with_the_planted_causes_and_no_other(sweep: BankResult) -> None:
     wrong = {each.category: (each.required, each.named) for each in sweep.judged() if not each.exact}
     assert len(wrong) <= 1, wrong
     assert sweep.false_alarm_rate == 0.0

@@ -14,6 +14,7 @@ def section_4_2() -> RepeatedExperiment:
     return repeat(next(experiment for experiment in EXPERIMENTS if experiment.name == "4.2"))
 
 
+@pytest.mark.slow
 def test_one_step_error_of_the_papers_model_flatters(section_4_2: RepeatedExperiment) -> None:
     paper = section_4_2.scores["paper"]
     # The paper prints 0.0005 um; 0.002 um is what y(k+1) = y(k) scores. The free run is another matter.
@@ -28,6 +29,7 @@ def test_memory_brings_the_free_run_down_to_the_one_step_error(section_4_2: Repe
     assert all(rival.e_rms_um > 5 * after.e_rms_um for _, rival in section_4_2.rivals)
 
 
+@pytest.mark.slow
 def test_inverse_feed_forward_tracks_better_than_proportional_and_memory_better_still() -> None:
     tracked = track_case(CASES[0])
     rms_nm = tracked.e_rms_nm
@@ -36,6 +38,7 @@ def test_inverse_feed_forward_tracks_better_than_proportional_and_memory_better_
     assert rms_nm["with memory"] < rms_nm["paper's inverse"] / 2
 
 
+@pytest.mark.slow
 def test_the_learner_in_c_is_as_good_as_eq_10_in_float64() -> None:
     found = agreement(EXPERIMENTS[1])
     assert abs(found.excess) < 1e-3
@@ -43,6 +46,7 @@ def test_the_learner_in_c_is_as_good_as_eq_10_in_float64() -> None:
     assert found.learned_um < 0.0012
 
 
+@pytest.mark.slow
 def test_after_a_loss_of_gain_the_committed_model_is_soon_as_good_as_before() -> None:
     found = lose_gain("gain falls by 10 %")
     assert found.stale_um > 3.0 * found.before_um
@@ -53,6 +57,7 @@ def test_after_a_loss_of_gain_the_committed_model_is_soon_as_good_as_before() ->
 
 
 @pytest.mark.parametrize("what", list(DISTURBANCES)[1:])
+@pytest.mark.slow
 def test_nothing_is_committed_from_records_that_teach_nonsense(what: str) -> None:
     found = lose_gain(what)
     assert (found.committed, found.unsafe) == (0, 0)
