@@ -23,7 +23,6 @@ from hysgen.checking.proof.eva.boxes import parts_box
 from hysgen.checking.proof.eva.calls import prove_call, step
 from hysgen.checking.proof.eva.learn import learn_step
 from hysgen.checking.proof.eva.learner_box import WILD, learner_box
-from hysgen.checking.proof.layout import words
 from hysgen.codegen import Options, generate
 from hysgen.errors import ModelError
 from hysgen.model import path as inputs
@@ -48,8 +47,8 @@ def host_of(name: str) -> Host:
     return Host(name, texts(name))
 
 
-def floats_of(header: str, struct: str) -> list[str]:
-    return [word.path for word in words(header, struct) if word.type == "float"]
+def floats_of(host: Host, struct: str) -> list[str]:
+    return [word.path for word in host.interface.struct(struct).words() if word.type == "float"]
 
 
 def outside(ran: Mapping[str, np.ndarray], box: Mapping[str, Interval]) -> list[str]:
@@ -61,7 +60,7 @@ def outside(ran: Mapping[str, np.ndarray], box: Mapping[str, Interval]) -> list[
     ]
 
 
-def of_instance(host: Host, header: str, function: str, seed: int) -> dict[str, np.ndarray]:
+def of_instance(host: Host, function: str, seed: int) -> dict[str, np.ndarray]:
     """Every float outside the banks after every sample of hard inputs, by C path."""
     struct = f"{host.name}_t"
     y, u, y_next, *aux = hard_inputs(SAMPLES, host.channels, seed)
@@ -71,12 +70,12 @@ def of_instance(host: Host, header: str, function: str, seed: int) -> dict[str, 
     instance = host.instance(2.0, 30.0)
     _, trace = host.run(function, instance, bits, words=layout["bank[0].slope[0]"])
     values = np.ascontiguousarray(trace).view(np.float32)
-    return {path: values[:, layout[path]] for path in floats_of(header, struct) if not path.startswith("bank[")}
+    return {path: values[:, layout[path]] for path in floats_of(host, struct) if not path.startswith("bank[")}
 
 
 def assert_in_box(found: Model, function: str) -> None:
     generated = generate(found, Options(clock_Hz=2e9))
-    ran = of_instance(Host(found.name, generated), generated[f"{found.name}.h"], function, seed=5)
+    ran = of_instance(Host(found.name, generated), function, seed=5)
     assert outside(ran, state_box(found)) == []
 
 
@@ -103,7 +102,7 @@ def test_every_kind_that_is_installed_is_among_them() -> None:
 def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
     """Of the float32 mirrors, on what reaches the stage in the C."""
     found = model_with([*ALL_TERMS[:6]], BLOCKS)
-    ran = of_instance(Host(found.name, generate(found)), generate(found)[f"{found.name}.h"], function, seed=6)
+    ran = of_instance(Host(found.name, generate(found)), function, seed=6)
     v = np.where(np.isfinite(ran["inputs.v_V"]), ran["inputs.v_V"], np.float32(0.0))
     for term in ALL_TERMS:
         box = terms.box_of(term, parts_box(found).applied_V, found.Ts_s)
@@ -118,7 +117,7 @@ def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
 @pytest.mark.parametrize("name", ["plays", "extended", "everything_spread"])
 def test_every_float_of_a_learner_stays_in_its_box(name: str) -> None:
     """What is not WILD, after every sample that is learnt from or refused."""
-    host, header, struct = host_of(name), texts(name)[f"{name}.h"], f"{name}_learner_t"
+    host, struct = host_of(name), f"{name}_learner_t"
     learner, layout = host.struct(struct), host.layout(struct)
     host.call("learn_init", learner, host.instance(2.0, 30.0))
     y, u, _, *aux = hard_inputs(SAMPLES, host.channels, seed=7)
@@ -129,7 +128,7 @@ def test_every_float_of_a_learner_stays_in_its_box(name: str) -> None:
         pieces = [column[first : first + (40 if aux else SAMPLES)].view(np.uint32) for column in (y, u)]
         traces.append(host.run("learn", learner, pieces, words=len(layout))[1])
     values = np.vstack(traces).view(np.float32)
-    paths = [p for p in floats_of(header, struct) if p.split("[")[0] not in WILD]
+    paths = [p for p in floats_of(host, struct) if p.split("[")[0] not in WILD]
     ran = {p: values[:, layout[p]] for p in paths if not p.startswith(("candidate.", "base."))}
     box = learner_box(model(name)).floats
     assert outside(ran, box) == []

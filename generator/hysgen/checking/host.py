@@ -2,76 +2,48 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.codegen.interface import Function, interface_of
 from hysgen.codegen.render import render
 from hysgen.machine.native import Library, Toolchain, build
 
 Words = NDArray[np.uint32]
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A generated function that steps a state by one sample.
-
-    name: without the model's prefix; state: its struct; inputs: float arguments after it; result: C type or "void".
-    """
-
-    name: str
-    state: str
-    inputs: int
-    result: str
-
-
-def entries(name: str, header: str) -> list[Entry]:
-    """The functions that the header of model `name` declares with a struct and floats: init and the steps."""
-    pattern = rf"^(float|void|uint32_t) {name}_(\w+)\(({name}_\w+) \*self((?:, float \w+)+)\);$"
-    found = re.findall(pattern, header, re.MULTILINE)
-    return [Entry(function, state, floats.count(","), result) for result, function, state, floats in found]
-
-
-def channels(header: str) -> int:
-    """How many auxiliary channels the model behind a header listens to."""
-    told = re.search(r"^#define \w+_CHANNELS (\d+)u\b", header, re.MULTILINE)
-    return int(told[1]) if told else 0
-
-
-def commits(name: str, header: str) -> bool:
-    """Whether the header of model `name` declares a commit."""
-    return f"{name}_commit({name}_t *self, {name}_learner_t *learner);" in header
-
-
 class Host:
     """A model's generated C, compiled by one toolchain.
 
-    texts: file name -> text, as `emit.generate` returns them. Raises BuildError if the compiler refuses them.
-    channels: auxiliary channels that the model listens to; selftested: there is a self-test among the texts; commits:
-    there is a `<name>_commit`.
+    texts: file name -> text, as `generate` returns them. Raises BuildError if the compiler refuses them.
+    entries: the functions that step a struct by one sample, by name; channels: auxiliary channels that the model
+    listens to; selftested: there is a self-test among the texts; commits: there is a `<name>_commit`.
     """
 
     def __init__(self, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> None:
         self.name = name
-        header = texts[f"{name}.h"]
-        self.entries = {entry.name: entry for entry in entries(name, header)}
-        self.channels = channels(header)
-        self.commits = commits(name, header)
-        found = list(self.entries.values())
-        facts = {"name": name, "entries": found, "channels": self.channels, "commits": self.commits}
+        self.interface = interface_of(name, texts)
+        self.entries = {function.name: function for function in self.interface.functions if function.floats}
+        self.channels = self.interface.channels
+        self.commits = self.interface.has("commit")
+        self.selftested = f"{name}_selftest.c" in texts
+        facts = {
+            "name": name,
+            "structs": self.interface.structs,
+            "entries": list(self.entries.values()),
+            "channels": self.channels,
+            "commits": self.commits,
+        }
         driver = render("driver.c.j2", facts)
         sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
-        declared = declarations(header) + "".join(_driver_declaration(entry) for entry in self.entries.values())
+        declared = self.interface.declarations()
+        declared += "".join(_driver_declaration(entry) for entry in self.entries.values())
         declared += "int32_t driver_flushes(void);\n"
         if self.commits:
             declared += f"uint32_t driver_commit({name}_t *self, {name}_learner_t *learner, int32_t flush);\n"
-        self.selftested = f"{name}_selftest.h" in texts
-        if self.selftested:
-            declared += f"uint32_t {name}_selftest(void);\n"
         self._library: Library = build([*sources, ("driver.c", driver)], declared, toolchain, libraries=())
 
     @property
@@ -103,9 +75,7 @@ class Host:
 
     def layout(self, struct: str) -> dict[str, int]:
         """Word index of every scalar in a struct, by its C path: `y_um`, `terms.memory.play[2]`, `bank[1].gain[0]`."""
-        found: dict[str, int] = {}
-        _walk(self._library.ffi.typeof(struct), "", 0, found)
-        return found
+        return {word.path: place for place, word in enumerate(self.interface.struct(struct).words())}
 
     def run(
         self,
@@ -134,35 +104,8 @@ class Host:
         return out, trace
 
 
-def declarations(header: str) -> str:
-    """What cffi is to know of a generated header: its text without comments and directives, sizes filled in."""
-    text = re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
-    sizes = dict(re.findall(r"^#define (\w+) (\d+)u\b", text, re.MULTILINE))
-    text = re.sub(r"^#.*$", "", text, flags=re.MULTILINE)
-    return re.sub(r"\[(\w+)\]", lambda match: f"[{sizes.get(match[1], match[1])}]", text)
-
-
-def _driver_declaration(entry: Entry) -> str:
+def _driver_declaration(entry: Function) -> str:
     return (
         f"void driver_{entry.name}({entry.state} *self, size_t n, const uint32_t *const in[], uint32_t *out,"
         " uint32_t *trace, size_t first, size_t words, int32_t flush);\n"
     )
-
-
-def _walk(kind: Any, path: str, offset: int, found: dict[str, int]) -> None:
-    if kind.kind == "struct":
-        for field, member in kind.fields:
-            _walk(member.type, f"{path}.{field}" if path else field, offset + member.offset, found)
-    elif kind.kind == "array":
-        size = 4 if kind.item.kind == "primitive" else _size(kind.item)
-        for i in range(kind.length):
-            _walk(kind.item, f"{path}[{i}]", offset + i * size, found)
-    else:
-        found[path] = offset // 4
-
-
-def _size(kind: Any) -> int:
-    """Bytes of a generated struct or array: all members are 32 bits wide."""
-    words: dict[str, int] = {}
-    _walk(kind, "", 0, words)
-    return 4 * (max(words.values()) + 1)

@@ -16,6 +16,7 @@ from hysgen.certify.certificates import Certificates, certify
 from hysgen.codegen.commit import commit_concern
 from hysgen.codegen.concerns import Concern
 from hysgen.codegen.guarantees import require_budget, require_inverse
+from hysgen.codegen.interface import interface
 from hysgen.codegen.learning import learner_concern
 from hysgen.codegen.manifest import MANIFEST, manifest, model_file
 from hysgen.codegen.operations import Figures, figures
@@ -72,6 +73,7 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     sections += [section for concern in concerns for section in concern.sections]
     facts = context(model, numbers) | {
         "inverse": chosen.inverse,
+        "prototypes": interface(model, inverse=chosen.inverse).prototypes,
         "concerns": concerns,
         "sections": [*sections, error_section(errors, inverse=chosen.inverse)],
         "chains": chains(model, inverse=chosen.inverse),

@@ -40,7 +40,7 @@ def model_file(model: Model) -> str:
 
 @dataclass(frozen=True)
 class Folder:
-    """A generated folder as read back: its model, its C by file name, and a line per file that was altered since."""
+    """A generated folder as read back: its model, its texts by file name, a line per file that was altered since."""
 
     model: Model
     texts: Mapping[str, str]
@@ -62,6 +62,7 @@ def read_folder(folder: Path) -> Folder:
             raise HysgenError(f"{path}: cannot be read ({fault}); generate the folder again") from fault
         if digest(data) != told:
             altered.append(f"{path}: is not what was generated (its digest differs from {MANIFEST})")
+    texts[MANIFEST] = (folder / MANIFEST).read_text(encoding="utf-8")
     return Folder(load_model(folder / facts["model_file"]), texts, facts, tuple(altered))
 
 

@@ -23,6 +23,8 @@ from hysgen.model.path import preview
 from hysgen.model.terms import channels_of
 
 BINDING: Final = "model.h"
+TYPES: Final = ("t", "bank_t", "learner_t")
+"""Structs of the generated model that the firmware uses, under the names `model_t`, `model_bank_t`, ..."""
 DIGEST_WORDS: Final = 4
 
 
@@ -66,10 +68,16 @@ def binding(model: Model) -> str:
         "version": version(),
         "weights": len(model.weights),
         "preview": preview(model.blocks),
+        "types": typedefs(model.name),
         "constants": constants,
         "digest": [f"0x{word:08x}u" for word in structure_digest(model)],
     }
     return render("firmware/model.h.j2", facts)
+
+
+def typedefs(name: str) -> list[str]:
+    """The firmware's names for the structs of model `name`, as C."""
+    return [f"typedef {name}_{struct} model_{struct};" for struct in TYPES]
 
 
 def structure_digest(model: Model) -> tuple[int, ...]:

@@ -6,7 +6,6 @@ keeps parameter images in a store whose power can fail at any byte.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import IntEnum, IntFlag
@@ -15,14 +14,29 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.host import declarations
+from hysgen.codegen.interface import interface_of
+from hysgen.codegen.operations.text import preprocessed
+from hysgen.firmware.binding import typedefs
 from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
 from hysgen.machine.native import Library, Toolchain, build
+from hysgen.model.file import parse_model
+from hysgen.model.path import preview
 
 Floats32 = NDArray[np.float32]
 
-HEADERS: Final = ("settings.h", "status.h", "trim.h", "watchdog.h", "controller.h")
-IMAGE_WORDS_BESIDES: Final = 10
+HEADERS: Final = (
+    "board_type.h",
+    "settings.h",
+    "status.h",
+    "trim.h",
+    "watchdog.h",
+    "controller.h",
+    "image.h",
+    "store.h",
+    "firmware.h",
+)
+"""Hand-written headers that declare what is used from here, each behind those that it includes."""
+
 SLOT_BYTES: Final = 4096
 NO_CUT: Final = 0xFFFFFFFF
 
@@ -145,7 +159,7 @@ class HostImage:
         """
         own = dict([*read_sources(CONTROLLER), *read_sources(HOST_BOARD)])
         generated = {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
-        declared = _declarations(name, own, generated)
+        declared = _declarations(name, texts, own)
         return cls(name, build([*own.items(), *generated.items()], declared, toolchain, libraries=()))
 
 
@@ -269,34 +283,20 @@ def _settings(settings: Settings) -> dict[str, float]:
     return {"options": 1 * values.pop("trim") + 2 * values.pop("learn"), **values}
 
 
-def _declarations(name: str, own: Mapping[str, str], generated: Mapping[str, str]) -> str:
-    """The declarations for cffi: structs of model, controller and board, and the functions called from here."""
-    model = generated["model.h"]
-    names = re.findall(r"^typedef \w+ model_\w+;$", model, re.MULTILINE)
-    header = declarations(generated[f"{name}.h"])
-    sizes = _sizes(name, generated)
-    controller = "".join(declarations(own[file]) for file in HEADERS)
-    parts = [header, *names, declarations(own["board_type.h"]), controller, _structs(own["image.h"])]
-    parts += [_structs(own["store.h"]), _structs(own["firmware.h"])]
-    text = "\n".join(parts)
-    for word, number in sizes.items():
-        text = text.replace(f"[{word}]", f"[{number}]")
-    return text + (
-        "\nvoid firmware_boot(firmware_t *, board_t *, const settings_t *);"
-        "\nvoid firmware_idle(firmware_t *, board_t *);"
-        "\nvoid host_run(firmware_t *, board_t *, size_t, float *, float *, uint8_t *);\n"
+def _declarations(name: str, texts: Mapping[str, str], own: Mapping[str, str]) -> str:
+    """The declarations for cffi: structs of model, controller and board, and the functions called from here.
+
+    texts: generated for model `name`; own: hand-written files of controller and board, read as a preprocessor does.
+    """
+    model = parse_model(texts[f"{name}.json"], f"{name}.json")
+    sizes = {"RULES": model.grid.rules, "WEIGHTS": len(model.weights), "PREVIEW": preview(model.blocks)}
+    macros = {f"MODEL_{word}": f"{size}u" for word, size in sizes.items()}
+    headers = [preprocessed(own[file], macros) for file in HEADERS]
+    return "\n".join(
+        [
+            interface_of(name, texts).declarations(),
+            *typedefs(name),
+            *headers,
+            "void host_run(firmware_t *, board_t *, size_t, float *, float *, uint8_t *);",
+        ]
     )
-
-
-def _structs(header: str) -> str:
-    """The struct definitions in a header."""
-    return "\n".join(re.findall(r"^typedef struct \{.*?^\} \w+;$", declarations(header), re.MULTILINE | re.DOTALL))
-
-
-def _sizes(name: str, generated: Mapping[str, str]) -> dict[str, int]:
-    told = dict(re.findall(rf"^#define {name.upper()}_(\w+) (\d+)u?\b", generated[f"{name}.h"], re.MULTILINE))
-    numbers = 3 * int(told["RULES"]) + int(told.get("WEIGHTS", 0))
-    return {
-        "CONTROLLER_LINE": int(told.get("PREVIEW", 0)) + 1,
-        "IMAGE_BYTES": 4 * (IMAGE_WORDS_BESIDES + numbers),
-    }

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.checking.endurance.excitations import Excitation
-from hysgen.checking.host import declarations
 from hysgen.codegen import Options, generate
+from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import learned_model, learner_numbers
@@ -54,7 +54,7 @@ class CompiledLearner:
         code = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
         facts = {"name": model.name, "NAME": model.name.upper()}
         driver = ("endurance.c", render("endurance.c.j2", facts))
-        declared = declarations(texts[f"{model.name}.h"]) + _DECLARATIONS.format(name=model.name)
+        declared = interface_of(model.name, texts).declarations() + _DECLARATIONS.format(name=model.name)
         self._library: Library = build([*code, driver], declared, toolchain)
         self.numbers = learner_numbers(model, coefficients(model))
         ffi = self._library.ffi

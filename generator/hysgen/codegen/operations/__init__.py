@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+
+from pycparser import c_ast
 
 from hysgen.codegen.operations.counting import Program
 from hysgen.codegen.operations.counts import Counts
 from hysgen.codegen.operations.text import syntax_tree
-from hysgen.codegen.operations.types import words
+from hysgen.codegen.operations.types import Types, words
 
 __all__ = ["Counts", "Figures", "figures"]
 
@@ -34,9 +35,12 @@ def figures(name: str, texts: Mapping[str, str]) -> Figures:
     Raises HysgenError if they use C that has no fixed cost.
     """
     program = Program(syntax_tree(texts, (f"{name}.h", f"{name}_params.h", f"{name}.c")))
-    structs = re.findall(r"^\} (\w+);$", texts[f"{name}.h"], re.MULTILINE)
+    header = Types()
+    for node in syntax_tree(texts, (f"{name}.h",)).ext:
+        if isinstance(node, c_ast.Typedef):
+            header.define(node)
     return Figures(
         operations={function.removeprefix(f"{name}_"): program.count(function) for function in program.public()},
-        struct_bytes={struct: _BYTES * words(program.types[struct]) for struct in structs},
+        struct_bytes={struct: _BYTES * words(program.types[struct]) for struct in header.structs},
         constant_bytes=_BYTES * program.constant_words,
     )

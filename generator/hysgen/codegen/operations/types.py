@@ -52,6 +52,11 @@ class Types:
         """Take a typedef in."""
         self._named[node.name] = self.of(node.type)
 
+    @property
+    def structs(self) -> list[str]:
+        """Names of the structs, in the order of their definition."""
+        return [name for name, kind in self._named.items() if isinstance(kind, Struct)]
+
     def __getitem__(self, name: str) -> Type:
         return self._named[name]
 

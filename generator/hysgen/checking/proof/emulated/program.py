@@ -12,10 +12,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.host import channels, commits, entries
 from hysgen.checking.proof.emulated.platforms import STRICT, Platform
-from hysgen.checking.proof.layout import words
 from hysgen.checking.proof.warnings import BASIC
+from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
 from hysgen.errors import BuildError
 
@@ -36,11 +35,11 @@ class Emulated:
             needed = " ".join(platform.packages)
             raise BuildError(f"{platform.name}: {', '.join(platform.missing)} not installed; apt-get install {needed}")
         self.name, self.platform = name, platform
-        self._header = texts[f"{name}.h"]
-        self.entries = {entry.name: entry for entry in entries(name, self._header)}
-        self.channels = channels(self._header)
+        self.interface = interface_of(name, texts)
+        self.entries = {function.name: function for function in self.interface.functions if function.floats}
+        self.channels = self.interface.channels
         self.selftested = f"{name}_selftest.c" in texts
-        self.commits = commits(name, self._header)
+        self.commits = self.interface.has("commit")
         self._scratch = tempfile.TemporaryDirectory(prefix="hysgen-")
         _compile(self.name, texts, platform, flags, self._facts(), Path(self._scratch.name))
         self._stderr = Path(self._scratch.name) / "stderr"
@@ -55,7 +54,7 @@ class Emulated:
 
     def struct(self, name: str) -> Words:
         """A zeroed `<name>` owned by the caller."""
-        return np.zeros(len(words(self._header, name)), dtype=np.uint32)
+        return np.zeros(self.interface.struct(name).size, dtype=np.uint32)
 
     def instance(self, y_um: float, u_V: float) -> Words:
         """A new `<name>_t`, initialised at y_um and u_V."""
@@ -91,7 +90,7 @@ class Emulated:
 
     def layout(self, struct: str) -> dict[str, int]:
         """Word index of every scalar in a struct, by its C path."""
-        return {word.path: place for place, word in enumerate(words(self._header, struct))}
+        return {word.path: place for place, word in enumerate(self.interface.struct(struct).words())}
 
     def run(
         self,
@@ -113,11 +112,12 @@ class Emulated:
     def _facts(self) -> dict[str, Any]:
         return {
             "name": self.name,
+            "structs": self.interface.structs,
             "entries": list(self.entries.values()),
             "channels": self.channels,
             "commits": self.commits,
             "selftested": self.selftested,
-            "learns": f"{self.name}_learn_init(" in self._header,
+            "learns": self.interface.has("learn_init"),
         }
 
     def _send(self, head: list[int], *arrays: Words) -> None:

@@ -11,6 +11,7 @@ from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.frama import Floats, Verdict, analyse
 from hysgen.checking.proof.eva.splits import annotated, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, bank_words, between, instance_words
+from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
 from hysgen.model.intervals import ANY
 from hysgen.model.model import Model
@@ -24,8 +25,8 @@ FUNCTIONS: Final[Mapping[str, int]] = {"init": 2, "predict": 2, "simulate": 1, "
 
 def functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
     """The functions of an instance that the generated header declares."""
-    header = texts[f"{model.name}.h"]
-    return tuple(function for function in FUNCTIONS if re.search(rf"\b{model.name}_{function}\(", header))
+    known = interface_of(model.name, texts)
+    return tuple(function for function in FUNCTIONS if known.has(function))
 
 
 def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[dict[str, str], int]:

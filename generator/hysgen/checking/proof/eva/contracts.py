@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
-from hysgen.checking.proof.layout import words
+from hysgen.codegen.interface import interface_of
 from hysgen.errors import ModelError
 from hysgen.float32.learner_words import LearnerWords
 
@@ -97,12 +97,12 @@ def within(name: str, theta: str) -> str:
 
 
 def _parameters(name: str, texts: Mapping[str, str]) -> int:
-    return sum(word.path.startswith("theta[") for word in words(texts[f"{name}.h"], f"{name}_learner_t"))
+    return sum(word.path.startswith("theta[") for word in interface_of(name, texts).struct(f"{name}_learner_t").words())
 
 
 def _whole(name: str, texts: Mapping[str, str], field: str) -> str:
     """All words of a field of the learner, as ACSL."""
-    paths = [word.path for word in words(texts[f"{name}.h"], f"{name}_learner_t")]
+    paths = [word.path for word in interface_of(name, texts).struct(f"{name}_learner_t").words()]
     return field if field in paths else f"{field}[0..{sum(path.startswith(f'{field}[') for path in paths) - 1}]"
 
 

@@ -7,7 +7,6 @@ starts again unless every parameter is finite and inside its limit. Then the who
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Mapping
 
 from hysgen.checking.proof.eva.banks import bank_box
@@ -26,7 +25,7 @@ from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.checking.proof.eva.learner_box import WILD, LearnerBox, learner_box
 from hysgen.checking.proof.eva.splits import Join, Split, annotated, displacements, joined, signs, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, assumed, bank_words, float_word, instance_words
-from hysgen.checking.proof.layout import words
+from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
 from hysgen.model.model import Model
@@ -39,15 +38,15 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
     Inputs are any 32 bits; learn_init has none, but a model in any state and with any bank that may be committed.
     """
     name, box = model.name, learner_box(model)
-    struct = f"{name}_learner_t"
+    struct = interface_of(name, texts).struct(f"{name}_learner_t")
     found = [
         word
-        for word in words(texts[f"{name}.h"], struct)
+        for word in struct.words()
         if word.path.split("[")[0] not in WILD and not word.path.startswith(("candidate.", "base."))
     ]
-    known = assumed("learner", struct, found, box.floats, box.integers)
+    known = assumed("learner", struct.name, found, box.floats, box.integers)
     # The bank that the learner started from: any that may have been committed before learn_init.
-    if any(word.path.startswith("base.") for word in words(texts[f"{name}.h"], struct)):
+    if any(word.path.startswith("base.") for word in struct.words()):
         known += [float_word("learner", f"base.{path}", bank) for path, bank in bank_box(model).items()]
     facts = {
         "name": name,
@@ -55,7 +54,7 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
         "model_words": [*bank_words(model), *instance_words(model, texts)],
         "words": known,
         "channels": len(channels_of(model.terms)),
-        "wild": [word for word in WILD if re.search(rf"^    float {word}\[", texts[f"{name}.h"], re.MULTILINE)],
+        "wild": [member.name for member in struct.members if member.name in WILD and member.sizes],
         "scalars": ["per_alpha"],
         "any": f"{name}_float({ANY_WORD})",
     }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -14,6 +13,7 @@ from hysgen.checking.proof.eva.contract import check_contract
 from hysgen.checking.proof.eva.frama import Floats, Verdict, version
 from hysgen.checking.proof.eva.guards import guards, without
 from hysgen.checking.proof.eva.learn import prove_learn, prove_update
+from hysgen.codegen.interface import interface_of
 from hysgen.display import table
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
@@ -143,9 +143,8 @@ def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats
 
 def learner_functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
     """What is proved of a learner, if the generated header declares one."""
-    header = texts[f"{model.name}.h"]
-    there = {f: re.search(rf"\b{model.name}_{f}\(", header) is not None for f in ("learn", "learn_aux")}
-    return tuple(f for f in LEARNER if there["learn"] and there.get(f, True))
+    known = interface_of(model.name, texts)
+    return tuple(f for f in LEARNER if known.has("learn") and (f != "learn_aux" or known.has(f)))
 
 
 def _tell(progress: Callable[[float, str], None] | None, fraction: float, what: str) -> None:

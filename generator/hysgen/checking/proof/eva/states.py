@@ -11,10 +11,11 @@ from typing import Final
 from hysgen.checking.proof.eva.banks import bank_box, state_box
 from hysgen.checking.proof.eva.boxes import parts_box
 from hysgen.checking.proof.eva.intervals import hexadecimal
-from hysgen.checking.proof.layout import Word, words
+from hysgen.codegen.interface import interface_of
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
+from hysgen.model.structs import Word
 
 ANY_WORD: Final = "Frama_C_unsigned_int_interval(0u, 0xffffffffu)"
 
@@ -35,7 +36,9 @@ class Assumed:
 def instance_words(model: Model, texts: Mapping[str, str]) -> list[Assumed]:
     """Every word of `<name>_t` but the banks: those are of `bank_words`, or as init wrote them."""
     struct = f"{model.name}_t"
-    found = [word for word in words(texts[f"{model.name}.h"], struct) if not word.path.startswith("bank[")]
+    found = [
+        word for word in interface_of(model.name, texts).struct(struct).words() if not word.path.startswith("bank[")
+    ]
     return assumed("self", struct, found, state_box(model), {"active": 1, **parts_box(model).integers})
 
 
