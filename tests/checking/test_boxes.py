@@ -24,6 +24,7 @@ from hysgen.checking.proof.eva.calls import prove_call, step
 from hysgen.checking.proof.eva.learn import learn_step
 from hysgen.checking.proof.eva.learner_box import WILD, learner_box
 from hysgen.codegen import Options, generate
+from hysgen.codegen.interface import Interface, interface_of
 from hysgen.errors import ModelError
 from hysgen.model import path as inputs
 from hysgen.model import terms
@@ -47,8 +48,8 @@ def host_of(name: str) -> Host:
     return Host(name, texts(name))
 
 
-def floats_of(host: Host, struct: str) -> list[str]:
-    return [word.path for word in host.interface.struct(struct).words() if word.type == "float"]
+def floats_of(known: Interface, struct: str) -> list[str]:
+    return [word.path for word in known.struct(struct).words() if word.type == "float"]
 
 
 def outside(ran: Mapping[str, np.ndarray], box: Mapping[str, Interval]) -> list[str]:
@@ -70,7 +71,7 @@ def of_instance(host: Host, function: str, seed: int) -> dict[str, np.ndarray]:
     instance = host.instance(2.0, 30.0)
     _, trace = host.run(function, instance, bits, words=layout["bank[0].slope[0]"])
     values = np.ascontiguousarray(trace).view(np.float32)
-    return {path: values[:, layout[path]] for path in floats_of(host, struct) if not path.startswith("bank[")}
+    return {path: values[:, layout[path]] for path in floats_of(host.interface, struct) if not path.startswith("bank[")}
 
 
 def assert_in_box(found: Model, function: str) -> None:
@@ -128,7 +129,7 @@ def test_every_float_of_a_learner_stays_in_its_box(name: str) -> None:
         pieces = [column[first : first + (40 if aux else SAMPLES)].view(np.uint32) for column in (y, u)]
         traces.append(host.run("learn", learner, pieces, words=len(layout))[1])
     values = np.vstack(traces).view(np.float32)
-    paths = [p for p in floats_of(host, struct) if p.split("[")[0] not in WILD]
+    paths = [p for p in floats_of(host.interface, struct) if p.split("[")[0] not in WILD]
     ran = {p: values[:, layout[p]] for p in paths if not p.startswith(("candidate.", "base."))}
     box = learner_box(model(name)).floats
     assert outside(ran, box) == []
@@ -146,7 +147,7 @@ def halved(seen: np.ndarray) -> Interval:
 
 @pytest.mark.parametrize("name", ["extended", "diagnosed", "everything"])
 def test_a_box_that_is_too_small_is_left(name: str) -> None:
-    ran = of_instance(host_of(name), texts(name)[f"{name}.h"], "predict", seed=8)
+    ran = of_instance(host_of(name), "predict", seed=8)
     box = state_box(model(name))
     assert set(ran) == set(box)
     assert outside(ran, box) == []
@@ -183,7 +184,7 @@ def test_a_float_without_a_box_is_refused() -> None:
 @pytest.mark.parametrize("name", ["extended", "diagnosed", "everything"])
 def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(name: str) -> None:
     sources, _ = step(model(name), texts(name), "predict", "finite")
-    for path in floats_of(texts(name)[f"{name}.h"], f"{name}_t"):
+    for path in floats_of(interface_of(name, texts(name)), f"{name}_t"):
         if not path.startswith("bank["):
             assert f"self.{path} = Frama_C_float_interval(" in sources["step.c"], path
             assert rf"\is_finite(self.{path}) && " in sources["step.c"], path
@@ -193,7 +194,7 @@ def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(na
 def test_every_float_that_learn_reads_is_assumed_and_demanded(name: str) -> None:
     """The bank that a learner started from among them: it is any that was committed before, not the generated one."""
     sources, _ = learn_step(model(name), texts(name), "learn")
-    for path in floats_of(texts(name)[f"{name}.h"], f"{name}_learner_t"):
+    for path in floats_of(interface_of(name, texts(name)), f"{name}_learner_t"):
         if not path.startswith("candidate.") and path.split("[")[0] not in WILD:
             assert f"learner.{path} = Frama_C_float_interval(" in sources["step.c"], path
             assert rf"\is_finite(learner.{path}) && " in sources["step.c"], path
