@@ -1,4 +1,4 @@
-"""What a prediction costs against the number of rules: operations of the C, estimated cycles, time on this machine.
+"""Cost of a prediction against the number of rules: operations of the C, estimated cycles, time on this machine.
 
 Run:  python benchmarks/bench_prediction.py
 """
@@ -16,7 +16,7 @@ FUNCTIONS = ("predict", "simulate", "inverse")
 
 
 def measured(rules: int) -> Cost:
-    """Costs of the generated C of a model with so many rules."""
+    """Cost of the generated C of a model with the given number of rules."""
     model = smooth(f"rules_{rules}", rules)
     return cost_of_texts(model, generate(model))
 

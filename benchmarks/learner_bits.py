@@ -1,13 +1,13 @@
-"""Long chains of updates, compiled learner against its NumPy reference: 6 to 54 parameters in every build.
+"""Long chains of updates of the compiled learner, compared with its NumPy reference: 6 to 54 parameters, every build.
 
 Every word of the learner's state after every sample is compared, by induction (`hysgen.checking.bits.induction`), at
 gcc and clang, -O0, -O2 and -O3, with and without flush to zero. The plant is the model with 5 % less gain, and noise;
-its input rests a fifth of the time.
+its input is constant for a fifth of the time.
 
 Run:  python benchmarks/learner_bits.py [UPDATES [PARAMETERS ...]]
 
-About as many updates as that in a row, 1e6 by default, of all sizes, or of those that are named; where an update is
-spread over 16 calls, as many samples.
+UPDATES: approximate number of consecutive updates, default 1e6; with an update divided over 16 calls, the number of
+samples. PARAMETERS: sizes to compare, default all.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ from hysgen.model.model import Model
 SIZES = {6: (2, 0), 18: (6, 0), 24: (8, 0), 40: (10, 10), 54: (10, 24)}
 """Parameters -> rules and plays."""
 
-SPREAD = {6: (1,), 18: (1,), 24: (1,), 40: (1, 16), 54: (16,)}
-"""Parameters -> calls over which an update is spread."""
+CALLS_PER_UPDATE = {6: (1,), 18: (1,), 24: (1,), 40: (1, 16), 54: (16,)}
+"""Parameters -> calls per update."""
 
-TAUGHT = 0.7
-"""Least part of the samples that is learnt from: the input rests during a fifth of them, some innovations are noise."""
+UPDATING_SHARE = 0.7
+"""Least share of samples that update: one fifth has a constant input, some innovations lie in the dead zone."""
 
 SEED = 1
 
 
 def counted(model: Model, texts: dict[str, str], samples: int) -> tuple[int, int]:
-    """Updates and restarts of the chain that is compared."""
+    """Updates and restarts of the compared chain."""
     host = Host(model.name, texts)
     learner = LEARNER.create(host)
     for columns in chunks(model, "smooth", LEARNER.functions["learn"], samples, SEED, LEARNER.chunk):
@@ -50,11 +50,11 @@ def counted(model: Model, texts: dict[str, str], samples: int) -> tuple[int, int
 
 def main() -> int:
     """Print one row per size; exit code 1 if a bit differs."""
-    samples = round(float(sys.argv[1] if len(sys.argv) > 1 else "1e6") / TAUGHT)
+    samples = round(float(sys.argv[1] if len(sys.argv) > 1 else "1e6") / UPDATING_SHARE)
     found, skipped = toolchains(COMPILERS, LEVELS)
     rows, differences = [], []
     sizes = [int(size) for size in sys.argv[2:]] or list(SIZES)
-    for parameters, calls in [(size, calls) for size in sizes for calls in SPREAD[size]]:
+    for parameters, calls in [(size, calls) for size in sizes for calls in CALLS_PER_UPDATE[size]]:
         started = time.monotonic()
         rules, plays = SIZES[parameters]
         model = smooth(f"learn_{parameters}", rules, plays, LearnerSettings(calls_per_update=calls))

@@ -1,11 +1,11 @@
-/* Eq. (10) as the paper prints it, for the cycles of a transcription without a second thought. 6 rules, 18 parameters.
+/* Eq. (10) transcribed literally from the paper, to count its cycles. 6 rules, 18 parameters.
  *
  *     q(k) = q(k-1) + K(k) (y(k+1) - u' q(k-1))
  *     K(k) = (P(k-1) u) / (lambda + u' P(k-1) u)
  *     P(k) = 1/lambda (I - K(k) u') P(k-1) = (P(k-1) - K(k) (u' P(k-1))) / lambda
  *
- * Every division of the equation is one here, element by element. In float32 this P loses its positive definiteness
- * after some hundred samples; it is here to be counted, not to be used. */
+ * Every division of the equation is a division here, element by element. In float32 P loses its positive definiteness
+ * after some hundred samples: this code serves for cycle counts only. */
 
 enum { PARAMETERS = 18 };
 

@@ -1,8 +1,8 @@
-"""Cycles on the C674x: against rules, learned parameters, calls per update, and beside Eq. (10) as the paper prints it.
+"""Cycles on the C674x against the number of rules, learned parameters and calls per update, and those of Eq. (10).
 
 Run:  python benchmarks/target_cycles.py      (a few minutes; needs firmware/toolchain/build_c674x.sh)
-Cycles are stall-free, of the worst way through each function, as `hysgen cost --target c674x` has them; those of the
-paper's equation are simulated, for its divisions call the compiler's library.
+Cycles are stall-free worst cases, as printed by `hysgen cost --target c674x`. Those of Eq. (10), transcribed literally,
+are simulated, because its divisions call the compiler's library.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from hysgen.model.model import Model
 
 RULES = (3, 6, 9, 12, 20, 50)
 RULE = ("slope", "gain", "offset")
-# (rules, plays, what is learned): three parameters a rule, one a rule, the plays' weights.
+# (rules, plays, learned groups): three parameters per rule, one per rule, the weights of the plays.
 LEARNED = (
     (2, 4, ("offset", "terms")),
     (4, 0, RULE),
@@ -32,7 +32,7 @@ LEARNED = (
     (10, 0, RULE),
     (12, 4, (*RULE, "terms")),
 )
-# (rules, plays, calls per update); all parameters are learned. At 50 kHz a diagnosis takes the last of each size.
+# (rules, plays, calls per update); all parameters are learned. At 50 kHz a diagnosis chooses the last of each size.
 SPREAD = (
     (6, 0, 2),
     (6, 0, 1),
@@ -51,7 +51,7 @@ PARAMETERS = 18
 
 
 def taken(model: Model) -> dict[str, dict[str, int]]:
-    """Cycles, code and stack of the model's C; the budget of a period is no concern here."""
+    """Cycles, code and stack of the model's C, generated for a clock that exceeds every budget."""
     return footprint(model.name, generate(model, Options(clock_Hz=1e10)))
 
 
@@ -77,7 +77,7 @@ def against_parameters() -> str:
 
 
 def against_calls() -> str:
-    """Learners spread over calls; behind the cycles of learn, in brackets, what they are estimated at."""
+    """Updates divided over several calls; in brackets the estimate of the cycles of learn."""
     rows = []
     for rules, plays, calls in SPREAD:
         model = smooth("smooth", rules, plays, LearnerSettings(calls_per_update=calls))
@@ -94,7 +94,7 @@ def against_calls() -> str:
 
 
 def as_printed() -> str:
-    """Simulated cycles of one update by Eq. (10) as it stands in the paper."""
+    """Simulated cycles of one update by Eq. (10), transcribed literally from the paper."""
     text = (Path(__file__).parent / "paper_update.c").read_text(encoding="utf-8")
     machine = toolchain.compile([("paper_update.c", text)]).machine()
     self, x = machine.allocate(PARAMETERS * (PARAMETERS + 1)), machine.allocate(PARAMETERS)

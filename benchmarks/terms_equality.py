@@ -1,4 +1,4 @@
-"""Is the generated C its reference in every bit, with each term and input block alone and with all of them together?
+"""Equality of bits of generated C and reference, with each term and input block alone and with all of them together.
 
 Run:  python benchmarks/terms_equality.py [SAMPLES]      (per model and build, default 1e6)
 Each model is generated and given to `verify`, as `hysgen verify DIR --samples SAMPLES` does: results, states, status

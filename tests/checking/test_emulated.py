@@ -50,10 +50,11 @@ def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None
     assert compared >= {"init", "predict", "simulate", "inverse", "selftest"}
     assert ("learn" in compared) == (model(name).learner is not None)
     if model(name).learner is not None:
-        # Behind a stage the active bank changes in each platform's own memory, in this platform's bits.
+        # In the learning run the active bank changes in each platform's own memory, with the host's bits. All commits
+        # of the shipped `extended` are refused there (REFUSED_WEIGHTS, REFUSED_YOUNG); the refusals are compared.
         here, *there = report.learning
         assert len(there) == 5
-        assert here.switches == here.committed >= 1
+        assert here.switches == here.committed >= (0 if name == "extended" else 1)
         assert all(row.equal and row.switches == row.committed == here.committed for row in there)
     assert all(run.builds == 6 for run in report.comparison.runs)
 

@@ -1,4 +1,4 @@
-/* What each operation computes: hysgen.c674x.semantics again, in C. Names are op_<mnemonic>; operands as printed. */
+/* Arithmetic of each operation: hysgen.c674x.semantics in C. Names are op_<mnemonic>; operands in printed order. */
 #ifndef OPERATIONS_H
 #define OPERATIONS_H
 
@@ -25,7 +25,7 @@ enum {
     FAULT_CYCLE_LIMIT
 };
 
-/* Ends the run with the first fault met. */
+/* Ends the run; the first fault is kept. */
 void stop(c674x_t *m, uint32_t fault, uint32_t detail);
 
 /* ---- single precision without denormals ---- */

@@ -1,13 +1,13 @@
-/* Results, branches and memory accesses of a packet: what hysgen.c674x.interpreter does, in C. */
+/* Results, branches and memory accesses of a packet: the rules of hysgen.c674x.interpreter in C. */
 #ifndef PIPELINE_H
 #define PIPELINE_H
 
 #include "operations.h"
 
-/* Puts a result on its way: register `index` gets `value` delay + 1 cycles from now. `port`: the unit's bit, or 0. */
+/* Schedules a result: register `index` gets `value` delay + 1 cycles from now. port: the unit's bit, or 0. */
 void later(c674x_t *m, uint32_t delay, uint32_t index, uint32_t value, uint32_t port, int from_memory);
 
-/* Goes on at `target` delay + 1 cycles from now. */
+/* Schedules a branch: execution continues at `target` delay + 1 cycles from now. */
 void branch(c674x_t *m, uint32_t delay, uint32_t target);
 
 /* Little-endian accesses; a fault if the address is not a multiple of `alignment` or not in the memory. */

@@ -1,4 +1,4 @@
-/* The cycle loop: hysgen.c674x.interpreter.run, in C. Packets come from the translated program. */
+/* The cycle loop of hysgen.c674x.interpreter.run in C; the translated program defines the packets. */
 #include "pipeline.h"
 
 #define STACK_POINTER (32 + 15)

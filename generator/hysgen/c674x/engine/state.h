@@ -1,4 +1,4 @@
-/* The C674x as the fast engine sees it. Read by the C compiler and by cffi: declarations only. */
+/* Processor state of the compiled engine. Read by the C compiler and by cffi: declarations only. */
 
 typedef struct {
     /* Set before a run. */
@@ -8,7 +8,7 @@ typedef struct {
     uint32_t program_counter, return_address;
     uint64_t cycle_limit;
 
-    /* In flight, by the cycle modulo 8 in which it lands: nothing takes longer than 6 cycles. */
+    /* Pending effects, by the cycle modulo 8 in which they take effect: no delay exceeds 6 cycles. */
     uint32_t value[8][64];     /* results, valid where a bit of `landing` is set */
     uint64_t landing[8];       /* registers that get a result */
     uint64_t landing_quick[8]; /* those of them that do not come from memory */
@@ -20,11 +20,11 @@ typedef struct {
     uint64_t cycle, stalls, packets, denormals, nans;
     uint32_t lowest_stack_pointer;
 
-    /* What ended the run early: numbers of hysgen.c674x.processor.ProcessorFault, the packet and a detail. */
+    /* Reason for an early end: numbers of hysgen.c674x.processor.ProcessorFault, the packet and a detail. */
     uint32_t fault, fault_address, fault_detail;
 } c674x_t;
 
-/* One execute packet: its work, the registers it reads over a cross path, what follows it. */
+/* One execute packet: its effects, the registers it reads over a cross path, the next packet and idle cycles. */
 typedef struct {
     void (*issue)(c674x_t *m);
     uint64_t cross_reads;
