@@ -16,23 +16,23 @@ import numpy as np
 from hysgen import FitSettings, Record, cost, fit, generate, load_model, save_model, score, verify
 from hysgen.checking.proof.eva.states import instance_words
 from hysgen.stage.signals import nested_amplitudes
-from hysgen.model.terms.echo import Echo
+from hysgen.model.terms.kick import Kick
 
 u_V = nested_amplitudes(1e-4, (50.0, 20.0), 40.0, 25.0, 4)
 y_um = np.full(u_V.size, 2.8)
 for k in range(1, u_V.size - 1):
-    y_um[k + 1] = 0.9 * y_um[k] + 4e-3 * u_V[k] + 3e-3 * u_V[k - 1]
+    y_um[k + 1] = 0.9 * y_um[k] + 4e-3 * u_V[k] + 3e-3 * abs(u_V[k - 1] - u_V[k - 2] if k > 1 else 0.0)
 record = Record.from_arrays(u_V, y_um, 1e-4)
 plain = fit(record, FitSettings(name="axis", method="batch"))
-model = fit(record, FitSettings(name="axis", method="batch", terms=(Echo(),)))
+model = fit(record, FitSettings(name="axis", method="batch", terms=(Kick(),)))
 assert score(model, record).free_run.e_rms_um < 0.05 * score(plain, record).free_run.e_rms_um
 save_model(model, __import__("pathlib").Path("axis.json"))
-assert load_model("axis.json").terms == (Echo(),)
+assert load_model("axis.json").terms == (Kick(),)
 report = verify(generate(model), samples=30_000)
 assert report.equal and {run.function for run in report.runs} >= {"predict", "simulate", "inverse"}, str(report)
 assert cost(generate(model)).per_sample.value > cost(generate(plain)).per_sample.value
 proved = {word.path: word.demanded for word in instance_words(model, generate(model))}
-assert proved["self.terms.echo.last_V"].startswith("\\\\is_finite(self.terms.echo.last_V)"), proved
+assert proved["self.terms.kick.last_V"].startswith("\\\\is_finite(self.terms.kick.last_V)"), proved
 print("equal in every bit")
 """
 
@@ -42,8 +42,8 @@ def test_the_two_files_of_the_page_are_all_that_a_new_term_takes(tmp_path: Path)
     blocks = re.findall(r"```(?:python|c)\n(.*?)```", page, re.DOTALL)
     shutil.copytree(ROOT / "generator" / "hysgen", tmp_path / "generator" / "hysgen")
     shutil.copytree(ROOT / "templates", tmp_path / "templates")
-    (tmp_path / "generator" / "hysgen" / "model" / "terms" / "echo.py").write_text(blocks[0])
-    (tmp_path / "templates" / "terms" / "echo.c.j2").write_text(blocks[1])
+    (tmp_path / "generator" / "hysgen" / "model" / "terms" / "kick.py").write_text(blocks[0])
+    (tmp_path / "templates" / "terms" / "kick.c.j2").write_text(blocks[1])
     done = subprocess.run(
         [sys.executable, "-c", USE],
         cwd=tmp_path,
