@@ -1,4 +1,4 @@
-"""The learner as its templates see it: regressors, the columns of U in slices, and its numbers."""
+"""The data of the learner's templates: regressors, columns of U per call, pipelined loops, and parameter sections."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ from hysgen.model.float32_constants import NEWTON_STEPS, ROUNDING
 from hysgen.model.model import Model
 
 SIDE_BY_SIDE = 6
-"""Independent chains that stand side by side: they hide the latency of the C674x's multiplier and adder."""
+"""Number of independent operations per block; they hide the latency of the multiplier and adder of the C674x."""
 
-# Widths and stages with the fewest cycles on the C674x of those tried, see docs/target.md. More in flight than its 64
-# registers hold is spilled to memory, and slower than less.
+# Elements per block and pipeline stages with the fewest measured cycles on the C674x (docs/target.md). Wider blocks
+# need more than its 64 registers; the spilled values then cost more cycles than the overlap saves.
 PROJECT_WIDTH = 12
 PROJECT_STAGES = ("load", "", "multiply", "", "add")
 FACTOR_WIDTH = 3
@@ -65,7 +65,7 @@ STEP_STAGES = ("multiply", "raise", "lower", "carry", "add", "kept", "left", "st
 
 @dataclass(frozen=True)
 class Learned:
-    """Parameter i: its place in a bank (none for the bias), and its regressor."""
+    """Learned parameter i: C text of its member in the bank ("" for the bias) and C text of its regressor x_i."""
 
     i: int
     place: str
@@ -74,7 +74,7 @@ class Learned:
 
 @dataclass(frozen=True)
 class Element:
-    """U_ij, or anything that belongs to row i and column j, and its place in its array."""
+    """Row i and column j of a matrix, and the index `place` of the element in its C array."""
 
     i: int
     j: int
@@ -83,7 +83,7 @@ class Element:
 
 @dataclass(frozen=True)
 class Part:
-    """Neighbouring elements of one row or column of U; first: the row or column begins here."""
+    """Neighbouring elements of one row or column of U; first: whether they begin the row or column."""
 
     elements: Sequence[Element]
     first: bool
@@ -101,7 +101,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Column:
-    """Column j of U above the diagonal, in blocks of elements."""
+    """The elements of U above the diagonal in column j, in blocks of SIDE_BY_SIDE."""
 
     j: int
     blocks: Sequence[Sequence[Element]]
@@ -109,11 +109,12 @@ class Column:
 
 @dataclass(frozen=True)
 class Slice:
-    """Columns first .. last - 1: what one call works off; in half an update, for either half has slices of its own.
+    """The columns first .. last - 1 of U that one call computes, in the projection or in the factorisation.
 
-    project, factor: elements of the slice by rows and by columns, in the order of a pipeline.
-    passes: first columns of what U' x takes side by side. columns: those of the slice, in blocks.
-    The blocks hold elements for the columns before, those of the slice, and both.
+    project, factor: elements of the columns, row by row and column by column, in pipelined order.
+    passes: first column of each pass of COLUMNS_PER_PASS columns of U' x. columns: the columns of the slice.
+    ends: one element per column; begun_blocks, end_blocks, done_blocks: blocks of one element per column, for the
+    columns 0 .. first - 1, first .. last - 1 and 0 .. last - 1.
     """
 
     number: int
@@ -132,9 +133,10 @@ class Slice:
 
 @dataclass(frozen=True)
 class Phase:
-    """What one call does of an update or a restart that is spread, and the phase behind it.
+    """The work of one call in an update or restart that takes several calls, and the phase that comes next.
 
-    work: name of its function, none if it has no columns. kind: project, factor or clear. last: of its kind.
+    work: name of the generated function, "" without columns. kind: project, factor or clear. last: whether the phase is
+    the last of its kind.
     """
 
     work: str
@@ -145,7 +147,7 @@ class Phase:
 
 
 def learner_concern(model: Model, numbers: Coefficients, _certificates: object) -> Concern | None:
-    """What a model with learner settings adds to the generated files; None for one without."""
+    """The generated learner of a model with learner settings; None for a model without."""
     if model.learner is None:
         return None
     found = learner_numbers(model, numbers)
@@ -217,7 +219,7 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
 
 
 def _learned(i: int, parameter: Parameter, name: str) -> Learned:
-    """The C texts of parameter i."""
+    """Bank member and regressor of parameter i as C text."""
     if parameter.group == "bias":
         return Learned(i, "", "1.0f")
     j = parameter.index
@@ -228,14 +230,14 @@ def _learned(i: int, parameter: Parameter, name: str) -> Learned:
 
 
 def _start(member: Described) -> str:
-    """What `_learn_init` writes into a word, as C; "" if another function writes it."""
+    """The initial value that `_learn_init` writes into `member`, as C text; "" if another function writes it."""
     zero, one = ("0.0f", "1.0f") if member.type == "float" else ("0u", "1u")
     texts = {Start.ZERO: zero, Start.ONE: one, Start.MODEL_Y: "model->y_um", Start.MODEL_U: "model->u_V"}
     return texts[member.start] if member.start else ""
 
 
 def _written(values: Mapping[Described, str]) -> dict[str, dict[str, str]]:
-    """C text per word, for vectors, numbers and integers apart."""
+    """The C texts by member name, grouped into vectors, numbers (float scalars) and integers."""
     kinds = {
         "vectors": (Holds.VECTOR,),
         "numbers": (Holds.NUMBER,),
@@ -255,7 +257,7 @@ def _restarted(members: Sequence[Described]) -> list[Described]:
 
 
 def _restart(member: Described, name: str) -> str:
-    """What a restart writes into a word, as C; {j}: index of the parameter."""
+    """The value that a restart writes into `member`, as C text; {j} is the index of the parameter."""
     texts = {
         Restart.REFERENCE: "self->reference[{j}]",
         Restart.ZERO: "0.0f" if member.type == "float" else "0u",
@@ -266,13 +268,13 @@ def _restart(member: Described, name: str) -> str:
 
 
 def _fixed_sums(found: LearnerNumbers) -> str:
-    """The sums over the rules that are not learned, in C."""
+    """The sums over the rules whose parameters are not learned, as C text; "" if all are learned."""
     sums = {"slope": "y * sums.slope", "offset": "sums.offset", "gain": "u * sums.gain"}
     return " + ".join(text for group, text in sums.items() if not found.learns(group))
 
 
 def _fixed(model: Model, found: LearnerNumbers) -> str:
-    """The part of the prediction that is not learned, in C."""
+    """The part of the prediction y(k+1) whose parameters are not learned, as C text [um]."""
     sums = _fixed_sums(found)
     parts = [f"({sums}) * per_weight"] if sums else []
     if model.terms and not found.learns("terms"):
@@ -281,13 +283,13 @@ def _fixed(model: Model, found: LearnerNumbers) -> str:
 
 
 def _slices(borders: Sequence[int]) -> list[Slice]:
-    """Every slice that has a column."""
+    """The non-empty slices between successive column `borders`."""
     pairs = enumerate(itertools.pairwise(borders))
     return [_slice(number, first, last, borders[-1]) for number, (first, last) in pairs if first < last]
 
 
 def _phases(spread: Spread, n: int) -> list[Phase]:
-    """What each call of an update does, and each of a restart."""
+    """The phases 1, 2, ... of an update of n parameters, then those of a restart."""
     found: list[Phase] = []
     for kind, borders in (("project", spread.project), ("factor", spread.factor), ("clear", spread.factor)):
         for k, (first, last) in enumerate(itertools.pairwise(borders)):
@@ -299,12 +301,12 @@ def _phases(spread: Spread, n: int) -> list[Phase]:
 
 
 def _clears(last: int, n: int) -> bool:
-    """Whether columns up to last - 1 hold anything of U: packed ones have no diagonal."""
+    """Whether C stores an element of U in columns up to last - 1; packed columns have no diagonal."""
     return n > WRITTEN_OUT or last > 1
 
 
 def _slice(number: int, first: int, last: int, n: int) -> Slice:
-    """Columns first .. last - 1 of n."""
+    """The slice of columns first .. last - 1 of n."""
     ends = [Element(j - 1, j) for j in range(first, last)]
     return Slice(
         number=number,

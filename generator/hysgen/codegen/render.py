@@ -1,4 +1,4 @@
-"""From a model's numbers to C text: what the templates are told, and the environment they are rendered in."""
+"""Rendering of C text from a model: the variables of the templates and the Jinja2 environment."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from hysgen.model.terms.base import Mirror
 
 @dataclass(frozen=True)
 class TermText:
-    """A term as its template sees it.
+    """The data of a term's template.
 
-    struct: of its state; prefix: of its functions and constants; first: index of its first regressor.
-    corrects: whether it follows the innovation; heard: indices of its channels in aux[].
+    struct: the struct of its state; prefix: of its functions and constants; first: index of its first regressor.
+    corrects: whether the innovation corrects its state; heard: indices of its channels in aux[].
     """
 
     term: Term
@@ -65,7 +65,7 @@ class TermText:
 
 @dataclass(frozen=True)
 class PartText:
-    """C that several kinds of term share, and the numbers in it."""
+    """C functions that several kinds of term share, and the variables of their template."""
 
     name: str
     facts: Mapping[str, Any]
@@ -77,7 +77,7 @@ class PartText:
 
 @dataclass(frozen=True)
 class BlockText:
-    """An input block as its template sees it; struct and prefix as with terms."""
+    """The data of an input block's template; struct: of its state; prefix: of its functions and constants."""
 
     block: InputBlock
     struct: Struct
@@ -99,12 +99,12 @@ class BlockText:
 
     @property
     def stateful(self) -> bool:
-        """Whether it keeps anything from one sample to the next."""
+        """Whether the block has state that lasts from one sample to the next."""
         return bool(self.struct.members)
 
     @property
     def state(self) -> str:
-        """First argument of its functions: its state in the struct of the inputs, if it has any."""
+        """C text of the first argument of its functions, the pointer to its state; "" without state."""
         return f"&inputs->{self.kind}, " if self.stateful else ""
 
     @property
@@ -113,7 +113,7 @@ class BlockText:
 
 
 def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
-    """The model's terms in order, each with its place among the regressors."""
+    """The model's terms in order, each with the index of its first regressor."""
     texts: list[TermText] = []
     first = 0
     for term in model.terms:
@@ -133,7 +133,7 @@ def block_texts(model: Model) -> list[BlockText]:
 
 
 def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
-    """What every template is told; all computing is done here."""
+    """The variables of every template, by name; the templates themselves compute nothing."""
     terms = term_texts(model, numbers)
     return {
         "name": model.name,
@@ -167,12 +167,12 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
 
 
 def render(template: str, facts: Mapping[str, Any]) -> str:
-    """The text of `template` under `facts`; a name that is not among them is an error."""
+    """The text of `template` with the variables `facts`. Raises jinja2.UndefinedError for one without a value."""
     return _environment().get_template(template).render(facts)
 
 
 def aligned(constants: Sequence[Constant], upper: str) -> list[str]:
-    """`#define` lines with values and comments in columns."""
+    """One `#define` line per constant, values and comments in aligned columns."""
     names = [f"{upper}_{constant.name}" for constant in constants]
     wide = max((len(name) for name in names), default=0)
     width = max((len(constant.text) for constant in constants), default=0)
@@ -184,19 +184,19 @@ def aligned(constants: Sequence[Constant], upper: str) -> list[str]:
 
 
 def _dense_sums(name: str, rules: int) -> list[Sum]:
-    """Polynomials in r over all rules. The denominator first: its reciprocal is the longest chain."""
+    """S, O, G, W of Eq. (4) as polynomials in r; W comes first, as its reciprocal takes longest."""
     tables = {"weight": f"{name}_strength", "slope": "bank->slope", "offset": "bank->offset", "gain": "bank->gain"}
     return [polynomial(sum_, [f"{table}[{k}]" for k in range(rules)]) for sum_, table in tables.items()]
 
 
 def _window_sums() -> list[Sum]:
-    """Sums of strength times consequent over the window, the denominator first."""
+    """S, O, G, W of Eq. (4) as sums of products over the window; W comes first, as its reciprocal takes longest."""
     tables = {"weight": "present", "slope": "slope", "offset": "offset", "gain": "gain"}
     return [pairs(sum_, [f"v{k} * {table}[{k}]" for k in range(WINDOW)]) for sum_, table in tables.items()]
 
 
 def each(elements: Sequence[Any], text: str, joint: str = " ") -> str:
-    """`text` once per element, its fields i, j and place filled in: C that stands side by side, in lines of 92.
+    """`text` formatted with i, j, place of each element, joined by `joint`, in lines of up to 92 characters.
 
     >>> from types import SimpleNamespace
     >>> each([SimpleNamespace(i=0, j=3, place=3), SimpleNamespace(i=1, j=3, place=4)], "x{i} = u[{place}]", ", ")
@@ -213,7 +213,7 @@ def each(elements: Sequence[Any], text: str, joint: str = " ") -> str:
 
 
 def hexes(row: tuple[Sequence[int], Sequence[int], int]) -> str:
-    """Words of a row of the self-test, as C."""
+    """The words of a self-test row (arguments, channels, result) as C literals, separated by commas."""
     arguments, channels, result = row
     return ", ".join(f"0x{word:08x}u" for word in (*arguments, *channels, result))
 
@@ -257,7 +257,7 @@ def _environment() -> jinja2.Environment:
 
 
 def template_environment(*, autoescape: bool) -> jinja2.Environment:
-    """Where templates are found and how their blocks and gaps are read; autoescape: for HTML."""
+    """The Jinja2 environment of the templates folder, an undefined variable being an error; autoescape: for HTML."""
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(data_folder("templates", holds="source.c.j2")),
         undefined=jinja2.StrictUndefined,

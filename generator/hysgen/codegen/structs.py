@@ -17,7 +17,7 @@ from hysgen.model.terms import Term
 
 
 def structs(model: Model) -> tuple[Struct, ...]:
-    """Every struct of the generated header, in its order: one stands behind those that it consists of."""
+    """Every struct of the generated header in the order of its definitions: a member's struct precedes its owner."""
     numbers = coefficients(model)
     found = [part_struct(model, block) for block in model.blocks if block.members()]
     found += [inputs_struct(model)] if model.blocks else []
@@ -48,7 +48,7 @@ def terms_struct(model: Model) -> Struct:
 
 
 def bank_struct(model: Model, numbers: Coefficients) -> Struct:
-    """`<name>_bank_t`: the parameters as the sums over the rules need them."""
+    """`<name>_bank_t`: the parameters, multiplied by the rules' strengths (`hysgen.float32.coefficients`)."""
     upper = model.name.upper()
     groups = {"slope": "q1 [um/um]", "offset": "q3 [um]", "gain": "q2 [um/V]"}
     members = [
@@ -70,7 +70,7 @@ def instance_struct(model: Model, numbers: Coefficients) -> Struct:
 
 
 def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
-    """`<name>_candidate_t`: a shadow on its way to become active."""
+    """`<name>_candidate_t`: the copy of the shadow parameters that a commit checks."""
     learned = learner_numbers(model, numbers).size
     return Struct(
         f"{model.name}_candidate_t",
@@ -88,7 +88,7 @@ def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
 
 
 def learner_struct(model: Model, numbers: Coefficients) -> Struct:
-    """`<name>_learner_t`: a learner with its shadow parameters."""
+    """`<name>_learner_t`: the state of a learner, the parameters that it does not learn, and a commit's candidate."""
     learned = learner_numbers(model, numbers).size
     base = Member("base", bank_struct(model, numbers), "the parameters that are not learned")
     candidate = Member("candidate", candidate_struct(model, numbers), "the shadow that is being committed")
@@ -96,7 +96,7 @@ def learner_struct(model: Model, numbers: Coefficients) -> Struct:
 
 
 def _members(words: type[StructWords], model: Model, learned: int = 0) -> list[Member]:
-    """The members that the attributes of a mirror stand for, without those that the model does not need."""
+    """The C members of the attributes of `words`; input blocks, terms and U are omitted if the model has none."""
     upper = model.name.upper()
     found = []
     for member in words.described():
@@ -118,7 +118,7 @@ def _members(words: type[StructWords], model: Model, learned: int = 0) -> list[M
 
 
 def rows(members: Sequence[Member]) -> list[str]:
-    """Members as C: declarations, and their comments in a column."""
+    """One line of C per member: its declaration and, in an aligned column, its comment."""
     declared = [f"{member.declaration()};" for member in members]
     wide = max(len(text) for text in declared)
     return [f"{text:<{wide}}  /**< {member.meaning} */" for text, member in zip(declared, members, strict=True)]
