@@ -1,1 +1,1 @@
-"""The float32 reference of the generated C, and every number that C and reference share."""
+"""The float32 reference of the generated C, and the float32 numbers that both compute with."""

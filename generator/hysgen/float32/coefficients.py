@@ -1,13 +1,15 @@
-"""The float32 numbers of a model: what the generated C and its NumPy reference both take as data.
+"""The float32 numbers of a model, read by the generated C and by its NumPy reference.
 
-Dense layout, up to 12 rules. With t = (y - middle)/h and r = exp(t) = 2^(t log2 e), the rule at l' = l - (L-1)/2 steps
-from the middle fires with
+Dense layout, up to 12 rules. With h the distance of the centres, t = (y - middle)/h, r = exp(t) = 2^(t log2 e) and
+l' = l - (L-1)/2, the firing strength of rule l is
     p_l proportional to w_l r^l,   w_l = exp(-l'^2 / 2)
-so w_l is folded into the consequents once and the sums over the rules are polynomials in r.
+The bank holds the consequents multiplied by w_l, so that the sums over the rules are polynomials in r.
 
-Windowed layout, above 12 rules. With n the nearest centre, t = (y - c_n)/h in [-1/2, 1/2], rule n + j fires with
+Windowed layout, above 12 rules. With n the nearest centre and t = (y - c_n)/h in [-1/2, 1/2], r as above, the firing
+strength of rule n + j is
     p_{n+j} proportional to w_j r^(j+5),   w_j = exp(-j^2 / 2),   j = -5 .. 5
-The tables are padded by 5 phantom rules of weight 0 on either side. What the window drops is below 3e-7 of the whole.
+The tables are padded by 5 phantom rules of weight 0 at either end. The rules outside the window have less than 3e-7 of
+the sum of all firing strengths.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ WINDOW: Final = 2 * WINDOW_REACH + 1
 
 @dataclass(frozen=True)
 class Bank:
-    """Folded parameters, the C struct `<name>_bank_t`: slope, offset, gain (rows,) over the rules, weight (T,)."""
+    """The C struct `<name>_bank_t`: w_l q_l1, w_l q_l3, w_l q_l2, (rows,) each, and the terms' weights theta, (T,)."""
 
     slope: Floats32
     offset: Floats32
@@ -44,15 +46,16 @@ class Bank:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Every float32 number that predict, simulate and inverse need.
+    """The float32 numbers of predict, simulate and inverse.
 
     strength: w of the layout, (L,) dense or (11,) windowed.
-    present: (L + 10,) 1 for a rule, 0 for a phantom; windowed only.
-    fold: (L,) factor of each rule's consequent in the bank; pad: phantoms before the first rule.
+    present: (L + 10,) 1 for a rule, 0 for a phantom; empty in the dense layout.
+    fold: (L,) factor of each rule's consequent in the bank; pad: number of phantoms before the first rule.
     origin_um: the middle of the centres (dense) or the lowest centre (windowed).
-    per_step: octaves per um, log2(e)/h (dense), or steps per um, 1/h (windowed).
-    reference_min_um, reference_max_um: where the inverse limits y(k+1): the range and its own width beyond it.
-    rest_um, rest_V: what a non-finite initial value is replaced by.
+    per_step: log2(e)/h, octaves per um (dense), or 1/h, steps per um (windowed).
+    reference_min_um, reference_max_um: limits of y(k+1) in the inverse, the displacement range extended by its own
+    width at either end.
+    rest_um, rest_V: replacements of a non-finite initial displacement and input.
     """
 
     windowed: bool
@@ -75,12 +78,12 @@ class Coefficients:
 
     @property
     def bank_rules(self) -> int:
-        """Length of the bank's rule tables, phantoms included."""
+        """Length of the bank's tables over the rules, phantoms included."""
         return self.rules + 2 * self.pad
 
 
 def coefficients(model: Model) -> Coefficients:
-    """The float32 numbers of `model`; folding rounds q and w to float32 first, as the C does when it commits."""
+    """The float32 numbers of `model`; q and w are rounded to float32 before their product, as in the C of a commit."""
     grid = model.grid
     windowed = grid.rules > MOST_DENSE_RULES
     away = np.arange(-WINDOW_REACH, WINDOW_REACH + 1) if windowed else np.arange(grid.rules) - (grid.rules - 1) / 2
@@ -112,16 +115,16 @@ def coefficients(model: Model) -> Coefficients:
 
 
 def folded(consequents: Floats32, weights: Floats32, fold: Floats32, pad: int) -> Bank:
-    """The bank of consequents (L, 3) and weights (T,): one rounding each, phantoms of weight 0 around."""
+    """The bank of consequents (L, 3) and weights (T,): w_l q_l in float32, with `pad` zeros at either end."""
     slope, gain, offset = (np.pad(fold * consequents[:, column], pad) for column in range(3))
     return Bank(slope=slope, offset=offset, gain=gain, weight=weights)
 
 
 def single(value: float) -> np.float32:
-    """`value` as float32; magnitudes that the arithmetic counts as zero become zero."""
+    """`value` as float32; magnitudes below LEAST, which the float32 arithmetic flushes to zero, become zero."""
     return np.float32(0.0) if abs(value) < LEAST else np.float32(value)
 
 
 def singles(values: Floats) -> Floats32:
-    """`single` over an array."""
+    """`single` of every element."""
     return np.where(np.abs(values) < LEAST, 0.0, values).astype(np.float32)

@@ -1,4 +1,4 @@
-"""What `_commit` checks on the DSP, as float32 numbers: tables of the memberships at check points, bounds and limits.
+"""The float32 numbers of `_commit` on the DSP: membership tables at check points, bounds and limits.
 
 With p_l' = dp_l/dy and so on, and v_l = q_l1 y + q_l2 u + q_l3, at a check point y_g
 
@@ -9,9 +9,10 @@ and by Taylor's theorem anywhere within half a cell, |y - y_g| <= h,
 
     |b(y) - b| <= h |b'| + h^2/2 C2 R(q2),    |s(y)| <= |s| + h |s'| + h^2/2 (3 C2 R(q1) + C3 R(v)),
 
-C2 >= sum |p_l''| and C3 >= sum |p_l'''| everywhere, R(g) half the spread of g over the rules: the memberships sum to 1,
-so a number common to all rules changes no derivative. R(v) is convex in (y, u) and so largest at a corner of the range.
-The cells cover the range, hence what holds at the check points with these margins holds everywhere.
+C2 >= sum |p_l''| and C3 >= sum |p_l'''| over the range, R(g) = (max_l g_l - min_l g_l)/2. R(g) suffices in place of
+max |g_l|, as the memberships sum to 1 and a number common to all rules changes no derivative. R(v) is convex in (y, u)
+and so largest at a corner of the range. The cells cover the range, so limits that these bounds meet at every check
+point hold at every displacement.
 """
 
 from __future__ import annotations
@@ -30,26 +31,27 @@ from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model
 
 POINTS: Final = (32, 64, 128, 256, 512)
-"""Numbers of check points to choose from, the first that leaves most of the model's own margin."""
+"""Candidate numbers of check points; the first with a Taylor remainder of at most a quarter of the margin is chosen."""
 
 SAFETY: Final = 1.01
-"""On C2 and C3, whose maxima are looked for on a fine grid; and on what rounding in float32 may add."""
+"""Factor on C2 and C3, whose maxima are taken over a fine grid, and on the bounds, for the rounding in float32."""
 
 FLOORS: Final = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
-"""Least committed gain over the model's own, the first that leaves the inverse room."""
+"""Candidates of (least committed gain)/(least gain of the model); the first is chosen with a loop gain below 1."""
 
 GAIN_CEILING: Final = 4.0
-"""Largest committed gain over the model's own."""
+"""(Largest committed gain)/(largest gain of the model)."""
 
 
 @dataclass(frozen=True)
 class CommitNumbers:
     """The numbers of one model's `_commit`.
 
-    y_um: (G,) check points. table: (G, 3 L) p_l, p_l', p_l'' over the rule's strength, row by row.
-    unfold: (L,) 1/strength. half_um: h. gain_rest, slope_rest_1, slope_rest_3: h^2/2 times C2, 3 C2, C3.
-    sign: of the gain; gain_floor, gain_ceiling: of |b| in um/V; slope_limit: of |df/dy|.
-    gammas, weights: (T,) gains of the terms and their weights in the model; weight_budget: of sum gamma |change|.
+    y_um: (G,) check points. table: (G, 3 L), rows p_l, p_l', p_l'' divided by the strengths w_l.
+    unfold: (L,) 1/w_l. half_um: h. gain_rest, slope_rest_1, slope_rest_3: h^2/2 times C2, 3 C2, C3.
+    sign: sign of the gain b; gain_floor, gain_ceiling: limits of |b| [um/V]; slope_limit: limit of |df/dy|.
+    gammas, weights: (T,) gains of the terms and their weights in the model; weight_budget: limit of
+    sum_j gamma_j |theta_j - weight_j|.
     """
 
     settings: LearnerSettings
@@ -77,7 +79,7 @@ class CommitNumbers:
 def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificates) -> CommitNumbers:
     """The numbers of `model`'s `_commit`.
 
-    Raises CertificateError, with place and value, if the model itself would not pass, so that nothing ever could.
+    Raises CertificateError, with place and value, if the parameters of the model itself violate a limit of the commit.
     """
     settings = model.learner
     assert settings is not None
@@ -116,7 +118,7 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
 
 
 def membership_derivatives(y_um: Floats, grid: Grid) -> tuple[Floats, Floats, Floats, Floats]:
-    """p_l, p_l', p_l'', p_l''' at displacements (n,), (n, L) each, in powers of 1/um.
+    """p_l and its first three derivatives at displacements y_um, (n,): (n, L) each, in 1, 1/um, 1/um^2, 1/um^3.
 
     With o = l - m, m = sum l p_l, V = sum o^2 p_l and K = sum o^3 p_l:  h p' = p o,  h^2 p'' = p (o^2 - V),
     h^3 p''' = p (o^3 - 3 V o - K).
@@ -133,9 +135,9 @@ def membership_derivatives(y_um: Floats, grid: Grid) -> tuple[Floats, Floats, Fl
 
 
 def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int, float, float]:
-    """How many check points, and the bounds C2, C3: the rest terms of the model take at most a quarter of `margin`.
+    """Number G of check points and bounds C2, C3, so that h^2/2 (3 C2 R(q1) + C3 R(v)) of the model <= `margin`/4.
 
-    Raises CertificateError if no number in POINTS does.
+    Raises CertificateError if no number in POINTS, or not the number in the settings, suffices.
     """
     grid = model.grid
     fine = np.linspace(grid.y_min_um, grid.y_max_um, 400 * grid.rules)
@@ -155,11 +157,11 @@ def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int
 
 
 def _inverse_limits(model: Model, certificates: Certificates, settings: LearnerSettings) -> tuple[float, float, float]:
-    """Least and largest |b|, and how far sum gamma |change of weight| may go, so that the inverse stays stable.
+    """Least and largest |b| [um/V], and the limit W of sum_j gamma_j |change of theta_j|, with a stable inverse.
 
-    With T the linear terms as identified and N the others: changes of gamma-weighted size W keep the loop below 1 if
-    (gamma' |theta_N| + W) ||(b + T)^-1||_1 < 1 for every gain between the limits.
-    Raises CertificateError if the model leaves no room.
+    With T the identified linear terms and N the other terms, the loop gain is below 1 (small-gain condition) if
+    (gamma' |theta_N| + W) ||(b + T)^-1||_1 < 1 for every gain b between the limits.
+    Raises CertificateError if no limits with W > 0 exist.
     """
     ends = [certificates.gain_lowest.bound, certificates.gain_highest.bound]
     if not certificates.gain_holds:

@@ -1,4 +1,4 @@
-"""The words of `<name>_t` between `active` and the banks: one list for the C struct and for the mirror."""
+"""The words of `<name>_t` between `active` and the banks, from which C struct and mirror are built."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hysgen.model.terms import Mirror
 
 
 class InstanceWords(StructWords):
-    """State of (lanes,) instances: every scalar is (lanes,)."""
+    """State of `lanes` instances; every scalar word is an array (lanes,)."""
 
     COUNTERS: ClassVar[Mapping[str, Counter]] = COUNTERS
 

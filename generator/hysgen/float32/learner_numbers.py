@@ -1,8 +1,8 @@
-"""The float32 numbers of a model's learner: what the generated C and its NumPy reference both take as data.
+"""The float32 numbers of a model's learner, read by the generated C and by its NumPy reference.
 
-A parameter is learned as theta = scale * (number in the bank), its regressor is x = (what the number multiplies)/scale.
-Scales are powers of two, so going to and fro changes no bit, and P(0) = alpha I becomes D(0) = alpha scale^2 exactly.
-Where a number in the bank carries a rule's strength w, its prior does too: D(0) = alpha (w scale)^2.
+With q a number of the bank and phi its regressor, the learner uses theta = scale q and x = phi/scale. Scales are powers
+of two, so both conversions are exact, and the prior P(0) = alpha I of q becomes D(0) = alpha scale^2 of theta.
+If q is a consequent multiplied by a rule's strength w, the prior is scaled by w^2: D(0) = alpha (w scale)^2.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from hysgen.model.model import Model
 
 MOST_PARAMETERS: Final = 64
 
-# Multiples of these are what regressors, U, gains and steps are rounded to by adding and taking off 1.5 * 2^23 of them.
-# A product of three of them is still a normal number: nothing that is kept can be denormal (docs/learning.md).
+# Regressors, U, gains and steps are rounded to multiples of these grids: 1.5 * 2^23 grid steps are added, then
+# subtracted. A product of three grid steps is a normal number, so no stored word is denormal (docs/learning.md).
 REGRESSOR_GRID: Final = 2.0**-30
 FACTOR_GRID: Final = 2.0**-30
 GAIN_GRID: Final = 2.0**-60
@@ -31,15 +31,15 @@ STEP_GRID: Final = 2.0**-45
 LEAST_VARIANCE: Final = 2.0**-40
 
 FAST: Final = 1.0 / 256.0
-"""Rate of the running levels that the outlier gate uses: 5 ms at 50 kHz."""
+"""Rate per sample of the running means of the outlier gate: 5 ms at 50 kHz."""
 
 SLOW: Final = 1.0 / 4096.0
-"""Rate of the running mean squares that decide about a restart: 80 ms at 50 kHz."""
+"""Rate per sample of the running mean squares of the restart test: 80 ms at 50 kHz."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A learned number: `group` of the bank (or bias) and its index there; scale: theta per number, a power of two."""
+    """A learned parameter: member `group` of the bank (or "bias") and index in it; scale: theta/q, a power of two."""
 
     group: str
     index: int
@@ -48,13 +48,18 @@ class Parameter:
 
 @dataclass(frozen=True)
 class LearnerNumbers:
-    """Every float32 number of the learner, and the structure that the templates follow.
+    """The float32 numbers of the learner and its list of parameters.
 
-    scale, per_scale: theta per number in the bank and back, (n,). prior, ceiling: D(0) and largest D, (n,).
-    refresh: regressor w_j of the pseudo-measurement that puts back the prior of parameter j, (n,).
-    firing: (L,) power of two next to each rule's strength; per_y, per_u, per_phi: 1/typical y, u, phi, powers of two.
+    scale, per_scale: theta/q and q/theta, (n,). prior, ceiling: D(0) and largest D, (n,).
+    refresh: regressor w_j of the pseudo-measurement that restores the prior of parameter j, (n,).
+    firing: (L,) power of two nearest to each rule's strength. per_y, per_u, per_phi: 1/typical |y|, |u|, |phi|, powers
+    of two.
     inflate_first, inflate: 1/lambda inside the window and after it.
-    Errors in um: floor, gate_floor, dead_zone, level; the others are ratios or what their settings say.
+    largest_denominator: limit of alpha_n = 1 + x' P x, above which the learner restarts.
+    rest_V: largest distance of the input from its running mean at which a sample is not used.
+    floor_um, level_um: least and initial running mean of |innovation|. gate_floor_um, gate_ratio: outlier gate.
+    step_um, limit_um: limits of one step and of |theta|. worse, lost: limits of ratios of mean square errors.
+    The fields that have a setting of the same name are described in `LearnerSettings`.
     """
 
     settings: LearnerSettings
@@ -91,7 +96,7 @@ class LearnerNumbers:
 
     @property
     def spread(self) -> Spread:
-        """What each call does of an update."""
+        """The columns of U that each call of an update computes."""
         return spread(self.size, self.settings.calls_per_update)
 
     def learns(self, group: str) -> bool:
@@ -100,7 +105,7 @@ class LearnerNumbers:
 
 
 def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
-    """The numbers of `model.learner`. Raises ModelError if it has none, or is not supported with it."""
+    """The numbers of `model.learner`. Raises ModelError if the model has no learner or one that is not supported."""
     settings = model.learner
     if settings is None:
         raise ModelError(f"{model.name}: has no learner settings; choose them when fitting or generating")
@@ -127,7 +132,7 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
         )
     ceiling = 2.0 * prior / kept
     span = model.grid.y_max_um - model.grid.y_min_um
-    spread = math.sqrt(settings.alpha)
+    deviation = math.sqrt(settings.alpha)
     worse = settings.worse + 0.5 * len(parameters) * (1.0 - forgetting)
     return LearnerNumbers(
         settings=settings,
@@ -152,15 +157,15 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
         gate_ratio=np.float32(settings.outlier_ratio),
         dead_zone_um=single(_default(settings.dead_zone_um, settings.noise_um / 2.0)),
         level_um=np.float32(span),
-        step_um=np.float32(_default(settings.step_um, 0.25 * span * max(spread, 1.0))),
-        limit_um=np.float32(_default(settings.limit_um, 256.0 * span * max(spread, 1.0))),
+        step_um=np.float32(_default(settings.step_um, 0.25 * span * max(deviation, 1.0))),
+        limit_um=np.float32(_default(settings.limit_um, 256.0 * span * max(deviation, 1.0))),
         worse=np.float32(worse * worse),
         lost=np.float32(settings.lost * settings.lost),
     )
 
 
 def learned_model(model: Model, numbers: Coefficients, learner: LearnerNumbers, theta: Floats) -> Model:
-    """`model` with the learned parameters theta, (n,) float64, the others unchanged."""
+    """`model` with the learned parameters theta, (n,) float64, scaled as in the learner; the others are unchanged."""
     consequents, weights = model.consequents.copy(), model.weights.copy()
     column = {"slope": 0, "gain": 1, "offset": 2}
     for parameter, number in zip(learner.parameters, theta / learner.scale.astype(np.float64), strict=True):
@@ -182,7 +187,7 @@ def _parameters(
     strengths: Floats,
     firing: Floats,
 ) -> tuple[tuple[Parameter, ...], Floats]:
-    """The learned parameters in the order of Eq. (9), and the strength that each one's number in the bank carries."""
+    """The learned parameters in the order of Eq. (9), and the factor w of each in the bank, (n,)."""
     if settings.learned == BIAS:
         return (Parameter("bias", 0, 1.0),), np.ones(1)
     typical = {"slope": y_scale, "gain": u_scale, "offset": 1.0}
@@ -202,13 +207,13 @@ def _parameters(
 
 
 def _power_of_two(magnitude: float) -> float:
-    """The power of two next to `magnitude` on a logarithmic scale."""
+    """The power of two nearest to `magnitude` on a logarithmic scale."""
     significand, exponent = math.frexp(magnitude)
     return math.ldexp(1.0, exponent if significand > math.sqrt(0.5) else exponent - 1)
 
 
 def _on_grid(regressors: Floats) -> Floats32:
-    """Regressors as multiples of the grid, at least one of it."""
+    """Regressors rounded to multiples of REGRESSOR_GRID, at least one grid step."""
     steps = np.maximum(np.rint(regressors / REGRESSOR_GRID), 1.0)
     return (steps * REGRESSOR_GRID).astype(np.float32)
 

@@ -1,4 +1,4 @@
-"""What the generated learner reports: sticky bits of its status word, the counters beside it, answers of `_commit`."""
+"""Status bits and counters of the generated learner, and the return values of `_commit`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hysgen.model.structs import Counter
 
 
 class LearnerStatus(enum.IntFlag):
-    """Bits of a learner's `status`; set when it happened at least once, cleared by the caller or by `_learn_init`."""
+    """Bits of a learner's `status`; an event sets its bit, the caller or `_learn_init` clears it."""
 
     REJECTED = 1
     OUTSIDE = 2
@@ -45,11 +45,11 @@ LEARNER_COUNTERS = {
     "clamped": Counter("updates that limited a variance", LearnerStatus.CLAMPED),
     "restarts": Counter("returns to the reference parameters and the prior", LearnerStatus.RESTARTED),
 }
-"""The counters of the struct in its order; each stops at its largest value."""
+"""The counters in the order of the struct; each stops at 2^32 - 1."""
 
 
 class Commit(enum.IntEnum):
-    """What `_commit` answers."""
+    """Return values of `_commit`."""
 
     BUSY = 0
     COMMITTED = 1

@@ -1,7 +1,7 @@
-"""The words of `<name>_learner_t`: the one list that the C struct, its start, the mirror and the proof are made from.
+"""The words of `<name>_learner_t`, from which C struct, initialisation, mirror and proof are built.
 
-Behind them the C struct holds what is no state of the learner: the parameters that are not learned, and the candidate
-of a commit (`hysgen.codegen.structs`).
+The C struct ends with two members that are not words of the mirror: the bank of the parameters that are not learned,
+and the candidate of a commit (`hysgen.codegen.structs`).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from hysgen.model.terms import Mirror
 
 
 class LearnerWords(StructWords):
-    """Matrices are (n, n, lanes), vectors (n, lanes), everything else (lanes,)."""
+    """State of `lanes` learners of n parameters: matrices (n, n, lanes), vectors (n, lanes), scalars (lanes,)."""
 
     COUNTERS: ClassVar[Mapping[str, Counter]] = LEARNER_COUNTERS
 

@@ -1,9 +1,9 @@
-"""Where the coefficients of hysgen.model.float32_constants come from: minimax polynomials by linear programming.
+"""Minimax polynomials by linear programming, the source of the coefficients in hysgen.model.float32_constants.
 
     minimise  max_x |P(x) / f(x) - 1|     over the free coefficients of P, x on a Chebyshev grid
 
-which is a linear programme in the coefficients and the bound. The coefficients are rounded to float32 one after the
-other, from the lowest on; those that follow are fitted again and make up for the rounding of those before.
+which is a linear programme in the coefficients and the bound. The coefficients are rounded to float32 one by one, the
+lowest power first; after each rounding the remaining coefficients are fitted again and compensate the rounding error.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ GRID = 1501
 
 
 def power_coefficients(degree: int = 6) -> tuple[tuple[np.float32, ...], float]:
-    """c1 .. c<degree> of 2^f = 1 + c1 f + c2 f^2 + ..., |f| <= 1/2, and the relative error that they leave."""
+    """c1 .. c<degree> of 2^f = 1 + c1 f + c2 f^2 + ..., |f| <= 1/2, and the largest relative error."""
     held, error = [1.0], 0.0
     for _ in range(degree):
         free, error = minimax(np.exp2, 0.5, held, _taylor(degree))
@@ -32,10 +32,11 @@ def power_coefficients(degree: int = 6) -> tuple[tuple[np.float32, ...], float]:
 def minimax(
     f: Callable[[Floats], Floats], reach: float, held: Sequence[float], guess: Sequence[float]
 ) -> tuple[Floats, float]:
-    """Coefficients of x^len(held), ..., that minimise the relative error on [-reach, reach], and that error.
+    """Coefficients of x^len(held), ..., that minimise the relative error on [-reach, reach], and the least error.
 
-    held: the coefficients of the lowest powers; guess: all coefficients, near the solution (the programme is solved for
-    the distance from it, in units of its error, or the solver's tolerances would hide the solution).
+    held: fixed coefficients of the lowest powers; guess: all coefficients, near the solution. The programme is solved
+    for the difference from `guess`, in units of the error of `guess`: differences of that size exceed the solver's
+    tolerances.
     """
     x = reach * np.cos(np.pi * np.arange(GRID) / (GRID - 1))
     first, count = len(held), len(guess) - len(held)

@@ -1,8 +1,8 @@
-"""A mirror's state as the description of its C struct: one list of words, from which both are made.
+"""Description of a C struct by the annotated attributes of its mirror.
 
-The annotated attributes of a class below `StructWords` are the members of a generated struct in its order. An
-annotation (`vector`, `number`, `integer`, ...) says what the member holds, how it starts and what the proof may assume
-of it; the struct, its initialisation, the mirror's order of words and the proof's sets are made from the annotations.
+The annotated attributes of a subclass of `StructWords` are the members of a generated struct, in the order of the
+struct. An annotation (`vector`, `number`, `integer`, ...) states type, comment, initial value and assumptions of the
+proof. The struct, its initialisation, the order of the mirror's words and the sets of the proof are derived from it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Words = NDArray[np.uint32]
 
 
 class Holds(enum.Enum):
-    """What a member of the struct is, and with it the attribute of the mirror."""
+    """Kind of a member: C type; shape or type of the mirror's attribute."""
 
     VECTOR = "float per learned parameter; (n, lanes)"
     MATRIX = "float per stored element of U; (n, n, lanes)"
@@ -39,7 +39,7 @@ class Holds(enum.Enum):
 
 
 class Start(enum.Enum):
-    """What a word holds after the initialisation, where no function of its own writes it."""
+    """Initial value of a word that `_learn_init` writes directly."""
 
     ZERO = 0
     ONE = 1
@@ -48,7 +48,7 @@ class Start(enum.Enum):
 
 
 class Restart(enum.Enum):
-    """What a word holds after a restart of the shadow; the generated code writes vectors in this order."""
+    """Value of a word after a restart of the shadow; the generated code writes vectors in the order of this list."""
 
     REFERENCE = "the reference parameters"
     ZERO = 0
@@ -58,10 +58,12 @@ class Restart(enum.Enum):
 
 @dataclass(frozen=True)
 class Described:
-    """A member of the struct: annotation of the mirror's attribute of that name.
+    """A member of the struct, the annotation of the mirror's attribute of the same name.
 
-    meaning: its comment, with unit. start, restart: None if another function of the generated code writes it.
-    any_bits: the proof assumes nothing of it. parameter: finite and inside the limit of the parameters, by proof.
+    meaning: comment in the C header, with unit. start: initial value, None if another generated function writes it.
+    restart: value after a restart, None if a restart does not change it.
+    any_bits: whether the proof admits every bit pattern. parameter: whether the proof assumes and shows that the member
+    is finite and within the limit of the parameters.
     written_by: kinds of functions of an update that write it (`project`, `factor`, `clear`, `step`).
     """
 
@@ -76,7 +78,7 @@ class Described:
 
     @property
     def type(self) -> Scalar:
-        """C type of its scalars."""
+        """C type of each scalar of the member."""
         return "float" if self.holds in (Holds.VECTOR, Holds.MATRIX, Holds.NUMBER) else "uint32_t"
 
 
@@ -91,14 +93,14 @@ TERMS_OF: Final = Described(Holds.TERMS, "state of the terms")
 
 
 class StructWords:
-    """State over lanes whose annotated attributes are the members of a C struct, in its order."""
+    """State over lanes; the annotated attributes are the members of a C struct, in the order of the struct."""
 
     COUNTERS: ClassVar[Mapping[str, Counter]] = {}
 
     @classmethod
     @functools.cache
     def described(cls) -> tuple[Described, ...]:
-        """The members of the struct, in its order."""
+        """The members in the order of the struct."""
         found = []
         for name, hint in get_type_hints(cls, include_extras=True).items():
             members = [each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Described)]
@@ -107,7 +109,7 @@ class StructWords:
 
     @classmethod
     def written_by(cls, function: str) -> tuple[str, ...]:
-        """The words that a kind of function of a learner's update writes, in the order of the struct."""
+        """Names of the members that functions of kind `function` write, in the order of the struct."""
         found: list[str] = []
         for member in cls.described():
             found += [member.name] if function in member.written_by else []
@@ -116,10 +118,9 @@ class StructWords:
         return tuple(found)
 
     def words(self) -> Mapping[str, Words]:
-        """The bits of every word of the struct in its order, (lanes,) each.
+        """The bit patterns of all words by C path, in the order of the struct, (lanes,) each.
 
-        Named by C path; the words of the input blocks are `inputs[i]`, those of a term `terms[<its place>][i]`, the
-        stored elements of U `u[i,j]`.
+        Word i of the input blocks is `inputs[i]`, word i of term j `terms[j][i]`, a stored element of U `u[i,j]`.
         """
         named: dict[str, Words] = {}
         for member in self.described():
@@ -143,7 +144,7 @@ class StructWords:
         return named
 
     def restore(self, words: Sequence[Words]) -> None:
-        """Take over the states whose `words` are given, in their order, (lanes,) each, any number of lanes."""
+        """Set the state from `words` in the order of `words()`, (lanes,) each; the number of lanes may change."""
         left = iter(words)
         lanes = words[0].size
         for member in self.described():
@@ -171,7 +172,7 @@ class StructWords:
                         mirror.restore([next(left) for _ in mirror.state()])
 
     def stored(self) -> list[tuple[int, int]]:
-        """(i, j) of every element of a matrix that the C keeps, in its order."""
+        """(i, j) of every matrix element that the C struct stores, in the order of the struct."""
         return []
 
 

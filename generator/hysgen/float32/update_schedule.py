@@ -1,10 +1,10 @@
-"""Which columns of U each call works off when one update of the learner is spread over several.
+"""Division of one update of the learner among several calls: the columns of U that each call computes.
 
     begin, f = U' x by columns, weigh (alpha, l, D) | U and P x by columns, step (theta)
 
-Each call takes neighbouring columns of one half. The cuts make the dearest call as cheap as they can; no bit depends on
-them. A call that has none left, because `weigh` or `step` fills it or because there are more calls than columns, is
-allowed. A shadow that starts again has its U written in the slices of the second half, a call each.
+Each call computes neighbouring columns of one half. The cuts minimise the cycles of the most expensive call; the result
+does not depend on them. A call without columns is allowed: `weigh` or `step` may fill a call, and there may be more
+calls than columns. After a restart, each call writes one slice of the second half of U = I.
 
 Costs are stall-free cycles of the C674x, measured at 18, 27, 36 and 54 parameters (docs/target.md).
 """
@@ -19,12 +19,12 @@ from itertools import accumulate
 from typing import Final
 
 WRITTEN_OUT: Final = 24
-"""Up to this many parameters each element of U has lines of its own; above, functions take whole columns."""
+"""Largest number of parameters with straight-line code for each element of U; above, loops run over columns."""
 
 COLUMNS_PER_PASS: Final = 6
-"""Columns of U' x that are then taken side by side."""
+"""Columns of U' x that one pass of the loop computes together, above WRITTEN_OUT parameters."""
 
-# Cycles for each element of U written out, of a pass or column above, and for each parameter elsewhere.
+# Cycles per element of U up to WRITTEN_OUT parameters, per row of a pass or column above, per parameter elsewhere.
 _PROJECT_ELEMENT, _FACTOR_ELEMENT = 1.7, 3.1
 _PROJECT_PASS, _FACTOR_COLUMN = 7.4, 4.2
 _BEGIN, _WEIGH, _STEP = 11.0, 30.0, 15.5
@@ -32,9 +32,10 @@ _BEGIN, _WEIGH, _STEP = 11.0, 30.0, 15.5
 
 @dataclass(frozen=True)
 class Spread:
-    """An update over so many calls.
+    """Division of an update among `calls` calls.
 
-    project, factor: columns 0, ..., n at which the halves are cut. busiest: cycles of the dearest call.
+    project, factor: borders 0, ..., n between the columns of successive calls, in either half of the update.
+    busiest: cycles of the most expensive call.
     """
 
     calls: int
@@ -44,29 +45,29 @@ class Spread:
 
     @property
     def at_once(self) -> bool:
-        """Whether one call does all of an update, or writes all of U."""
+        """Whether one call does a whole update or writes all of U."""
         return self.calls == 1
 
     @property
     def clearing(self) -> int:
-        """Phase of a learner that is to write the first columns of U, after a restart; an update has those before."""
+        """First phase after a restart, which writes the first columns of U; phases 1 .. calls belong to an update."""
         return self.calls + 1
 
     @property
     def phases(self) -> int:
-        """Largest phase that a learner can be in."""
+        """Largest value of the learner's phase."""
         return self.calls if self.at_once else self.calls + len(self.factor) - 1
 
 
 def factors(parameters: int) -> int:
-    """Words of U that the C keeps: packed columns above the diagonal, or whole columns."""
+    """Number of words of U in C: packed columns above the diagonal, or whole columns above WRITTEN_OUT parameters."""
     n = parameters
     return n * (n - 1) // 2 if n <= WRITTEN_OUT else n * n
 
 
 @functools.lru_cache(maxsize=256)
 def spread(parameters: int, calls: int) -> Spread:
-    """An update of so many parameters over so many calls.
+    """The division of an update of `parameters` parameters among `calls` calls.
 
     >>> spread(18, 2).project, spread(18, 2).factor
     ((0, 18), (0, 18))
@@ -94,9 +95,9 @@ def spread(parameters: int, calls: int) -> Spread:
 
 
 def _cut(costs: Sequence[float], slices: int) -> tuple[float, tuple[int, ...]]:
-    """The least that the dearest of so many neighbouring groups can cost, and where they are cut.
+    """Least largest sum of `slices` groups of neighbouring `costs`, and the borders of the groups in columns.
 
-    The first and the last cost belong to no column, so the cuts count what stands between them.
+    The first and the last cost belong to no column; borders count the costs between them.
     """
     sums = [0.0, *accumulate(costs)]
     columns = len(costs) - 2
