@@ -107,10 +107,12 @@ def interface_of(name: str, texts: Mapping[str, str]) -> Interface:
     Raises HysgenError if either is missing or malformed.
     """
     file = f"{name}.json"
-    if file not in texts or MANIFEST not in texts:
-        raise HysgenError(f"{name}: {file} and {MANIFEST} belong to the generated texts; generate the folder again")
     try:
-        inverse = bool(json.loads(texts[MANIFEST])["options"]["inverse"])
+        model, manifest = texts[file], texts[MANIFEST]
+    except KeyError as fault:
+        raise HysgenError(f"{name}: {fault} belongs to the generated texts; generate the folder again") from fault
+    try:
+        inverse = bool(json.loads(manifest)["options"]["inverse"])
     except (ValueError, KeyError, TypeError) as fault:
         raise HysgenError(f"{MANIFEST}: names no option inverse ({fault}); generate the folder again") from fault
-    return interface(parse_model(texts[file], file), inverse=inverse)
+    return interface(parse_model(model, file), inverse=inverse)
