@@ -24,6 +24,8 @@ void controller_init(controller_t *self, const settings_t *settings)
     self->status = 0u;
     self->upward = 1u;
     self->held = 0u;
+    self->top_um = 0.0f;
+    self->top_model_um = 0.0f;
     self->offset_um = 0.0f;
     self->output_V = settings->off_V;
     self->reference_um = MODEL_Y_MIN_UM;
@@ -164,7 +166,15 @@ static float controller_loop(controller_t *self)
     if (u_V == target_V) {
         if (self->upward != 0u) {
             self->upward = 0u;
+            self->top_um = self->watchdog.reading_um;
+            self->top_model_um = self->model.y_um;
         } else {
+            const float stroke_um = self->top_um - self->watchdog.reading_um;
+            const float model_um = self->top_model_um - self->model.y_um;
+
+            if (number_size(stroke_um - model_um) > settings->stroke_um) {
+                self->status |= STATUS_FAULT_STROKE;
+            }
             self->state = CONTROLLER_HOLD;
         }
     }
@@ -196,7 +206,11 @@ static float controller_wish(controller_t *self, float reference_um)
         (void)model_simulate(&self->model, u_V);
         self->held += 1u;
         if (self->held >= settings->hold_samples) {
-            controller_take_over(self);
+            if (number_size(self->offset_um) > settings->offset_um) {
+                self->status |= STATUS_FAULT_OFFSET;
+            } else {
+                controller_take_over(self);
+            }
         }
         break;
     case CONTROLLER_APPROACH:

@@ -6,8 +6,9 @@
  *     any of them -> TRIP -> TRIPPED -> OFF                   fault; back to OFF by `clear` only
  *
  * RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the plays of model
- * and stage forget what was before. HOLD waits until the lag has settled and takes the offset between
- * stage and model (the sensor's zero, what crept before): the only reading that the feed-forward ever uses. APPROACH
+ * and stage forget what was before, and the stage must move as far on the way back as the model does, within stroke_um.
+ * HOLD waits until the lag has decayed and takes the offset between stage and model (the sensor's zero, what crept
+ * before), which must lie within +-offset_um: the only reading that the feed-forward ever uses. APPROACH
  * brings the reference from where the model is to where the caller wants it, TRACK follows it. */
 
 #ifndef CONTROLLER_H
@@ -50,6 +51,8 @@ typedef struct {
     uint32_t status;
     uint32_t upward;         /* LOOP: on the way up */
     uint32_t held;           /* samples in HOLD */
+    float top_um;            /* LOOP: reading at its highest voltage, */
+    float top_model_um;      /* and displacement of the model there */
     float offset_um;         /* displacement of the stage beyond the model's, as HOLD found it */
     float output_V;          /* voltage that was put out last */
     float reference_um;      /* reference that the inverse was asked for last, without trim */

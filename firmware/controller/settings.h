@@ -27,7 +27,9 @@ typedef struct {
     float loop_high_V;
     float loop_middle_V;
     uint32_t hold_samples;
+    float stroke_um;         /* strokes of stage and model on the loop's way back differ by at most this */
     float offset_smoothing;  /* share of the way to the new offset per sample */
+    float offset_um;         /* largest offset of the stage from the model, either way */
     float approach_um;  /* change of the reference per sample until it is caught */
 
     /* Reference. */

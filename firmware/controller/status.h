@@ -25,6 +25,8 @@
 #define STATUS_FAULT_FOLLOW         0x00080000u  /* the stage does not follow: amplifier saturated, sensor or stage off */
 #define STATUS_FAULT_AMPLIFIER      0x00100000u  /* the amplifier failed, or was at its limit too long */
 #define STATUS_FAULT_DEADLINE       0x00200000u  /* too many late interrupts */
-#define STATUS_FAULTS               0x003F0000u
+#define STATUS_FAULT_OFFSET         0x00400000u  /* HOLD found a larger offset between stage and model than offset_um */
+#define STATUS_FAULT_STROKE         0x00800000u  /* the stage did not move through the loop as the model did */
+#define STATUS_FAULTS               0x00FF0000u
 
 #endif

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, booted, sine, tracking
-from hysgen.firmware.host import BoardFault, FirmwareStatus, HostFirmware, Log, Request, Settings, State
+from hysgen.firmware.host import FAULTS, BoardFault, FirmwareStatus, HostFirmware, Log, Request, Settings, State
 
 SETTINGS = Settings(low_V=-5.0, high_V=60.0, step_V=1.0)
 
@@ -65,9 +65,9 @@ def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
     firmware, log = suffered(fault, value)
     assert firmware.state is State.TRIPPED
     assert firmware.board.output_V == SETTINGS.off_V
-    faults = FirmwareStatus(firmware.status & 0x3F0000)
+    faults = FirmwareStatus(firmware.status & FAULTS)
     assert told in firmware.status
-    assert faults == FirmwareStatus(told & 0x3F0000), f"{faults!r}: one cause, one fault"
+    assert faults == FirmwareStatus(told & FAULTS), f"{faults!r}: one cause, one fault"
     tripped = int(np.argmax(log.state == State.TRIP))
     assert 700 <= tripped <= 700 + within
     # The stage stays off until CLEAR, and starts again after the fault has ended.
@@ -96,7 +96,7 @@ def test_a_few_bad_samples_set_the_status_and_do_not_trip(
 ) -> None:
     firmware, log = suffered(fault, value, samples=SETTINGS.bad_samples - 2)
     assert told in firmware.status
-    assert not firmware.status & 0x3F0000
+    assert not firmware.status & FAULTS
     assert (log.state == State.TRACK).all()
 
 

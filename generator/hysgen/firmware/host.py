@@ -86,6 +86,12 @@ class FirmwareStatus(IntFlag):
     FAULT_FOLLOW = 0x80000
     FAULT_AMPLIFIER = 0x100000
     FAULT_DEADLINE = 0x200000
+    FAULT_OFFSET = 0x400000
+    FAULT_STROKE = 0x800000
+
+
+FAULTS: Final = 0x00FF0000
+"""Mask of the bits of FirmwareStatus that bring the voltage down (STATUS_FAULTS of status.h)."""
 
 
 class BoardFault(IntEnum):
@@ -117,7 +123,9 @@ class Settings:
     loop_high_V: float = 56.0
     loop_middle_V: float = 39.0
     hold_samples: int = 4096
+    stroke_um: float = 0.5
     offset_smoothing: float = 2.0**-9
+    offset_um: float = 1.0
     approach_um: float = 0.001
     reference_step_um: float = 0.02
     low_um: float = -3.2
