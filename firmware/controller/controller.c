@@ -109,10 +109,15 @@ static float controller_reference(controller_t *self, float reference_um, float 
     return controller_towards(self->reference_um, within, step);
 }
 
-/* Where the output stands against the model's range: -1 at its lower end, 1 at its upper. */
+/* Displacement against what the output can reach: 1 if the output cannot raise it, -1 if it cannot lower it, 0 else.
+ * The limits are the narrower of the model's and the settings'; the sign of the gain says which end raises. */
 static int32_t controller_at_limit(const controller_t *self)
 {
-    return (int32_t)(self->output_V >= MODEL_U_MAX_V) - (int32_t)(self->output_V <= MODEL_U_MIN_V);
+    const float high_V = (self->settings->high_V < MODEL_U_MAX_V) ? self->settings->high_V : MODEL_U_MAX_V;
+    const float low_V = (self->settings->low_V > MODEL_U_MIN_V) ? self->settings->low_V : MODEL_U_MIN_V;
+    const int32_t end = (int32_t)(self->output_V >= high_V) - (int32_t)(self->output_V <= low_V);
+
+    return (MODEL_GAIN_SIGN > 0.0f) ? end : -end;
 }
 
 /* Feed-forward through the inverse, Eq. (11), with trim and learning as the settings have them. */

@@ -4,8 +4,8 @@
  *     i(k) = i(k-1) + integral e(k),   c(k) = i(k) + proportion f(k),   both limited to +-limit
  *
  * c [um] is added to the reference that the inverse is asked for: the correction passes through the model, so the
- * model's memory sees the voltage that the stage sees. Anti-windup: while the output is limited the integral does not
- * move further in the direction of the limit. */
+ * model's memory sees the voltage that the stage sees. Anti-windup: while the output is at a limit the integral does not
+ * move towards displacements beyond the limit. */
 
 #ifndef TRIM_H
 #define TRIM_H
@@ -22,7 +22,7 @@ typedef struct {
 
 void trim_init(trim_t *self);
 
-/* One sample. limited: -1 if the output is at its lower limit, 1 at its upper, 0 at none. Returns 1 if the correction
+/* One sample. limited: 1 if the output cannot raise the displacement further, -1 if it cannot lower it, 0 else. Returns 1 if the correction
  * is at its limit. */
 uint32_t trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited);
 

@@ -17,6 +17,8 @@
 #define MODEL_Y_MAX_UM  3.73589993f  /* 0x406f18fc */
 #define MODEL_U_MIN_V  -20.0f  /* 0xc1a00000 */
 #define MODEL_U_MAX_V  120.0f  /* 0x42f00000 */
+#define MODEL_GAIN_SIGN  1.0f  /* 0x3f800000 */
+#define MODEL_PERIOD_NS  0x00004e20u
 #define MODEL_COMMIT_POINTS  0x00000100u
 #define MODEL_COMMIT_MATURE  0x00000400u
 

@@ -18,6 +18,8 @@
 #define MODEL_Y_MAX_UM  2.98099995f  /* 0x403ec8b4 */
 #define MODEL_U_MIN_V  22.0f  /* 0x41b00000 */
 #define MODEL_U_MAX_V  56.0f  /* 0x42600000 */
+#define MODEL_GAIN_SIGN  1.0f  /* 0x3f800000 */
+#define MODEL_PERIOD_NS  0x00004e20u
 #define MODEL_COMMIT_POINTS  0x00000200u
 #define MODEL_COMMIT_MATURE  0x00000400u
 

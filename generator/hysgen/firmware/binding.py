@@ -59,6 +59,8 @@ def binding(model: Model) -> str:
         Constant("Y_MAX_UM", numbers.y_max_um),
         Constant("U_MIN_V", numbers.u_min_V),
         Constant("U_MAX_V", numbers.u_max_V),
+        Constant("GAIN_SIGN", commit.sign),
+        Constant("PERIOD_NS", np.uint32(round(1e9 * model.Ts_s))),
         Constant("COMMIT_POINTS", np.uint32(commit.points)),
         Constant("COMMIT_MATURE", np.uint32(commit.settings.mature)),
     ]
