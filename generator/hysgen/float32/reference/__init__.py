@@ -1,4 +1,4 @@
-"""The float32 reference: what the generated C computes, written again from the equations in NumPy, over many lanes.
+"""The float32 reference of the generated C, written in NumPy from the equations, for many instances (lanes) at once.
 
-Nothing here is rendered from the templates, and no reduction is used whose order NumPy does not fix (sum, dot, BLAS).
+The package uses no template, and no reduction (sum, dot, BLAS) that NumPy evaluates in an unspecified order.
 """

@@ -1,12 +1,12 @@
-"""How far the float32 reference is from the float64 model, over the whole range: the worst case of one step.
+"""Largest difference between the float32 reference and the float64 model in one step, over the whole range.
 
-    predict    f32(y, u) against sum_l p_l(y) (q_l1 y + q_l2 u + q_l3) + sum_j theta_j phi_j in float64
-    inverse    u of Eq. (11) in float32 against float64, for displacements that inputs in range reach
+    predict    f32(y, u) minus sum_l p_l(y) (q_l1 y + q_l2 u + q_l3) + sum_j theta_j phi_j in float64
+    inverse    u of Eq. (11) in float32 minus u in float64, for y(k+1) that an input in range reaches
     round trip inverse(predict) - u and predict(inverse) - y(k+1), both in float32
 
-Inputs are the float32 numbers that both are given; term states are those of the float32 mirrors after a random run, so
-that what is compared is the arithmetic of one step. Input blocks are left out: both sides see what arrives behind them.
-`python -m hysgen.reference.accuracy MODEL...` prints the figures.
+Both models get the same float32 inputs and the same term states, those of the float32 mirrors after a random run; the
+difference is that of one step's arithmetic. Input blocks are omitted: u is the input after the blocks.
+`python -m hysgen.float32.reference.accuracy MODEL...` prints the figures.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ WARM_UP: Final = 20
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Worst differences met, over `samples` pairs (y, u); inverse and round trips are 0 where they were left out."""
+    """Largest absolute differences over `samples` pairs (y, u); inverse and round trips are 0 without an inverse."""
 
     samples: int
     predict_um: float
@@ -46,7 +46,7 @@ class Accuracy:
 
 
 def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1) -> Accuracy:
-    """Half of the samples on a grid over range and inputs, ends included, half at random between."""
+    """The differences over pairs (y, u): half on a grid of both ranges, limits included, half uniformly distributed."""
     bare = dataclasses.replace(model, blocks=())
     worst = np.zeros(4)
     for y, u in _pairs(bare, samples, seed):
@@ -56,14 +56,14 @@ def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1)
 
 
 def _step_errors(model: Model, instance: Instance, y: Floats32, u: Floats32, inverse: bool) -> Floats:
-    """The four differences, worst lane each."""
+    """(4,) the largest difference over the lanes, in the order of the fields of `Accuracy`."""
     exact_base, exact_gain = _affine(model, instance, y)
     forward, backward, again = (copy.deepcopy(instance) for _ in range(3))
     y_next = forward.predict(y, u)
     predicted = np.abs(y_next - (exact_base + exact_gain * u)).max()
     if not inverse:
         return np.array([predicted, 0.0, 0.0, 0.0])
-    # In the inverse terms are not corrected, so that its y(k+1) is another one where a term follows the innovation.
+    # The inverse does not correct the terms by the innovation, so its y(k+1) differs from that of predict.
     base, gain = _affine(model, instance, y, corrected=False)
     wanted = (base + gain * u).astype(np.float32)
     u_back = backward.inverse(y, wanted)
@@ -82,7 +82,7 @@ def _step_errors(model: Model, instance: Instance, y: Floats32, u: Floats32, inv
 
 
 def _affine(model: Model, instance: Instance, y: Floats32, *, corrected: bool = True) -> tuple[Floats, Floats]:
-    """f(y, 0) and b(y) in float64, the terms as the mirrors of `instance` have them."""
+    """f(y, 0) [um] and b(y) [um/V] in float64, (lanes,) each, with the term states of `instance`."""
     y64 = y.astype(np.float64)
     p = memberships(y64, model.grid)
     q1, q2, q3 = model.consequents.T
@@ -112,7 +112,7 @@ def _pairs(model: Model, samples: int, seed: int) -> Iterator[tuple[Floats32, Fl
 
 
 def _warm(model: Model, lanes: int, seed: int) -> Instance:
-    """Lanes whose term states are those of different random runs."""
+    """An instance whose lanes have the term states of independent random runs of WARM_UP samples."""
     rng = np.random.default_rng(seed + 1)
     instance = Instance(model, np.full(lanes, np.float32(model.grid.y_min_um)), np.zeros(lanes, dtype=np.float32))
     for _ in range(WARM_UP if model.terms else 0):
@@ -123,7 +123,7 @@ def _warm(model: Model, lanes: int, seed: int) -> Instance:
 
 
 def main() -> None:
-    """Print the figures of the named models."""
+    """Print the differences of the models on the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("models", nargs="+", metavar="MODEL")
     parser.add_argument("--samples", type=int, default=4_000_000)

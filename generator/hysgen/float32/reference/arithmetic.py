@@ -1,4 +1,4 @@
-"""Float32 power of two, reciprocal and bit patterns over lanes; numbers and claims: hysgen.model.float32_constants."""
+"""Float32 2^x, 1/x and bit patterns over lanes; coefficients and error bounds: hysgen.model.float32_constants."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _TWO = np.float32(2.0)
 
 
 def bits_of(x: Floats32) -> Words:
-    """The bit patterns of float32 lanes."""
+    """The bit patterns of float32 numbers."""
     return np.ascontiguousarray(x, dtype=np.float32).view(np.uint32)
 
 
 def float_of(bits: Words) -> Floats32:
-    """The float32 lanes that have these bit patterns."""
+    """The float32 numbers with the given bit patterns."""
     return bits.view(np.float32)
 
 
@@ -38,12 +38,12 @@ def power_of_two(x: Floats32) -> Floats32:
     middle = c2 + c3 * f
     high = (c4 + c5 * f) + c6 * square
     mantissa = low + (square * middle + fourth * high)
-    # The last bits of `shifted` hold n; shifted to the exponent's place the rest falls off the top.
+    # The low bits of `shifted` hold n; the shift moves them into the exponent field and discards the high bits.
     return float_of(bits_of(mantissa) + (bits_of(shifted) << np.uint32(number.MANTISSA_BITS)))
 
 
 def reciprocal(x: Floats32) -> Floats32:
-    """1/x by an integer seed and Newton's y <- y (2 - x y); either sign.
+    """1/x by an integer initial value and Newton steps y <- y (2 - x y); x may be negative.
 
     x: lanes with RECIPROCAL_LEAST <= |x| <= RECIPROCAL_MOST. Relative error at most RECIPROCAL_RELATIVE_ERROR.
     """

@@ -1,4 +1,4 @@
-"""`<name>_commit` over lanes: a shadow becomes active if its certificates hold (`hysgen.float32.commit_numbers`)."""
+"""`<name>_commit` over lanes: the check of a shadow against `hysgen.float32.commit_numbers`, and its activation."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 _GROUPS = ("slope", "offset", "gain", "weight")
 
 _NONE, _CHECKED, _WRITTEN, _SWITCHED = (np.uint32(phase) for phase in range(4))
-"""Phases: what the next call does with the candidate; 0 takes a new one."""
+"""Phases of a candidate: none, being checked, to be written into the idle bank, to be made active."""
 
 
 class Committer:
-    """The candidates of (lanes,) learners and the banks of the instances they are committed to.
+    """The candidates of (lanes,) learners, and both banks of the instances.
 
-    bank, banks: by group slope, offset, gain, weight: the candidate's numbers (rows, lanes), and both banks of the
-    instance, (2, rows, lanes). active: which of them is in use.
+    bank: the candidate's numbers, (rows, lanes) for each group slope, offset, gain, weight. banks: both banks of the
+    instance, (2, rows, lanes) for each group. active: (lanes,) index of the bank in use. phase: (lanes,) 0 to 3.
     """
 
     def __init__(self, numbers: CommitNumbers, learner: Learner) -> None:
@@ -41,13 +41,13 @@ class Committer:
         self.banks: dict[str, Floats32] = {group: np.stack([rows, rows]) for group, rows in base.items()}
 
     def commit(self) -> Words:
-        """One call for every lane: its answers, (lanes,), of `Commit`."""
+        """One call in every lane; returns the values of `Commit`, (lanes,)."""
         phase = self.phase
         answer = np.full(phase.size, np.uint32(Commit.BUSY))
         answer = self._snapshot(phase == _NONE, answer)
         for _ in range(self.numbers.settings.points_per_call):
             where = (phase == _CHECKED) & (self.phase == _CHECKED) & (answer == Commit.BUSY)
-            answer = np.where(where, self._checked(), answer)
+            answer = np.where(where, self._answer_at_point(), answer)
             self.point = self.point + where.astype(np.uint32)
             self.phase = np.where(where & (self.point >= self.numbers.points), _WRITTEN, self.phase)
         self.phase = np.where((phase == _CHECKED) & (answer != Commit.BUSY), _NONE, self.phase)
@@ -62,7 +62,7 @@ class Committer:
         return np.where(switching, np.uint32(Commit.COMMITTED), answer)
 
     def verdict(self) -> Words:
-        """What the calls to come will answer to the candidates that are being checked: every check point at once."""
+        """The final return values, (lanes,), for the candidates being checked: all check points evaluated at once."""
         points, lanes = self.numbers.points, self.point.size
         wide = copy.copy(self)
         wide.point = np.repeat(np.arange(points, dtype=np.uint32), lanes)
@@ -71,13 +71,13 @@ class Committer:
             np.tile(self.gain_rest_um_per_V, points),
             np.tile(self.slope_rest, points),
         )
-        found = wide._checked().reshape(points, lanes)
+        found = wide._answer_at_point().reshape(points, lanes)
         refused = found != Commit.BUSY
         first = found[refused.argmax(axis=0), np.arange(lanes)]
         return np.where(refused.any(axis=0), first, np.uint32(Commit.COMMITTED))
 
     def words(self) -> Mapping[str, Words]:
-        """Every word of the C struct of the candidate, in its order."""
+        """The bit patterns of `<name>_candidate_t` by C path, in the order of the struct, (lanes,) each."""
         named = {"phase": self.phase, "point": self.point, "gain_rest_um_per_V": bits_of(self.gain_rest_um_per_V)}
         named |= {f"slope_rest[{i}]": bits_of(row) for i, row in enumerate(self.slope_rest)}
         named |= {f"theta[{i}]": bits_of(row) for i, row in enumerate(self.theta)}
@@ -86,25 +86,25 @@ class Committer:
         return named
 
     def _snapshot(self, where: Mask, answer: Words) -> Words:
-        """Take theta where nothing forbids it: too few updates, numbers beyond their limit, weights moved too far."""
+        """Copy theta into the candidate; refuse too few updates, numbers above the limit, weights over the budget."""
         learner, numbers = self.learner, self.numbers
         young = where & (learner.age < numbers.settings.mature)
         where = where & ~young
         self.theta = np.where(where, learner.theta, self.theta)
         self._fold(where)
         beyond = where & (bits_of(magnitude(self.theta)) >= bits_of(np.asarray(learner.numbers.limit_um))).any(axis=0)
-        far = where & ~beyond & self._moved_far()
+        far = where & ~beyond & self._over_budget()
         answer = np.where(young, np.uint32(Commit.REFUSED_YOUNG), answer)
         answer = np.where(beyond, np.uint32(Commit.REFUSED_LIMIT), answer)
         answer = np.where(far, np.uint32(Commit.REFUSED_WEIGHTS), answer)
         where = where & ~beyond & ~far
-        self._rests(where)
+        self._bound_remainders(where)
         self.point = np.where(where, np.uint32(0), self.point)
         self.phase = np.where(where, _CHECKED, self.phase)
         return answer
 
     def _fold(self, where: Mask) -> None:
-        """The numbers of a bank from theta; those that are not learned are the learner's base."""
+        """Compute the candidate's bank from theta; numbers that are not learned come from the learner's base bank."""
         learner = self.learner
         for group, rows in self.bank.items():
             base = getattr(learner.base, group)[:, None]
@@ -118,8 +118,8 @@ class Committer:
             number = self.theta[i] * learner.numbers.per_scale[i]
             rows[parameter.index] = np.where(where, number, rows[parameter.index])
 
-    def _moved_far(self) -> Mask:
-        """sum_j gamma_j |weight_j - that of the model| beyond the budget."""
+    def _over_budget(self) -> Mask:
+        """Whether sum_j gamma_j |theta_j - weight_j|, weight_j of the model, exceeds the budget; (lanes,)."""
         moved = np.zeros_like(self.gain_rest_um_per_V)
         if not self.learner.numbers.learns("terms"):
             return np.zeros(moved.size, np.bool_)
@@ -127,29 +127,29 @@ class Committer:
             moved = moved + self.numbers.gammas[j] * magnitude(weight - self.numbers.weights[j])
         return np.asarray(moved > self.numbers.weight_budget)
 
-    def _spread(self, y: np.float32, u: np.float32, one: np.float32) -> Floats32:
-        """Half the spread over the rules of y q1 + u q2 + one q3."""
+    def _half_span(self, y: np.float32, u: np.float32, one: np.float32) -> Floats32:
+        """R(g) = (max_l g_l - min_l g_l)/2 of g = y q1 + u q2 + one q3, (lanes,)."""
         unfold = self.numbers.unfold[:, None]
         v = ((y * self.bank["slope"] + u * self.bank["gain"]) + one * self.bank["offset"]) * unfold
         return np.asarray(_HALF * (v.max(axis=0) - v.min(axis=0)), np.float32)
 
-    def _rests(self, where: Mask) -> None:
-        """What Taylor's theorem leaves between the check points."""
+    def _bound_remainders(self, where: Mask) -> None:
+        """Bounds of the Taylor remainders of gain and slope within half a cell of a check point."""
         numbers, model = self.numbers, self.learner.model_numbers
-        common = numbers.slope_rest_1 * self._spread(_ONE, _ZERO, _ZERO)
+        common = numbers.slope_rest_1 * self._half_span(_ONE, _ZERO, _ZERO)
         for end, u in enumerate((model.u_min_V, model.u_max_V)):
-            corners = [self._spread(y, u, _ONE) for y in (model.y_min_um, model.y_max_um)]
+            corners = [self._half_span(y, u, _ONE) for y in (model.y_min_um, model.y_max_um)]
             rest = common + numbers.slope_rest_3 * np.maximum(*corners)
             self.slope_rest[end] = np.where(where, rest, self.slope_rest[end])
-        gain = numbers.gain_rest * self._spread(_ZERO, _ONE, _ZERO)
+        gain = numbers.gain_rest * self._half_span(_ZERO, _ONE, _ZERO)
         self.gain_rest_um_per_V = np.where(where, gain, self.gain_rest_um_per_V)
 
-    def _checked(self) -> Words:
-        """The answer of each lane at its check point."""
+    def _answer_at_point(self) -> Words:
+        """REFUSED_GAIN, REFUSED_SLOPE or, within the limits, BUSY for each lane at its check point."""
         numbers, model = self.numbers, self.learner.model_numbers
         at = np.minimum(self.point, numbers.points - 1)
         y, rows = numbers.y_um[at], numbers.table[at].reshape(at.size, 3, -1)
-        a, b, c = (self._moments(rows, self.bank[group]) for group in ("slope", "gain", "offset"))
+        a, b, c = (self._weighted_sums(rows, self.bank[group]) for group in ("slope", "gain", "offset"))
         away = numbers.half_um * magnitude(b[1]) + self.gain_rest_um_per_V
         gain = numbers.sign * b[0]
         weak = (gain - away <= numbers.gain_floor) | (gain + away >= numbers.gain_ceiling)
@@ -162,8 +162,8 @@ class Committer:
         return np.where(weak, np.uint32(Commit.REFUSED_GAIN), steep_or_not)
 
     @staticmethod
-    def _moments(rows: Floats32, numbers: Floats32) -> list[Floats32]:
-        """sum_l p_l g_l, sum_l p_l' g_l, sum_l p_l'' g_l of the lanes, in rising l."""
+    def _weighted_sums(rows: Floats32, numbers: Floats32) -> list[Floats32]:
+        """sum_l p_l g_l, sum_l p_l' g_l, sum_l p_l'' g_l, (lanes,) each, summed in ascending order of l."""
         sums = []
         for order in range(3):
             total = rows[:, order, 0] * numbers[0]

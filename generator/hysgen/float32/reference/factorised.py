@@ -1,9 +1,9 @@
 """The UD-factorised update over lanes: P = U D U', U unit upper triangular, D > 0. Bierman (1977), chapter V.
 
-    f = U' x,  g = D f,  alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on,  D_j <- D_j alpha_(j-1)/alpha_j
+    f = U' x,  g = D f,  alpha_j = alpha_(j-1) + f_j g_j,  alpha_(-1) = 1,  D_j <- D_j alpha_(j-1)/alpha_j
     U_ij <- U_ij - k_i f_j/alpha_(j-1),   k_i <- k_i + U_ij g_j   over i < j with the old U_ij, k_j = g_j;   P x = k
 
-Matrices are (n, n, lanes), vectors (n, lanes). Sums run in rising order; nothing is written into an argument.
+Matrices are (n, n, lanes), vectors (n, lanes). Sums run in ascending order; arguments are not modified.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def gains(d: Floats32, f: Floats32) -> Floats32:
 
 
 def denominators(f: Floats32, g: Floats32) -> Floats32:
-    """alpha_0 .. alpha_(n-1), the last one 1 + x' P x."""
+    """alpha_0 .. alpha_(n-1), (n, lanes); alpha_(n-1) = 1 + x' P x."""
     alpha = np.empty_like(f)
     before = np.ones(f.shape[1], np.float32)
     for j in range(len(f)):
@@ -43,7 +43,7 @@ def denominators(f: Floats32, g: Floats32) -> Floats32:
 
 
 def quotients(f: Floats32, alpha: Floats32) -> tuple[Floats32, Floats32, Floats32]:
-    """l_j = -f_j/alpha_(j-1), alpha_(j-1)/alpha_j, and 1/alpha_n."""
+    """l_j = -f_j/alpha_(j-1), (n, lanes); alpha_(j-1)/alpha_j, (n, lanes); 1/alpha_(n-1), (lanes,)."""
     per_alpha = reciprocal(alpha)
     slope, kept = f.copy(), per_alpha.copy()
     slope[1:] = f[1:] * per_alpha[:-1]
@@ -69,19 +69,19 @@ def factor(
     return u, k
 
 
-def moved(theta: Floats32, low: Floats32, k: Floats32, q: Floats32) -> tuple[Floats32, Floats32]:
-    """The sum (theta, low) of two words after theta <- theta + k q."""
+def add_compensated(theta: Floats32, low: Floats32, k: Floats32, q: Floats32) -> tuple[Floats32, Floats32]:
+    """theta <- theta + k q by compensated summation; returns the new theta and its rounding error `low`."""
     carried: Floats32 = low + on_grid(k * q, STEP_GRID)
     total: Floats32 = theta + carried
     return total, carried - (total - theta)
 
 
 def magnitude(x: Floats32) -> Floats32:
-    """|x| by its bits."""
+    """|x|, computed by clearing the sign bit."""
     return float_of(bits_of(x) & np.uint32(MAGNITUDE_BITS))
 
 
 def on_grid(x: Floats32, grid: float) -> Floats32:
-    """`x` rounded to multiples of `grid`, where it is not larger than 2^22 of them; else to its own last bit."""
+    """`x` rounded to multiples of `grid` for |x| <= 2^22 grid; for larger |x| the rounding is coarser."""
     floor = ROUNDING * np.float32(grid)
     return (x + floor) - floor

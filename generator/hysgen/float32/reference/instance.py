@@ -1,4 +1,4 @@
-"""The generated functions over lanes: each lane is one `<name>_t`, and a call steps all of them by one sample.
+"""The generated functions over lanes: each lane is one `<name>_t`; a call advances every lane by one sample.
 
 y(k+1) = (y S + O + u G) / W + sum_j theta_j phi_j         predict (y measured), simulate (y the last output)
 u(k)   = ((y(k+1) - sum_j theta_j phi_j) W - (y S + O)) / G        inverse, Eq. (11)
@@ -14,7 +14,7 @@ from hysgen.float32.coefficients import Bank, Coefficients, coefficients
 from hysgen.float32.instance_words import InstanceWords
 from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, reciprocal
 from hysgen.float32.reference.rules import RuleSums, rule_sums
-from hysgen.float32.reference.safety import finite, limited, settled
+from hysgen.float32.reference.safety import finite, flushed, limited
 from hysgen.model.model import Model
 from hysgen.model.path.chain import ChainMirror
 from hysgen.model.status import Status
@@ -24,7 +24,7 @@ _LAST = np.uint32(0xFFFFFFFF)
 
 
 class Instance(InstanceWords):
-    """State of (lanes,) instances, initialised as `<name>_init(self, y_um, u_V)` does.
+    """State of `lanes` instances, initialised like `<name>_init(self, y_um, u_V)`.
 
     bank: the active parameters, shared by all lanes; inputs, terms: the mirrors of the input blocks and of the terms.
     """
@@ -37,7 +37,7 @@ class Instance(InstanceWords):
         self.init(y_um, u_V)
 
     def init(self, y_um: Floats32, u_V: Floats32) -> None:
-        """Start at y_um under the input u_V, (lanes,) each; a start that is not finite is replaced by the rest."""
+        """Initialise at y_um and u_V, (lanes,) each; numbers that are not finite are replaced by rest_um and rest_V."""
         lanes = np.broadcast_shapes(np.shape(y_um), np.shape(u_V))
         self.status = np.zeros(lanes, dtype=np.uint32)
         self.counters = {name: np.zeros(lanes, dtype=np.uint32) for name in self.COUNTERS}
@@ -48,7 +48,7 @@ class Instance(InstanceWords):
         self.terms = [term.mirror(self.inputs.v_V, self._model.Ts_s) for term in self._model.terms]
 
     def aux(self, values: Sequence[Floats32]) -> None:
-        """The auxiliary channels of the coming sample, (lanes,) each, in the order of `channels`."""
+        """Set the auxiliary channels of the next sample, (lanes,) each, in the order of `channels`."""
         named = dict(zip(self.channels, values, strict=True))
         for term in self.terms:
             bits = term.listen(named)
@@ -56,22 +56,23 @@ class Instance(InstanceWords):
                 self.status = self.status | bits
 
     def predict(self, y_um: Floats32, u_V: Floats32) -> Floats32:
-        """One step from measured y(k) and u(k), (lanes,) each: y(k+1) in um, which is also kept."""
+        """One step from the measured y(k) [um] and u(k) [V], (lanes,) each; returns and stores y(k+1) [um]."""
         y, u = self._checked_y(y_um), self._checked_u(u_V)
         for term in self.terms:
             term.correct(y - self.y_um)
         return self._forward(y, u)
 
     def simulate(self, u_V: Floats32) -> Floats32:
-        """One step of the free run from the last output under u(k), (lanes,): y(k+1) in um."""
+        """One step of the free run from the stored output, with u(k) [V], (lanes,); returns and stores y(k+1) [um]."""
         y, clamped = limited(self.y_um, self.numbers.y_min_um, self.numbers.y_max_um)
         self._note(Status.Y_CLAMPED, clamped)
         return self._forward(y, self._checked_u(u_V))
 
     def inverse(self, y_um: Floats32, y_next_um: Floats32) -> Floats32:
-        """u(k) in V that takes y(k) to y(k+1), (lanes,) each, limited to what can be applied; that input acts.
+        """u(k) [V] that moves y(k) to y(k+1) [um], (lanes,) each, within the limits of range and input blocks.
 
-        Behind a delay the arguments belong to a sample `preview` later than the result.
+        The state advances by one sample with the returned u(k). In a model with a delay, y and y_next belong to the
+        sample that is `preview` samples after that of the returned input.
         """
         numbers = self.numbers
         held, rejected = finite(y_um, self.y_um)
@@ -84,7 +85,7 @@ class Instance(InstanceWords):
         sums, extra = rule_sums(numbers, self.bank, y), self._extra()
         wanted = reference if extra is None else reference - extra
         numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
-        u = settled(numerator * reciprocal(sums.gain))
+        u = flushed(numerator * reciprocal(sums.gain))
         u, clamped = limited(u, numbers.u_min_V, numbers.u_max_V)
         v = self.inputs.reach(u)
         held_back = (bits_of(v) != bits_of(u)).astype(np.uint32)
@@ -101,13 +102,13 @@ class Instance(InstanceWords):
 
     def _apply(self, sums: RuleSums, extra: Floats32 | None, y: Floats32, v: Floats32) -> Floats32:
         rules = ((y * sums.slope + sums.offset) + v * sums.gain) * reciprocal(sums.weight)
-        self.y_um = settled(rules if extra is None else rules + extra)
+        self.y_um = flushed(rules if extra is None else rules + extra)
         for term in self.terms:
             term.advance(v)
         return self.y_um
 
     def _extra(self) -> Floats32 | None:
-        """sum_j theta_j phi_j in the order of the weights; None without terms."""
+        """sum_j theta_j phi_j [um], summed in the order of the weights; None without terms."""
         phi = [regressor for term in self.terms for regressor in term.regressors()]
         total: Floats32 | None = None
         for theta, regressor in zip(self.bank.weight, phi, strict=True):
@@ -130,7 +131,7 @@ class Instance(InstanceWords):
         return u
 
     def _note(self, event: Status, happened: Words) -> None:
-        """Set the bit of `event`, and step its counter if it has one up to its largest value, where `happened` is 1."""
+        """Set the status bit of `event` and increment its counter, if any, where `happened` is 1; counters saturate."""
         self.status = self.status | happened * np.uint32(event)
         for name, counter in self.COUNTERS.items():
             if counter.flag == event:

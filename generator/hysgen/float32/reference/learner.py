@@ -1,9 +1,9 @@
-"""The learner over lanes: each lane is one `<name>_learner_t`, and `learn` steps all of them by one sample.
+"""The learner over lanes: each lane is one `<name>_learner_t`; `learn` advances every lane by one sample.
 
     theta <- theta + P x (y - x' theta)/alpha,   P <- (P - P x x' P/alpha)/lambda,   alpha = 1 + x' P x
 
-Eq. (10) with P/lambda taken before the sample instead of after it, P = U D U' (see `factorised`), and the protections
-of docs/learning.md around it.
+Eq. (10) with the division P/lambda before the update instead of after it, in the factors P = U D U' (`factorised`),
+with the outlier gate, limits and restarts of docs/learning.md.
 """
 
 from __future__ import annotations
@@ -15,31 +15,31 @@ import numpy as np
 from hysgen.float32.learner_numbers import FAST, LEAST_VARIANCE, REGRESSOR_GRID, SLOW
 from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, float_of, reciprocal
 from hysgen.float32.reference.factorised import (
+    add_compensated,
     denominators,
     factor,
     gains,
     magnitude,
-    moved,
     on_grid,
     project,
     quotients,
 )
 from hysgen.float32.reference.learner_state import LAST, LearnerState, Mask
 from hysgen.float32.reference.rules import polynomial, powers, ratio, rule_sums
-from hysgen.float32.reference.safety import finite, limited, settled
+from hysgen.float32.reference.safety import finite, flushed, limited
 from hysgen.float32.update_schedule import WRITTEN_OUT
 from hysgen.model.float32_constants import MAGNITUDE_BITS
 
 _ONE, _TWO, _FOUR, _ZERO = np.float32(1.0), np.float32(2.0), np.float32(4.0), np.float32(0.0)
 _FAST, _SLOW, _LEAST_VARIANCE = np.float32(FAST), np.float32(SLOW), np.float32(LEAST_VARIANCE)
-_SETTLED_ALPHA, _QUIET_ALPHA = np.float32(2.0), np.float32(1.25)
+_LEVEL_ALPHA, _DEAD_ZONE_ALPHA = np.float32(2.0), np.float32(1.25)
 
 
 class Learner(LearnerState):
-    """What `<name>_learn(self, y, u)` does to the state, lane by lane."""
+    """The recursive least squares of `<name>_learn(self, y, u)`, in every lane."""
 
     def learn(self, y_um: Floats32, u_V: Floats32) -> None:
-        """Learn from sample k, (lanes,) each: y(k) is what the regressors of sample k - 1 had to predict."""
+        """Process sample k, (lanes,) each; the innovation is y(k) minus its prediction from sample k - 1."""
         numbers = self.numbers
         y, y_lost = finite(y_um, self.y_um)
         u, u_lost = finite(u_V, self.u_V)
@@ -50,21 +50,21 @@ class Learner(LearnerState):
         self.note("rejected", ~usable | (u_lost != 0))
         taking = (self.phase == 0) & (self.fresh != 0) & usable
         before = self.phase
-        innovation = self._take(taking, np.where(taking, y, self.y_um))
+        innovation = self._compare(taking, np.where(taking, y, self.y_um))
         for term in self.terms:
             term.correct(np.where(taking, innovation, _ZERO))
-        self._work()
-        self._start_again(before)
+        self._continue_update()
+        self._continue_restart(before)
         keeping = (self.phase == 0) & usable & (u_lost == 0)
-        self._keep(keeping, y, v)
+        self._store_regressors(keeping, y, v)
         self.rested = (magnitude(away) < numbers.rest_V).astype(np.uint32)
-        self.mean_u_V = settled(self.mean_u_V + _FAST * away)
+        self.mean_u_V = flushed(self.mean_u_V + _FAST * away)
         self.u_V = u
         for term in self.terms:
             term.advance(v)
 
-    def _take(self, where: Mask, y: Floats32) -> Floats32:
-        """e = y - x' theta, which the running levels follow; then a restart or the beginning of an update."""
+    def _compare(self, where: Mask, y: Floats32) -> Floats32:
+        """Innovation e = y - x' theta - fixed_um [um], (lanes,); restarts the shadow or begins an update with e."""
         shadow, other = self.x[0] * self.theta[0], self.x[0] * self.reference[0]
         for i in range(1, self.numbers.size):
             shadow = shadow + self.x[i] * self.theta[i]
@@ -74,31 +74,35 @@ class Learner(LearnerState):
         rested = self.rested != 0
         self.note("resting", where & rested)
         where = where & ~rested
-        lost = self._lost(where, e, reference, y - self.y_um)
+        lost = self._restart_needed(where, e, reference, y - self.y_um)
         self.note("restarts", lost)
         self.restart(lost)
         self._begin(where & ~lost, e)
         return e
 
-    def _lost(self, where: Mask, e: Floats32, reference: Floats32, step: Floats32) -> Mask:
-        """Running levels; true where the settled shadow predicts worse than the reference or than y(k+1) = y(k)."""
+    def _restart_needed(self, where: Mask, e: Floats32, reference: Floats32, step: Floats32) -> Mask:
+        """Update the running means; true where the shadow, after its settling time, fails the restart test.
+
+        The test fails if the mean square innovation of the shadow exceeds `worse` times that of the reference
+        parameters or `lost` times that of the persistence y(k+1) = y(k).
+        """
         numbers, settings = self.numbers, self.numbers.settings
         square = numbers.floor_um * numbers.floor_um
         rate = np.where(self.age >= settings.settle // 2, _SLOW, _ZERO)
 
-        def follow(level: Floats32, value: Floats32, pace: Floats32 | np.float32) -> Floats32:
+        def track(level: Floats32, value: Floats32, pace: Floats32 | np.float32) -> Floats32:
             return np.asarray(np.where(where, level + pace * (value - level), level), np.float32)
 
-        self.moving_um = follow(self.moving_um, magnitude(step) + numbers.floor_um, _FAST)
-        self.error = follow(self.error, e * e + square, rate)
-        self.reference_error = follow(self.reference_error, reference * reference + square, rate)
-        self.step_error = follow(self.step_error, step * step + square, rate)
+        self.moving_um = track(self.moving_um, magnitude(step) + numbers.floor_um, _FAST)
+        self.error = track(self.error, e * e + square, rate)
+        self.reference_error = track(self.reference_error, reference * reference + square, rate)
+        self.step_error = track(self.step_error, step * step + square, rate)
         worse: Mask = self.error > numbers.worse * self.reference_error
         lost: Mask = self.error > numbers.lost * self.step_error
         return where & (self.age >= settings.settle) & (worse | lost)
 
     def _begin(self, where: Mask, e: Floats32) -> None:
-        """Begin to learn from the sample, or to put back the prior of one parameter: w reference_j = w theta_j."""
+        """Begin an update with the sample or with the pseudo-measurement w reference_j = w theta_j of a prior."""
         numbers, settings = self.numbers, self.numbers.settings
         sliding = (self.age >= settings.window) | np.bool_(settings.forgetting < 1.0)
         since = self.since_refresh + sliding.astype(np.uint32)
@@ -118,34 +122,34 @@ class Learner(LearnerState):
         self.measuring = np.where(where, measuring, self.measuring).astype(np.uint32)
         self.phase = np.where(where, np.uint32(1), self.phase)
 
-    def _work(self) -> None:
-        """Every lane that has begun an update does what one call does of it."""
+    def _continue_update(self) -> None:
+        """Do one call's part of the update in every lane with an update in progress."""
         spread = self.numbers.spread
         projects, factors = list(itertools.pairwise(spread.project)), list(itertools.pairwise(spread.factor))
         begun = self.phase
         if spread.at_once:
             busy = begun != 0
             self._project(busy, *projects[0])
-            self._weigh(busy)
-            self._factor(self.phase != 0, *factors[0])
-            self._step(self.phase != 0)
+            self._update_diagonal(busy)
+            self._update_factor(self.phase != 0, *factors[0])
+            self._update_theta(self.phase != 0)
             return
         for phase, columns in enumerate(projects, 1):
             where = begun == phase
             self._project(where, *columns)
             self.phase = np.where(where, np.uint32(phase + 1), self.phase)
             if phase == len(projects):
-                self._weigh(where)
+                self._update_diagonal(where)
         for phase, columns in enumerate(factors, 1 + len(projects)):
             where = begun == phase
-            self._factor(where, *columns)
+            self._update_factor(where, *columns)
             if phase == spread.calls:
-                self._step(where)
+                self._update_theta(where)
             else:
                 self.phase = np.where(where, np.uint32(phase + 1), self.phase)
 
-    def _start_again(self, begun: Words) -> None:
-        """Every lane that began the call with a part of U still to be written writes the next columns of it."""
+    def _continue_restart(self, begun: Words) -> None:
+        """Write the next columns of U = I in every lane that began the call in a restart."""
         spread = self.numbers.spread
         for phase, columns in enumerate(itertools.pairwise(spread.factor), spread.clearing):
             where = begun == phase
@@ -160,8 +164,8 @@ class Learner(LearnerState):
         self.f[first:last] = np.where(where, f, self.f[first:last])
         self.g[first:last] = np.where(where, g, self.g[first:last])
 
-    def _weigh(self, where: Mask) -> None:
-        """alpha_j, l_j = -f_j/alpha_(j-1) and D_j, if the sample is admitted."""
+    def _update_diagonal(self, where: Mask) -> None:
+        """alpha_j, l_j = -f_j/alpha_(j-1) and D_j in the lanes whose innovation is accepted."""
         numbers = self.numbers
         alpha = denominators(self.f, self.g)
         before = alpha[-1]
@@ -169,7 +173,7 @@ class Learner(LearnerState):
         self.note("restarts", wild)
         self.restart(wild)
         where = where & ~wild
-        refused = self._refused(where & (self.measuring != 0), before)
+        refused = self._excluded(where & (self.measuring != 0), before)
         self.phase = np.where(refused, np.uint32(0), self.phase)
         where = where & ~refused
         slope, kept, per_alpha = quotients(self.f, alpha)
@@ -180,18 +184,18 @@ class Learner(LearnerState):
         self.per_alpha = np.where(where, per_alpha, self.per_alpha)
         self.note("clamped", where & clamped.any(axis=0))
 
-    def _refused(self, where: Mask, alpha: Floats32) -> Mask:
-        """Outliers, and innovations inside the dead zone; the usual innovation follows what is not."""
+    def _excluded(self, where: Mask, alpha: Floats32) -> Mask:
+        """True for outliers and innovations in the dead zone; updates the running mean of |innovation|."""
         numbers, settings = self.numbers, self.numbers.settings
         e = self.innovation_um
         size = magnitude(e)
         limit = numbers.gate_ratio * self.scale_um + (_TWO * self.moving_um + numbers.gate_floor_um)
         far = e * e > limit * limit * alpha
-        quiet = (size < numbers.dead_zone_um) & (alpha < _QUIET_ALPHA) & (self.inflate > _ONE)
+        quiet = (size < numbers.dead_zone_um) & (alpha < _DEAD_ZONE_ALPHA) & (self.inflate > _ONE)
         most = _FOUR * self.scale_um + numbers.gate_floor_um
         seen = np.where(size > most, most, size) + numbers.floor_um
         scale = self.scale_um + _FAST * (seen - self.scale_um)
-        scale = np.where(alpha < _SETTLED_ALPHA, scale, self.scale_um)
+        scale = np.where(alpha < _LEVEL_ALPHA, scale, self.scale_um)
         run = np.where(far, self.run + np.uint32(1), self.run - (self.run > 0).astype(np.uint32))
         changed = run >= settings.outlier_run
         scale = np.where(changed & (size > scale), size, scale)
@@ -203,21 +207,21 @@ class Learner(LearnerState):
         self.note("quiet", where & quiet)
         return where & (outlier | quiet)
 
-    def _factor(self, where: Mask, first: int, last: int) -> None:
+    def _update_factor(self, where: Mask, first: int, last: int) -> None:
         """U and k in columns first .. last - 1."""
         k = np.zeros_like(self.k) if first == 0 and self.numbers.size > WRITTEN_OUT else self.k
         u, k = factor(self.u, k, self.l, self.g, first, last)
         self.u, self.k = np.where(where, u, self.u), np.where(where, k, self.k)
 
-    def _step(self, where: Mask) -> None:
-        """theta <- theta + k e/alpha, shortened as a whole if it would move a parameter too far."""
+    def _update_theta(self, where: Mask) -> None:
+        """theta <- theta + k e/alpha; the step is scaled so that no parameter moves by more than step_um."""
         numbers = self.numbers
         q = self.innovation_um * self.per_alpha
         size = float_of((bits_of(self.k) & np.uint32(MAGNITUDE_BITS)).max(axis=0)) * magnitude(q)
         long = where & (size > numbers.step_um)
         q = np.where(long, q * (numbers.step_um * reciprocal(np.where(long, size, _ONE))), q)
         self.note("limited", long)
-        theta, low = moved(self.theta, self.theta_low, self.k, q)
+        theta, low = add_compensated(self.theta, self.theta_low, self.k, q)
         self.theta_low = np.where(where, low, self.theta_low)
         self.theta = np.where(where, theta, self.theta)
         beyond = where & (bits_of(magnitude(theta)) >= bits_of(np.asarray(numbers.limit_um))).any(axis=0)
@@ -228,8 +232,8 @@ class Learner(LearnerState):
         self.count("updates", counted)
         self.age = self.age + (counted & (self.measuring != 0) & (self.age < LAST)).astype(np.uint32)
 
-    def _keep(self, where: Mask, y_um: Floats32, v: Floats32) -> None:
-        """The regressors of this sample, x_i = (what parameter i multiplies)/scale_i, for the next displacement."""
+    def _store_regressors(self, where: Mask, y_um: Floats32, v: Floats32) -> None:
+        """Store the scaled regressors x_i = phi_i(k)/scale_i of this sample for the innovation of sample k + 1."""
         model, numbers = self.model_numbers, self.numbers
         y, outside = limited(y_um, model.y_min_um, model.y_max_um)
         r = ratio(model, y)
@@ -258,7 +262,7 @@ class Learner(LearnerState):
         self.note("outside", where & (outside != 0))
 
     def _fixed(self, y: Floats32, v: Floats32, per_weight: Floats32, phi: list[Floats32]) -> Floats32:
-        """The part of the prediction that is not learned."""
+        """The part of the prediction y(k+1) whose parameters are not learned [um], (lanes,)."""
         sums = rule_sums(self.model_numbers, self.base, y)
         parts = {"slope": y * sums.slope, "offset": sums.offset, "gain": v * sums.gain}
         total: Floats32 | None = None
@@ -272,4 +276,4 @@ class Learner(LearnerState):
             for theta, regressor in zip(self.base.weight[1:], phi[1:], strict=True):
                 extra = extra + theta * regressor
             total = extra if total is None else total + extra
-        return np.zeros_like(y) if total is None else settled(total)
+        return np.zeros_like(y) if total is None else flushed(total)

@@ -1,4 +1,4 @@
-"""The state of the learner over lanes: how `<name>_learn_init` begins it, how it is restarted and counted."""
+"""The state of the learner over lanes: initialisation (`<name>_learn_init`), restart, status bits and counters."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from hysgen.model.model import Model
 Mask = NDArray[np.bool_]
 
 LAST = np.uint32(0xFFFFFFFF)
-"""Where a counter stops."""
+"""Largest value of a counter."""
 _ONE, _ZERO = np.float32(1.0), np.float32(0.0)
 
 
 class LearnerState(LearnerWords):
-    """State of (lanes,) learners, initialised as `<name>_learn_init(self, model)` does from those of `instance`."""
+    """State of `lanes` learners, initialised from `instance` like `<name>_learn_init(self, model)`."""
 
     def __init__(self, model: Model, instance: Instance) -> None:
         self.numbers: LearnerNumbers = learner_numbers(model, instance.numbers)
@@ -54,7 +54,7 @@ class LearnerState(LearnerWords):
         self.phase = np.zeros(lanes, np.uint32)
 
     def restart(self, where: Mask) -> None:
-        """The reference parameters and the prior; U at once, or in the calls to come."""
+        """Reset to the reference parameters and the prior; U = I is written at once or by the next calls."""
         if not where.any():
             return
         numbers = self.numbers
@@ -75,7 +75,7 @@ class LearnerState(LearnerWords):
             self.phase = np.where(where, np.uint32(numbers.spread.clearing), self.phase)
 
     def clear(self, where: Mask, first: int, last: int) -> None:
-        """U = I in columns first .. last - 1; packed columns have no diagonal."""
+        """Set U = I in columns first .. last - 1; packed columns have no diagonal."""
         columns = slice(first, last)
         self.u[:, columns] = np.where(where, _ZERO, self.u[:, columns])
         if self.numbers.size > WRITTEN_OUT:
@@ -83,7 +83,7 @@ class LearnerState(LearnerWords):
             self.u[diagonal, diagonal] = np.where(where, _ONE, self.u[diagonal, diagonal])
 
     def note(self, event: str, happened: Mask) -> None:
-        """Set the bit of `event` and step its counter up to its largest value."""
+        """Set the status bit of `event` and increment its counter where `happened`."""
         if not happened.any():
             return
         flag = np.uint32(self.COUNTERS[event].flag)
@@ -91,18 +91,18 @@ class LearnerState(LearnerWords):
         self.count(event, happened)
 
     def count(self, event: str, happened: Mask) -> None:
-        """Step the counter of `event` where it happened."""
+        """Increment the counter of `event` where `happened`; counters saturate at LAST."""
         count = self.counters[event]
         self.counters[event] = count + (happened & (count < LAST)).astype(np.uint32)
 
     def stored(self) -> list[tuple[int, int]]:
-        """(i, j) of every U_ij that the C keeps, in its order: packed columns, or whole ones."""
+        """(i, j) of every U_ij that the C struct stores, in the order of the struct: packed or whole columns."""
         n = self.numbers.size
         packed = n <= WRITTEN_OUT
         return [(i, j) for j in range(n) for i in range(j if packed else n)]
 
     def _number(self, i: int) -> np.float32:
-        """What the bank holds of parameter i; 0 for the bias, which it does not hold."""
+        """The initial bank number of parameter i; 0 for the bias, which is not part of the bank."""
         parameter = self.numbers.parameters[i]
         table = {"slope": self.base.slope, "gain": self.base.gain, "offset": self.base.offset}
         table |= {"terms": self.base.weight, "bias": np.zeros(1, np.float32)}

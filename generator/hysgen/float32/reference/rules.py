@@ -1,4 +1,4 @@
-"""The rules' sums over lanes: numerators and denominator of Eq. (4) from one exponential.
+"""The sums over the rules in Eq. (4), numerators and denominator, over lanes, with one exponential per sample.
 
 S(y) = sum_l v_l q_l1,   O(y) = sum_l v_l q_l3,   G(y) = sum_l v_l q_l2,   W(y) = sum_l v_l,   p_l = v_l / W
 """
@@ -19,7 +19,7 @@ _OCTAVES = np.float32(OCTAVES_PER_STEP)
 
 @dataclass(frozen=True)
 class RuleSums:
-    """S, O, G and W of the lanes."""
+    """S [1], O [um], G [um/V] and W [1] as slope, offset, gain and weight, (lanes,) each."""
 
     slope: Floats32
     offset: Floats32
@@ -28,7 +28,7 @@ class RuleSums:
 
 
 def rule_sums(numbers: Coefficients, bank: Bank, y_um: Floats32) -> RuleSums:
-    """S, O, G, W at y_um, (lanes,) inside the range, with the rules of `bank`."""
+    """S, O, G, W of `bank` at y_um, (lanes,), within the displacement range."""
     if numbers.windowed:
         first, strengths = window(numbers, y_um)
         return RuleSums(
@@ -47,12 +47,12 @@ def rule_sums(numbers: Coefficients, bank: Bank, y_um: Floats32) -> RuleSums:
 
 
 def ratio(numbers: Coefficients, y_um: Floats32) -> Floats32:
-    """r = exp((y - middle)/h) of the dense layout: what neighbouring rules' strengths differ by, but for w_l."""
+    """r = exp((y - middle)/h) of the dense layout, (lanes,); v_l = w_l r^l."""
     return power_of_two((y_um - numbers.origin_um) * numbers.per_step)
 
 
 def window(numbers: Coefficients, y_um: Floats32) -> tuple[Words, list[Floats32]]:
-    """Index n of the nearest rule, and v_j = w_j r^j of the 11 rows n .. n + 10 of the padded tables."""
+    """Index n of the nearest rule, (lanes,), and v_j = w_j r^j of rows n .. n + 10 of the padded tables."""
     steps = (y_um - numbers.origin_um) * numbers.per_step
     shifted = steps + ROUNDING
     t = steps - (shifted - ROUNDING)
@@ -62,13 +62,13 @@ def window(numbers: Coefficients, y_um: Floats32) -> tuple[Words, list[Floats32]
 
 
 def strengths(numbers: Coefficients, y_um: Floats32) -> list[Floats32]:
-    """v_l of every rule of the dense layout: w_l r^l."""
+    """v_l = w_l r^l of the dense layout, (lanes,) for each rule."""
     r = powers(ratio(numbers, y_um), numbers.rules)
     return [w * power for w, power in zip(numbers.strength, r, strict=True)]
 
 
 def powers(r: Floats32, count: int) -> list[Floats32]:
-    """r^0 .. r^(count-1): r^k = r^(k//2) r^(k - k//2), the shortest chains."""
+    """r^0 .. r^(count-1) by r^k = r^(k//2) r^(k - k//2), the fewest multiplications in sequence."""
     found = [np.full_like(r, _ONE), r]
     for k in range(2, count):
         found.append(found[k // 2] * found[k - k // 2])
@@ -76,7 +76,7 @@ def powers(r: Floats32, count: int) -> list[Floats32]:
 
 
 def polynomial(c: Floats32, r: Floats32) -> Floats32:
-    """sum_k c_k r^k by Estrin's scheme: neighbours join as a + b r, then with r^2, r^4, ... until one is left."""
+    """sum_k c_k r^k by Estrin's scheme: neighbours combine as a + b r, the results with r^2, then r^4, and so on."""
     parts: list[Floats32 | np.float32] = list(c)
     power = r
     while len(parts) > 1:
@@ -87,7 +87,7 @@ def polynomial(c: Floats32, r: Floats32) -> Floats32:
 
 
 def pairwise(parts: list[Floats32]) -> Floats32:
-    """The sum of `parts`, neighbours first, then neighbours of those: the order of the generated C."""
+    """The sum of `parts` by pairwise summation, in the order of the generated C."""
     while len(parts) > 1:
         joined = [parts[k] + parts[k + 1] for k in range(0, len(parts) - 1, 2)]
         parts = [*joined, *parts[2 * len(joined) :]]

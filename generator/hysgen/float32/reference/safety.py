@@ -1,4 +1,4 @@
-"""Input checks over lanes: nothing that is not finite passes, nothing outside its range passes uncounted."""
+"""Input checks over lanes: replacement of numbers that are not finite, flush to zero, limits."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ _LEAST_BITS = int(LEAST.view(np.uint32))
 
 
 def finite(x: Floats32, held: Floats32) -> tuple[Floats32, Words]:
-    """`x` where it is a number, `held` where it is NaN or infinite; magnitudes below 2^-40 become +0.
+    """`x` where it is finite, `held` where it is NaN or infinite; magnitudes below 2^-40 become +0.
 
-    Returns the lanes and 1 where a lane was rejected, else 0. Decided on the bits: no comparison sees a NaN.
+    Returns the numbers, and 1 where `x` was replaced by `held`, else 0. The bit patterns are compared, not the floats,
+    so that no float comparison has a NaN operand.
     """
     magnitude = bits_of(x) & np.uint32(MAGNITUDE_BITS)
     rejected = magnitude >= np.uint32(INFINITY_BITS)
@@ -21,13 +22,13 @@ def finite(x: Floats32, held: Floats32) -> tuple[Floats32, Words]:
     return float_of(np.where(rejected, bits_of(held), chosen)), rejected.astype(np.uint32)
 
 
-def settled(x: Floats32) -> Floats32:
-    """`x` with magnitudes below 2^-40 replaced by +0: what a result is before it leaves or is kept."""
+def flushed(x: Floats32) -> Floats32:
+    """`x` with magnitudes below 2^-40 replaced by +0, applied to every result before it is returned or stored."""
     bits = bits_of(x)
     return float_of(np.where((bits & np.uint32(MAGNITUDE_BITS)) < np.uint32(_LEAST_BITS), np.uint32(0), bits))
 
 
 def limited(x: Floats32, low: np.float32, high: np.float32) -> tuple[Floats32, Words]:
-    """`x` limited to [low, high], and 1 where that changed it, else 0."""
+    """`x` limited to [low, high], and 1 where the limit changed it, else 0."""
     below, above = x < low, x > high
     return np.where(below, low, np.where(above, high, x)), (below | above).astype(np.uint32)
