@@ -61,9 +61,9 @@ def losing(pair: Pair) -> Iterator[tuple[Floats32, Floats32]]:
     """Samples between which bits are flipped so that the shadow is lost: beyond its limit, wild, far off for long."""
     y, u = corrupted(1200)
     k = 0
-    spread, limit_um = pair.lane.numbers.spread, float(pair.lane.numbers.limit_um)
+    schedule, limit_um = pair.lane.numbers.schedule, float(pair.lane.numbers.limit_um)
     for phase, flipped in (
-        (spread.calls, {"theta": 2.0 * limit_um}),
+        (schedule.calls, {"theta": 2.0 * limit_um}),
         (0, {"d": 1e30}),
         (0, {"error": 1e9, "age": 1_000_000}),
     ):
@@ -86,7 +86,7 @@ def losing(pair: Pair) -> Iterator[tuple[Floats32, Floats32]]:
 def test_a_restart_spread_over_calls_is_whole_for_commit_at_once_and_for_the_next_update(size: int, calls: int) -> None:
     """Bits after every call; the shadow that commit reads is there in the call that loses it, U before what follows."""
     pair = Pair(sized(size, calls_per_update=calls), spread_texts(size, calls))
-    spread, names = pair.lane.numbers.spread, list(pair.lane.words())
+    schedule, names = pair.lane.numbers.schedule, list(pair.lane.words())
     row = {name: names.index(name) for name in ("phase", "age", "restarts")}
     theta, reference, factors = (
         [k for k, name in enumerate(names) if name.startswith(f"{group}[")] for group in ("theta", "reference", "u")
@@ -100,15 +100,15 @@ def test_a_restart_spread_over_calls_is_whole_for_commit_at_once_and_for_the_nex
             assert not wrong.size, f"sample {k}: {names[wrong[0]]}"
             if got[row["restarts"]] > before[row["restarts"]]:
                 lost_in.add(int(before[row["phase"]]))
-                assert got[row["phase"]] == spread.clearing
+                assert got[row["phase"]] == schedule.clearing
                 assert got[row["age"]] == 0
                 assert list(got[theta]) == list(got[reference])
-            elif before[row["phase"]] == spread.phases:
+            elif before[row["phase"]] == schedule.phases:
                 assert got[row["phase"]] == 0
                 assert set(got[factors].view(np.float32)) <= {0.0, 1.0}
             before = got
     # Where the sample is taken, at the end of the first half of an update (of two calls, the same), and at its end.
-    assert lost_in == {0, spread.calls} | ({len(spread.project) - 1} if calls > 2 else set())
+    assert lost_in == {0, schedule.calls} | ({len(schedule.project) - 1} if calls > 2 else set())
 
 
 @pytest.mark.parametrize(

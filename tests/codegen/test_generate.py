@@ -22,8 +22,8 @@ from hypothesis import strategies as st
 
 from fixtures.generated_models import everything, learning, smooth
 from hysgen.codegen import Options, generate, write
-from hysgen.codegen.literals import literal
 from hysgen.codegen.manifest import read_folder
+from hysgen.codegen.parameters import literal
 from hysgen.errors import BudgetError, CertificateError, HysgenError
 from hysgen.machine.files import digest
 from hysgen.model.file import dump_model, load_model

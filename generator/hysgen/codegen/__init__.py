@@ -1,7 +1,7 @@
-"""C from a model: `generate` is pure and returns text, `write` puts it into a folder.
+"""C code from a model: `generate` returns the text of each file without side effects, `write` writes the files.
 
-Five files of C that the firmware takes, and beside them the model itself and MANIFEST.json. The same model and options
-give the same bytes; nothing in them depends on the machine or the clock.
+A generated folder consists of five C files, the model file and MANIFEST.json. The same model and options give the same
+bytes on every machine and at any time.
 """
 
 from __future__ import annotations
@@ -12,18 +12,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from hysgen.certify.certificates import Certificates, certify
-from hysgen.codegen.commit import commit_concern
-from hysgen.codegen.concerns import Concern
-from hysgen.codegen.guarantees import require_budget, require_inverse
+from hysgen.certify.certificates import Certificates, certify, least_stable
+from hysgen.codegen.commit import commit_feature
 from hysgen.codegen.interface import interface
-from hysgen.codegen.learning import learner_concern
+from hysgen.codegen.learning import learner_feature
 from hysgen.codegen.manifest import MANIFEST, manifest, model_file
 from hysgen.codegen.operations import Figures, figures
-from hysgen.codegen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample
+from hysgen.codegen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample, require_budget
 from hysgen.codegen.parameters import block_sections, error_section, range_section, rule_section, term_sections
-from hysgen.codegen.render import context, render
+from hysgen.codegen.render import Feature, context, render
 from hysgen.codegen.selftest import chains
+from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.accuracy import accuracy
 from hysgen.machine.files import write_whole
@@ -35,14 +34,15 @@ __all__ = ["Options", "generate", "write"]
 
 ERROR_SAMPLES: Final = 20_000
 ERROR_DIGITS: Final = 6
-"""Of the worst errors, rounded up: an error of 1e-6 is a difference of float64 numbers near 1 and has 9 good digits."""
+"""Digits of the worst errors in the manifest: a difference of 1e-6 of float64 numbers near 1 has 9 exact digits."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """What is generated besides init, predict and simulate, and for what processor.
+    """Options of the generated code and of its processor.
 
-    cycles: stall-free cycles per function as measured on the target; those that are missing are estimated.
+    inverse: whether the inverse is generated. clock_Hz: clock of the processor.
+    cycles: measured stall-free cycles by function; the cycles of functions that are not listed are estimated.
     """
 
     inverse: bool = True
@@ -50,42 +50,42 @@ class Options:
     cycles: Mapping[str, int] = field(default_factory=dict)
 
 
-# Each gives its concern, or None if the model does not ask for it; in the order of the generated text.
-CONCERNS: list[Callable[[Model, Coefficients, Certificates], Concern | None]] = [learner_concern, commit_concern]
+# Each function returns its feature, or None if the model does not need it; in the order of the generated text.
+FEATURES: list[Callable[[Model, Coefficients, Certificates], Feature | None]] = [learner_feature, commit_feature]
 
 
 def generate(model: Model, options: Options | None = None) -> dict[str, str]:
-    """File name -> text of everything that belongs to the generated folder.
+    """The text of every file of the generated folder, by file name.
 
-    Raises CertificateError, with place and value, if an inverse is asked for that is singular or unstable in the
-    model's range, and BudgetError, with the numbers, if a sample takes longer than the sample period.
+    Raises CertificateError, with place and value, if the options include an inverse that is singular or not certified
+    stable in the model's range, and BudgetError, with the numbers, if a sample takes longer than the sample period.
     """
     chosen = options or Options()
     certificates = certify(model)
     if chosen.inverse:
-        require_inverse(model, certificates)
+        _require_inverse(model, certificates)
     numbers = coefficients(model)
     upper = model.name.upper()
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
-    concerns = [concern for build in CONCERNS if (concern := build(model, numbers, certificates)) is not None]
+    features = [feature for build in FEATURES if (feature := build(model, numbers, certificates)) is not None]
     sections = [range_section(numbers), rule_section(numbers, upper), *block_sections(model)]
     sections += term_sections(model, numbers, upper)
-    sections += [section for concern in concerns for section in concern.sections]
+    sections += [section for feature in features for section in feature.sections]
     facts = context(model, numbers) | {
         "inverse": chosen.inverse,
         "prototypes": interface(model, inverse=chosen.inverse).prototypes,
-        "concerns": concerns,
+        "features": features,
         "sections": [*sections, error_section(errors, inverse=chosen.inverse)],
         "chains": chains(model, inverse=chosen.inverse),
     }
-    for concern in concerns:
-        facts |= concern.facts
-    # Costs are counted in the code, then told in the comments of its header.
+    for feature in features:
+        facts |= feature.facts
+    # The first rendering is for counting operations; the second has the counts in the comments of the header.
     found = figures(model.name, _firmware(model.name, facts, {}, {}))
     cycles = cycles_of(found.operations, chosen.cycles)
     require_budget(model, cycles, chosen.clock_Hz)
-    told = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in found.operations.items()}
-    texts = _firmware(model.name, facts, told, found.struct_bytes)
+    costs = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in found.operations.items()}
+    texts = _firmware(model.name, facts, costs, found.struct_bytes)
     texts[model_file(model)] = dump_model(model)
     summary = {
         "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz},
@@ -101,14 +101,33 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
 
 
 def write(texts: Mapping[str, str], folder: Path) -> None:
-    """Write every text into `folder`, each file whole or not at all, the manifest last."""
+    """Write the files into `folder`, the manifest last; an interrupted write leaves no partial file."""
     for name in sorted(texts, key=lambda name: name == MANIFEST):
         write_whole(folder / name, texts[name])
 
 
-def _firmware(name: str, facts: Mapping[str, Any], told: Mapping[str, str], sizes: Mapping[str, int]) -> dict[str, str]:
-    """The files of C. told: what the header says of a function's cost; sizes: bytes of structs; "" where unknown."""
-    complete = {**facts, "figures": defaultdict(str, told), "bytes": defaultdict(int, sizes)}
+def _require_inverse(model: Model, certificates: Certificates) -> None:
+    """Raise CertificateError, with place and value, if Eq. (11) of `model` is singular or not certified stable."""
+    remedy = "restrict the range (generate --displacement-range), or generate without the inverse"
+    if not certificates.gain_holds:
+        low, high = certificates.gain_lowest, certificates.gain_highest
+        worst = low if abs(low.value) <= abs(high.value) or low.value * high.value < 0.0 else high
+        raise CertificateError(
+            f"{model.name}: the gain df/du is {worst.value:.4g} um/V at y = {worst.y_um:.4g} um and "
+            f"{high.value:.4g} um/V at y = {high.y_um:.4g} um, so the inverse is singular or nearly so; {remedy}"
+        )
+    if not certificates.inverse_holds:
+        y_um, gain_um_per_V = least_stable(model, certificates.gain_lowest.value, certificates.gain_highest.value)
+        raise CertificateError(
+            f"{model.name}: the inverse is not certified stable (zeros within {certificates.zero:.4g}, loop gain of "
+            f"its nonlinear terms {certificates.loop:.4g}; both must be below 1), least so at y = {y_um:.4g} um, where "
+            f"the gain is {gain_um_per_V:.4g} um/V: past inputs may build up; {remedy}"
+        )
+
+
+def _firmware(name: str, facts: Mapping[str, Any], cost: Mapping[str, str], sizes: Mapping[str, int]) -> dict[str, str]:
+    """The C files by name. cost: text on the cost by function, default ""; sizes: bytes by struct, default 0."""
+    complete = {**facts, "figures": defaultdict(str, cost), "bytes": defaultdict(int, sizes)}
     return {
         f"{name}.h": render("header.h.j2", complete),
         f"{name}.c": render("source.c.j2", complete),
@@ -119,7 +138,7 @@ def _firmware(name: str, facts: Mapping[str, Any], told: Mapping[str, str], size
 
 
 def _cost(model: Model, found: Figures, cycles: Mapping[str, Cycles], clock_Hz: float) -> dict[str, Any]:
-    """Operations, cycles and bytes as plain JSON values."""
+    """Operations, cycles and bytes for the manifest, as JSON values."""
     whole = per_sample(cycles)
     return {
         "operations": {name: counts.to_json() for name, counts in found.operations.items()},

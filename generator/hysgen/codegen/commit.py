@@ -1,12 +1,12 @@
-"""What `_commit` adds to the generated files."""
+"""The data of the commit's templates: struct, return values, checks and parameter sections."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from hysgen.certify.certificates import Certificates
-from hysgen.codegen.concerns import Concern
 from hysgen.codegen.parameters import Constant, Section, Table
+from hysgen.codegen.render import Feature
 from hysgen.codegen.structs import candidate_struct, rows
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.commit_numbers import CommitNumbers, commit_numbers
@@ -15,10 +15,10 @@ from hysgen.float32.learner_status import COMMIT_MEANINGS
 from hysgen.model.model import Model
 
 
-def commit_concern(model: Model, numbers: Coefficients, certificates: Certificates) -> Concern | None:
-    """The commit of a model with learner settings; None for one without.
+def commit_feature(model: Model, numbers: Coefficients, certificates: Certificates) -> Feature | None:
+    """The generated commit of a model with learner settings; None for a model without.
 
-    Raises CertificateError if the model's own parameters would not pass.
+    Raises CertificateError if the parameters of the model itself violate a limit of the commit.
     """
     if model.learner is None:
         return None
@@ -35,11 +35,11 @@ def commit_concern(model: Model, numbers: Coefficients, certificates: Certificat
         "points_per_call": model.learner.points_per_call,
         "kept": _kept(model, numbers),
     }
-    return Concern("commit.c.j2", {"commit": facts}, [_section(found, upper, weights=bool(facts["weights"]))])
+    return Feature("commit.c.j2", {"commit": facts}, [_section(found, upper, weights=bool(facts["weights"]))])
 
 
 def _kept(model: Model, numbers: Coefficients) -> list[str]:
-    """What a bank holds and the learner does not learn, in C."""
+    """C text of every bank member that the learner does not learn."""
     learned = {f"{parameter.group}[{parameter.index}]" for parameter in learner_numbers(model, numbers).parameters}
     weights = sum(term.size for term in model.terms)
     rules = [f"{group}[{rule}]" for group in ("slope", "offset", "gain") for rule in range(numbers.bank_rules)]

@@ -1,4 +1,4 @@
-"""Whether generated files are still those of their model: compared byte by byte with what would be generated now."""
+"""Comparison of the files in a folder, byte for byte, with newly generated text."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Stale:
-    """A file that is not as it should be: `missing`, or `differs`, then from which line on (counted from 1)."""
+    """A file that is missing or differs; line: number of the first different line, counted from 1."""
 
     name: str
     fault: str
@@ -20,7 +20,7 @@ class Stale:
 
 
 def stale(texts: Mapping[str, str], folder: Path) -> list[Stale]:
-    """The files of `folder` that are not what `texts` (file name -> text) says, by name."""
+    """The files of `texts` (text by file name) that are missing or different in `folder`, sorted by name."""
     found = []
     for name in sorted(texts):
         try:
@@ -34,7 +34,7 @@ def stale(texts: Mapping[str, str], folder: Path) -> list[Stale]:
 
 
 def _first_difference(one: bytes, other: bytes) -> int:
-    """Number of the first line that differs."""
+    """Number of the first different line, counted from 1."""
     mine, theirs = one.split(b"\n"), other.split(b"\n")
     pairs = enumerate(zip(mine, theirs, strict=False), start=1)
     return next((number for number, (a, b) in pairs if a != b), min(len(mine), len(theirs)) + 1)

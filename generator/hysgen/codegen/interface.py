@@ -1,6 +1,6 @@
-"""What the generated header declares, as data: its structs and its functions.
+"""The public structs and functions of the generated header as data.
 
-`generate` gives texts; whoever compiles, calls or proves them learns from here what they hold, not from the text.
+Modules that compile, call or prove generated C use this description and do not parse the text.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from hysgen.model.terms import channels_of
 class Function:
     """A public function.
 
-    name: without the model's prefix; result: C type; arguments: as C declares them, the struct that it steps first.
+    name: without the model's prefix; result: C type; arguments: C declarations, the struct of the state first.
     """
 
     name: str
@@ -31,12 +31,12 @@ class Function:
 
     @property
     def state(self) -> str:
-        """Type of the struct that the function steps, its first argument; "" if it has none."""
+        """C type of the struct of the first argument; "" without arguments."""
         return self.arguments[0].removesuffix(" *self") if self.arguments else ""
 
     @property
     def floats(self) -> int:
-        """How many arguments behind `self` are floats; 0 if any of them is something else."""
+        """Number of arguments after `self` if all of them are floats, else 0."""
         rest = self.arguments[1:]
         return len(rest) if all(text.startswith("float ") for text in rest) else 0
 
@@ -49,7 +49,7 @@ class Function:
 class Interface:
     """The public part of the C of a model: structs and functions in the order of their declaration.
 
-    channels: how many auxiliary channels it listens to.
+    channels: number of auxiliary channels.
     """
 
     name: str
@@ -58,27 +58,27 @@ class Interface:
     channels: int
 
     def struct(self, name: str) -> Struct:
-        """The struct of that C type."""
+        """The struct with the C type `name`."""
         return next(struct for struct in self.structs if struct.name == name)
 
     def has(self, function: str) -> bool:
-        """Whether there is a function of that name, given without the model's prefix."""
+        """Whether the model has the function `function`, named without the model's prefix."""
         return any(known.name == function for known in self.functions)
 
     @property
     def prototypes(self) -> dict[str, str]:
-        """Declarations as C without semicolon, by the function's name without the model's prefix."""
+        """C declarations without semicolon, by function, named without the model's prefix."""
         return {function.name: function.prototype(self.name) for function in self.functions}
 
     def declarations(self) -> str:
-        """What cffi has to be told to use the structs and to call the functions."""
+        """The C declarations of structs and functions for cffi."""
         channels = f"#define {self.name.upper()}_CHANNELS {self.channels}\n" if self.channels else ""
         declared = "".join(f"{prototype};\n" for prototype in self.prototypes.values())
         return channels + "".join(struct.declaration() for struct in self.structs) + declared
 
 
 def interface(model: Model, *, inverse: bool) -> Interface:
-    """The interface of the C that `generate` makes of a model, with or without its inverse."""
+    """The interface of the C code that `generate` returns for `model`, with or without its inverse."""
     name, channels = model.name, len(channels_of(model.terms))
     self_t, learner = f"{name}_t *self", f"{name}_learner_t *self"
     aux = f"const float aux[{name.upper()}_CHANNELS]"
@@ -102,9 +102,9 @@ def interface(model: Model, *, inverse: bool) -> Interface:
 
 
 def interface_of(name: str, texts: Mapping[str, str]) -> Interface:
-    """The interface of generated texts, from the model and the options among them.
+    """The interface of generated `texts`, from the model file and the options in the manifest.
 
-    Raises HysgenError if either is missing or malformed.
+    Raises HysgenError if either file is missing or malformed.
     """
     file = f"{name}.json"
     try:

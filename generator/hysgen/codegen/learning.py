@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hysgen.codegen.concerns import Concern
 from hysgen.codegen.parameters import Constant, Section, Table
 from hysgen.codegen.pipeline import Turn, pipelined
 from hysgen.codegen.polynomials import polynomial, powers
+from hysgen.codegen.render import Feature
 from hysgen.codegen.structs import learner_struct, rows
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.learner_numbers import (
@@ -29,7 +29,7 @@ from hysgen.float32.learner_numbers import (
 from hysgen.float32.learner_status import LEARNER_COUNTERS, LEARNER_MEANINGS
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Described, Holds, Restart, Start
-from hysgen.float32.update_schedule import COLUMNS_PER_PASS, WRITTEN_OUT, Spread, factors
+from hysgen.float32.update_schedule import COLUMNS_PER_PASS, WRITTEN_OUT, UpdateSchedule, factors
 from hysgen.model.float32_constants import NEWTON_STEPS, ROUNDING
 from hysgen.model.model import Model
 
@@ -146,7 +146,7 @@ class Phase:
     last: bool
 
 
-def learner_concern(model: Model, numbers: Coefficients, _certificates: object) -> Concern | None:
+def learner_feature(model: Model, numbers: Coefficients, _certificates: object) -> Feature | None:
     """The generated learner of a model with learner settings; None for a model without."""
     if model.learner is None:
         return None
@@ -173,15 +173,15 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
         "weight": polynomial("weight", [f"{model.name}_strength[{k}]" for k in range(numbers.rules)]),
         "fixed_rules": _fixed_sums(found) != "",
         "fixed": _fixed(model, found),
-        "project_slices": _slices(found.spread.project),
-        "factor_slices": _slices(found.spread.factor),
-        "clear_slices": [part for part in _slices(found.spread.factor) if _clears(part.last, n)],
-        "phases": _phases(found.spread, n),
+        "project_slices": _slices(found.schedule.project),
+        "factor_slices": _slices(found.schedule.factor),
+        "clear_slices": [part for part in _slices(found.schedule.factor) if _clears(part.last, n)],
+        "phases": _phases(found.schedule, n),
         "chains": [[Element(j - 1, j) for j in range(c, n, SIDE_BY_SIDE)] for c in range(min(SIDE_BY_SIDE, n))],
-        "at_once": found.spread.at_once,
-        "calls": found.spread.calls,
-        "clearing": found.spread.clearing,
-        "calls_to_restart": found.spread.phases - found.spread.calls,
+        "at_once": found.schedule.single_call,
+        "calls": found.schedule.calls,
+        "clearing": found.schedule.clearing,
+        "calls_to_restart": found.schedule.phases - found.schedule.calls,
         "blocks": every,
         "innovations": pipelined(_blocks(ends, INNOVATIONS_WIDTH), INNOVATIONS_STAGES),
         "sums": pipelined(every, SUM_STAGES) if not written_out else one_after_another,
@@ -215,7 +215,7 @@ def learner_concern(model: Model, numbers: Coefficients, _certificates: object) 
             )
         },
     }
-    return Concern("learn.c.j2", {"learner": facts}, _sections(found, upper, firing))
+    return Feature("learn.c.j2", {"learner": facts}, _sections(found, upper, firing))
 
 
 def _learned(i: int, parameter: Parameter, name: str) -> Learned:
@@ -288,14 +288,14 @@ def _slices(borders: Sequence[int]) -> list[Slice]:
     return [_slice(number, first, last, borders[-1]) for number, (first, last) in pairs if first < last]
 
 
-def _phases(spread: Spread, n: int) -> list[Phase]:
+def _phases(schedule: UpdateSchedule, n: int) -> list[Phase]:
     """The phases 1, 2, ... of an update of n parameters, then those of a restart."""
     found: list[Phase] = []
-    for kind, borders in (("project", spread.project), ("factor", spread.factor), ("clear", spread.factor)):
+    for kind, borders in (("project", schedule.project), ("factor", schedule.factor), ("clear", schedule.factor)):
         for k, (first, last) in enumerate(itertools.pairwise(borders)):
             busy = first < last and (kind != "clear" or _clears(last, n))
             number = len(found) + 1
-            following = 0 if number == spread.phases else number + 1
+            following = 0 if number == schedule.phases else number + 1
             found.append(Phase(f"{kind}_{k}" if busy else "", number, following, kind, last=k + 2 == len(borders)))
     return found
 

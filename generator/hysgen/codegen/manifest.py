@@ -1,4 +1,4 @@
-"""MANIFEST.json: what a generated folder is made of, from what, with which guarantees and at what cost."""
+"""MANIFEST.json: the files of a generated folder with digests, model, options, certificates, errors and cost."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ VERSION: Final = 1
 
 
 def manifest(model: Model, texts: Mapping[str, str], facts: Mapping[str, Any]) -> str:
-    """The text of MANIFEST.json: digests of every file, then `facts` (options, certificates, errors, cost)."""
+    """The text of MANIFEST.json: digests of all `texts`, then `facts` (options, certificates, errors, cost)."""
     data = {
         "schema": SCHEMA,
         "version": VERSION,
@@ -34,13 +34,13 @@ def manifest(model: Model, texts: Mapping[str, str], facts: Mapping[str, Any]) -
 
 
 def model_file(model: Model) -> str:
-    """Name of the model's own file in the folder."""
+    """Name of the model file in the folder."""
     return f"{model.name}.json"
 
 
 @dataclass(frozen=True)
 class Folder:
-    """A generated folder as read back: its model, its texts by file name, a line per file that was altered since."""
+    """A generated folder: model, texts by file name, manifest `facts`, one message per file with another digest."""
 
     model: Model
     texts: Mapping[str, str]
@@ -49,18 +49,18 @@ class Folder:
 
 
 def read_folder(folder: Path) -> Folder:
-    """What `hysgen generate` wrote. Raises HysgenError if the folder lacks its manifest, its model or a file."""
+    """Read a generated folder. Raises HysgenError if manifest, model or a listed file is missing or cannot be read."""
     facts = _read_manifest(folder / MANIFEST)
     texts: dict[str, str] = {}
     altered = []
-    for name, told in facts["files"].items():
+    for name, expected in facts["files"].items():
         path = folder / name
         try:
             data = path.read_bytes()
             texts[name] = data.decode("utf-8")
         except (OSError, UnicodeDecodeError) as fault:
             raise HysgenError(f"{path}: cannot be read ({fault}); generate the folder again") from fault
-        if digest(data) != told:
+        if digest(data) != expected:
             altered.append(f"{path}: is not what was generated (its digest differs from {MANIFEST})")
     texts[MANIFEST] = (folder / MANIFEST).read_text(encoding="utf-8")
     return Folder(load_model(folder / facts["model_file"]), texts, facts, tuple(altered))

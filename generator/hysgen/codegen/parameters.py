@@ -1,4 +1,4 @@
-"""What stands in `<name>_params.h`: constants and tables in sections, one section per concern."""
+"""The constants and tables of `<name>_params.h` in sections, and float32 numbers as C literals."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.codegen.literals import bits, literal
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.reference.accuracy import Accuracy
 from hysgen.machine.reproducible import rounded_up
@@ -45,13 +44,13 @@ class Table:
 
     @property
     def rows(self) -> list[tuple[str, str]]:
-        """Each number as text and the comment behind it."""
+        """The C literal of each number and its comment."""
         return [(_text(value), bits(value) if self.type == "float" else "") for value in self.values]
 
 
 @dataclass(frozen=True)
 class Section:
-    """A titled group; `about` says in a few lines what the numbers are, with equation and units."""
+    """A group of numbers; about: its comment, with equation and units."""
 
     about: str
     constants: Sequence[Constant] = ()
@@ -59,7 +58,7 @@ class Section:
 
 
 def range_section(numbers: Coefficients) -> Section:
-    """Ranges of the inputs and what a non-finite start is replaced by."""
+    """Limits of the inputs, and the replacements of non-finite initial values."""
     return Section(
         "Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value.",
         [
@@ -76,7 +75,7 @@ def range_section(numbers: Coefficients) -> Section:
 
 
 def error_section(errors: Accuracy, *, inverse: bool) -> Section:
-    """Measured distances of the float32 arithmetic from float64."""
+    """Largest measured differences between float32 and float64 in one step."""
     constants = [Constant("PREDICT_ERROR_UM", _stated(errors.predict_um))]
     if inverse:
         constants.append(Constant("INVERSE_ERROR_V", _stated(errors.inverse_V)))
@@ -88,7 +87,7 @@ def error_section(errors: Accuracy, *, inverse: bool) -> Section:
 
 
 def rule_section(numbers: Coefficients, upper: str) -> Section:
-    """The partition and the folded consequents."""
+    """The partition, and the consequents multiplied by the rules' strengths."""
     rows = f"{upper}_BANK_RULES"
     tables = [
         Table("strength", f"{upper}_WINDOW" if numbers.windowed else f"{upper}_RULES", numbers.strength),
@@ -108,7 +107,7 @@ def rule_section(numbers: Coefficients, upper: str) -> Section:
 
 
 def block_sections(model: Model) -> list[Section]:
-    """The numbers of each input block."""
+    """One section of constants per input block."""
     return [
         Section(
             f"Input block `{block.kind}`: {block.describe()}.",
@@ -122,7 +121,7 @@ def block_sections(model: Model) -> list[Section]:
 
 
 def term_sections(model: Model, numbers: Coefficients, upper: str) -> list[Section]:
-    """Shape constants of each term, then the weights of all."""
+    """One section of shape constants per term, then one of all weights."""
     if not model.terms:
         return []
     sections = []
@@ -143,3 +142,28 @@ def _stated(error: float) -> np.float32:
 
 def _text(value: np.float32 | np.uint32) -> str:
     return literal(value) if isinstance(value, np.float32) else f"0x{int(value):08x}u"
+
+
+def literal(value: np.float32) -> str:
+    """`value` with 9 significant digits and the suffix f.
+
+    >>> literal(np.float32(0.1))
+    '0.100000001f'
+
+    Raises ValueError if the text does not read back to the same bits or the value is not finite.
+    """
+    text = f"{float(value):.9g}"
+    if "." not in text and "e" not in text:
+        text += ".0"
+    if not np.isfinite(value) or bits(np.float32(text)) != bits(value):
+        raise ValueError(f"{value!r} has no float32 literal")
+    return text + "f"
+
+
+def bits(value: np.float32) -> str:
+    """The bit pattern of `value` as a hexadecimal literal.
+
+    >>> bits(np.float32(1.0))
+    '0x3f800000'
+    """
+    return f"0x{int(np.float32(value).view(np.uint32)):08x}"

@@ -1,8 +1,8 @@
-"""Straight code in the order of a software pipeline: blocks of independent elements, each some stages behind the next.
+"""Straight-line code in the order of a software pipeline over blocks of independent elements.
 
-A processor that starts an operation in every cycle and has its result some cycles later is busy only if something
-independent stands in between. So while one block loads, the block before multiplies and the one before that adds. The
-operations of every element, and their order, are those of the loop: no bit depends on it.
+A pipelined processor starts an operation in every cycle and has its result some cycles later; independent operations
+must fill the cycles between. While block b loads, block b - 1 multiplies and block b - 2 adds. The operations of each
+element and their order are those of a loop over the elements, so the result is the same in every bit.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ class Turn(Generic[Block]):
 
 
 def pipelined(blocks: Sequence[Block], stages: Sequence[str]) -> list[Turn[Block]]:
-    """Every stage of every block: stage s of a block stands beside stage s + 1 of the block before it, behind it.
+    """Every stage of every block, in the order of execution: stage s + 1 of block b - 1, then stage s of block b.
 
-    An empty stage is a pause. What a stage of one block reads, the blocks before must have written in an earlier stage,
-    or in the same one.
+    An empty stage is a delay of one time slot. A stage of a block may read only values that earlier blocks wrote in the
+    same stage or an earlier one.
 
     >>> [f"{turn.stage} {turn.block}" for turn in pipelined([1, 2, 3], ["load", "store"])]
     ['load 1', 'store 1', 'load 2', 'store 2', 'load 3', 'store 3']

@@ -1,4 +1,4 @@
-"""Sums over the rules written out: the named intermediates of Estrin's scheme and of a sum by pairs."""
+"""Sums over the rules as lines of C: the intermediate values of Estrin's scheme and of pairwise summation."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 Joining = Callable[[int, str, str], str]
-"""Text of two neighbours joined, given the level of the join."""
+"""C text of the combination of two neighbours, from level, left and right text."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """name = text, a line of C."""
+    """The assignment `name = text` in C."""
 
     name: str
     text: str
@@ -19,7 +19,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Sum:
-    """A sum over the rules: its intermediates in order, and the expression that is its value."""
+    """A sum over the rules: assignments of the intermediate values in order, and the C expression of the sum."""
 
     name: str
     steps: Sequence[Step]
@@ -27,7 +27,7 @@ class Sum:
 
 
 def squares(count: int) -> list[Step]:
-    """r2, r4, r8, ...: what a polynomial of `count` coefficients in r needs by Estrin's scheme.
+    """Assignments of r2, r4, r8, ... for a polynomial of `count` coefficients in r by Estrin's scheme.
 
     >>> [f"{step.name} = {step.text}" for step in squares(6)]
     ['r2 = r * r', 'r4 = r2 * r2']
@@ -42,7 +42,7 @@ def squares(count: int) -> list[Step]:
 
 
 def powers(count: int) -> list[Step]:
-    """r2, r3, ... r<count - 1>, each from two shorter ones, so that no chain is longer than needed.
+    """Assignments of r2, r3, ... r<count - 1> by r^k = r^(k//2) r^(k - k//2), the fewest multiplications in sequence.
 
     >>> [f"{step.name} = {step.text}" for step in powers(5)]
     ['r2 = r * r', 'r3 = r * r2', 'r4 = r2 * r2']
@@ -51,17 +51,17 @@ def powers(count: int) -> list[Step]:
 
 
 def polynomial(name: str, coefficients: Sequence[str]) -> Sum:
-    """sum_k coefficients[k] r^k: neighbours join as a + b r, then with r2, r4, ... until one is left."""
+    """sum_k coefficients[k] r^k by Estrin's scheme: neighbours combine as a + b r, the results with r2, then r4, ..."""
     return _joined(name, coefficients, lambda level, left, right: f"{left} + {right} * {_power(2**level)}")
 
 
 def pairs(name: str, products: Sequence[str]) -> Sum:
-    """The sum of `products`: neighbours first, then neighbours of those, until one is left."""
+    """The sum of `products` by pairwise summation."""
     return _joined(name, products, lambda _, left, right: f"{left} + {right}")
 
 
 def _joined(name: str, texts: Sequence[str], join: Joining) -> Sum:
-    """Intermediates are named by the first letter of `name` and by the rows that they cover."""
+    """Pairwise combination of `texts`; an intermediate is named by the first letter of `name`, first and last row."""
     parts = [(text, row, row) for row, text in enumerate(texts)]
     steps: list[Step] = []
     level = 0

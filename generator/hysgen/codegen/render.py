@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import jinja2
 import numpy as np
 
-from hysgen.codegen.literals import bits, literal
-from hysgen.codegen.parameters import Constant
+from hysgen.codegen.parameters import Constant, Section, bits, literal
 from hysgen.codegen.polynomials import Sum, pairs, polynomial, powers, squares
 from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, part_struct, rows, terms_struct
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
@@ -26,11 +25,24 @@ from hysgen.model.terms.base import Mirror
 
 
 @dataclass(frozen=True)
+class Feature:
+    """An optional part of the generated code besides init, predict, simulate and inverse: the learner or its commit.
+
+    template: file with the macros `declarations()` for the header and `definitions()` for the source.
+    facts: variables of the macros, by name; sections: numbers of the feature in `<name>_params.h`.
+    """
+
+    template: str
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    sections: Sequence[Section] = ()
+
+
+@dataclass(frozen=True)
 class TermText:
     """The data of a term's template.
 
     struct: the struct of its state; prefix: of its functions and constants; first: index of its first regressor.
-    corrects: whether the innovation corrects its state; heard: indices of its channels in aux[].
+    corrects: whether the innovation corrects its state; channels: indices of its channels in aux[].
     """
 
     term: Term
@@ -38,7 +50,7 @@ class TermText:
     prefix: str
     first: int
     corrects: bool
-    heard: tuple[int, ...]
+    channels: tuple[int, ...]
 
     @property
     def kind(self) -> str:
@@ -119,9 +131,9 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
     for term in model.terms:
         prefix = f"{model.name}_{term.kind}"
         mirror = type(term.mirror(numbers.rest_V.reshape(1), model.Ts_s))
-        heard = tuple(channels_of(model.terms).index(name) for name in term.channels)
+        channels = tuple(channels_of(model.terms).index(name) for name in term.channels)
         texts.append(
-            TermText(term, part_struct(model, term), prefix, first, mirror.correct is not Mirror.correct, heard)
+            TermText(term, part_struct(model, term), prefix, first, mirror.correct is not Mirror.correct, channels)
         )
         first += term.size
     return texts

@@ -1,4 +1,4 @@
-"""Inputs and expected bits of the self-test that runs on the target, from the float32 reference."""
+"""Inputs and expected bit patterns of the self-test on the target, computed by the float32 reference."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ SEED: Final = 20120321
 
 @dataclass(frozen=True)
 class Chain:
-    """Samples of one function, in a row from `_init`: bits of arguments, channels and result, and what they are.
+    """Successive calls of one function after `_init`.
 
-    status, counters: the words that must stand in the struct at the end.
+    start: bit patterns of the arguments of `_init`. rows: bit patterns of arguments, channels and result of each call;
+    comments: the same as decimal numbers. status, counters: expected words of the struct after the last call.
     """
 
     function: str
@@ -36,12 +37,12 @@ class Chain:
 
     @property
     def columns(self) -> int:
-        """Words of a row."""
+        """Number of words in a row."""
         return len(self.rows[0][0]) + len(self.rows[0][1]) + 1
 
 
 def chains(model: Model, *, inverse: bool) -> list[Chain]:
-    """One chain per function: ordinary samples, the ends of the ranges, beyond them, tiny, huge, not finite."""
+    """One chain per function, with arguments in range, at its limits, outside, tiny, huge and not finite."""
     functions = ["predict", "simulate", *(["inverse"] if inverse else [])]
     return [_chain(model, function, seed) for seed, function in enumerate(functions, SEED)]
 
@@ -54,16 +55,16 @@ def _chain(model: Model, function: str, seed: int) -> Chain:
     ordinary = np.arange(ROWS) % 3 != 2
     y_next[ordinary] = _reachable(model, y, rng)[ordinary]
     arguments = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
-    heard = [_column(rng, np.float32(-1.0), np.float32(40.0)) for _ in lane.channels]
+    channels = [_column(rng, np.float32(-1.0), np.float32(40.0)) for _ in lane.channels]
     rows, comments = [], []
     with np.errstate(all="ignore"):
         for k in range(ROWS):
-            if heard:
-                lane.aux([column[k : k + 1] for column in heard])
+            if channels:
+                lane.aux([column[k : k + 1] for column in channels])
             result = getattr(lane, function)(*(column[k : k + 1] for column in arguments))
-            rows.append((_bits(arguments, k), _bits(heard, k), int(result.view(np.uint32)[0])))
-            told = ", ".join(f"{column[k]:.6g}" for column in (*arguments, *heard))
-            comments.append(f"{told} -> {result[0]:.6g}")
+            rows.append((_bits(arguments, k), _bits(channels, k), int(result.view(np.uint32)[0])))
+            inputs = ", ".join(f"{column[k]:.6g}" for column in (*arguments, *channels))
+            comments.append(f"{inputs} -> {result[0]:.6g}")
     return Chain(
         function=function,
         start=(int(y0.view(np.uint32)), int(u0.view(np.uint32))),
@@ -75,7 +76,7 @@ def _chain(model: Model, function: str, seed: int) -> Chain:
 
 
 def _reachable(model: Model, y: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
-    """Displacements that inputs inside the range reach from y in one step, terms at rest."""
+    """Displacements y(k+1), (ROWS,), that random inputs in range reach from y, the terms in their initial state."""
     u = drawn(rng, model.u_min_V, model.u_max_V, ROWS).astype(np.float32)
     with np.errstate(all="ignore"):
         return Instance(model, y, np.zeros(ROWS, dtype=np.float32)).predict(y, u)
@@ -87,7 +88,7 @@ def _limits(model: Model) -> list[tuple[np.float32, np.float32]]:
 
 
 def _column(rng: np.random.Generator, low: np.float32, high: np.float32) -> NDArray[np.float32]:
-    """ROWS values: two thirds ordinary, every third special."""
+    """(ROWS,) values: every third is a limit, outside, tiny, huge or not finite, the others are uniform in range."""
     column = drawn(rng, float(low), float(high), ROWS).astype(np.float32)
     special = [low, high, 2 * low - high, 2 * high - low, 0.0, -0.0, 1e-40, -1e30, np.inf, -np.inf, np.nan]
     column[2::3] = rng.permutation(np.array(special, dtype=np.float32))[: column[2::3].size]

@@ -25,7 +25,7 @@ from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, fit
 from hysgen.float32.learner_numbers import MOST_PARAMETERS
-from hysgen.float32.update_schedule import spread
+from hysgen.float32.update_schedule import update_schedule
 from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.simulate import free_run
@@ -116,13 +116,14 @@ def add_online_parts(model: Model, extensions: Sequence[Extension], span_s: floa
 
 
 def calls_per_update(parameters: int, Ts_s: float) -> int:
-    """Fewest samples over which an update of the learner can be spread so that it leaves the period to the rest.
+    """Least number of calls per update for which the most expensive call fits SHARE_TO_LEARN of the sample period.
 
-    If none are enough, those of which more would not make the dearest call cheaper.
+    If no number up to MOST_CALLS suffices, the number with the fewest cycles in the most expensive call.
     """
-    ways = [spread(min(parameters, MOST_PARAMETERS), calls) for calls in range(1, MOST_CALLS + 1)]
-    room = SHARE_TO_LEARN * budget(Ts_s)
-    return next((way.calls for way in ways if way.busiest <= room), min(ways, key=lambda way: way.busiest).calls)
+    schedules = [update_schedule(min(parameters, MOST_PARAMETERS), calls) for calls in range(1, MOST_CALLS + 1)]
+    limit = SHARE_TO_LEARN * budget(Ts_s)
+    cheapest = min(schedules, key=lambda schedule: schedule.largest_cycles)
+    return next((each.calls for each in schedules if each.largest_cycles <= limit), cheapest.calls)
 
 
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:

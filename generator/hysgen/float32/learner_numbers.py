@@ -15,7 +15,7 @@ import numpy as np
 
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Coefficients, Floats, Floats32, single
-from hysgen.float32.update_schedule import Spread, spread
+from hysgen.float32.update_schedule import UpdateSchedule, update_schedule
 from hysgen.machine.reproducible import power, total
 from hysgen.model.learner_settings import BIAS, LearnerSettings
 from hysgen.model.model import Model
@@ -95,9 +95,9 @@ class LearnerNumbers:
         return len(self.parameters)
 
     @property
-    def spread(self) -> Spread:
+    def schedule(self) -> UpdateSchedule:
         """The columns of U that each call of an update computes."""
-        return spread(self.size, self.settings.calls_per_update)
+        return update_schedule(self.size, self.settings.calls_per_update)
 
     def learns(self, group: str) -> bool:
         """Whether parameters of `group` are learned."""

@@ -31,20 +31,20 @@ _BEGIN, _WEIGH, _STEP = 11.0, 30.0, 15.5
 
 
 @dataclass(frozen=True)
-class Spread:
+class UpdateSchedule:
     """Division of an update among `calls` calls.
 
     project, factor: borders 0, ..., n between the columns of successive calls, in either half of the update.
-    busiest: cycles of the most expensive call.
+    largest_cycles: cycles of the most expensive call.
     """
 
     calls: int
     project: tuple[int, ...]
     factor: tuple[int, ...]
-    busiest: float
+    largest_cycles: float
 
     @property
-    def at_once(self) -> bool:
+    def single_call(self) -> bool:
         """Whether one call does a whole update or writes all of U."""
         return self.calls == 1
 
@@ -56,7 +56,7 @@ class Spread:
     @property
     def phases(self) -> int:
         """Largest value of the learner's phase."""
-        return self.calls if self.at_once else self.calls + len(self.factor) - 1
+        return self.calls if self.single_call else self.calls + len(self.factor) - 1
 
 
 def factors(parameters: int) -> int:
@@ -66,12 +66,12 @@ def factors(parameters: int) -> int:
 
 
 @functools.lru_cache(maxsize=256)
-def spread(parameters: int, calls: int) -> Spread:
+def update_schedule(parameters: int, calls: int) -> UpdateSchedule:
     """The division of an update of `parameters` parameters among `calls` calls.
 
-    >>> spread(18, 2).project, spread(18, 2).factor
+    >>> update_schedule(18, 2).project, update_schedule(18, 2).factor
     ((0, 18), (0, 18))
-    >>> spread(54, 6).project
+    >>> update_schedule(54, 6).project
     (0, 24, 54)
     """
     n = parameters
@@ -85,13 +85,13 @@ def spread(parameters: int, calls: int) -> Spread:
         project = [_PROJECT_PASS * n] * -(-n // grain)
         factor = [_FACTOR_COLUMN * n] * n
     if calls == 1:
-        return Spread(1, (0, n), (0, n), begin + sum(project) + weigh + sum(factor) + step)
+        return UpdateSchedule(1, (0, n), (0, n), begin + sum(project) + weigh + sum(factor) + step)
     found = []
     for first in range(1, calls):
         one, passes = _cut([begin, *project, weigh], first)
         other, columns = _cut([0.0, *factor, step], calls - first)
-        found.append(Spread(calls, tuple(min(grain * c, n) for c in passes), columns, max(one, other)))
-    return min(found, key=lambda s: s.busiest)
+        found.append(UpdateSchedule(calls, tuple(min(grain * c, n) for c in passes), columns, max(one, other)))
+    return min(found, key=lambda schedule: schedule.largest_cycles)
 
 
 def _cut(costs: Sequence[float], slices: int) -> tuple[float, tuple[int, ...]]:

@@ -1,4 +1,4 @@
-"""What a call of a generated function does: operations by kind, counted in the C text itself, and bytes."""
+"""Cost of the generated functions: operations per call by kind, counted in the C text, and bytes of memory."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ _BYTES = 4
 
 @dataclass(frozen=True)
 class Figures:
-    """operations: of the worst path of each public function, by its name without the model's.
+    """Operations and bytes of one model's C code.
 
-    struct_bytes: size of every public struct; constant_bytes: tables of constants, initial banks among them.
+    operations: counts of the most expensive path, by public function, named without the model's prefix.
+    struct_bytes: size by public struct; constant_bytes: size of all tables of constants, initial banks included.
     """
 
     operations: Mapping[str, Counts]
@@ -30,9 +31,9 @@ class Figures:
 
 
 def figures(name: str, texts: Mapping[str, str]) -> Figures:
-    """Count the generated files of model `name`, given by file name.
+    """The figures of model `name` with the generated `texts` by file name.
 
-    Raises HysgenError if they use C that has no fixed cost.
+    Raises HysgenError if the C code contains a statement without a fixed cost.
     """
     program = Program(syntax_tree(texts, (f"{name}.h", f"{name}_params.h", f"{name}.c")))
     header = Types()

@@ -1,7 +1,7 @@
-"""Exact operation counts of generated C: its tree walked along the worst path, calls inlined, loops multiplied out.
+"""Operation counts of generated C along the most expensive path of its syntax tree, calls and loops expanded.
 
-Counted is what the source says, as a compiler sees it without optimisation: a value that is used twice is loaded twice.
-Local variables, and pointers to them, count as registers; a minus before a number belongs to the number.
+The counts are those of code without optimisation: a value that is used twice is loaded twice. Local variables, and
+pointers to local variables, count as registers; the minus of a negative constant is not counted.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _COMPARISONS = frozenset({"<", ">", "<=", ">=", "==", "!="})
 
 @dataclass(frozen=True)
 class Value:
-    """What an expression stands for: its type, and whether it lies in memory (or points there)."""
+    """Value of an expression: its type, and whether it is stored in memory or points to memory."""
 
     type: Type
     in_memory: bool = False
@@ -55,11 +55,11 @@ class Program:
                     self.constant_words += words(kind)
 
     def public(self) -> list[str]:
-        """Functions that can be called from elsewhere."""
+        """Names of the functions with external linkage."""
         return [name for name, node in self._functions.items() if "static" not in node.decl.storage]
 
     def count(self, name: str) -> Counts:
-        """Operations of the worst path through function `name`, its struct in memory."""
+        """Operations of the most expensive path through function `name`; its arguments are in memory."""
         function = self._functions[name]
         arguments = [Value(self.types.of(p.type), in_memory=True) for p in _parameters(function)]
         return self._called(function, arguments)
@@ -68,12 +68,12 @@ class Program:
         scope = Scope(dict(self._globals.names))
         for parameter, value in zip(_parameters(function), arguments, strict=True):
             kind = self.types.of(parameter.type)
-            # A scalar arrives in a register; a pointer points to where the caller's does.
+            # A scalar is passed in a register; a pointer keeps the location of its target.
             scope.names[parameter.name] = Value(kind, value.in_memory and not isinstance(kind, Scalar))
         return self._block(function.body.block_items or [], scope)[0]
 
     def _block(self, statements: Sequence[c_ast.Node], scope: Scope) -> tuple[Counts, bool]:
-        """The worst path through statements, and whether it always ends in a return."""
+        """Operations of the most expensive path through `statements`, and whether every path ends in a return."""
         total = _NOTHING
         for k, statement in enumerate(statements):
             if isinstance(statement, c_ast.If):
@@ -131,15 +131,15 @@ class Program:
         return start + each + (each + body + step).times(passes)
 
     def _switch(self, node: c_ast.Switch, scope: Scope) -> Counts:
-        """The dearest case; every case of generated C ends in a break or return."""
+        """Operations of the most expensive case; every case of generated C ends in a break or return."""
         cases = [self._block(case.stmts or [], Scope(dict(scope.names)))[0] for case in node.stmt.block_items]
-        dearest = _NOTHING
+        costliest = _NOTHING
         for case in cases:
-            dearest = worse(dearest, case)
-        return self._expression(node.cond, scope)[0] + Counts(integer=len(cases), branch=1) + dearest
+            costliest = worse(costliest, case)
+        return self._expression(node.cond, scope)[0] + Counts(integer=len(cases), branch=1) + costliest
 
     def _expression(self, node: c_ast.Node, scope: Scope) -> tuple[Counts, Value]:
-        """Operations of evaluating an expression, and its value in a register (or where a pointer points)."""
+        """Operations of evaluating an expression, and its value."""
         match node:
             case c_ast.Constant():
                 return _NOTHING, Value(FLOAT if "float" in node.type or "double" in node.type else INTEGER)
@@ -163,7 +163,7 @@ class Program:
             case c_ast.TernaryOp():
                 condition = self._expression(node.cond, scope)[0]
                 (one, value), (other, _) = (self._expression(side, scope) for side in (node.iftrue, node.iffalse))
-                # Between two values that are there already it is a selection, not a jump.
+                # A choice between two values without operations compiles to a conditional move, not to a branch.
                 chosen = _INTEGER if one.total == other.total == 0 else Counts(branch=1)
                 return condition + chosen + worse(one, other), value
             case c_ast.InitList():
@@ -174,10 +174,10 @@ class Program:
             case c_ast.ExprList():
                 costs = [self._expression(part, scope) for part in node.exprs]
                 return sum((cost for cost, _ in costs), _NOTHING), costs[-1][1]
-        raise HysgenError(f"{node.coord}: {type(node).__name__} is not something that generated C uses")
+        raise HysgenError(f"{node.coord}: {type(node).__name__} is not an expression of generated C")
 
     def _place(self, node: c_ast.Node, scope: Scope) -> tuple[Counts, Value]:
-        """Operations of finding an lvalue, and what lies there; nothing is loaded yet."""
+        """Operations of computing the address of an lvalue, without a load, and its value."""
         match node:
             case c_ast.ID():
                 return _NOTHING, scope.names[node.name]
@@ -200,7 +200,7 @@ class Program:
                 assert isinstance(base.type, Pointer | Array)
                 element = base.type.of if isinstance(base.type, Array) else base.type.to
                 return cost, Value(element, base.in_memory)
-        raise HysgenError(f"{node.coord}: {type(node).__name__} is not a place that generated C writes to")
+        raise HysgenError(f"{node.coord}: {type(node).__name__} is not an lvalue of generated C")
 
     def _binary(self, node: c_ast.BinaryOp, scope: Scope) -> tuple[Counts, Value]:
         (left, a), (right, b) = (self._expression(side, scope) for side in (node.left, node.right))
@@ -228,7 +228,7 @@ class Program:
         cost, value = self._expression(node.expr, scope)
         if isinstance(node.expr, c_ast.Constant):
             return cost, value
-        # Also -x of a float: it flips a bit.
+        # The negation of a float also counts as an integer operation, as it changes the sign bit.
         return cost + _INTEGER, Value(value.type)
 
     def _assignment(self, node: c_ast.Assignment, scope: Scope) -> tuple[Counts, Value]:
@@ -258,14 +258,14 @@ def _parameters(function: c_ast.FuncDef) -> list[c_ast.Decl]:
 
 
 def _moved(place: Value, one: Counts) -> Counts:
-    """Loading or storing what lies at `place`: nothing for registers, addresses and arrays, each word of a struct."""
+    """Loads or stores (`one` each) of the value at `place`: one per word; none for registers, addresses and arrays."""
     if not place.in_memory or isinstance(place.type, Pointer | Array):
         return _NOTHING
     return one.times(words(place.type))
 
 
 def _passes(node: c_ast.For) -> int:
-    """How often a loop of the form `for (i = a; i < b; ++i)` or with `i += c` runs."""
+    """Number of passes of a loop `for (i = a; i < b; ++i)` or `for (i = a; i < b; i += c)`."""
     first = constant(node.init.decls[0].init if isinstance(node.init, c_ast.DeclList) else node.init.rvalue)
     if not isinstance(node.cond, c_ast.BinaryOp) or node.cond.op != "<":
         raise HysgenError(f"{node.coord}: a generated loop runs while its index is below a constant")

@@ -1,4 +1,4 @@
-"""Numbers of operations by kind, and how they add up along the worst path."""
+"""Operation counts by kind, with sum, multiple and comparison."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ class Counts:
     """Operations of one call.
 
     add: float32 additions and subtractions; multiply: float32 multiplications; compare: float32 comparisons;
-    convert: between float32 and integers; integer: everything on integers but addresses, and selections `c ? a : b` of
-    values that are there; load, store: 32-bit words of the caller's structs and of constant tables (local variables
-    count as registers); branch: jumps of ifs and loops.
+    convert: conversions between float32 and integer; integer: integer operations except those of addresses, and
+    conditional moves `c ? a : b`; load, store: 32-bit words of the caller's structs and of constant tables (local
+    variables count as registers); branch: branches of if statements and loops.
     """
 
     add: int = 0
@@ -31,20 +31,20 @@ class Counts:
         return Counts(*(a + b for a, b in zip(mine, theirs, strict=True)))
 
     def times(self, count: int) -> Counts:
-        """The same `count` times."""
+        """The counts multiplied by `count`."""
         return Counts(*(count * number for number in dataclasses.astuple(self)))
 
     @property
     def total(self) -> int:
-        """All kinds together."""
+        """Sum over all kinds."""
         return sum(dataclasses.astuple(self))
 
     def to_json(self) -> dict[str, int]:
-        """Plain JSON values, by kind, and their total."""
+        """The counts by kind and their total, as JSON values."""
         return {**dataclasses.asdict(self), "total": self.total}
 
     def describe(self) -> str:
-        """One line for people, kinds that do not occur left out."""
+        """The counts that are not zero, in one line of text."""
         words = {
             "add": "float +-",
             "multiply": "float *",
@@ -60,5 +60,5 @@ class Counts:
 
 
 def worse(one: Counts, other: Counts) -> Counts:
-    """The one with more operations."""
+    """The argument with the larger total."""
     return one if one.total >= other.total else other

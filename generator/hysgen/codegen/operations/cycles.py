@@ -1,14 +1,14 @@
-"""Cycles of the TMS320C6748 and the budget of a sample period; what is not measured on the target is estimated.
+"""Cycles of the TMS320C6748, measured or estimated from operation counts, and the budget of a sample period.
 
     cycles = 60 + 0.75 operations + 20 branches          (stall-free, gcc 12.2 for the C674x)
-    cycles = 200 + 0.45 operations + 20 branches         of a call of learn
+    cycles = 200 + 0.45 operations + 20 branches         for a call of learn
 
 Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules, with and without terms and input
 blocks, compiled as in hysgen.c674x) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
-constant is the latency of the chain exponential, sums, reciprocal; a branch costs its jump and the overlap that it
-prevents. The elements of an update do not wait for each other: learners of 6 to 64 parameters, spread over 1 to 10
-calls, took 0.78 to 1.2 times the second estimate (benchmarks/target_cycles.py). tests/c674x/test_cost.py holds both to
-0.7 .. 1.3.
+constant is the latency of exponential, sums and reciprocal in sequence; a branch costs its jump and the overlap of
+operations that it prevents. The elements of an update are independent and overlap: learners of 6 to 64 parameters with
+1 to 10 calls per update took 0.78 to 1.2 times the second estimate (benchmarks/target_cycles.py).
+tests/c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
 """
 
 from __future__ import annotations
@@ -18,12 +18,17 @@ from dataclasses import dataclass
 from typing import Final
 
 from hysgen.codegen.operations.counts import Counts
+from hysgen.errors import BudgetError
+from hysgen.model.model import Model
 
 CLOCK_HZ: Final = 375e6
 """Clock of the paper's DSP."""
 
 STEPS: Final = ("predict", "simulate", "inverse")
-BESIDES: Final = ("learn", "commit")
+"""Functions of which a controller calls one per sample."""
+
+EVERY_SAMPLE: Final = ("learn", "commit")
+"""Functions that a controller calls in every sample besides."""
 
 _LATENCY, _PER_OPERATION, _PER_BRANCH = 60.0, 0.75, 20.0
 _LEARN_LATENCY, _LEARN_PER_OPERATION = 200.0, 0.45
@@ -31,7 +36,7 @@ _LEARN_LATENCY, _LEARN_PER_OPERATION = 200.0, 0.45
 
 @dataclass(frozen=True)
 class Cycles:
-    """Stall-free cycles of one call; `measured` on the target's instruction set, or estimated from operations."""
+    """Stall-free cycles of one call, measured on the target's instruction set or estimated from operation counts."""
 
     value: int
     measured: bool
@@ -41,14 +46,14 @@ class Cycles:
 
 
 def estimated(counts: Counts, function: str = "predict") -> Cycles:
-    """The formula above for a call of `function`, its name without the model's."""
+    """The estimate above for a call of `function`, named without the model's prefix."""
     straight = counts.total - counts.branch
     latency, each = (_LEARN_LATENCY, _LEARN_PER_OPERATION) if function == "learn" else (_LATENCY, _PER_OPERATION)
     return Cycles(round(latency + each * straight + _PER_BRANCH * counts.branch), measured=False)
 
 
 def cycles_of(operations: Mapping[str, Counts], measured: Mapping[str, int] | None = None) -> dict[str, Cycles]:
-    """Cycles of public functions, by their names without the model's: `measured` where known, else estimated."""
+    """Cycles by public function, named without the model's prefix: from `measured` if listed, else estimated."""
     known = measured or {}
     return {
         name: Cycles(known[name], measured=True) if name in known else estimated(counts, name)
@@ -62,7 +67,18 @@ def budget(Ts_s: float, clock_Hz: float = CLOCK_HZ) -> int:
 
 
 def per_sample(cycles: Mapping[str, Cycles]) -> Cycles:
-    """One sample period of a controller: the dearest of STEPS, and all of BESIDES that there are."""
+    """Cycles of one sample period: the most expensive function of STEPS plus all generated ones of EVERY_SAMPLE."""
     step = max((cycles[name] for name in STEPS if name in cycles), key=lambda c: c.value)
-    parts = [step, *(cycles[name] for name in BESIDES if name in cycles)]
+    parts = [step, *(cycles[name] for name in EVERY_SAMPLE if name in cycles)]
     return Cycles(sum(part.value for part in parts), all(part.measured for part in parts))
+
+
+def require_budget(model: Model, cycles: Mapping[str, Cycles], clock_Hz: float = CLOCK_HZ) -> None:
+    """Raise BudgetError, with the numbers, if one sample takes more cycles than the sample period has."""
+    allowed, needed = budget(model.Ts_s, clock_Hz), per_sample(cycles)
+    if needed.value > allowed:
+        parts = ", ".join(f"{name} {cycles[name].value}" for name in (*STEPS, *EVERY_SAMPLE) if name in cycles)
+        raise BudgetError(
+            f"{model.name}: one sample takes {needed} ({parts}), the period of {1e6 * model.Ts_s:.4g} us has {allowed} "
+            f"at {clock_Hz / 1e6:.4g} MHz; fewer parameters, a learner spread over more calls, or a longer period"
+        )

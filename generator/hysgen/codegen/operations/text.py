@@ -1,7 +1,7 @@
-"""Generated C as a syntax tree, without a compiler: the few directives that it uses are carried out here.
+"""Syntax tree of generated C, with a preprocessor for the directives that generated C uses.
 
-Kept is what stands inside include guards; of `#if defined(...)` the `#else` branch, which assumes no particular
-compiler. Macros without parameters are replaced by their text.
+Code within include guards is kept. Of `#if defined(...)` the `#else` branch is kept, which is the portable one. Macros
+without parameters are replaced by their definitions.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ _DEFINE = re.compile(r"(\w+)(\(\))?\s*(.*)")
 
 
 def syntax_tree(texts: Mapping[str, str], names: tuple[str, ...]) -> c_ast.FileAST:
-    """The tree of the files `names` in a row, each seeing the macros of those before.
+    """The syntax tree of the concatenated files `names`; the macros of a file are defined in the files after it.
 
-    Raises HysgenError if the text uses more of C's preprocessor than generated code does.
+    Raises HysgenError at a preprocessor directive that generated code does not use.
     """
     macros: dict[str, str] = {"UINT32_MAX": "4294967295u"}
     body = "".join(preprocessed(texts[name], macros) for name in names)
@@ -29,7 +29,7 @@ def syntax_tree(texts: Mapping[str, str], names: tuple[str, ...]) -> c_ast.FileA
 
 
 def preprocessed(text: str, macros: dict[str, str]) -> str:
-    """`text` without comments and directives, macros replaced; adds those that it defines to `macros`."""
+    """`text` without comments and directives, macros replaced; adds the macros that `text` defines to `macros`."""
     text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL).replace("\\\n", " ")
     kept: list[str] = []
     open_branches: list[bool] = []

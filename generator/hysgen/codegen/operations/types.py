@@ -1,4 +1,4 @@
-"""C types as far as counting needs them: what is a float, what is a word, how large is a struct."""
+"""C types of generated code: scalars, pointers, arrays, structs, and their sizes in words."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Array:
 
 @dataclass(frozen=True)
 class Struct:
-    """Members by name, in their order; of a union only the names matter."""
+    """Types of the members by name, in order of declaration; also a union, whose size is not used."""
 
     members: Mapping[str, Type]
 
@@ -49,7 +49,7 @@ class Types:
         self._named: dict[str, Type] = {}
 
     def define(self, node: c_ast.Typedef) -> None:
-        """Take a typedef in."""
+        """Add the typedef `node`."""
         self._named[node.name] = self.of(node.type)
 
     @property
@@ -61,7 +61,7 @@ class Types:
         return self._named[name]
 
     def of(self, node: c_ast.Node) -> Type:
-        """The type that a declaration's type node stands for."""
+        """The type of the type node of a declaration. Raises HysgenError for a type that generated C does not use."""
         match node:
             case c_ast.TypeDecl() | c_ast.Typename():
                 return self.of(node.type)
@@ -88,7 +88,7 @@ def words(kind: Type) -> int:
 
 
 def constant(node: c_ast.Node) -> int:
-    """The value of an integer constant expression."""
+    """The value of an integer constant expression. Raises HysgenError for any other expression."""
     match node:
         case c_ast.Constant():
             return int(node.value.rstrip("uUlL"), 0)

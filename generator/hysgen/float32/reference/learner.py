@@ -124,10 +124,10 @@ class Learner(LearnerState):
 
     def _continue_update(self) -> None:
         """Do one call's part of the update in every lane with an update in progress."""
-        spread = self.numbers.spread
-        projects, factors = list(itertools.pairwise(spread.project)), list(itertools.pairwise(spread.factor))
+        schedule = self.numbers.schedule
+        projects, factors = list(itertools.pairwise(schedule.project)), list(itertools.pairwise(schedule.factor))
         begun = self.phase
-        if spread.at_once:
+        if schedule.single_call:
             busy = begun != 0
             self._project(busy, *projects[0])
             self._update_diagonal(busy)
@@ -143,18 +143,18 @@ class Learner(LearnerState):
         for phase, columns in enumerate(factors, 1 + len(projects)):
             where = begun == phase
             self._update_factor(where, *columns)
-            if phase == spread.calls:
+            if phase == schedule.calls:
                 self._update_theta(where)
             else:
                 self.phase = np.where(where, np.uint32(phase + 1), self.phase)
 
     def _continue_restart(self, begun: Words) -> None:
         """Write the next columns of U = I in every lane that began the call in a restart."""
-        spread = self.numbers.spread
-        for phase, columns in enumerate(itertools.pairwise(spread.factor), spread.clearing):
+        schedule = self.numbers.schedule
+        for phase, columns in enumerate(itertools.pairwise(schedule.factor), schedule.clearing):
             where = begun == phase
             self.clear(where, *columns)
-            following = np.uint32(phase + 1 if phase < spread.phases else 0)
+            following = np.uint32(phase + 1 if phase < schedule.phases else 0)
             self.phase = np.where(where, following, self.phase)
 
     def _project(self, where: Mask, first: int, last: int) -> None:

@@ -68,11 +68,11 @@ class LearnerState(LearnerWords):
                 zero = _ZERO if member.type == "float" else np.uint32(0)
                 value = values.get(member.restart, zero)
                 setattr(self, member.name, np.where(where, value, getattr(self, member.name)))
-        if numbers.spread.at_once:
+        if numbers.schedule.single_call:
             self.clear(where, 0, numbers.size)
             self.phase = np.where(where, np.uint32(0), self.phase)
         else:
-            self.phase = np.where(where, np.uint32(numbers.spread.clearing), self.phase)
+            self.phase = np.where(where, np.uint32(numbers.schedule.clearing), self.phase)
 
     def clear(self, where: Mask, first: int, last: int) -> None:
         """Set U = I in columns first .. last - 1; packed columns have no diagonal."""

@@ -101,7 +101,7 @@ def learner_box(model: Model) -> LearnerBox:
     }
     floats |= {level.path: level.box for level in levels}
     floats |= {path: box for path, box in instance.items() if path.startswith(("terms.", "inputs."))}
-    integers = {**parts_box(model).integers, "turn": numbers.size - 1, "phase": numbers.spread.phases}
+    integers = {**parts_box(model).integers, "turn": numbers.size - 1, "phase": numbers.schedule.phases}
     integers |= {member.name: 1 for member in LearnerWords.described() if member.holds is Holds.FLAG}
     return LearnerBox(floats, integers, levels)
 
