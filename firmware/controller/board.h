@@ -39,9 +39,10 @@ uint32_t board_overrun(board_t *board);
 uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin);
 
 /* Parameter store: memory that survives power off. Writing turns bytes of an erased slot into `bytes`; both may be cut
- * off anywhere by a power failure. Offsets and counts are in bytes and multiples of 4. */
+ * off anywhere by a power failure. Offsets and counts are in bytes and multiples of 4. board_store_write returns 0 if the board
+ * has no such memory, 1 else; firmware reads back what was written. */
 void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count);
 void board_store_erase(board_t *board, uint32_t slot);
-void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count);
+uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count);
 
 #endif

@@ -19,7 +19,9 @@ void controller_init(controller_t *self, const settings_t *settings)
     self->settings = settings;
     self->state = CONTROLLER_OFF;
     self->request = CONTROLLER_NO_REQUEST;
+    self->clears = 0u;
     self->committing = 0u;
+    self->installing = 0u;
     self->learns = 0u;
     self->status = 0u;
     self->upward = 1u;
@@ -45,7 +47,9 @@ void controller_init(controller_t *self, const settings_t *settings)
 
 uint32_t controller_install(controller_t *self, const model_bank_t *bank)
 {
-    if ((self->state != CONTROLLER_OFF) & (self->state != CONTROLLER_TRIPPED)) {
+    const controller_state_t state = self->state;
+
+    if ((state != CONTROLLER_OFF) & (state != CONTROLLER_TRIP) & (state != CONTROLLER_TRIPPED)) {
         return 0u;
     }
     bank_copy(&self->bank, bank);
@@ -69,6 +73,9 @@ static void controller_take_request(controller_t *self)
 {
     const uint32_t request = self->request;
 
+    if ((request == CONTROLLER_START) & (self->installing != 0u)) {
+        return;
+    }
     self->request = CONTROLLER_NO_REQUEST;
     if ((request == CONTROLLER_START) & (self->state == CONTROLLER_OFF)) {
         self->state = CONTROLLER_RISE;
@@ -79,6 +86,7 @@ static void controller_take_request(controller_t *self)
     if (request == CONTROLLER_CLEAR) {
         /* A processor that fails its self-test stays where it is. */
         self->status &= STATUS_FAULT_SELFTEST;
+        self->clears += 1u;
         watchdog_init(&self->watchdog, self->settings);
         if ((self->state == CONTROLLER_TRIPPED) & (self->status == 0u)) {
             self->state = CONTROLLER_OFF;

@@ -34,7 +34,7 @@ typedef enum {
     CONTROLLER_TRIPPED = 8
 } controller_state_t;
 
-/* What the caller may ask for; taken at the next sample. */
+/* What the caller may ask for; taken at the next sample, START not before parameters being installed are in place. */
 #define CONTROLLER_NO_REQUEST     0u
 #define CONTROLLER_START          1u  /* from OFF */
 #define CONTROLLER_STOP           2u  /* from any state in which the stage moves */
@@ -44,11 +44,16 @@ typedef enum {
 
 typedef struct {
     const settings_t *settings;
-    controller_state_t state;
+    /* Shared by interrupt and idle loop. Idle writes `request`, `committing` and `installing` only. */
+    volatile controller_state_t state;
+    volatile uint32_t status;       /* STATUS_ bits, sticky until CLEAR */
+    volatile uint32_t samples;      /* since init; wraps */
+    volatile uint32_t clears;       /* CLEARs that were taken; wraps */
     volatile uint32_t request;
     volatile uint32_t committing;   /* the idle loop is inside the model's commit */
+    volatile uint32_t installing;   /* the idle loop is storing and installing parameters; START waits */
+
     uint32_t learns;         /* this sample is one to learn from */
-    uint32_t status;
     uint32_t upward;         /* LOOP: on the way up */
     uint32_t held;           /* samples in HOLD */
     float top_um;            /* LOOP: reading at its highest voltage, */
@@ -60,7 +65,6 @@ typedef struct {
     float asked_um[CONTROLLER_LINE];     /* references on their way to the present, oldest at `oldest` */
     float expected_um[CONTROLLER_LINE];  /* what the model says of the samples in between */
     uint32_t oldest;
-    uint32_t samples;        /* since init; wraps */
     watchdog_t watchdog;
     trim_t trim;
     model_t model;
@@ -86,7 +90,8 @@ void controller_learn(controller_t *self);
 /* After a sample: how long it took. */
 void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun);
 
-/* Parameters for the next start; only while OFF or TRIPPED. Returns 1 if taken. */
+/* Parameters for the next start; only in OFF, TRIP and TRIPPED. Returns 1 if taken. Set `installing` around the call, so that no
+ * start begins inside it. */
 uint32_t controller_install(controller_t *self, const model_bank_t *bank);
 
 #endif

@@ -4,7 +4,9 @@
 
 void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings)
 {
-    self->received = 0u;
+    self->received = IMAGE_BYTES;
+    self->image_status = 0u;
+    self->cleared = 0u;
     self->image_answer = IMAGE_GOOD;
     self->image_pending = 0u;
     self->commit_answer = MODEL_BUSY;
@@ -20,7 +22,7 @@ void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings)
         self->controller.status |= STATUS_FAULT_SELFTEST;
     }
     if (store_load(&self->store, board, &self->bench, &self->controller.bank) != 0u) {
-        self->controller.status |= STATUS_IMAGE_FALLBACK;
+        self->image_status = STATUS_IMAGE_FALLBACK;
     }
 }
 
@@ -38,7 +40,13 @@ void firmware_interrupt(firmware_t *self, board_t *board)
     controller_time(&self->controller, self->cycles_last, board_overrun(board));
 }
 
-/* Bytes of an image as they arrive; a complete one waits for the stage to be off. */
+uint32_t firmware_status(const firmware_t *self)
+{
+    return self->controller.status | self->image_status;
+}
+
+/* Bytes of an image as they arrive; a complete one waits for the stage to be off. Bytes behind a complete one, noise on the
+ * line for instance, are ignored until the next image begins. */
 static void firmware_receive(firmware_t *self, board_t *board)
 {
     uint8_t bytes[64];
@@ -49,42 +57,44 @@ static void firmware_receive(firmware_t *self, board_t *board)
         self->received = 0u;
         self->image_pending = 0u;
     }
-    for (uint32_t i = 0u; i < count; ++i) {
-        if (self->received < IMAGE_BYTES) {
-            self->incoming[self->received] = bytes[i];
-        }
-        self->received += (uint32_t)(self->received < UINT32_MAX);
-    }
-    if ((count != 0u) & (self->received == IMAGE_BYTES)) {
-        self->image_pending = 1u;
-    }
-    if (self->received > IMAGE_BYTES) {
-        self->image_pending = 0u;
-        self->image_answer = IMAGE_INCOMPLETE;
-        self->controller.status |= STATUS_IMAGE_REFUSED;
+    for (uint32_t i = 0u; (i < count) & (self->received < IMAGE_BYTES); ++i) {
+        self->incoming[self->received] = bytes[i];
+        self->received += 1u;
+        self->image_pending = (uint32_t)(self->received == IMAGE_BYTES);
     }
 }
 
 /* Certification and store take milliseconds and touch nothing that the interrupt uses; taking over is one copy. */
 static void firmware_take_image(firmware_t *self, board_t *board)
 {
-    const controller_state_t state = self->controller.state;
     model_bank_t bank;
 
-    if ((self->image_pending == 0u) | ((state != CONTROLLER_OFF) & (state != CONTROLLER_TRIPPED))) {
-        return;
-    }
     self->image_pending = 0u;
-    self->received = 0u;
     for (uint32_t i = 0u; i < IMAGE_BYTES; ++i) {
         self->store.bytes[i] = self->incoming[i];
     }
     self->image_answer = store_keep(&self->store, board, &self->bench, &bank, IMAGE_BYTES);
     if (self->image_answer != IMAGE_GOOD) {
-        self->controller.status |= STATUS_IMAGE_REFUSED;
+        self->image_status |= STATUS_IMAGE_REFUSED;
+    } else {
+        (void)controller_install(&self->controller, &bank);
+    }
+}
+
+/* From the moment that `installing` is set no START is taken: a state that is off stays off until the image is installed. */
+static void firmware_image(firmware_t *self, board_t *board)
+{
+    controller_state_t state;
+
+    if (self->image_pending == 0u) {
         return;
     }
-    (void)controller_install(&self->controller, &bank);
+    self->controller.installing = 1u;
+    state = self->controller.state;
+    if ((state == CONTROLLER_OFF) | (state == CONTROLLER_TRIPPED)) {
+        firmware_take_image(self, board);
+    }
+    self->controller.installing = 0u;
 }
 
 /* One call of the model's commit per sample, right behind the interrupt, so that it ends before the next one. Should it
@@ -115,10 +125,17 @@ static void firmware_commit(firmware_t *self)
 
 void firmware_idle(firmware_t *self, board_t *board)
 {
+    const uint32_t clears = self->controller.clears;
+    const uint32_t samples = self->controller.samples;
+
+    if (self->cleared != clears) {
+        self->cleared = clears;
+        self->image_status = 0u;
+    }
     firmware_receive(self, board);
-    firmware_take_image(self, board);
-    if (self->ticked != self->controller.samples) {
-        self->ticked = self->controller.samples;
+    firmware_image(self, board);
+    if (self->ticked != samples) {
+        self->ticked = samples;
         firmware_commit(self);
     }
 }

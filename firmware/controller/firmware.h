@@ -14,7 +14,9 @@ typedef struct {
     store_t store;
     image_bench_t bench;
     uint8_t incoming[IMAGE_BYTES];
-    uint32_t received;           /* bytes of an image that is arriving */
+    uint32_t received;           /* bytes of the image that is arriving; IMAGE_BYTES: whole, or none has begun */
+    volatile uint32_t image_status;  /* STATUS_IMAGE_ bits, sticky until CLEAR; only the idle loop writes them */
+    uint32_t cleared;            /* CLEARs that image_status has taken */
     uint32_t image_answer;       /* of the image that arrived last */
     uint32_t image_pending;      /* bytes in `incoming` wait until the controller is off */
     uint32_t commit_answer;      /* of the commit that was finished last */
@@ -32,6 +34,9 @@ void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings)
 
 /* Every 20 us. */
 void firmware_interrupt(firmware_t *self, board_t *board);
+
+/* STATUS_ bits of the controller and of the parameter images. */
+uint32_t firmware_status(const firmware_t *self);
 
 /* Again and again in between: takes parameter images, commits what was learnt. */
 void firmware_idle(firmware_t *self, board_t *board);

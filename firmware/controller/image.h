@@ -35,6 +35,7 @@
 #define IMAGE_DAMAGED      3u  /* the CRC does not fit the bytes */
 #define IMAGE_FOREIGN      4u  /* numbers of another structure, range or partition */
 #define IMAGE_NO_NUMBER    5u  /* a parameter is not finite, denormal or absurdly large */
+#define IMAGE_NOT_STORED   7u  /* the board has no memory that survives power off */
 #define IMAGE_UNCERTIFIED  6u  /* 6 + the answer of the model's commit, which is 2 or more */
 
 /* Everything that one image's certification needs besides the image; 10 to 40 KiB, so it is the caller's. */

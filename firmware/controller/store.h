@@ -27,7 +27,8 @@ typedef struct {
  * there is none. Returns 1 if a sealed image was found that was not good. */
 uint32_t store_load(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank);
 
-/* Check the image in self->bytes, write it to the slot that is not in use, and put its numbers into *bank. Returns
+/* Check the image in self->bytes, write it to the slot that is not in use, and put its numbers into *bank. An image equal to
+ * the one in use is not written again: erasing wears the memory. Returns
  * IMAGE_GOOD, or why not: then neither the slot in use nor *bank has changed. */
 uint32_t store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count);
 

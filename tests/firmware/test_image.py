@@ -10,7 +10,7 @@ import pytest
 from fixtures.firmware_bench import booted, model, sine, tracking
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import firmware_model, structure_digest
-from hysgen.firmware.host import SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, State
+from hysgen.firmware.host import SLOT_BYTES, BoardFault, FirmwareStatus, HostFirmware, HostImage, Request, State
 from hysgen.firmware.image import ANSWERS, decode, encode, pack
 from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
 from hysgen.fitting import FitSettings
@@ -183,6 +183,68 @@ def stop(firmware: HostFirmware) -> None:
     firmware.request(Request.STOP)
     firmware.run(np.full(4000, 2.0))
     assert firmware.state is State.OFF
+
+
+def test_a_start_during_the_writing_of_an_image_waits_until_its_numbers_drive() -> None:
+    firmware = booted()
+    old, data = firmware.bank(), encode(changed(STIFFER))
+    firmware.preempt_store(Request.START)
+    assert firmware.send(data) == 0
+    new = firmware.bank()
+    assert new != old
+    assert firmware.state is State.OFF
+    firmware.run(np.full(4, 2.0))
+    assert firmware.state is State.RISE
+    firmware.boot()
+    assert firmware.bank() == new
+
+
+def test_a_fault_during_the_writing_of_an_image_does_not_lose_it() -> None:
+    firmware = booted()
+    old, data = firmware.bank(), encode(changed(STIFFER))
+    firmware.fail(BoardFault.AMPLIFIER)
+    firmware.preempt_store(Request.STOP)
+    assert firmware.send(data) == 0
+    assert firmware.bank() != old
+
+
+def test_stray_bytes_behind_a_waiting_image_do_no_harm() -> None:
+    firmware, data = tracking(), encode(changed(STIFFER))
+    good = firmware.bank()
+    firmware.send(data + b"\n\0\xff")
+    firmware.send(b"\n", begins=False)
+    assert FirmwareStatus.IMAGE_REFUSED not in firmware.status
+    stop(firmware)
+    assert firmware.bank() != good
+    firmware.send(b"noise", begins=False)
+    assert FirmwareStatus.IMAGE_REFUSED not in firmware.status
+
+
+def test_a_refused_image_is_told_until_clear_and_no_longer() -> None:
+    firmware, data = booted(), encode(changed(STIFFER))
+    firmware.send(data[:-4] + b"\0\0\0\0")
+    firmware.send(b"more than it takes", begins=False)
+    assert FirmwareStatus.IMAGE_REFUSED in firmware.status
+    firmware.request(Request.CLEAR)
+    firmware.run(np.full(2, 2.0))
+    assert firmware.status == 0
+    assert firmware.send(data) == 0
+
+
+def test_an_image_that_is_in_use_is_not_written_again() -> None:
+    firmware, data = booted(), encode(changed(STIFFER))
+    assert firmware.send(data) == 0
+    kept = [bytes(firmware.slot(slot)) for slot in (0, 1)]
+    bank = firmware.bank()
+    for _ in range(3):
+        assert firmware.send(data) == 0
+    assert [bytes(firmware.slot(slot)) for slot in (0, 1)] == kept
+    assert firmware.bank() == bank
+    # With a damaged seal it is no longer in use.
+    firmware.slot(firmware.firmware.store.slot)[SLOT_BYTES - 1 : SLOT_BYTES] = b"\0"
+    assert firmware.send(data) == 0
+    firmware.boot()
+    assert firmware.bank() == bank
 
 
 def test_python_reads_only_whole_images() -> None:

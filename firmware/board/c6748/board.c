@@ -147,23 +147,29 @@ uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *
     return count;
 }
 
+/* Fill in: two sectors of flash. Without them nothing survives power off, and images are refused with IMAGE_NOT_STORED. */
 void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
 {
+    (void)board;
+    (void)slot;
+    (void)offset;
     for (uint32_t i = 0u; i < count; ++i) {
-        bytes[i] = board->store[slot][offset + i];
+        bytes[i] = 0xFFu;
     }
 }
 
 void board_store_erase(board_t *board, uint32_t slot)
 {
-    for (uint32_t i = 0u; i < BOARD_SLOT_BYTES; ++i) {
-        board->store[slot][i] = 0xFFu;
-    }
+    (void)board;
+    (void)slot;
 }
 
-void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
 {
-    for (uint32_t i = 0u; i < count; ++i) {
-        board->store[slot][offset + i] = bytes[i];
-    }
+    (void)board;
+    (void)slot;
+    (void)offset;
+    (void)bytes;
+    (void)count;
+    return 0u;
 }

@@ -25,7 +25,6 @@
 typedef struct {
     float reference_um[BOARD_REFERENCES];   /* fill in, or replace board_reference_um by your own source */
     uint32_t next;
-    uint8_t store[2][4096];                 /* stands for two sectors of flash: fill in your own driver */
     volatile uint8_t line[256];             /* bytes of a parameter image that a link's interrupt puts here */
     volatile uint32_t line_in;
     uint32_t line_out;

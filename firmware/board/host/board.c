@@ -2,6 +2,7 @@
 
 #include "board.h"
 
+#include <stddef.h>
 #include <string.h>
 
 static uint32_t faulty(const board_t *board, uint32_t fault)
@@ -24,6 +25,14 @@ static uint32_t powered(board_t *board)
     }
     board->bytes_to_cut -= 1u;
     return 1u;
+}
+
+/* The interrupts that come while the idle loop is inside the store. */
+static void preempted(board_t *board)
+{
+    if (board->preempt != NULL) {
+        board->preempt(board->preempt_with);
+    }
 }
 
 float board_displacement_um(board_t *board)
@@ -93,6 +102,7 @@ void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *b
 
 void board_store_erase(board_t *board, uint32_t slot)
 {
+    preempted(board);
     for (uint32_t i = 0u; i < BOARD_SLOT_BYTES; ++i) {
         if (powered(board) != 0u) {
             board->store[slot][i] = 0xFFu;
@@ -100,11 +110,13 @@ void board_store_erase(board_t *board, uint32_t slot)
     }
 }
 
-void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
 {
     for (uint32_t i = 0u; i < count; ++i) {
         if (powered(board) != 0u) {
             board->store[slot][offset + i] = bytes[i];
         }
     }
+    preempted(board);
+    return 1u;
 }

@@ -38,6 +38,8 @@ typedef struct board {
     uint32_t incoming_count;
     uint32_t incoming_begins;   /* the first of them is the first of an image */
     uint8_t store[2][4096];
+    void (*preempt)(void *with);  /* called while the store erases and after it has written, or NULL */
+    void *preempt_with;
     uint32_t bytes_to_cut;      /* bytes that the store still changes before the power fails, or HOST_NO_CUT */
 } board_t;
 

@@ -99,13 +99,14 @@ void board_store_erase(board_t *board, uint32_t slot)
     (void)slot;
 }
 
-void board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
 {
     (void)board;
     (void)slot;
     (void)offset;
     (void)bytes;
     (void)count;
+    return 0u;
 }
 
 uint32_t simulated_boot(void);
@@ -133,7 +134,7 @@ float simulated_interrupt(float reading_um, float reference_um)
 uint32_t simulated_idle(void)
 {
     firmware_idle(&simulated, &simulated_board);
-    return simulated.controller.status;
+    return firmware_status(&simulated);
 }
 
 /* State, and commits above it. */

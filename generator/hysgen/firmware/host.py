@@ -213,7 +213,7 @@ class HostFirmware:
 
     @property
     def status(self) -> FirmwareStatus:
-        return FirmwareStatus(self.firmware.controller.status)
+        return FirmwareStatus(self._lib.firmware_status(self.firmware))
 
     def request(self, request: Request) -> None:
         """Set a request, which the controller takes at the next sample."""
@@ -276,6 +276,18 @@ class HostFirmware:
         for _ in range(len(data) // 64 + 2):
             self._lib.firmware_idle(self.firmware, self.board)
         return int(self.firmware.image_answer)
+
+    def preempt_store(self, request: Request) -> None:
+        """Let interrupts come while the store erases and after it has written; set `request` before each."""
+        reference_um = self._ffi.new("float []", 1)
+
+        def interrupt(_: object) -> None:
+            self.request(request)
+            self.board.sample, self.board.reference_um = 0, reference_um
+            self._lib.firmware_interrupt(self.firmware, self.board)
+
+        self._kept = [reference_um, self._ffi.callback("void(void *)", interrupt)]
+        self.board.preempt = self._kept[1]
 
     def bank(self) -> bytes:
         """The parameters that the next start will use, as bytes of the C struct."""

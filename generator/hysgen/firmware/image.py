@@ -30,6 +30,7 @@ ANSWERS: Final = {
     3: "refused: the CRC does not fit the bytes",
     4: "refused: numbers of another structure, range or partition",
     5: "refused: a parameter is not finite, denormal or absurdly large",
+    7: "refused: the board has no memory that survives power off",
     8: "refused: not certified: too few updates",
     9: "refused: not certified: a parameter beyond its limit",
     10: "refused: not certified: the terms' weights are too far from those the firmware was built with",
