@@ -3,10 +3,15 @@
 #include "bank.h"
 #include "number.h"
 
-/* The voltage one step of at most `step` nearer to `target`. */
+/* One step of at most `step` from `from` towards `target`; within reach it is `target` itself, without rounding. */
 static float controller_towards(float from, float target, float step)
 {
-    return from + number_limited(target - from, -step, step);
+    const float way = target - from;
+
+    if (number_size(way) <= step) {
+        return target;
+    }
+    return from + ((way < 0.0f) ? -step : step);
 }
 
 static uint32_t controller_moves(controller_state_t state)
@@ -25,11 +30,12 @@ void controller_init(controller_t *self, const settings_t *settings)
     self->learns = 0u;
     self->status = 0u;
     self->upward = 1u;
+    self->waited = 0u;
     self->held = 0u;
     self->top_um = 0.0f;
     self->top_model_um = 0.0f;
     self->offset_um = 0.0f;
-    self->output_V = settings->off_V;
+    self->output_V = (number_finite(settings->off_V) != 0u) ? settings->off_V : 0.0f;
     self->reference_um = MODEL_Y_MIN_UM;
     self->wanted_um = MODEL_Y_MIN_UM;
     for (uint32_t i = 0u; i < CONTROLLER_LINE; ++i) {
@@ -84,8 +90,8 @@ static void controller_take_request(controller_t *self)
         self->state = CONTROLLER_FALL;
     }
     if (request == CONTROLLER_CLEAR) {
-        /* A processor that fails its self-test stays where it is. */
-        self->status &= STATUS_FAULT_SELFTEST;
+        /* A processor that fails its self-test stays where it is, and so do impossible settings. */
+        self->status &= STATUS_LASTING;
         self->clears += 1u;
         watchdog_init(&self->watchdog, self->settings);
         if ((self->state == CONTROLLER_TRIPPED) & (self->status == 0u)) {
@@ -258,14 +264,39 @@ static float controller_wish(controller_t *self, float reference_um)
     return u_V;
 }
 
+/* No state but OFF, TRACK and TRIPPED lasts for ever. TRIP that does not end by itself ends at the largest rate. */
+static void controller_limit_time(controller_t *self, controller_state_t before)
+{
+    const controller_state_t state = self->state;
+
+    if (state != before) {
+        self->waited = 0u;
+    } else if (self->waited < self->settings->state_samples) {
+        self->waited += 1u;
+    } else if (state == CONTROLLER_TRIP) {
+        self->status |= STATUS_FAULT_TIMEOUT;
+        self->state = CONTROLLER_TRIPPED;
+    } else if ((state != CONTROLLER_OFF) & (state != CONTROLLER_TRACK) & (state != CONTROLLER_TRIPPED)) {
+        self->status |= STATUS_FAULT_TIMEOUT;
+    } else {
+        /* A state that may last. */
+    }
+}
+
 float controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier)
 {
     const settings_t *settings = self->settings;
+    controller_state_t before;
     float wish_V;
     float within_V;
 
     self->samples += 1u;
     self->learns = 0u;
+    if ((self->status & STATUS_FAULT_SETTINGS) != 0u) {
+        self->state = CONTROLLER_TRIPPED;
+        return self->output_V;
+    }
+    before = self->state;
     if (self->request != CONTROLLER_NO_REQUEST) {
         controller_take_request(self);
     }
@@ -275,6 +306,7 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
         self->state = CONTROLLER_TRIP;
     }
     wish_V = controller_wish(self, reference_um);
+    controller_limit_time(self, before);
     /* Whatever was wished, even if it is no number: the voltage stays inside its range and below its rate. */
     if (number_finite(wish_V) == 0u) {
         wish_V = self->output_V;
@@ -304,7 +336,13 @@ void controller_learn(controller_t *self)
     }
 }
 
-void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun)
+void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since)
 {
-    self->status |= watchdog_time(&self->watchdog, self->settings, cycles, overrun);
+    const uint32_t period = self->settings->period_cycles;
+    const uint32_t lost = (uint32_t)(since > period + (period >> 1));
+
+    if (lost != 0u) {
+        self->status |= STATUS_INTERRUPT_LOST;
+    }
+    self->status |= watchdog_time(&self->watchdog, self->settings, cycles, overrun | lost);
 }

@@ -55,6 +55,7 @@ typedef struct {
 
     uint32_t learns;         /* this sample is one to learn from */
     uint32_t upward;         /* LOOP: on the way up */
+    uint32_t waited;         /* samples in the present state */
     uint32_t held;           /* samples in HOLD */
     float top_um;            /* LOOP: reading at its highest voltage, */
     float top_model_um;      /* and displacement of the model there */
@@ -87,8 +88,9 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
  * that controller_step returned. In this order the time of the learner does not delay the output. */
 void controller_learn(controller_t *self);
 
-/* After a sample: how long it took. */
-void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun);
+/* After a sample: cycles that it took, whether the next interrupt waits already, and cycles since the interrupt before, 0 if there was
+ * none. Lost interrupts count as late ones. */
+void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since);
 
 /* Parameters for the next start; only in OFF, TRIP and TRIPPED. Returns 1 if taken. Set `installing` around the call, so that no
  * start begins inside it. */

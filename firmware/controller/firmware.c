@@ -16,7 +16,12 @@ void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings)
     self->ticked = 0u;
     self->cycles_last = 0u;
     self->cycles_most = 0u;
+    self->entered = 0u;
     controller_init(&self->controller, settings);
+    self->settings_wrong = settings_check(settings);
+    if (self->settings_wrong != (const char *)0) {
+        self->controller.status |= STATUS_FAULT_SETTINGS;
+    }
     self->selftest = model_selftest();
     if (self->selftest != 0u) {
         self->controller.status |= STATUS_FAULT_SELFTEST;
@@ -29,15 +34,17 @@ void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings)
 void firmware_interrupt(firmware_t *self, board_t *board)
 {
     const uint32_t start = board_cycles(board);
+    const uint32_t since = (self->controller.samples != 0u) ? start - self->entered : 0u;
     const float y_um = board_displacement_um(board);
     const float reference_um = board_reference_um(board);
     const uint32_t amplifier = board_amplifier(board);
 
+    self->entered = start;
     board_voltage(board, controller_step(&self->controller, y_um, reference_um, amplifier));
     controller_learn(&self->controller);
     self->cycles_last = board_cycles(board) - start;
     self->cycles_most = (self->cycles_last > self->cycles_most) ? self->cycles_last : self->cycles_most;
-    controller_time(&self->controller, self->cycles_last, board_overrun(board));
+    controller_time(&self->controller, self->cycles_last, board_overrun(board), since);
 }
 
 uint32_t firmware_status(const firmware_t *self)

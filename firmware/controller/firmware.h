@@ -24,8 +24,10 @@ typedef struct {
     uint32_t commit_last;        /* sample of the last attempt */
     uint32_t committing;         /* an attempt is under way, over several calls of firmware_idle */
     uint32_t ticked;             /* sample after which firmware_idle worked last */
+    uint32_t entered;            /* cycle counter at the last interrupt */
     uint32_t cycles_last;        /* of the interrupt */
     uint32_t cycles_most;
+    const char *settings_wrong;  /* field that settings_check refused at boot, or a null pointer */
     uint32_t selftest;           /* mismatches at boot; 0: this processor computes what was verified */
 } firmware_t;
 

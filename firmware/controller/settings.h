@@ -32,6 +32,9 @@ typedef struct {
     float offset_um;         /* largest offset of the stage from the model, either way */
     float approach_um;  /* change of the reference per sample until it is caught */
 
+    /* Longest time in RISE, LOOP, HOLD, APPROACH, FALL or TRIP, each. */
+    uint32_t state_samples;
+
     /* Reference. */
     float reference_step_um;  /* largest change per sample */
 
@@ -43,6 +46,7 @@ typedef struct {
     float follow_um;           /* |reading - model| beyond which the stage does not follow, */
     uint32_t follow_samples;   /* for so many samples (leaky count, see watchdog.h) */
     uint32_t bad_samples;      /* so many readings that are none, amplifier limits or late samples (leaky counts) */
+    uint32_t period_cycles;    /* of the processor from one interrupt to the next */
     uint32_t budget_cycles;    /* of one interrupt */
 
     /* Feedback trim, see trim.h. */
@@ -54,5 +58,9 @@ typedef struct {
     /* Learning: samples between two attempts to commit. */
     uint32_t commit_pause;
 } settings_t;
+
+/* Name of the first field that is not finite or not possible, or a null pointer. Limits: low_V < off_V, loop < high_V and the loop
+ * inside the model's range of inputs; ramp_V and fall_V at most step_V; budget within the period; shares in 0 .. 1. */
+const char *settings_check(const settings_t *settings);
 
 #endif

@@ -18,6 +18,7 @@
 #define STATUS_LEARN_SKIPPED        0x00000800u  /* a commit was interrupted; its sample taught nothing */
 #define STATUS_IMAGE_REFUSED        0x00001000u  /* a parameter image was refused; `image_answer` says why */
 #define STATUS_IMAGE_FALLBACK       0x00002000u  /* a stored image was not good: an older one, or the built-in numbers */
+#define STATUS_INTERRUPT_LOST       0x00004000u  /* interrupts came more than one and a half periods apart */
 
 #define STATUS_FAULT_SELFTEST       0x00010000u  /* this processor does not compute what was verified */
 #define STATUS_FAULT_SENSOR         0x00020000u  /* too many readings were none */
@@ -27,6 +28,9 @@
 #define STATUS_FAULT_DEADLINE       0x00200000u  /* too many late interrupts */
 #define STATUS_FAULT_OFFSET         0x00400000u  /* HOLD found a larger offset between stage and model than offset_um */
 #define STATUS_FAULT_STROKE         0x00800000u  /* the stage did not move through the loop as the model did */
-#define STATUS_FAULTS               0x00FF0000u
+#define STATUS_FAULT_SETTINGS       0x01000000u  /* settings_check found an impossible field; the output never moves */
+#define STATUS_FAULT_TIMEOUT        0x02000000u  /* a state took longer than state_samples */
+#define STATUS_FAULTS               0x03FF0000u
+#define STATUS_LASTING              (STATUS_FAULT_SELFTEST | STATUS_FAULT_SETTINGS)  /* CLEAR does not clear these */
 
 #endif

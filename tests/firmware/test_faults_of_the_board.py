@@ -55,6 +55,7 @@ def suffered(
         (BoardFault.AMPLIFIER, 0.0, FirmwareStatus.FAULT_AMPLIFIER, 3),
         (BoardFault.LATE, 7501.0, FirmwareStatus.FAULT_DEADLINE | FirmwareStatus.DEADLINE_MISSED, 12),
         (BoardFault.OVERRUN, 0.0, FirmwareStatus.FAULT_DEADLINE | FirmwareStatus.DEADLINE_MISSED, 12),
+        (BoardFault.LOST, 15_000.0, FirmwareStatus.FAULT_DEADLINE | FirmwareStatus.INTERRUPT_LOST, 12),
     ],
     ids=lambda each: each.name if isinstance(each, BoardFault) else None,
 )

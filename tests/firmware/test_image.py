@@ -222,8 +222,7 @@ def test_stray_bytes_behind_a_waiting_image_do_no_harm() -> None:
 
 def test_a_refused_image_is_told_until_clear_and_no_longer() -> None:
     firmware, data = booted(), encode(changed(STIFFER))
-    firmware.send(data[:-4] + b"\0\0\0\0")
-    firmware.send(b"more than it takes", begins=False)
+    firmware.send(b"x" * (len(data) + 88))
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
     firmware.request(Request.CLEAR)
     firmware.run(np.full(2, 2.0))

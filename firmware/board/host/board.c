@@ -60,6 +60,9 @@ void board_voltage(board_t *board, float u_V)
     board->applied_V = ((clips != 0u) & (u_V > board->fault_value)) ? board->fault_value : u_V;
     reading_um = (float)board->step(board->plant, (double)board->applied_V);
     board->sample += 1u;
+    if (faulty(board, HOST_FAULT_LOST) != 0u) {
+        board->cycles += (uint32_t)board->fault_value;
+    }
     if (faulty(board, HOST_FAULT_READING) != 0u) {
         board->reading_um = board->fault_value;
     } else if (faulty(board, HOST_FAULT_STUCK) == 0u) {

@@ -14,6 +14,7 @@
 #define HOST_FAULT_AMPLIFIER  5u  /* the amplifier tells that it failed */
 #define HOST_FAULT_LATE       6u  /* interrupts take `fault_value` cycles */
 #define HOST_FAULT_OVERRUN    7u  /* the next interrupt waits already */
+#define HOST_FAULT_LOST       8u  /* `fault_value` cycles pass between interrupts */
 
 #define HOST_NO_CUT 0xFFFFFFFFu
 

@@ -80,6 +80,7 @@ class FirmwareStatus(IntFlag):
     LEARN_SKIPPED = 0x800
     IMAGE_REFUSED = 0x1000
     IMAGE_FALLBACK = 0x2000
+    INTERRUPT_LOST = 0x4000
     FAULT_SELFTEST = 0x10000
     FAULT_SENSOR = 0x20000
     FAULT_STUCK = 0x40000
@@ -88,9 +89,11 @@ class FirmwareStatus(IntFlag):
     FAULT_DEADLINE = 0x200000
     FAULT_OFFSET = 0x400000
     FAULT_STROKE = 0x800000
+    FAULT_SETTINGS = 0x1000000
+    FAULT_TIMEOUT = 0x2000000
 
 
-FAULTS: Final = 0x00FF0000
+FAULTS: Final = 0x03FF0000
 """Mask of the bits of FirmwareStatus that bring the voltage down (STATUS_FAULTS of status.h)."""
 
 
@@ -105,6 +108,7 @@ class BoardFault(IntEnum):
     AMPLIFIER = 5
     LATE = 6
     OVERRUN = 7
+    LOST = 8
 
 
 @dataclass(frozen=True)
@@ -127,6 +131,7 @@ class Settings:
     offset_smoothing: float = 2.0**-9
     offset_um: float = 1.0
     approach_um: float = 0.001
+    state_samples: int = 250_000
     reference_step_um: float = 0.02
     low_um: float = -3.2
     high_um: float = 13.0
@@ -135,6 +140,7 @@ class Settings:
     follow_um: float = 0.5
     follow_samples: int = 50
     bad_samples: int = 8
+    period_cycles: int = 7500
     budget_cycles: int = 7500
     trim_integral: float = 0.004
     trim_proportion: float = 0.05
@@ -214,6 +220,12 @@ class HostFirmware:
     @property
     def status(self) -> FirmwareStatus:
         return FirmwareStatus(self._lib.firmware_status(self.firmware))
+
+    @property
+    def settings_wrong(self) -> str | None:
+        """Name of the settings_t field that the firmware refused at boot; None: no field."""
+        field = self.firmware.settings_wrong
+        return self._ffi.string(field).decode() if field else None
 
     def request(self, request: Request) -> None:
         """Set a request, which the controller takes at the next sample."""

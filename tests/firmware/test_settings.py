@@ -1,0 +1,100 @@
+"""Settings: impossible ones are named at boot and nothing moves; with possible ones no state lasts for ever."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fixtures.firmware_bench import REFERENCE_UM, ModelStage, booted, image, model, tracking
+from hysgen.firmware.host import FirmwareStatus, HostFirmware, Request, Settings, State
+
+FLOATS = [each.name for each in fields(Settings) if each.type == "float"]
+IMPOSSIBLE = [
+    {"ramp_V": 2.0},  # above step_V: the model would be told what was not put out
+    {"fall_V": 1.6},
+    {"step_V": 0.0},
+    {"ramp_V": -0.02},
+    {"low_V": 30.0, "off_V": 31.0, "loop_low_V": 22.0},  # RISE would never end
+    {"loop_high_V": 125.0},  # beyond the model's range
+    {"loop_high_V": 56.0, "high_V": 50.0},
+    {"loop_low_V": -30.0, "low_V": -40.0},
+    {"loop_middle_V": 60.0},
+    {"off_V": -21.0},
+    {"high_V": -20.0, "off_V": -21.0},
+    {"low_um": 14.0},
+    {"offset_smoothing": 1.5},
+    {"hold_samples": 0},
+    {"state_samples": 4096},  # HOLD alone takes as long
+    {"bad_samples": 0},
+    {"period_cycles": 7000},
+]
+
+
+def refused(wrong: dict[str, Any]) -> str | None:
+    """The field that the firmware refuses; nothing may move."""
+    firmware = booted(replace(Settings(), **wrong))
+    field = firmware.settings_wrong
+    if field is not None:
+        for request in (Request.START, Request.CLEAR, Request.START):
+            firmware.request(request)
+            log = firmware.run(np.full(20, REFERENCE_UM))
+            assert np.isfinite(log.output_V).all()
+            assert np.ptp(log.output_V) == 0.0
+        assert firmware.state is State.TRIPPED
+        assert FirmwareStatus.FAULT_SETTINGS in firmware.status
+    return field
+
+
+@pytest.mark.parametrize("wrong", IMPOSSIBLE, ids=str)
+def test_impossible_settings_are_refused_by_name(wrong: dict[str, Any]) -> None:
+    field = refused(wrong)
+    expected = {"state_samples": "hold_samples", "low_um": "high_um", "period_cycles": "budget_cycles"}
+    assert field in {expected.get(name, name) for name in wrong}
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_settings_that_are_not_finite_are_refused_by_name(value: float) -> None:
+    for name in FLOATS:
+        assert refused({name: value}) == name
+
+
+def test_the_settings_of_the_tests_and_the_reference_board_are_possible() -> None:
+    assert booted(Settings()).settings_wrong is None
+
+
+def test_an_approach_that_never_arrives_is_a_fault() -> None:
+    """The reference jumps from end to end at every sample, and nothing can meet it."""
+    settings = Settings(state_samples=6000)
+    firmware = booted(settings)
+    firmware.request(Request.START)
+    jumps = np.where(np.arange(20_000) % 2 == 0, 0.7, 3.7)
+    log = firmware.run(jumps)
+    assert int((log.state == State.APPROACH).sum()) == pytest.approx(6000, abs=2)
+    assert firmware.status & FirmwareStatus.FAULT_TIMEOUT
+    assert firmware.state is State.TRIPPED
+    assert firmware.board.output_V == settings.off_V
+
+
+def test_a_fall_after_a_fault_that_takes_too_long_ends_at_the_largest_rate() -> None:
+    settings = Settings(fall_V=1e-8, state_samples=6000)
+    firmware = tracking(settings)
+    firmware.firmware.controller.status |= int(FirmwareStatus.FAULT_AMPLIFIER)
+    firmware.run(np.full(6100, REFERENCE_UM))
+    assert firmware.state is State.TRIPPED
+    assert firmware.board.output_V == settings.off_V
+
+
+def test_a_voltage_within_one_step_is_reached_to_the_bit() -> None:
+    """from + (to - from) is not always `to`: RISE across 0 V ended an ulp beside its voltage, told as a rate limit."""
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        off_V, low_V = (float(each) for each in rng.uniform(-1.5, 1.5, 2).astype(np.float32))
+        settings = Settings(off_V=off_V, loop_low_V=low_V, loop_high_V=40.0, ramp_V=4.0, fall_V=4.0, step_V=4.0)
+        firmware = HostFirmware(image(), ModelStage(model(), 0.0), settings)
+        firmware.request(Request.START)
+        log = firmware.run(np.full(1, REFERENCE_UM))
+        assert float(log.output_V[0]) == low_V
+        assert FirmwareStatus.OUTPUT_SLEWED not in firmware.status
