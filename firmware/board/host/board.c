@@ -59,10 +59,10 @@ void board_voltage(board_t *board, float u_V)
     board->output_V = u_V;
     board->applied_V = ((clips != 0u) & (u_V > board->fault_value)) ? board->fault_value : u_V;
     reading_um = (float)board->step(board->plant, (double)board->applied_V);
-    board->sample += 1u;
-    if (faulty(board, HOST_FAULT_LOST) != 0u) {
+    if (faulty(board, HOST_FAULT_LATE) != 0u) {
         board->cycles += (uint32_t)board->fault_value;
     }
+    board->sample += 1u;
     if (faulty(board, HOST_FAULT_READING) != 0u) {
         board->reading_um = board->fault_value;
     } else if (faulty(board, HOST_FAULT_STUCK) == 0u) {
@@ -73,14 +73,14 @@ void board_voltage(board_t *board, float u_V)
 /* A host has no cycles of a C6748 to show: time passes only where a test says so. */
 uint32_t board_cycles(board_t *board)
 {
-    if (faulty(board, HOST_FAULT_LATE) != 0u) {
-        board->cycles += (uint32_t)board->fault_value;
-    }
     return board->cycles;
 }
 
 uint32_t board_overrun(board_t *board)
 {
+    if (faulty(board, HOST_FAULT_LOST) != 0u) {
+        board->cycles += (uint32_t)board->fault_value;
+    }
     return faulty(board, HOST_FAULT_OVERRUN);
 }
 
