@@ -1,0 +1,63 @@
+"""The project file for Code Composer Studio: complete, and every #include found by the rules of TI's compiler.
+
+cl6x searches the folder of the including file, then each --include_path in order (SPRUI04F). Linked files stay
+where they are, copied files lie in PROJECT_ROOT; FIRMWARE is a path variable relative to the project file.
+"""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+FIRMWARE = Path(__file__).resolve().parents[2] / "firmware"
+PROJECT = FIRMWARE / "ccs" / "hysgen_firmware.projectspec"
+STANDARD = {"stdint.h", "c6x.h"}
+
+
+def project() -> ElementTree.Element:
+    found = ElementTree.parse(PROJECT).getroot().find("project")
+    assert found is not None
+    return found
+
+
+def laid_out(root: Path) -> list[Path]:
+    """The project's files as the compiler finds them; copied files are copied to `root`."""
+    files = []
+    for entry in project().iter("file"):
+        path = (PROJECT.parent / entry.attrib["path"]).resolve()
+        assert path.is_file(), path
+        if entry.attrib["action"] == "copy":
+            (root / path.name).write_bytes(path.read_bytes())
+            path = root / path.name
+        files.append(path)
+    return files
+
+
+def include_paths(root: Path) -> list[Path]:
+    variables = {each.attrib["name"]: each.attrib["path"] for each in project().iter("pathVariable")}
+    folders = re.findall(r'--include_path="([^"]+)"', project().attrib["compilerBuildOptions"])
+    places = {"PROJECT_ROOT": root} | {name: (PROJECT.parent / path).resolve() for name, path in variables.items()}
+    return [Path(re.sub(r"\$\{(\w+)\}", lambda found: str(places[found[1]]), folder)) for folder in folders]
+
+
+def test_every_include_of_the_project_is_found_and_in_the_project(tmp_path: Path) -> None:
+    files = laid_out(tmp_path)
+    searched = include_paths(tmp_path)
+    sources = [path for path in files if path.suffix in (".c", ".h")]
+    assert len(sources) > 20
+    for path in sources:
+        for name in re.findall(r'^#include ["<]([^">]+)[">]', path.read_text(encoding="utf-8"), re.MULTILINE):
+            if name in STANDARD:
+                continue
+            found = [folder / name for folder in (path.parent, *searched) if (folder / name).is_file()]
+            assert found, f"{path.name}: {name} is in none of {[str(each) for each in searched]}"
+            assert found[0] in files, f"{path.name}: {name} is found outside the project, in {found[0]}"
+
+
+@pytest.mark.parametrize("folder", ["controller", "models/extended", "board/c6748"])
+def test_no_source_of_the_firmware_is_missing(folder: str) -> None:
+    listed = {entry.attrib["path"] for entry in project().iter("file")}
+    assert {f"../{folder}/{path.name}" for path in (FIRMWARE / folder).glob("*.[ch]")} <= listed
