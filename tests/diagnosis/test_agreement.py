@@ -29,7 +29,7 @@ from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.probe import Chain, Mode, refine
-from hysgen.diagnosis.search import Found
+from hysgen.diagnosis.search import SearchResult
 from hysgen.record.noise import NoiseFloor
 
 CHECKED = np.arange(60, SAMPLES, 3)
@@ -46,7 +46,7 @@ def test_what_is_left_is_unknown_only_above_a_thousandth_of_the_span_and_above_t
     seen = SimpleNamespace(
         scene=SimpleNamespace(rows=np.arange(SAMPLES)), fit=SimpleNamespace(error=math.sqrt(2.0) * left_um * wave)
     )
-    told = unexplained_structure(prepared, cast(Found, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
+    told = unexplained_structure(prepared, cast(SearchResult, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
     assert (told is not None) == said
 
 

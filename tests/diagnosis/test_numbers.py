@@ -83,7 +83,12 @@ def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_ap
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     seen = scene(LAG, 2e-3 * np.linspace(0.0, 1.0, 4000))
-    same = {"forward_step": None, "_slow_needs": {}, "remaining": 1.0 / 1.05, "compare_likelihood": ["drift"]}
+    same = {
+        "forward_step": None,
+        "_slow_error_growth": {},
+        "ratio_above_noise": 1.0 / 1.05,
+        "compare_likelihood": ["drift"],
+    }
     for name, answer in same.items():
         monkeypatch.setattr(search, name, lambda *_, answer=answer: answer)
     for name in ("swap_similar_causes", "swap_slow_causes", "eliminate_backward", "restart", "drop_unsupported_parts"):
@@ -91,7 +96,7 @@ def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_ap
     monkeypatch.setattr(search, "likeliest_slow_causes", lambda part, fit: fit.chain)
     monkeypatch.setattr(search, "_start", lambda part: refine(part, DRIFTING))
     ended = search.search(seen)
-    assert ended.needs == {"drift": pytest.approx(1.05, rel=1e-12)}
+    assert ended.error_growth == {"drift": pytest.approx(1.05, rel=1e-12)}
     assert ended.separated_by_likelihood == ("drift",)
 
 
@@ -107,8 +112,10 @@ def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_ap
 def test_a_cause_that_the_likelihood_tells_apart_is_needed_whatever_its_growth(
     monkeypatch: pytest.MonkeyPatch, chain: Chain, apart: tuple[str, ...], why: str | None
 ) -> None:
-    monkeypatch.setattr(procedure, "_gaining", lambda *given: (list(given[3]), {}, []))
-    seen: Any = SimpleNamespace(needs={"drift": 1.05}, separated_by_likelihood=apart, fit=SimpleNamespace(chain=chain))
+    monkeypatch.setattr(procedure, "_eliminate_by_gain", lambda *given: (list(given[3]), {}, []))
+    seen: Any = SimpleNamespace(
+        error_growth={"drift": 1.05}, separated_by_likelihood=apart, fit=SimpleNamespace(chain=chain)
+    )
     signatures = {"drift": Signature(True, 9.0, "drifts")}
     named, _, refused = procedure._agreement(None, seen, signatures, {}, QUICK)  # type: ignore[arg-type]
     assert named == ([] if why else ["drift"])
@@ -126,7 +133,7 @@ def planted(samples: int) -> tuple[Scene, Fit]:
 def test_noise_is_measured_between_neighbours_however_long_the_record() -> None:
     """On the rows that are compared, and on the rows of a fit, which looks at one row in twenty-five."""
     seen, fit = planted(300_000)
-    part, checked = search.halves(seen)
+    part, checked = search.split_rows(seen)
     assert len(part.rows) == search.MOST_ROWS
     for rows in (part.dense, checked):
         assert 1e3 * residual_noise(fit.error[rows]) == pytest.approx(NOISE_NM, rel=0.02)
@@ -141,10 +148,10 @@ def test_a_line_is_held_against_its_neighbours_however_long_the_record() -> None
     noise_um = 0.1 * np.random.default_rng(4).normal(size=samples)
     seen = Scene((Trace(np.zeros(samples), noise_um, {}),), 1e-4, np.arange(samples), LINEAR)
     look = SimpleNamespace(fit=SimpleNamespace(error=beside_um + noise_um), scene=seen)
-    dense, _ = periodic._standing(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
+    dense, _ = periodic._line_significance(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
     look.scene = search.thinned(seen)
     assert len(look.scene.rows) == search.MOST_ROWS
-    thinned, _ = periodic._standing(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
+    thinned, _ = periodic._line_significance(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
     assert thinned == pytest.approx(dense, rel=0.1)
 
 

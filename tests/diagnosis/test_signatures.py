@@ -39,7 +39,7 @@ from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.causes.resonance import ResonancePart, mode_evidence
 from hysgen.diagnosis.causes.slew import SlewPart
-from hysgen.diagnosis.comparison import levels, remaining
+from hysgen.diagnosis.comparison import levels, ratio_above_noise
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Operator, Scene, StandardErrors, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.search import drop_unsupported_parts, eliminate_backward, present, search
@@ -214,9 +214,9 @@ def test_effect_below_the_noise_counts_by_what_it_leaves_beyond_it() -> None:
     effect_um = 0.5e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
     with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
     rows = np.arange(SAMPLES)
-    assert remaining(with_it, without, rows) < 0.6
-    assert remaining(without, with_it, rows) > 1.0
-    assert remaining(with_it, with_it, rows) == 1.0
+    assert ratio_above_noise(with_it, without, rows) < 0.6
+    assert ratio_above_noise(without, with_it, rows) > 1.0
+    assert ratio_above_noise(with_it, with_it, rows) == 1.0
 
 
 def test_effect_of_a_tenth_of_the_noise_is_neither_there_nor_not() -> None:
@@ -224,7 +224,7 @@ def test_effect_of_a_tenth_of_the_noise_is_neither_there_nor_not() -> None:
     effect_um = 0.1e-3 * math.sqrt(2.0) * np.sin(2 * math.pi * T_S / SPAN_S)
     with_it, without = (Fit(LAG, np.zeros(1), error, 0.0) for error in (noise_um, noise_um + effect_um))
     rows = np.arange(SAMPLES)
-    assert remaining(with_it, without, rows) == remaining(without, with_it, rows) == 1.0
+    assert ratio_above_noise(with_it, without, rows) == ratio_above_noise(without, with_it, rows) == 1.0
 
 
 def test_one_block_in_which_the_richer_chain_is_wild_does_not_decide() -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.error_map import turning_points
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.search import Found
+from hysgen.diagnosis.search import SearchResult
 from hysgen.record.noise import NoiseFloor
 from hysgen.record.series import plateaus
 
@@ -27,7 +27,7 @@ JUMP = 8.0
 """Size of a jump in robust standard deviations of the residual's steps."""
 
 
-def unexplained_structure(prepared: Prepared, found: Found, noise: NoiseFloor) -> str | None:
+def unexplained_structure(prepared: Prepared, found: SearchResult, noise: NoiseFloor) -> str | None:
     """The structure in the residual of the probe's fit, in words; None if the residual is noise or negligible."""
     rows = found.scene.rows
     residual = found.fit.error[rows]

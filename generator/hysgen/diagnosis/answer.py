@@ -35,7 +35,7 @@ class NamedCause:
     alone: gain of its extension beside all others, on cross-validation blocks; None for corrupted samples, on which the
     error has no meaning.
     probe_gain: ratio of the probe's rms beyond the white noise, on the checking blocks, without and with the cause, as
-    measured (`Found.needs`); None for corrupted samples, which are no part of the probe.
+    measured (`SearchResult.error_growth`); None for corrupted samples, which are no part of the probe.
     separated_by_likelihood: whether the cause is one of several slow causes and Schwarz's criterion strongly favours
     the probe's chain with it. The cause is then named even if its probe_gain is below `Cause.needed`.
     share: part of the base error's power above the noise floor that its extension removes; 0 if no power is above it.

@@ -1,7 +1,7 @@
-"""Trials of the search: fits of several chains, and how they compare on blocks of the record that were not fitted.
+"""Fits of candidate chains, and the ratio of their errors on the checking rows: blocks that no fit of the search uses.
 
-The one block on which the richer of two chains is worst is left out: a stroke wider than any that was fitted can throw
-a good chain off (`levels`).
+The ratio omits the one block on which the chain with more parts has its largest error, because a good chain can fail on
+a stroke that is wider than all fitted strokes (`levels`).
 """
 
 from __future__ import annotations
@@ -21,68 +21,73 @@ Rows = NDArray[np.intp]
 
 BLOCKS = 24
 FINAL_ROUNDS = 12
-"""Rounds of the fit of a chain that is to take the place of another, where a step of the search has 8."""
+"""Gauss-Newton rounds for a chain that may replace the current chain; a candidate of forward selection has 8."""
 KEEP_ABOVE = 0.85
-"""A part stays only if the error without it, on blocks not fitted and beyond the noise, is 1/0.85 times as large."""
+"""Backward elimination keeps a part if the error above the noise on the checking rows is 1/0.85 times larger without
+it."""
 HELPS_BELOW = 0.98
-"""A step forward is taken if the error falls below this share of what it was; two causes may need each other."""
+"""Forward selection accepts a step if the rms error falls below this share; some causes help only in combination."""
 STEP_BELOW = 0.93
-"""And if what lies beyond the noise falls below this share: smaller steps are misfit, of which there is no end."""
+"""The error above the noise must also fall below this share: smaller improvements reduce only the misfit."""
 
-SHARP = 0.25
-"""Share of the white noise down to which what lies beneath it is known: its level to 3 % from some 2000 samples."""
+LEAST_ABOVE_NOISE = 0.25
+"""Least error above the white noise that can be measured, as a share of the noise: about 2000 samples determine the
+noise to 3 %."""
 
-UNDISTURBED = 0.25
-"""Share of the poorer chain's error on a block below which the richer one is not thrown off there."""
+STABLE_BELOW = 0.25
+"""A block is not omitted if the chain with more parts has less than this share of the other chain's error on it."""
 
 
 def fitted(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
-    """Linear fits of the chains, the best first."""
-    return sorted(in_threads(lambda chain: linear_fit(part, chain), chains), key=lambda trial: trial.rms_um)
+    """Linear least-squares fits of the chains, sorted by rms error."""
+    return sorted(in_threads(lambda chain: linear_fit(part, chain), chains), key=lambda candidate: candidate.rms_um)
 
 
 def refined(part: Scene, chains: Sequence[Chain], rounds: int = 8) -> list[Fit]:
-    """The best fit from each chain, in their order."""
+    """Fits of the linear and the shape parameters from each chain as the starting value, in the order of the chains."""
     return in_threads(lambda chain: refine(part, chain, rounds), chains)
 
 
 def chain_without(chain: Chain, names: Sequence[str]) -> Chain:
-    """The chain with the parts of all these causes taken out."""
+    """The chain without the parts of all named causes."""
     for name in names:
         chain = causes()[name].without(chain)
     return chain
 
 
 def admissible(scene: Scene, chain: Chain) -> bool:
-    """Whether the numbers in the chain let the signature of each of its causes hold."""
+    """Whether the parameters of the chain are in the range that the signature of each cause requires."""
     return all(cause.admissible(scene, chain) for cause in causes().values())
 
 
-def remaining(fit: Fit, rival: Fit, checked: Rows) -> float:
-    """What `fit` leaves beyond the white noise, as a share of what `rival` leaves beyond it, on the rows `checked`.
+def ratio_above_noise(fit: Fit, rival: Fit, checked: Rows) -> float:
+    """Ratio of the errors above the white noise of two fits on the rows `checked`.
 
-    A cause smaller than the noise is still there in many samples at once. Below SHARP of the noise nothing is known.
-    checked: not thinned out, for the white noise is told from neighbours.
+        sqrt(max(e^2 - n^2, l^2) / max(e_rival^2 - n^2, l^2)),    l = LEAST_ABOVE_NOISE n
+
+    e, e_rival: rms errors by `levels`; n: white noise of the residual of `fit`. The ratio also measures an effect below
+    the noise, because many samples contain the effect. checked: rows that were not thinned out, because the noise is
+    estimated from differences between neighbours.
     """
     noise_um = residual_noise(fit.error[checked])
-    least = (SHARP * noise_um) ** 2
+    least = (LEAST_ABOVE_NOISE * noise_um) ** 2
     beyond = [max(level**2 - noise_um**2, least) + 1e-300 for level in levels(fit.error[checked], rival.error[checked])]
     return float(np.sqrt(beyond[0] / beyond[1]))
 
 
 def ratio(fit: Fit, rival: Fit, checked: Rows) -> float:
-    """What `fit` leaves as a share of what `rival` leaves, on the rows `checked`."""
+    """rms error of `fit` divided by the rms error of `rival` on the rows `checked`, both by `levels`."""
     level_um, rival_um = levels(fit.error[checked], rival.error[checked])
     return level_um / (rival_um + 1e-300)
 
 
 def levels(richer_um: Floats, poorer_um: Floats) -> tuple[float, float]:
-    """rms of two errors of the same blocks, (n,) each, less the one block of eight on which the first is worst.
+    """rms of two errors, (n,) each, without the one of eight blocks on which the first error is largest.
 
-    A block on which the first leaves less than UNDISTURBED of what the second leaves stays: nothing threw it off there,
-    and it may be the only one that excites what it explains.
+    A block on which the first error is below STABLE_BELOW times the second is never omitted: the first chain fits this
+    block well, and the block may be the only one that excites the added effect.
     """
     parts = np.array_split(np.arange(len(richer_um)), BLOCKS // 3)
-    off = [part for part in parts if rms(richer_um[part]) > UNDISTURBED * rms(poorer_um[part])]
+    off = [part for part in parts if rms(richer_um[part]) > STABLE_BELOW * rms(poorer_um[part])]
     worst = max(off, key=lambda part: rms(richer_um[part]), default=np.zeros(0, dtype=np.intp))
     return rms(np.delete(richer_um, worst)), rms(np.delete(poorer_um, worst))

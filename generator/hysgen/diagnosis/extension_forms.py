@@ -17,7 +17,7 @@ from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
 
-SURE = 0.95
+LEAST_CONFIDENCE = 0.95
 """Share of bootstrap draws in which another form must be lower: in the rms and in the mean over blocks alike."""
 
 
@@ -46,6 +46,6 @@ def with_best_forms(
             other = {**usual, name: form}
             _, other_um = checked_error(prepared, other, beside, settings)
             sure = min(gain(usual_um, other_um).confidence, blockwise_confidence(usual_um, other_um))
-            if sure >= SURE and rms(other_um) < best_um:
+            if sure >= LEAST_CONFIDENCE and rms(other_um) < best_um:
                 best, best_um = other, rms(other_um)
     return best

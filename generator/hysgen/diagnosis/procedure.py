@@ -19,7 +19,7 @@ from hysgen.diagnosis.extension_forms import with_best_forms, with_usual_forms
 from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.search import Found, search, without
+from hysgen.diagnosis.search import SearchResult, search, without
 from hysgen.diagnosis.spikes import isolated
 from hysgen.fitting import FitSettings
 from hysgen.machine.threads import in_threads, one_blas_thread
@@ -30,13 +30,13 @@ from hysgen.record.noise import NoiseFloor, residual_noise_floor
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
-SURE = 0.7
+LEAST_CONFIDENCE = 0.7
 """Share of bootstrap draws in which an extension must lower the error of blocks that were left out of the fit."""
 
-SURE_LATER = 0.95
+LEAST_CONFIDENCE_REPEATED = 0.95
 """The same for a cause that gained nothing at first and is asked again: each further time is one more chance to err."""
 
-WORTH = 0.02
+LEAST_FALL = 0.02
 """Share of the error that it must take away there: what takes less is nobody's cause of it."""
 
 
@@ -59,7 +59,7 @@ class Naming:
     """The first half of a diagnosis: causes on which evidence and gain agree, before the ladder is climbed."""
 
     prepared: Prepared
-    found: Found
+    found: SearchResult
     signatures: dict[str, Signature]
     extensions: dict[str, Extension]
     agreed: list[str]
@@ -98,18 +98,18 @@ def diagnose(
     Raises RecordError or FitError with one line.
     """
     chosen = settings or DiagnoseSettings()
-    tell = progress or (lambda fraction, line: None)
-    naming = name_causes(record, holdout, chosen, lambda fraction, line: tell(0.7 * fraction, line))
-    tell(0.7, "choosing the forms of the extensions")
+    report = progress or (lambda fraction, line: None)
+    naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
+    report(0.7, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
-    tell(0.75, "asking which extensions pay")
+    report(0.75, "asking which extensions pay")
     made = paying(naming, chosen)
-    tell(0.85, "fitting rules, " + ", ".join(made))
+    report(0.85, "fitting rules, " + ", ".join(made))
     steps = [made[:count] for count in range(len(made) + 1)]
     rungs = in_threads(lambda names: fit_ladder(naming.prepared, naming.extensions, names, chosen.fit), steps)
-    tell(1.0, "done")
-    return _written(naming, made, rungs, chosen)
+    report(1.0, "done")
+    return _scored(naming, made, rungs, chosen)
 
 
 def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
@@ -120,7 +120,7 @@ def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
     """
     if not settings.fit.certified:
         return list(naming.agreed)
-    made, _, _ = _gaining(naming.prepared, naming.found, naming.extensions, naming.agreed, settings.fit)
+    made, _, _ = _eliminate_by_gain(naming.prepared, naming.found, naming.extensions, naming.agreed, settings.fit)
     return made
 
 
@@ -136,17 +136,17 @@ def name_causes(
     Raises RecordError or FitError with one line.
     """
     chosen = settings or DiagnoseSettings()
-    tell = progress or (lambda fraction, line: None)
+    report = progress or (lambda fraction, line: None)
     prepared = prepare(record, holdout, chosen.identify)
-    tell(0.05, "looking")
-    found = search(prepared.scene(), lambda line: tell(0.3, line))
-    tell(0.7, "weighing the evidence")
+    report(0.05, "looking")
+    found = search(prepared.scene(), lambda line: report(0.3, line))
+    report(0.7, "weighing the evidence")
     signatures = _signatures(found)
     weak = [name for name, signature in signatures.items() if not signature.holds]
     extensions = _extensions(found, signatures, weak)
     agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
     extensions = _extensions(found, signatures, [name for name in signatures if name not in agreed])
-    noise = residual_noise_floor(prepared.identification(), _settled_error(found), found.fit.chain.lag_s)
+    noise = residual_noise_floor(prepared.identification(), _usable_error(found), found.fit.chain.lag_s)
     return Naming(
         prepared,
         found,
@@ -161,14 +161,14 @@ def name_causes(
     )
 
 
-def _settled_error(found: Found) -> Floats:
+def _usable_error(found: SearchResult) -> Floats:
     """(n,) what the probe leaves, NaN where its unknown past still counts or a sample is corrupted."""
     left = np.full_like(found.fit.error, np.nan)
     left[found.scene.rows] = found.fit.error[found.scene.rows]
     return left
 
 
-def _signatures(found: Found) -> dict[str, Signature]:
+def _signatures(found: SearchResult) -> dict[str, Signature]:
     """The evidence for every cause that the final fit shows."""
     residual = Residual(found.scene, found.fit, found.corrupted)
     return {
@@ -178,7 +178,7 @@ def _signatures(found: Found) -> dict[str, Signature]:
     }
 
 
-def _extensions(found: Found, signatures: dict[str, Signature], left: Sequence[str]) -> dict[str, Extension]:
+def _extensions(found: SearchResult, signatures: dict[str, Signature], left: Sequence[str]) -> dict[str, Extension]:
     """The extension of each cause. left: causes that are not named.
 
     Slow causes divide one slow course between them: the parameters of those that stay are fitted without those of
@@ -192,7 +192,7 @@ def _extensions(found: Found, signatures: dict[str, Signature], left: Sequence[s
 
 def _agreement(
     prepared: Prepared,
-    found: Found,
+    found: SearchResult,
     signatures: dict[str, Signature],
     extensions: dict[str, Extension],
     settings: DiagnoseSettings,
@@ -202,42 +202,42 @@ def _agreement(
     for name in in_ladder_order(list(signatures)):
         if not signatures[name].holds:
             refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
-        elif name in found.needs and not _needed(found, name):
-            refused.append(Refused(name, f"the error grows only {found.needs[name]:.2f} times without it"))
+        elif name in found.error_growth and not _needed(found, name):
+            refused.append(Refused(name, f"the error grows only {found.error_growth[name]:.2f} times without it"))
         else:
             candidates.append(name)
     # Causes are a question about the stage: the models have to simulate it, whether or not an inverse of them exists.
     simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
-    agreed, alone, idle = _gaining(prepared, found, extensions, candidates, simulating)
+    agreed, alone, idle = _eliminate_by_gain(prepared, found, extensions, candidates, simulating)
     usual = with_usual_forms(extensions)
     for others in (simulating, settings.fit):
         if not idle:
             break
         # A coarse memory leaves more than a small cause gains; what is delivered may need what a freer model does not.
-        again, beside, left = _gaining(prepared, found, usual, candidates, others, SURE_LATER)
+        again, beside, left = _eliminate_by_gain(prepared, found, usual, candidates, others, LEAST_CONFIDENCE_REPEATED)
         agreed, alone = in_ladder_order(list({*agreed, *again})), {**beside, **alone}
         idle = [name for name in idle if name in left]
     refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
     return agreed, alone, refused
 
 
-def _needed(found: Found, name: str) -> bool:
+def _needed(found: SearchResult, name: str) -> bool:
     """Whether the probe needs a cause of its chain: its error grows enough without it, or Schwarz's criterion says so.
 
     Schwarz's criterion stands for the growth that the plain form of the cause needs and for no more.
     """
     cause = causes()[name]
     least = cause.needed_in(found.fit.chain)
-    return found.needs[name] >= least or (name in found.separated_by_likelihood and cause.needed >= least)
+    return found.error_growth[name] >= least or (name in found.separated_by_likelihood and cause.needed >= least)
 
 
-def _gaining(
+def _eliminate_by_gain(
     prepared: Prepared,
-    found: Found,
+    found: SearchResult,
     extensions: dict[str, Extension],
     names: Sequence[str],
     settings: FitSettings,
-    sure: float = SURE,
+    sure: float = LEAST_CONFIDENCE,
 ) -> tuple[list[str], dict[str, Gain], list[str]]:
     """The causes whose extensions gain for certain beside each other, what each gains, and those that left, in turn.
 
@@ -246,7 +246,7 @@ def _gaining(
     kept = list(names)
     left: list[str] = []
     while True:
-        alone = _alone(prepared, found, extensions, kept, settings)
+        alone = _gains_beside_others(prepared, found, extensions, kept, settings)
         worst = min(alone, key=lambda name: (alone[name].confidence, alone[name].before_um), default=None)
         if worst is None or alone[worst].confidence >= sure:
             return kept, alone, left
@@ -254,9 +254,9 @@ def _gaining(
         left.append(worst)
 
 
-def _alone(
+def _gains_beside_others(
     prepared: Prepared,
-    found: Found,
+    found: SearchResult,
     extensions: dict[str, Extension],
     names: list[str],
     settings: FitSettings,
@@ -274,12 +274,12 @@ def _alone(
     clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
     for name, (_, without_um) in zip(judged, checked[1:], strict=True):
-        sure = combined_confidence(without_um[clean], whole_um[clean], WORTH)
+        sure = combined_confidence(without_um[clean], whole_um[clean], LEAST_FALL)
         gains[name] = dataclasses.replace(gain(without_um[clean], whole_um[clean]), confidence=sure)
     return gains
 
 
-def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
+def _scored(naming: Naming, made: list[str], rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
     """The diagnosis with its scores, all on held-out rows."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
     held = prepared.held_rows
@@ -308,7 +308,7 @@ def _written(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagn
                 statistic=naming.signatures[name].z,
                 step=step,
                 alone=naming.alone.get(name),
-                probe_gain=naming.found.needs.get(name),
+                probe_gain=naming.found.error_growth.get(name),
                 separated_by_likelihood=name in naming.found.separated_by_likelihood,
                 share=(levels[i] ** 2 - levels[j] ** 2) / above if above > 0.0 else 0.0,
                 price=_difference(prices[i], prices[j]) if name in made else None,

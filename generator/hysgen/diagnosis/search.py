@@ -1,10 +1,11 @@
-"""Finding the chain: forward while something helps, backward until everything left is needed.
+"""Search for the probe's chain by forward selection and backward elimination.
 
-Forward: every cause proposes rough chains, the best of each is refined, the one that helps most is kept. Everything is
-fitted jointly again at each step, so what a first cause soaked up is given back when the second one arrives.
-Backward: each cause is taken out, everything else refitted; what was not needed goes.
-In between, a cause gives way to a similar one where that explains more (`swaps`). Both measures are taken on blocks of
-the identification part that were not fitted (`comparison`).
+Forward selection: every cause proposes candidate chains with starting values, the best candidates of each cause are
+refined, and the candidate with the smallest error is kept. Each step fits all parameters of the chain jointly, so an
+effect that was first attributed to the wrong cause moves to the right one.
+Backward elimination: each cause is removed and the others are fitted again; a cause is dropped if the error does not
+grow without it. Between the two, a cause is swapped for a similar one if the error falls (`swaps`). All errors are
+compared on checking rows: blocks of the identification part that are not fitted (`comparison`).
 """
 
 from __future__ import annotations
@@ -22,15 +23,15 @@ from hysgen.diagnosis.comparison import (
     FINAL_ROUNDS,
     HELPS_BELOW,
     KEEP_ABOVE,
-    SHARP,
+    LEAST_ABOVE_NOISE,
     STEP_BELOW,
     Rows,
     admissible,
     chain_without,
     fitted,
     ratio,
+    ratio_above_noise,
     refined,
-    remaining,
 )
 from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
 from hysgen.diagnosis.spikes import isolated
@@ -45,32 +46,35 @@ from hysgen.record.series import residual_noise
 Progress = Callable[[str], None]
 
 MOST_STEPS = 9
+"""Largest number of steps of forward selection."""
 
 MOST_ROWS = 8000
+"""Rows above which a scene is thinned out for a fit."""
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
-    """The chain that the search ended with, its rivals without each cause, and which samples count as corrupted.
+class SearchResult:
+    """Result of `search`.
 
-    fit: on all usable rows of the identification part. needs: how many times the error beyond the white noise, on
-    blocks left out of the fit, grows without a cause, as measured (`comparison.remaining`).
-    separated_by_likelihood: those of several slow causes with which Schwarz's criterion finds the chain far likelier.
-    Such a cause may be named although the error grows less than `Cause.needed` without it.
+    fit: of the final chain to all usable rows of the identification part. rivals: the best fit without each cause of
+    the chain. corrupted: (n,) flags of the corrupted samples. error_growth: for each cause of the chain, the ratio of
+    the errors above the white noise on the checking rows without and with the cause (`comparison.ratio_above_noise`).
+    separated_by_likelihood: slow causes whose removal raises Schwarz's criterion by more than `swaps.VERY_STRONG`. Such
+    a cause may be named although `error_growth` is below `Cause.needed_in`.
     """
 
     scene: Scene
     fit: Fit
     rivals: dict[str, Fit]
-    needs: dict[str, float]
+    error_growth: dict[str, float]
     corrupted: NDArray[np.bool_]
     separated_by_likelihood: tuple[str, ...] = ()
 
 
-def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
-    """The chain that explains the scene with nothing that it does not need."""
-    scene, corrupted = _without_spikes(scene, _start(scene))
-    part, checked = halves(scene)
+def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult:
+    """The chain of the needed causes, by forward selection, swaps, restarts and backward elimination."""
+    scene, corrupted = _without_outliers(scene, _start(scene))
+    part, checked = split_rows(scene)
     fit = _start(part)
     for _ in range(MOST_STEPS):
         step = forward_step(part, fit, checked)
@@ -78,41 +82,43 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> Found:
             break
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
         fit = step
-        usable, corrupted = _without_spikes(scene, fit)
-        part, checked = halves(usable)
+        usable, corrupted = _without_outliers(scene, fit)
+        part, checked = split_rows(usable)
     fit = eliminate_backward(part, swap_similar_causes(part, fit, checked), checked)
     fit = eliminate_backward(part, swap_slow_causes(part, fit, checked), checked)
     fit = drop_unsupported_parts(part, restart(part, fit, checked), checked)
-    usable, corrupted = _without_spikes(scene, fit)
-    part, checked = halves(usable)
+    usable, corrupted = _without_outliers(scene, fit)
+    part, checked = split_rows(usable)
     chain = likeliest_slow_causes(usable, fit)
     fit = fit if chain == fit.chain else refine(part, chain)
     names = present(fit.chain)
     rivals = dict(zip(names, refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
-    needs = {name: 1.0 / remaining(fit, rivals[name], checked) for name in names}
-    needs |= _slow_needs(part, fit, rivals, checked)
+    error_growth = {name: 1.0 / ratio_above_noise(fit, rivals[name], checked) for name in names}
+    error_growth |= _slow_error_growth(part, fit, rivals, checked)
     final = refine(thinned(usable), fit.chain)
-    return Found(usable, final, rivals, needs, corrupted, tuple(compare_likelihood(usable, final, rivals)))
+    return SearchResult(
+        usable, final, rivals, error_growth, corrupted, tuple(compare_likelihood(usable, final, rivals))
+    )
 
 
-def _slow_needs(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:
-    """How much the slow causes that are sound are needed beside each other alone, if some are not sound.
+def _slow_error_growth(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:
+    """`error_growth` of the slow causes with evidence, in a chain without the slow causes that have none.
 
-    An unsound one may be there only to take back what another one has too much of.
+    Empty if all slow causes have evidence. A slow cause without evidence may only compensate the excess of another one.
     """
     slow = [name for name in slow_causes() if name in rivals]
     residual = Residual(part, fit)
-    sound = [name for name in slow if causes()[name].signature(residual, rivals[name]).holds]
-    if sound == slow:
+    supported = [name for name in slow if causes()[name].signature(residual, rivals[name]).holds]
+    if supported == slow:
         return {}
-    chain = chain_without(fit.chain, [name for name in slow if name not in sound])
+    chain = chain_without(fit.chain, [name for name in slow if name not in supported])
     alone = refine(part, chain, rounds=8)
-    others = refined(part, [causes()[name].without(chain) for name in sound])
-    return {name: 1.0 / remaining(alone, other, checked) for name, other in zip(sound, others, strict=True)}
+    others = refined(part, [causes()[name].without(chain) for name in supported])
+    return {name: 1.0 / ratio_above_noise(alone, other, checked) for name, other in zip(supported, others, strict=True)}
 
 
-def without(found: Found, names: Sequence[str]) -> Fit:
-    """The fit to all usable rows without some of its causes, the others refined again."""
+def without(found: SearchResult, names: Sequence[str]) -> Fit:
+    """The fit of the chain without the named causes to all usable rows, with all other parameters refined again."""
     if not names:
         return found.fit
     return refine(thinned(found.scene), chain_without(found.fit.chain, names), rounds=8)
@@ -124,43 +130,47 @@ def present(chain: Chain) -> list[str]:
 
 
 def _start(scene: Scene) -> Fit:
-    """The bare stage: hysteresis and one lag, from the best of a few lags."""
+    """The fit of hysteresis and one lag, from the best of three starting values of the lag."""
     lags = [scale * scene.Ts_s for scale in (0.3, 3.0, 30.0)]
     return refine(scene, fitted(scene, [Chain(lag_s) for lag_s in lags])[0].chain)
 
 
 def forward_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
-    """The most helpful single addition, refined; None if none helps enough."""
+    """One step of forward selection: the refined candidate with the smallest error, None if it is not accepted."""
     residual = Residual(part, fit)
-    # Poor starts are refined too: a mode that was fitted in place of a delay changes much in its refinement.
-    trials = [
-        trial for cause in causes().values() for trial in cause.select_starts(fitted(part, cause.proposals(residual)))
+    # Poor starting values are refined too: the refinement of a mode that was fitted in place of a delay changes much.
+    starts = [
+        candidate
+        for cause in causes().values()
+        for candidate in cause.select_starts(fitted(part, cause.proposals(residual)))
     ]
-    steps = refined(part, [trial.chain for trial in trials])
+    steps = refined(part, [start.chain for start in starts])
     steps = [step for step in steps if admissible(part, step.chain) or not admissible(part, fit.chain)]
     if not steps:
         return None
-    best = min(steps, key=lambda trial: ratio(trial, fit, checked) + trial.rms_um / fit.rms_um)
-    helped = ratio(best, fit, checked) < HELPS_BELOW and remaining(best, fit, checked) < STEP_BELOW
-    # Fitted rows that show nothing but noise have no say: there the fit has bent itself around what is missing.
-    silent = fit.rms_um < (1.0 + SHARP**2) * residual_noise(fit.error[part.dense])
-    return best if helped and (silent or best.rms_um < HELPS_BELOW * fit.rms_um) else None
+    best = min(steps, key=lambda candidate: ratio(candidate, fit, checked) + candidate.rms_um / fit.rms_um)
+    helped = ratio(best, fit, checked) < HELPS_BELOW and ratio_above_noise(best, fit, checked) < STEP_BELOW
+    # If the training residual is only noise, the fit has absorbed the missing effect: the checking rows alone decide.
+    only_noise = fit.rms_um < (1.0 + LEAST_ABOVE_NOISE**2) * residual_noise(fit.error[part.dense])
+    return best if helped and (only_noise or best.rms_um < HELPS_BELOW * fit.rms_um) else None
 
 
 def restart(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit from the best of other starts, where that explains more."""
+    """The best fit from other starting values (`Cause.restarts`), if both the training and the checking error fall."""
     for name in present(fit.chain):
-        trials = fitted(part, causes()[name].restarts(part, fit.chain))[:2]
-        for other in refined(part, [trial.chain for trial in trials], rounds=FINAL_ROUNDS):
+        candidates = fitted(part, causes()[name].restarts(part, fit.chain))[:2]
+        for other in refined(part, [candidate.chain for candidate in candidates], rounds=FINAL_ROUNDS):
             if other.rms_um < fit.rms_um and rms(other.error[checked]) < rms(fit.error[checked]):
                 fit = other
     return fit
 
 
 def eliminate_backward(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit without what it does not need, least needed first; each mode, line and channel for itself.
+    """Backward elimination: removes the part with the smallest growth of the error until every part is needed.
 
-    Before that, every cause takes its simpler form if that explains as much.
+    A part is a cause, or one of several modes, lines or channels. First, a cause is replaced by a simpler form
+    (`Cause.simpler_forms`) if the error does not grow by more than a factor of
+    1/HELPS_BELOW.
     """
     for name in present(fit.chain):
         for chain in causes()[name].simpler_forms(fit.chain):
@@ -169,19 +179,20 @@ def eliminate_backward(part: Scene, fit: Fit, checked: Rows) -> Fit:
                 fit = plain
     while True:
         names = present(fit.chain)
-        trials = refined(part, [less for name in names for less in causes()[name].without_one_part(fit.chain)])
-        if not trials:
+        candidates = refined(part, [less for name in names for less in causes()[name].without_one_part(fit.chain)])
+        if not candidates:
             return fit
-        best = max(trials, key=lambda trial: ratio(fit, trial, checked))
-        if remaining(fit, best, checked) < KEEP_ABOVE:
+        best = max(candidates, key=lambda candidate: ratio(fit, candidate, checked))
+        if ratio_above_noise(fit, best, checked) < KEEP_ABOVE:
             return fit
         fit = best
 
 
 def drop_unsupported_parts(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit without the modes, lines and channels, of several, that show no evidence of their own.
+    """The fit without those of several modes, lines and channels that have no evidence.
 
-    One such part would deny the whole cause its signature, and may stand where another cause should.
+    One part without evidence would invalidate the signature of the whole cause, and it may model the effect of another
+    cause.
     """
     residual = Residual(part, fit)
     for name in present(fit.chain):
@@ -190,32 +201,32 @@ def drop_unsupported_parts(part: Scene, fit: Fit, checked: Rows) -> Fit:
             continue
         fit = refine(part, less, rounds=8)
         step = forward_step(part, fit, checked)
-        if step is not None and _all_sound(part, step, present(less)):
+        if step is not None and _all_supported(part, step, present(less)):
             fit = step
         residual = Residual(part, fit)
     return fit
 
 
-def _all_sound(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
-    """Whether every part of each of these causes shows evidence of its own."""
+def _all_supported(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
+    """Whether every part of each named cause has evidence (`Cause.supported`)."""
     residual = Residual(part, fit)
     return all(causes()[name].supported(residual) == fit.chain for name in names)
 
 
-def _without_spikes(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
-    """The scene's rows less the corrupted samples that the fit's error shows, and those samples, (n,)."""
+def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
+    """The scene without the corrupted samples in the residual of the fit, and their flags, (n,)."""
     edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
-    heard = np.delete(np.arange(scene.samples), scene.lost)
-    error = np.interp(np.arange(scene.samples), heard, fit.error[heard])
+    valid = np.delete(np.arange(scene.samples), scene.lost)
+    error = np.interp(np.arange(scene.samples), valid, fit.error[valid])
     corrupted = np.concatenate([isolated(error[a:b]) for a, b in itertools.pairwise(edges)])
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
 
 
-def halves(scene: Scene) -> tuple[Scene, Rows]:
-    """The scene on the rows to fit, and the rows to check, in alternating blocks, two to one.
+def split_rows(scene: Scene) -> tuple[Scene, Rows]:
+    """The scene on its training rows, and the checking rows: of each three of 24 blocks two train and one checks.
 
-    Rows to fit are thinned out if there are very many. Rows to check are not: they cost next to nothing, and the white
-    noise is told from neighbours alone.
+    Training rows are thinned out to MOST_ROWS. Checking rows are not thinned out, because the white noise is estimated
+    from differences between neighbours.
     """
     rows = scene.rows
     block = np.arange(len(rows)) * BLOCKS // len(rows)
@@ -223,11 +234,11 @@ def halves(scene: Scene) -> tuple[Scene, Rows]:
 
 
 def thinned(scene: Scene) -> Scene:
-    """The scene on MOST_ROWS of its rows at most; it keeps all of them as `dense`."""
+    """The scene on at most MOST_ROWS of its rows; `Scene.dense` still holds all of them."""
     rows = scene.rows
     if len(rows) <= MOST_ROWS:
         return scene
-    # An even stride would alias with a periodic input; a jittered one does not.
+    # A constant stride would alias with a periodic input; a jittered stride does not.
     rng = np.random.default_rng(0)
     edges = np.linspace(0, len(rows), MOST_ROWS + 1).astype(int)
     chosen = rows[edges[:-1] + (rng.random(MOST_ROWS) * np.diff(edges)).astype(int)]

@@ -1,4 +1,4 @@
-"""Corrupted samples: readings that stand alone, far from both neighbours, where nothing that moves could have been."""
+"""Detection of corrupted samples: readings so far from the neighbours on both sides that no motion explains them."""
 
 from __future__ import annotations
 
@@ -8,32 +8,35 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-SCATTERS = 8.0
-"""How many robust standard deviations a sample must stand off; 1 in 1e15 does so by chance in Gaussian noise."""
+LEAST_DEVIATION = 8.0
+"""Least |s(k)| of a corrupted sample in robust standard deviations; probability 1e-15 for Gaussian noise."""
 
-LOOKS = 4
+MOST_PASSES = 4
+"""Passes over a run; each pass bridges the samples that the passes before it found."""
 
 EDGE = 2
-"""Samples at either end of a run that are never judged."""
+"""Samples at either end of a run that are never marked, because they have no neighbours on one side."""
 
 
 def isolated(error_um: Floats) -> Flags:
-    """Samples of one run that stand off their neighbours alone, or two side by side, (n,).
+    """Flags, (n,), of the corrupted samples of one run: single samples or two side by side.
 
         s(k) = e(k) - median(e(k-2), e(k-1), e(k+1), e(k+2)),    |s(k)| > 8 * 1.4826 median |s|
 
-    and twice as far as each neighbour does: a jump or a swing moves its neighbours along. Two side by side stand off
-    the two before and the two behind them, twice as far as these four differ. What is found is bridged by a straight
-    line and the rest looked at again, for a corrupted sample spoils the neighbourhood of the next. The two samples at
-    either end have no neighbours on both sides: what fades in or out there would stand off those that it has.
-    error_um: (n,) what a model leaves, so that the stage's own motion does not count as scatter.
+    A single sample is corrupted if |s(k)| exceeds this limit and twice |s| of both neighbours; a step or an oscillation
+    also moves the neighbours. Two side by side are corrupted if both differ from the median of the two samples before
+    and the two samples after by more than the same limit and by more than twice the range of these four. Flagged
+    samples are replaced by linear interpolation and the test is repeated, because a corrupted sample distorts the
+    median at its neighbours. The EDGE samples at either end are never flagged: a transient there would resemble a
+    corrupted sample.
+    error_um: (n,) residual of a model, so that the motion of the stage is not counted as scatter.
     """
     found = np.zeros(len(error_um), dtype=bool)
     if len(error_um) < 6:
         return found
     left = error_um
-    for _ in range(LOOKS):
-        more = _standing(left) & ~found
+    for _ in range(MOST_PASSES):
+        more = _deviating(left) & ~found
         more[:EDGE] = more[-EDGE:] = False
         if not more.any():
             break
@@ -43,23 +46,23 @@ def isolated(error_um: Floats) -> Flags:
     return found
 
 
-def _standing(error_um: Floats) -> Flags:
-    """What `isolated` finds at one look."""
+def _deviating(error_um: Floats) -> Flags:
+    """Flags, (n,), of one pass of `isolated`."""
     n = len(error_um)
-    stand = np.abs(local_scatter(error_um))
-    scale = 1.4826 * float(np.median(stand)) + 1e-300
-    beside = np.maximum(np.append(stand[1:], 0.0), np.append(0.0, stand[:-1]))
-    alone = (stand > SCATTERS * scale) & (stand > 2.0 * beside)
-    # Two samples k and k + 1, off the two before and the two behind, which agree with each other.
+    deviation = np.abs(local_scatter(error_um))
+    scale = 1.4826 * float(np.median(deviation)) + 1e-300
+    neighbours = np.maximum(np.append(deviation[1:], 0.0), np.append(0.0, deviation[:-1]))
+    alone = (deviation > LEAST_DEVIATION * scale) & (deviation > 2.0 * neighbours)
+    # Two samples k and k + 1 against the two samples before and the two after, which agree with each other.
     padded = np.pad(error_um, 2, mode="edge")
     outer = np.stack([padded[i : i + n - 1] for i in (0, 1, 4, 5)])
     off = np.abs(np.stack([error_um[:-1], error_um[1:]]) - np.median(outer, axis=0)).min(axis=0)
-    first = (off > SCATTERS * scale) & (off > 2.0 * np.ptp(outer, axis=0))
+    first = (off > LEAST_DEVIATION * scale) & (off > 2.0 * np.ptp(outer, axis=0))
     return np.asarray(alone | np.append(first, False) | np.append(False, first))
 
 
 def local_scatter(error_um: Floats) -> Floats:
-    """(n,) how far each sample stands off the median of its four neighbours, signed."""
+    """(n,) signed deviation of each sample from the median of its four neighbours."""
     padded = np.pad(error_um, 2, mode="edge")
     n = len(error_um)
     return np.asarray(error_um - np.median(np.stack([padded[i : i + n] for i in (0, 1, 3, 4)]), axis=0))

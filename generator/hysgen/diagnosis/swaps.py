@@ -19,7 +19,7 @@ from hysgen.diagnosis.comparison import (
 )
 from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, linear_fit, refine, schwarz
 
-FAR_LIKELIER = 10.0
+VERY_STRONG = 10.0
 """Difference of Schwarz's criterion from which on the evidence is very strong (Kass and Raftery, 1995)."""
 
 
@@ -57,13 +57,13 @@ def swap_slow_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
             fit = bare
             continue
         others = [name for name in slow_causes() if name != old and not causes()[name].present(fit.chain)]
-        trials = [best_with(part, bare, name) for name in others]
+        candidates = [best_with(part, bare, name) for name in others]
         sound = [
-            trial
-            for name, trial in zip(others, trials, strict=True)
-            if trial is not None and causes()[name].signature(Residual(part, trial), bare).holds
+            candidate
+            for name, candidate in zip(others, candidates, strict=True)
+            if candidate is not None and causes()[name].signature(Residual(part, candidate), bare).holds
         ]
-        best = min(sound, key=lambda trial: ratio(trial, bare, checked), default=bare)
+        best = min(sound, key=lambda candidate: ratio(candidate, bare, checked), default=bare)
         if ratio(best, bare, checked) < KEEP_ABOVE:
             fit = best
     return fit
@@ -79,7 +79,7 @@ def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
     there = _slow(fit.chain)
     if not there:
         return fit.chain
-    sound = _sound(scene, fit, there)
+    sound = _evidence_holds(scene, fit, there)
     bare: tuple[str, ...] = ()
     fits = {bare: linear_fit(scene, chain_without(fit.chain, there)), there: refine(scene, fit.chain)}
     for size in (1, 2) if len(there) > 1 or not sound else (1,):
@@ -91,11 +91,11 @@ def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
     del fits[bare]
     white = WhitenedScene.of(scene, min(fits.values(), key=lambda one: one.rms_um))
     worth = {names: schwarz(white, refine(white, one.chain)) for names, one in fits.items()}
-    most = worth[there] + (-FAR_LIKELIER if sound else FAR_LIKELIER)
+    most = worth[there] + (-VERY_STRONG if sound else VERY_STRONG)
     for names in sorted(fits, key=worth.__getitem__):
         if (names == there and sound) or worth[names] > most:
             break
-        if names != there and _sound(scene, fits[names], names):
+        if names != there and _evidence_holds(scene, fits[names], names):
             return fits[names].chain
     return fit.chain
 
@@ -109,7 +109,7 @@ def compare_likelihood(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> lis
     if len(there) < 2:
         return []
     white = WhitenedScene.of(scene, fit)
-    least = schwarz(white, refine(white, fit.chain)) + FAR_LIKELIER
+    least = schwarz(white, refine(white, fit.chain)) + VERY_STRONG
     return [name for name in there if schwarz(white, refine(white, rivals[name].chain)) > least]
 
 
@@ -118,7 +118,7 @@ def _slow(chain: Chain) -> tuple[str, ...]:
     return tuple(name for name in slow_causes() if causes()[name].present(chain))
 
 
-def _sound(scene: Scene, fit: Fit, names: Sequence[str]) -> bool:
+def _evidence_holds(scene: Scene, fit: Fit, names: Sequence[str]) -> bool:
     """Whether each of these causes shows evidence of its own."""
     residual = Residual(scene, fit)
     return all(causes()[name].signature(residual, fit).holds for name in names)
@@ -127,6 +127,6 @@ def _sound(scene: Scene, fit: Fit, names: Sequence[str]) -> bool:
 def best_with(part: Scene, bare: Fit, name: str) -> Fit | None:
     """The best fit with the cause `name` added to `bare`."""
     cause = causes()[name]
-    trials = cause.select_starts(fitted(part, cause.proposals(Residual(part, bare))))
-    found = refined(part, [trial.chain for trial in trials], rounds=FINAL_ROUNDS)
-    return min(found, key=lambda trial: trial.rms_um, default=None)
+    candidates = cause.select_starts(fitted(part, cause.proposals(Residual(part, bare))))
+    found = refined(part, [candidate.chain for candidate in candidates], rounds=FINAL_ROUNDS)
+    return min(found, key=lambda candidate: candidate.rms_um, default=None)

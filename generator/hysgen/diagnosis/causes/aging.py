@@ -22,7 +22,7 @@ FORGET = 0.35
 MOST_CHANGE = 0.5
 """Change of the gain over the record beyond which it is looked for no further: such a stage has no gain to speak of."""
 
-TRIED = (0.003, 0.03)
+STARTING_CHANGES = (0.003, 0.03)
 """Changes of the gain, of either sign, from which it is looked for.
 
 Hysteresis that was fitted without aging has bent towards it: a change of the wrong sign can explain more at first.
@@ -72,12 +72,12 @@ class AgingCause(Cause):
         growing = [scene.Ts_s * np.arange(len(seen)) * (seen - zero_um) for seen in residual.responses(chain)]
         most = MOST_CHANGE / scene.span_s
         rate = float(np.clip(residual.amount(np.concatenate(growing)), -most, most))
-        rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in TRIED))
+        rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in STARTING_CHANGES))
         return [chain.having(AgingPart(rate)) for rate in rates]
 
-    def select_starts(self, trials: list[Fit]) -> list[Fit]:
-        """The best of either sign: no way may lead from one to the other, see TRIED."""
-        return list({trial.chain.gain_per_s > 0.0: trial for trial in reversed(trials)}.values())
+    def select_starts(self, candidates: list[Fit]) -> list[Fit]:
+        """The best of either sign: no way may lead from one to the other, see STARTING_CHANGES."""
+        return list({candidate.chain.gain_per_s > 0.0: candidate for candidate in reversed(candidates)}.values())
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The change of gain against its standard error, measured as creep is."""

@@ -112,7 +112,7 @@ class Cause(abc.ABC):
     needed: ClassVar[float] = 1.2
     """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
 
-    tried: ClassVar[int] = 1
+    starts: ClassVar[int] = 1
     """How many of its proposals are refined in a step, the best first; `select_starts` may choose otherwise."""
 
     def present(self, chain: Chain) -> bool:
@@ -155,9 +155,9 @@ class Cause(abc.ABC):
         """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""
         return []
 
-    def select_starts(self, trials: list[Fit]) -> list[Fit]:
+    def select_starts(self, candidates: list[Fit]) -> list[Fit]:
         """Those of its proposals, as they stand and the best first, that are worth a refinement."""
-        return trials[: self.tried]
+        return candidates[: self.starts]
 
     @abc.abstractmethod
     def signature(self, residual: Residual, rival: Fit) -> Signature:

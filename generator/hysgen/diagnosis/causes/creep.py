@@ -104,12 +104,12 @@ class CreepCause(Cause):
         decades = math.log10(max(slowest_s / fastest_s, 1.0))
         starts = [fastest_s * 10.0 ** (share * decades) for share in (0.0, 0.33, 0.67, 1.0)]
         still = np.concatenate(residual.responses(chain))
-        trials = []
+        candidates = []
         for start_s in starts:
             unit = chain.having(CreepPart(1.0, start_s))
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
-            trials.append(chain.having(CreepPart(float(np.clip(creep, -1.0, 1.0)), start_s)))
-        return trials
+            candidates.append(chain.having(CreepPart(float(np.clip(creep, -1.0, 1.0)), start_s)))
+        return candidates
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The creep against its standard error: onward, not back, and over a decade of time at least.

@@ -39,13 +39,13 @@ class DelayCause(Cause):
         if self.present(chain):
             return []
         # What was taken for lag is shared out between lag and delay in several ways.
-        trials = []
+        candidates = []
         for share in (0.1, 0.4, 0.8):
             late = share * chain.lag_s / Ts_s
             if 0.05 < late < 200.0:
-                trials.append(dataclasses.replace(chain.having(DelayPart(late)), lag_s=(1.0 - share) * chain.lag_s))
-        trials.append(chain.having(DelayPart(0.5)))
-        return trials
+                candidates.append(dataclasses.replace(chain.having(DelayPart(late)), lag_s=(1.0 - share) * chain.lag_s))
+        candidates.append(chain.having(DelayPart(0.5)))
+        return candidates
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The delay itself against its standard error, with lag, modes and hysteresis free to take its place."""

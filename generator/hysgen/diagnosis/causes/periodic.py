@@ -80,8 +80,8 @@ class PeriodicCause(Cause):
     def supported(self, residual: Residual) -> Chain:
         """The chain without those lines, of several, that hardly stand out or do not keep their phase."""
         chain = residual.fit.chain
-        told = zip(_lines_Hz(chain), _line_evidence(residual), strict=True)
-        kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in told if steady and ratio > LEAST_RATIO)
+        evidence = zip(_lines_Hz(chain), _line_evidence(residual), strict=True)
+        kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in evidence if steady and ratio > LEAST_RATIO)
         return chain.having(PeriodicPart(kept)) if kept else chain
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
@@ -89,13 +89,13 @@ class PeriodicCause(Cause):
         chain = residual.fit.chain
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
-        told = _line_evidence(residual)
-        for i, (line_Hz, (amplitude_um, ratio, _)) in enumerate(zip(_lines_Hz(chain), told, strict=True)):
+        evidence = _line_evidence(residual)
+        for i, (line_Hz, (amplitude_um, ratio, _)) in enumerate(zip(_lines_Hz(chain), evidence, strict=True)):
             suffix = "" if i == 0 else f"_{i + 1}"
             parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"periodic.{i}.f_Hz"])
             parameters[f"amplitude{suffix}_um"] = Estimate(amplitude_um, amplitude_um / np.sqrt(max(ratio, 1e-9)))
             texts.append(f"line at {line_Hz:.5g} Hz, {amplitude_um:.3g} um, {ratio:.2g} times its background")
-        least, steady = min(ratio for _, ratio, _ in told), all(keeps for _, _, keeps in told)
+        least, steady = min(ratio for _, ratio, _ in evidence), all(keeps for _, _, keeps in evidence)
         texts.append("phase kept throughout" if steady else "phase not kept")
         return Signature(steady and least > LEAST_RATIO, float(np.sqrt(least)), "; ".join(texts), parameters)
 
@@ -119,7 +119,7 @@ def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
     found = []
     for i, line_Hz in enumerate(_lines_Hz(chain)):
         sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
-        ratio, steady = _standing(residual, line_Hz, sine, cosine)
+        ratio, steady = _line_significance(residual, line_Hz, sine, cosine)
         found.append((math.hypot(sine, cosine), ratio, bool(steady)))
     return found
 
@@ -180,7 +180,7 @@ def _local_median(power: Floats) -> Floats:
     return np.asarray(np.exp(np.interp(np.arange(len(power)), at, np.log(np.array(level) + 1e-300))))
 
 
-def _standing(residual: Residual, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
+def _line_significance(residual: Residual, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
     """Power of the line over that of the error around it, and whether every quarter of the rows shows its phase."""
     scene, rows = residual.scene, residual.scene.rows
     time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])[rows]

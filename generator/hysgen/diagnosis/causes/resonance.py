@@ -56,7 +56,7 @@ class ResonanceCause(Cause):
     rank = 60
     fitted_late = True  # its modes share the small gain of the inverse with the plays
     part = ResonancePart
-    tried = 3  # slow misfit can resemble a mode before the mode does; a fit keeps to one side of the true damping
+    starts = 3  # slow misfit can resemble a mode before the mode does; a fit keeps to one side of the true damping
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
@@ -110,7 +110,7 @@ class ResonanceCause(Cause):
         chain = residual.fit.chain
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
-        told = mode_evidence(residual, errors)
+        evidence = mode_evidence(residual, errors)
         for i, mode in enumerate(chain.modes):
             suffix = "" if i == 0 else f"_{i + 1}"
             df, dz, ds = (errors[f"resonance.{i}.{one.field}"] for one in MODE)
@@ -118,8 +118,8 @@ class ResonanceCause(Cause):
             parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
             parameters[f"share{suffix}"] = Estimate(mode.share, ds)
             texts.append(f"rings at {mode.f_Hz:.4g} Hz with damping ratio {mode.zeta:.3g}, share {mode.share:.2g}")
-        least = min(z for _, _, z in told)
-        return Signature(all(holds for _, holds, _ in told), least, "; ".join(texts), parameters)
+        least = min(z for _, _, z in evidence)
+        return Signature(all(holds for _, holds, _ in evidence), least, "; ".join(texts), parameters)
 
     def extension(self, residual: Residual) -> Extension:
         modes = sorted(residual.fit.chain.modes, key=lambda mode: mode.f_Hz)

@@ -57,41 +57,43 @@ class SaturationCause(Cause):
     mistaken_for = ("slew",)
     part = SaturationPart
     needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
-    tried = 3  # a fit seldom leaves the level of one stroke for that of another
+    starts = 3  # a fit seldom leaves the level of one stroke for that of another
 
     def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
         """Levels further in: a level too far out can hide where the curve has been bent flat instead."""
         span_V, part = scene.operator.high_V - scene.operator.low_V, _part(chain)
-        trials = []
+        candidates = []
         for step in RESTARTS:
             if part.high_V is not None:
-                trials.append(chain.having(dataclasses.replace(part, high_V=part.high_V - step * span_V)))
+                candidates.append(chain.having(dataclasses.replace(part, high_V=part.high_V - step * span_V)))
             if part.low_V is not None:
-                trials.append(chain.having(dataclasses.replace(part, low_V=part.low_V + step * span_V)))
-        return trials
+                candidates.append(chain.having(dataclasses.replace(part, low_V=part.low_V + step * span_V)))
+        return candidates
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, operator = residual.fit.chain, residual.scene.operator
         middle, half = 0.5 * (operator.low_V + operator.high_V), 0.5 * (operator.high_V - operator.low_V)
-        part, trials = _part(chain), []
+        part, candidates = _part(chain), []
         if part.high_V is None:
-            trials += [chain.having(dataclasses.replace(part, high_V=middle + level * half)) for level in LEVELS]
+            candidates += [chain.having(dataclasses.replace(part, high_V=middle + level * half)) for level in LEVELS]
         if part.low_V is None:
-            trials += [chain.having(dataclasses.replace(part, low_V=middle - level * half)) for level in LEVELS]
+            candidates += [chain.having(dataclasses.replace(part, low_V=middle - level * half)) for level in LEVELS]
         if part.low_V is None and part.high_V is None:
             # Where both ends clip, a limit at one of them alone may help too little to be a step towards the other.
             for low, high in itertools.product(PAIRED, PAIRED):
-                trials.append(chain.having(SaturationPart(middle - low * half, middle + high * half)))
-        return trials
+                candidates.append(chain.having(SaturationPart(middle - low * half, middle + high * half)))
+        return candidates
 
-    def select_starts(self, trials: list[Fit]) -> list[Fit]:
+    def select_starts(self, candidates: list[Fit]) -> list[Fit]:
         """The best, and beside it the next levels further in: a fit finds outward more readily than inward."""
-        if not trials:
+        if not candidates:
             return []
-        best = _part(trials[0].chain)
-        inside = [trial for trial in trials if 0.0 < _further_in(_part(trial.chain), best) < math.inf]
-        inside.sort(key=lambda trial: _further_in(_part(trial.chain), best))
-        return trials[: self.tried] + [trial for trial in inside[:FURTHER_IN] if trial not in trials[: self.tried]]
+        best = _part(candidates[0].chain)
+        inside = [start for start in candidates if 0.0 < _further_in(_part(start.chain), best) < math.inf]
+        inside.sort(key=lambda start: _further_in(_part(start.chain), best))
+        return candidates[: self.starts] + [
+            candidate for candidate in inside[:FURTHER_IN] if candidate not in candidates[: self.starts]
+        ]
 
     def supported(self, residual: Residual) -> Chain:
         """Without a level at the end of the range, of two."""
