@@ -1,18 +1,35 @@
-"""The data of the learner's templates: regressors, columns of U per call, pipelined loops, and parameter sections."""
+"""The data of the learner's templates, one dataclass per partial, and the learner's parameter sections."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from hysgen.codegen.parameters import Constant, Section, Table
-from hysgen.codegen.pipeline import Turn, pipelined
-from hysgen.codegen.polynomials import polynomial, powers
+from hysgen.codegen.pipeline import Turn
+from hysgen.codegen.polynomials import Step, Sum, polynomial, powers
 from hysgen.codegen.render import Feature
 from hysgen.codegen.structs import learner_struct, rows
+from hysgen.codegen.update_loops import (
+    DenominatorLoops,
+    Element,
+    Phase,
+    Slice,
+    StepLoops,
+    UpdateLoops,
+    blocks,
+    clears,
+    denominator_loops,
+    innovations,
+    parameter_elements,
+    phases,
+    slices,
+    step_loops,
+    update_loops,
+)
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.learner_numbers import (
     FACTOR_GRID,
@@ -29,38 +46,11 @@ from hysgen.float32.learner_numbers import (
 from hysgen.float32.learner_status import LEARNER_COUNTERS, LEARNER_MEANINGS
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Described, Holds, Restart, Start
-from hysgen.float32.update_schedule import COLUMNS_PER_PASS, WRITTEN_OUT, UpdateSchedule, factors
-from hysgen.model.float32_constants import NEWTON_STEPS, ROUNDING
+from hysgen.float32.update_schedule import WRITTEN_OUT, UpdateSchedule, factors
+from hysgen.model.float32_constants import ROUNDING
 from hysgen.model.model import Model
 
-SIDE_BY_SIDE = 6
-"""Number of independent operations per block; they hide the latency of the multiplier and adder of the C674x."""
-
-# Elements per block and pipeline stages with the fewest measured cycles on the C674x (docs/target.md). Wider blocks
-# need more than its 64 registers; the spilled values then cost more cycles than the overlap saves.
-PROJECT_WIDTH = 12
-PROJECT_STAGES = ("load", "", "multiply", "", "add")
-FACTOR_WIDTH = 3
-FACTOR_STAGES = ("load", "multiply", "add", "raise", "lower", "store")
-
-PASS_STAGES = ("load", "", "multiply", "", "add")
-WEIGH_WIDTH = 9
-WEIGH_STAGES = (
-    "seed",
-    "subtract",
-    "improve",
-    *(NEWTON_STEPS - 1) * ("multiply", "subtract", "improve"),
-    "divide",
-    "scale",
-    "clamp",
-)
-INNOVATIONS_WIDTH = 2
-INNOVATIONS_STAGES = ("load", "multiply", "add")
-SUM_STAGES = ("multiply", "", "add", "keep")
-VARIANCE_WIDTH = 3
-VARIANCE_STAGES = WEIGH_STAGES[-3:]
-STEP_WIDTH = 3
-STEP_STAGES = ("multiply", "raise", "lower", "carry", "add", "kept", "left", "store")
+GRIDS: Final = {"regressor": REGRESSOR_GRID, "factor": FACTOR_GRID, "gain": GAIN_GRID, "step": STEP_GRID}
 
 
 @dataclass(frozen=True)
@@ -73,77 +63,73 @@ class Learned:
 
 
 @dataclass(frozen=True)
-class Element:
-    """Row i and column j of a matrix, and the index `place` of the element in its C array."""
+class HeaderFacts:
+    """Declarations (learn.c.j2): rows of the struct and of the status bits, calls of an update and of a restart."""
 
-    i: int
-    j: int
-    place: int = 0
-
-
-@dataclass(frozen=True)
-class Part:
-    """Neighbouring elements of one row or column of U; first: whether they begin the row or column."""
-
-    elements: Sequence[Element]
-    first: bool
-
-    @property
-    def i(self) -> int:
-        """Row of the first element."""
-        return self.elements[0].i
-
-    @property
-    def j(self) -> int:
-        """Column of the first element."""
-        return self.elements[0].j
+    members: Sequence[str]
+    status_rows: Sequence[str]
+    calls: int
+    calls_to_restart: int
 
 
 @dataclass(frozen=True)
-class Column:
-    """The elements of U above the diagonal in column j, in blocks of SIDE_BY_SIDE."""
+class RestartFacts:
+    """Restart (learn_restart.j2): C values by kind and member, slices of U = I, first phase."""
 
-    j: int
+    values: Mapping[str, Mapping[str, str]]
+    slices: Sequence[Slice]
+    phase: int
+
+
+@dataclass(frozen=True)
+class RegressorFacts:
+    """Regressors (learn_keep.j2): learned groups, powers of r, sum of the strengths, prediction that is not learned.
+
+    firing: whether consequents of the rules are learned; fixed_rules: whether `fixed` needs the sums over the rules.
+    """
+
+    groups: frozenset[str]
+    firing: bool
+    powers: Sequence[Step]
+    weight: Sum
+    fixed: str
+    fixed_rules: bool
+
+
+@dataclass(frozen=True)
+class CallFacts:
+    """Initialisation and calls (learn_call.j2): phases, counters, C values by kind and member."""
+
+    phases: Sequence[Phase]
+    counters: Sequence[str]
+    start: Mapping[str, Mapping[str, str]]
+
+
+@dataclass(frozen=True)
+class LearnerFacts:
+    """Variables of the learner's templates, one field per partial, then those of several partials.
+
+    n: parameters; factors: words of U; written_out: whether each element of U has its own lines of C; single_call:
+    whether one call does a whole update; blocks: the parameters in blocks; grid: 1.5 * 2^23 steps of each grid;
+    sliding_always: whether the forgetting factor is below 1 from the first update on.
+    """
+
+    header: HeaderFacts
+    restart: RestartFacts
+    update: UpdateLoops
+    denominators: DenominatorLoops
+    step: StepLoops
+    regressors: RegressorFacts
+    call: CallFacts
+    innovations: Sequence[Turn[list[Element]]]
+    sliding_always: bool
+    n: int
+    factors: int
+    written_out: bool
+    single_call: bool
+    learned: Sequence[Learned]
     blocks: Sequence[Sequence[Element]]
-
-
-@dataclass(frozen=True)
-class Slice:
-    """The columns first .. last - 1 of U that one call computes, in the projection or in the factorisation.
-
-    project, factor: elements of the columns, row by row and column by column, in pipelined order.
-    passes: first column of each pass of COLUMNS_PER_PASS columns of U' x. columns: the columns of the slice.
-    ends: one element per column; begun_blocks, end_blocks, done_blocks: blocks of one element per column, for the
-    columns 0 .. first - 1, first .. last - 1 and 0 .. last - 1.
-    """
-
-    number: int
-    first: int
-    last: int
-    about: str
-    project: Sequence[Turn[Part]]
-    factor: Sequence[Turn[Part]]
-    ends: Sequence[Element]
-    begun_blocks: Sequence[Sequence[Element]]
-    end_blocks: Sequence[Sequence[Element]]
-    done_blocks: Sequence[Sequence[Element]]
-    passes: Sequence[int]
-    columns: Sequence[Column]
-
-
-@dataclass(frozen=True)
-class Phase:
-    """The work of one call in an update or restart that takes several calls, and the phase that comes next.
-
-    work: name of the generated function, "" without columns. kind: project, factor or clear. last: whether the phase is
-    the last of its kind.
-    """
-
-    work: str
-    number: int
-    following: int
-    kind: str
-    last: bool
+    grid: Mapping[str, np.float32]
 
 
 def learner_feature(model: Model, numbers: Coefficients, _certificates: object) -> Feature | None:
@@ -151,71 +137,64 @@ def learner_feature(model: Model, numbers: Coefficients, _certificates: object) 
     if model.learner is None:
         return None
     found = learner_numbers(model, numbers)
-    n, upper = found.size, model.name.upper()
-    written_out = n <= WRITTEN_OUT
-    firing = any(found.learns(group) for group in ("slope", "gain", "offset"))
-    ends = [Element(j - 1, j) for j in range(n)]
-    every = _blocks(ends)
-    described = LearnerWords.described()
-    one_after_another = [Turn(stage, block) for stage in ("multiply", "add") for block in every]
-    facts = {
-        "n": n,
-        "written_out": written_out,
-        "factors": factors(n),
-        "members": rows(learner_struct(model, numbers).members),
-        "start": _written({member: _start(member) for member in described if member.start}),
-        "restart": _written({member: _restart(member, model.name) for member in _restarted(described)}),
-        "columns_per_pass": COLUMNS_PER_PASS,
-        "learned": [_learned(i, parameter, model.name) for i, parameter in enumerate(found.parameters)],
-        "groups": {parameter.group for parameter in found.parameters},
-        "firing": firing,
-        "powers": powers(numbers.rules),
-        "weight": polynomial("weight", [f"{model.name}_strength[{k}]" for k in range(numbers.rules)]),
-        "fixed_rules": _fixed_sums(found) != "",
-        "fixed": _fixed(model, found),
-        "project_slices": _slices(found.schedule.project),
-        "factor_slices": _slices(found.schedule.factor),
-        "clear_slices": [part for part in _slices(found.schedule.factor) if _clears(part.last, n)],
-        "phases": _phases(found.schedule, n),
-        "chains": [[Element(j - 1, j) for j in range(c, n, SIDE_BY_SIDE)] for c in range(min(SIDE_BY_SIDE, n))],
-        "at_once": found.schedule.single_call,
-        "calls": found.schedule.calls,
-        "clearing": found.schedule.clearing,
-        "calls_to_restart": found.schedule.phases - found.schedule.calls,
-        "blocks": every,
-        "innovations": pipelined(_blocks(ends, INNOVATIONS_WIDTH), INNOVATIONS_STAGES),
-        "sums": pipelined(every, SUM_STAGES) if not written_out else one_after_another,
-        "weigh": pipelined(
-            _blocks(ends, WEIGH_WIDTH if written_out else VARIANCE_WIDTH),
-            WEIGH_STAGES if written_out else VARIANCE_STAGES,
+    regressors = _regressor_facts(model, numbers, found)
+    n, schedule = found.size, found.schedule
+    facts = LearnerFacts(
+        header=_header_facts(model, numbers, schedule),
+        restart=_restart_facts(model, schedule, n),
+        update=update_loops(schedule, n),
+        denominators=denominator_loops(n),
+        step=step_loops(n),
+        regressors=regressors,
+        call=CallFacts(
+            phases=phases(schedule, n),
+            counters=list(LEARNER_COUNTERS),
+            start=_written({member: _start(member) for member in LearnerWords.described() if member.start}),
         ),
-        "reciprocals": [Element(0, c) for c in range(WEIGH_WIDTH)],
-        "reciprocal_passes": [] if written_out else [min(c, n - WEIGH_WIDTH) for c in range(0, n, WEIGH_WIDTH)],
-        "reciprocal": "r%d" if written_out else "r[%d]",
-        "denominator": "a%d" if written_out else "a[%d]",
-        "step": pipelined(_blocks(ends, STEP_WIDTH), STEP_STAGES),
-        "pass_columns": [Element(0, c, c * n) for c in range(COLUMNS_PER_PASS)],
-        "pass_rows": pipelined(
-            [[Element(i, c, c * n + i) for c in range(COLUMNS_PER_PASS)] for i in range(n)], PASS_STAGES
-        ),
-        "column_factor": pipelined(_blocks(ends, FACTOR_WIDTH), FACTOR_STAGES),
-        "sliding_always": model.learner.forgetting < 1.0,
-        "status_rows": [
-            f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
+        innovations=innovations(n),
+        sliding_always=model.learner.forgetting < 1.0,
+        n=n,
+        factors=factors(n),
+        written_out=n <= WRITTEN_OUT,
+        single_call=schedule.single_call,
+        learned=[_learned(i, parameter, model.name) for i, parameter in enumerate(found.parameters)],
+        blocks=blocks(parameter_elements(n)),
+        grid={name: np.float32(ROUNDING * np.float32(grid)) for name, grid in GRIDS.items()},
+    )
+    return Feature("learn.c.j2", {"learner": facts}, _sections(found, model.name.upper(), regressors.firing))
+
+
+def _header_facts(model: Model, numbers: Coefficients, schedule: UpdateSchedule) -> HeaderFacts:
+    prefix = f"#define {model.name.upper()}_LEARN_"
+    return HeaderFacts(
+        members=rows(learner_struct(model, numbers).members),
+        status_rows=[
+            f"{prefix}{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
             for flag, meaning in LEARNER_MEANINGS.items()
         ],
-        "counters": list(LEARNER_COUNTERS),
-        "grid": {
-            name: np.float32(ROUNDING * np.float32(grid))
-            for name, grid in (
-                ("regressor", REGRESSOR_GRID),
-                ("factor", FACTOR_GRID),
-                ("gain", GAIN_GRID),
-                ("step", STEP_GRID),
-            )
-        },
-    }
-    return Feature("learn.c.j2", {"learner": facts}, _sections(found, upper, firing))
+        calls=schedule.calls,
+        calls_to_restart=schedule.phases - schedule.calls,
+    )
+
+
+def _restart_facts(model: Model, schedule: UpdateSchedule, n: int) -> RestartFacts:
+    described = LearnerWords.described()
+    return RestartFacts(
+        values=_written({member: _restart(member, model.name) for member in _restarted(described)}),
+        slices=[part for part in slices(schedule.factor) if clears(part.last, n)],
+        phase=0 if schedule.single_call else schedule.clearing,
+    )
+
+
+def _regressor_facts(model: Model, numbers: Coefficients, found: LearnerNumbers) -> RegressorFacts:
+    return RegressorFacts(
+        groups=frozenset(parameter.group for parameter in found.parameters),
+        firing=any(found.learns(group) for group in ("slope", "gain", "offset")),
+        powers=powers(numbers.rules),
+        weight=polynomial("weight", [f"{model.name}_strength[{k}]" for k in range(numbers.rules)]),
+        fixed=_fixed(model, found),
+        fixed_rules=_fixed_sums(found) != "",
+    )
 
 
 def _learned(i: int, parameter: Parameter, name: str) -> Learned:
@@ -280,78 +259,6 @@ def _fixed(model: Model, found: LearnerNumbers) -> str:
     if model.terms and not found.learns("terms"):
         parts.append(f"{model.name}_terms_sum(&self->base, &self->terms)")
     return f"{model.name}_settled({' + '.join(parts)})" if parts else "0.0f"
-
-
-def _slices(borders: Sequence[int]) -> list[Slice]:
-    """The non-empty slices between successive column `borders`."""
-    pairs = enumerate(itertools.pairwise(borders))
-    return [_slice(number, first, last, borders[-1]) for number, (first, last) in pairs if first < last]
-
-
-def _phases(schedule: UpdateSchedule, n: int) -> list[Phase]:
-    """The phases 1, 2, ... of an update of n parameters, then those of a restart."""
-    found: list[Phase] = []
-    for kind, borders in (("project", schedule.project), ("factor", schedule.factor), ("clear", schedule.factor)):
-        for k, (first, last) in enumerate(itertools.pairwise(borders)):
-            busy = first < last and (kind != "clear" or _clears(last, n))
-            number = len(found) + 1
-            following = 0 if number == schedule.phases else number + 1
-            found.append(Phase(f"{kind}_{k}" if busy else "", number, following, kind, last=k + 2 == len(borders)))
-    return found
-
-
-def _clears(last: int, n: int) -> bool:
-    """Whether C stores an element of U in columns up to last - 1; packed columns have no diagonal."""
-    return n > WRITTEN_OUT or last > 1
-
-
-def _slice(number: int, first: int, last: int, n: int) -> Slice:
-    """The slice of columns first .. last - 1 of n."""
-    ends = [Element(j - 1, j) for j in range(first, last)]
-    return Slice(
-        number=number,
-        first=first,
-        last=last,
-        about=_about(first, last, n),
-        project=pipelined(
-            [part for i in range(last) for part in _parts(_row(i, first, last), PROJECT_WIDTH)], PROJECT_STAGES
-        ),
-        factor=pipelined(
-            [part for j in range(first, last) for part in _parts(_column(j), FACTOR_WIDTH)], FACTOR_STAGES
-        ),
-        ends=ends,
-        begun_blocks=_blocks([Element(j - 1, j) for j in range(first)]),
-        end_blocks=_blocks(ends),
-        done_blocks=_blocks([Element(j - 1, j) for j in range(last)]),
-        passes=[min(c, n - COLUMNS_PER_PASS) for c in range(first, last, COLUMNS_PER_PASS)],
-        columns=[Column(j, _blocks(_column(j))) for j in range(first, last)],
-    )
-
-
-def _about(first: int, last: int, n: int) -> str:
-    if last - first == n:
-        return ""
-    return f", column {first}" if last - first == 1 else f", columns {first} to {last - 1}"
-
-
-def _row(i: int, first: int, last: int) -> list[Element]:
-    return [_element(i, j) for j in range(max(first, i + 1), last)]
-
-
-def _column(j: int) -> list[Element]:
-    return [_element(i, j) for i in range(j)]
-
-
-def _parts(elements: list[Element], width: int) -> list[Part]:
-    return [Part(elements[k : k + width], k == 0) for k in range(0, len(elements), width)]
-
-
-def _element(i: int, j: int) -> Element:
-    return Element(i, j, j * (j - 1) // 2 + i)
-
-
-def _blocks(elements: list[Element], width: int = SIDE_BY_SIDE) -> list[list[Element]]:
-    return [elements[k : k + width] for k in range(0, len(elements), width)]
 
 
 def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
