@@ -8,7 +8,10 @@
 vectors:
         b       .S2     _c_int00        ; reset
         nop     5
-        .align  7                       ; NMI and two reserved: one fetch packet of 32 bytes each
+        .align  5                       ; one fetch packet of 32 bytes each
+        b       .S2     NRP             ; NMI: back to where it came
+        nop     5
+        .align  7                       ; two reserved
         b       .S2     tick            ; interrupt 4: Timer64P0
         nop     5
         .align  9
@@ -21,12 +24,18 @@ _c_int00:
         mvkl    .S2     vectors, B0
         mvkh    .S2     vectors, B0
         mvc     .S2     B0, ISTP
+        mvk     .S2     0, B0           ; as boot.asm of TI's library: linear addressing, rounding to nearest
+        mvc     .S2     B0, AMR
+        mvc     .S2     B0, FADCR
+        mvc     .S2     B0, FMCR
         callp   .S2     start, B3
 stay:   b       .S2     stay
         nop     5
 
 ; Save what a C function may change, call it, restore, return: A0-A9, A16-A31, B0-B9, B16-B31. Interrupts stay off.
+; The interrupted function may keep an argument at SP+4, so the first push goes below SP. C code assumes AMR = 0.
 tick:
+        addk    .S2     -8, B15
         stdw    .D2T1   A1:A0, *B15--[1]
         stdw    .D2T1   A3:A2, *B15--[1]
         stdw    .D2T1   A5:A4, *B15--[1]
@@ -53,7 +62,14 @@ tick:
         stdw    .D2T2   B27:B26, *B15--[1]
         stdw    .D2T2   B29:B28, *B15--[1]
         stdw    .D2T2   B31:B30, *B15--[1]
+        mvc     .S2     AMR, B0
+        mvk     .S2     0, B1
+        mvc     .S2     B1, AMR
+        stdw    .D2T2   B1:B0, *B15--[1]
         callp   .S2     main_tick, B3
+        lddw    .D2T2   *++B15[1], B1:B0
+        nop     4
+        mvc     .S2     B0, AMR
         lddw    .D2T2   *++B15[1], B31:B30
         lddw    .D2T2   *++B15[1], B29:B28
         lddw    .D2T2   *++B15[1], B27:B26
@@ -80,6 +96,7 @@ tick:
         lddw    .D2T1   *++B15[1], A5:A4
         lddw    .D2T1   *++B15[1], A3:A2
         lddw    .D2T1   *++B15[1], A1:A0
-        nop     4
+        addk    .S2     8, B15
+        nop     3
         b       .S2     IRP
         nop     5

@@ -29,9 +29,20 @@ empty   .macro
         NOP
         .endm
 
+nmi     .macro
+        B       .S2     NRP
+        NOP     5
+        NOP
+        NOP
+        NOP
+        NOP
+        NOP
+        NOP
+        .endm
+
 vectors:
         slot    _c_int00
-        empty                   ; NMI
+        nmi                     ; back to where it came
         empty                   ; reserved
         empty                   ; reserved
         slot    main_tick       ; interrupt 4: Timer64P0
