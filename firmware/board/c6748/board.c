@@ -2,7 +2,12 @@
 
 #include "board.h"
 
+#include "model.h"
 #include "number.h"
+
+#if MODEL_PERIOD_NS != BOARD_PERIOD_NS
+#error "the model was identified at another sampling period than this board's timer has: see BOARD_PERIOD"
+#endif
 
 #define TIMER0            0x01C20000u
 #define TIMER_EMUMGT      0x04u
@@ -63,7 +68,8 @@ static void board_enable(void)
     __asm__ volatile("mvc .S2 %0, IER" : : "b"(some));
     __asm__ volatile("mvc .S2 CSR, %0" : "=b"(control));
     control |= 1u;
-    __asm__ volatile("mvc .S2 %0, CSR" : : "b"(control));
+    /* Interrupts come from here on: what was written before must be in memory. */
+    __asm__ volatile("mvc .S2 %0, CSR" : : "b"(control) : "memory");
 }
 
 static uint32_t board_waiting(void)
@@ -79,8 +85,11 @@ void board_start(board_t *board)
 {
     board->next = 0u;
     board->line_in = 0u;
-    board->line_out = 0u;
+    board->line_start = 0u;
     board->line_begins = 0u;
+    board->line_out = 0u;
+    board->line_begun = 0u;
+    board->line_broken = 1u;
     /* Timer64P0 as one 32-bit timer that reloads; its event to interrupt 4. */
     *board_register(TIMER0 + TIMER_TGCR) = 0u;
     *board_register(TIMER0 + TIMER_TGCR) = 0x5u; /* unchained 32 bit, TIM12 out of reset */
@@ -133,17 +142,47 @@ uint32_t board_overrun(board_t *board)
     return board_waiting();
 }
 
+void board_link(board_t *board, uint8_t byte, uint32_t begins)
+{
+    const uint32_t in = board->line_in;
+
+    if (begins != 0u) {
+        board->line_broken = 0u;
+    }
+    if ((in - board->line_out) >= BOARD_LINE) {
+        board->line_broken = 1u;
+    }
+    if (board->line_broken == 0u) {
+        board->line[in & (BOARD_LINE - 1u)] = byte;
+        board->line_in = in + 1u;
+        if (begins != 0u) {
+            board->line_start = in;
+            board->line_begins += 1u;
+        }
+    }
+}
+
 uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin)
 {
+    /* In this order: an image that begins in between lies behind `in`. */
+    const uint32_t in = board->line_in;
+    const uint32_t begins = board->line_begins;
+    const uint32_t start = board->line_start;
+    uint32_t out = board->line_out;
     uint32_t count = 0u;
 
-    *begin = board->line_begins;
-    board->line_begins = 0u;
-    while ((count < room) & (board->line_out != board->line_in)) {
-        bytes[count] = board->line[board->line_out];
-        board->line_out = (board->line_out + 1u) & 255u;
-        ++count;
+    *begin = 0u;
+    /* Bytes of the image before, whole or not, come first: a call ends where the next image begins. */
+    if ((board->line_begun != begins) & (out == start) & (out != in)) {
+        *begin = 1u;
+        board->line_begun = begins;
     }
+    while ((count < room) & (out != in) & ((board->line_begun == begins) | (out != start))) {
+        bytes[count] = board->line[out & (BOARD_LINE - 1u)];
+        out += 1u;
+        count += 1u;
+    }
+    board->line_out = out;
     return count;
 }
 

@@ -19,17 +19,26 @@
 #define BOARD_CLOCK_HZ         375000000u
 #define BOARD_TIMER_HZ         24000000u    /* Timer64P0 runs from the oscillator */
 #define BOARD_PERIOD           480u         /* of it in 20 us */
+#define BOARD_PERIOD_NS        20000u       /* the same; must be the model's sampling period */
 
+#define BOARD_LINE             256u         /* bytes between two calls of board_receive, a power of two */
 #define BOARD_REFERENCES       1024u        /* length of the periodic reference, a power of two */
 
 typedef struct {
     float reference_um[BOARD_REFERENCES];   /* fill in, or replace board_reference_um by your own source */
     uint32_t next;
-    volatile uint8_t line[256];             /* bytes of a parameter image that a link's interrupt puts here */
-    volatile uint32_t line_in;
-    uint32_t line_out;
-    volatile uint32_t line_begins;
+    volatile uint8_t line[BOARD_LINE];      /* bytes of parameter images between board_link and board_receive */
+    volatile uint32_t line_in;              /* bytes put in since board_start; wraps */
+    volatile uint32_t line_start;           /* line_in at the beginning of the newest image */
+    volatile uint32_t line_begins;          /* images begun; wraps; written after line_start */
+    volatile uint32_t line_out;             /* bytes taken out; wraps */
+    uint32_t line_begun;                    /* line_begins at the last board_receive */
+    uint32_t line_broken;                   /* board_link lost a byte; nothing is taken before the next image begins */
 } board_t;
+
+/* For the interrupt of your link: one byte of an image arrived; begins: 1 if it is the first of an image. A byte that finds the
+ * line full breaks the image: the rest is dropped until the next one begins, and what is left is never a whole image. */
+void board_link(board_t *board, uint8_t byte, uint32_t begins);
 
 /* Cycle counter, timer and interrupt: 50 kHz from here on. */
 void board_start(board_t *board);
