@@ -79,7 +79,7 @@ def test_commit_equals_its_reference_in_every_word_after_every_call(model: Model
 @pytest.mark.parametrize(
     ("intact", "planted"),
     [
-        ("+ candidate->gain_rest_um_per_V;", ";"),
+        ("+ candidate->gain_remainder_um_per_V;", ";"),
         ("near + rest)", "near)"),
         ("gain - away <=", "gain - 0.99f * away <="),
         ("= 1u - self->active;", "= 1u;"),

@@ -100,7 +100,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_counted(uint32_t counter, uint32_t happene
 }
 
 /* Status bits and counters of one call. Called last: the counting fills the slots that the arithmetic leaves free. */
-APPENDIX_A_INLINE void appendix_a_note(appendix_a_t *self, const appendix_a_events_t *events)
+APPENDIX_A_INLINE void appendix_a_count_events(appendix_a_t *self, const appendix_a_events_t *events)
 {
     self->status |= (events->y_clamped * APPENDIX_A_STATUS_Y_CLAMPED) | (events->u_clamped * APPENDIX_A_STATUS_U_CLAMPED)
         | (events->y_rejected * APPENDIX_A_STATUS_Y_REJECTED) | (events->u_rejected * APPENDIX_A_STATUS_U_REJECTED);
@@ -124,7 +124,7 @@ APPENDIX_A_INLINE float appendix_a_finite(float x, float held, uint32_t *rejecte
 }
 
 /* A result before it leaves or is kept: magnitudes below 2^-40 become 0. */
-APPENDIX_A_INLINE float appendix_a_settled(float x)
+APPENDIX_A_INLINE float appendix_a_flushed(float x)
 {
     const uint32_t bits = appendix_a_bits(x);
 
@@ -229,14 +229,14 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V)
     self->u_V = APPENDIX_A_U_REST_V;
     self->y_um = appendix_a_checked_y(self, y_um, &events);
     self->u_V = appendix_a_checked_u(self, u_V, &events);
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
 }
 
 /* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */
 APPENDIX_A_INLINE float appendix_a_apply(appendix_a_t *self, float base, float gain, float per_weight, float u)
 {
     const float rules = (base + u * gain) * per_weight;
-    const float y_next = appendix_a_settled(rules);
+    const float y_next = appendix_a_flushed(rules);
 
     self->y_um = y_next;
     return y_next;
@@ -256,7 +256,7 @@ float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
     self->u_V = u;
     const float y_next = appendix_a_apply(self, base, sums.gain, per_weight, u);
 
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
     return y_next;
 }
 
@@ -276,7 +276,7 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
     self->u_V = u;
     const float y_next = appendix_a_apply(self, base, sums.gain, per_weight, u);
 
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
     return y_next;
 }
 
@@ -297,13 +297,13 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
     const float numerator = wanted * sums.weight - base;
     const float per_gain = appendix_a_reciprocal(sums.gain);
     const float per_weight = appendix_a_reciprocal(sums.weight);
-    const float exact = appendix_a_settled(numerator * per_gain);
+    const float exact = appendix_a_flushed(numerator * per_gain);
     const float u = appendix_a_limited(exact, APPENDIX_A_U_MIN_V, APPENDIX_A_U_MAX_V, &events.u_clamped);
     const uint32_t unreachable = events.u_clamped;
 
     self->status |= (clamped * APPENDIX_A_STATUS_REFERENCE_CLAMPED) | (unreachable * APPENDIX_A_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
     self->u_V = u;
     (void)appendix_a_apply(self, base, sums.gain, per_weight, u);
     return u;
@@ -320,7 +320,7 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
 #endif
 
 /* Set the bit of an event in the status word and step its counter, which stops at its largest value. */
-APPENDIX_A_INLINE void appendix_a_learner_note(
+APPENDIX_A_INLINE void appendix_a_count_learner_event(
     appendix_a_learner_t *self, uint32_t *counter, uint32_t happened, uint32_t flag)
 {
     self->status |= appendix_a_mask(happened) & flag;
@@ -1208,15 +1208,15 @@ static uint32_t appendix_a_admit(appendix_a_learner_t *self, float alpha)
             self->scale_um = size;
         }
     }
-    appendix_a_learner_note(self, &self->outliers, outlier, APPENDIX_A_LEARN_OUTLIER);
-    appendix_a_learner_note(self, &self->changes, changed, APPENDIX_A_LEARN_CHANGED);
-    appendix_a_learner_note(self, &self->quiet, quiet, APPENDIX_A_LEARN_QUIET);
+    appendix_a_count_learner_event(self, &self->outliers, outlier, APPENDIX_A_LEARN_OUTLIER);
+    appendix_a_count_learner_event(self, &self->changes, changed, APPENDIX_A_LEARN_CHANGED);
+    appendix_a_count_learner_event(self, &self->quiet, quiet, APPENDIX_A_LEARN_QUIET);
     return (outlier | quiet) ^ 1u;
 }
 
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
  * The reciprocals are those of appendix_a_reciprocal, several side by side. Returns 1 if the shadow has to start again. */
-static APPENDIX_A_STRAIGHT uint32_t appendix_a_weigh(appendix_a_learner_t *self)
+static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learner_t *self)
 {
     const float inflate = self->inflate;
     const float least = APPENDIX_A_LEARN_LEAST_VARIANCE;
@@ -1474,7 +1474,7 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_weigh(appendix_a_learner_t *self)
             below13 | above13 | below14 | above14 | below15 | above15 | below16 | above16 |
             below17 | above17;
     self->per_alpha = r17;
-    appendix_a_learner_note(self, &self->clamped, clamped & 1u, APPENDIX_A_LEARN_CLAMPED);
+    appendix_a_count_learner_event(self, &self->clamped, clamped & 1u, APPENDIX_A_LEARN_CLAMPED);
     return 0u;
 }
 
@@ -1533,7 +1533,7 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_step(appendix_a_learner_t *self)
     size = appendix_a_float(largest) * appendix_a_float(appendix_a_bits(q) & 0x7fffffffu);
     if (size > APPENDIX_A_LEARN_STEP_UM) {
         q = q * (APPENDIX_A_LEARN_STEP_UM * appendix_a_reciprocal(size));
-        appendix_a_learner_note(self, &self->limited, 1u, APPENDIX_A_LEARN_LIMITED);
+        appendix_a_count_learner_event(self, &self->limited, 1u, APPENDIX_A_LEARN_LIMITED);
     }
     const float s0 = self->k[0] * q, s1 = self->k[1] * q, s2 = self->k[2] * q;
     const float h0 = s0 + grid, h1 = s1 + grid, h2 = s2 + grid;
@@ -1608,7 +1608,7 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_step(appendix_a_learner_t *self)
     beyond |= appendix_a_beyond(sum15) | appendix_a_beyond(sum16) | appendix_a_beyond(sum17);
     self->theta_low[15] = left15; self->theta_low[16] = left16; self->theta_low[17] = left17;
     self->phase = 0u;
-    appendix_a_learner_note(self, &self->updates, beyond ^ 1u, 0u);
+    appendix_a_count_learner_event(self, &self->updates, beyond ^ 1u, 0u);
     self->age += self->measuring & (uint32_t)(self->age < UINT32_MAX);
     return beyond;
 }
@@ -1708,7 +1708,7 @@ static APPENDIX_A_STRAIGHT float appendix_a_innovations(const appendix_a_learner
 
 /* Running levels. Once the shadow has settled, 1 if it predicts worse than the reference parameters do, or than
  * y(k+1) = y(k): both are among the models that it could be. */
-APPENDIX_A_INLINE uint32_t appendix_a_lost(appendix_a_learner_t *self, float e, float reference, float moved)
+APPENDIX_A_INLINE uint32_t appendix_a_restart_needed(appendix_a_learner_t *self, float e, float reference, float moved)
 {
     const float size = appendix_a_float(appendix_a_bits(moved) & 0x7fffffffu) + APPENDIX_A_LEARN_FLOOR_UM;
     const uint32_t settling = appendix_a_mask((uint32_t)(self->age >= APPENDIX_A_LEARN_SETTLING));
@@ -1757,15 +1757,15 @@ APPENDIX_A_INLINE void appendix_a_begin(appendix_a_learner_t *self, float e)
 }
 
 /* What the displacement y says about the sample before. Returns 1 if the shadow has to start again. */
-APPENDIX_A_INLINE uint32_t appendix_a_take(appendix_a_learner_t *self, float y, float *innovation)
+APPENDIX_A_INLINE uint32_t appendix_a_evaluate_reading(appendix_a_learner_t *self, float y, float *innovation)
 {
     float reference;
     uint32_t lost = 0u;
 
     *innovation = appendix_a_innovations(self, y, &reference);
-    appendix_a_learner_note(self, &self->resting, self->rested, APPENDIX_A_LEARN_RESTING);
+    appendix_a_count_learner_event(self, &self->resting, self->rested, APPENDIX_A_LEARN_RESTING);
     if (self->rested == 0u) {
-        lost = appendix_a_lost(self, *innovation, reference, y - self->y_um);
+        lost = appendix_a_restart_needed(self, *innovation, reference, y - self->y_um);
         if (lost == 0u) {
             appendix_a_begin(self, *innovation);
         }
@@ -1781,7 +1781,7 @@ APPENDIX_A_INLINE float appendix_a_on_grid(float x)
 
 /* Keep the regressors of sample k for the displacement of sample k + 1. firing_l is r^l / W times a power of two: with
  * the strength that the bank's numbers carry it is p_l. */
-static APPENDIX_A_STRAIGHT void appendix_a_keep(appendix_a_learner_t *self, float y_um, float u)
+static APPENDIX_A_STRAIGHT void appendix_a_store_regressors(appendix_a_learner_t *self, float y_um, float u)
 {
     uint32_t outside;
     const float y = appendix_a_limited(y_um, APPENDIX_A_Y_MIN_UM, APPENDIX_A_Y_MAX_UM, &outside);
@@ -1825,18 +1825,18 @@ static APPENDIX_A_STRAIGHT void appendix_a_keep(appendix_a_learner_t *self, floa
     self->fixed_um = 0.0f;
     self->fresh = outside ^ 1u;
     self->y_um = y_um;
-    appendix_a_learner_note(self, &self->outside, outside, APPENDIX_A_LEARN_OUTSIDE);
+    appendix_a_count_learner_event(self, &self->outside, outside, APPENDIX_A_LEARN_OUTSIDE);
 }
 
 /* Work at an update or a restart behind its first call. Returns 1 if the shadow has to start again. */
-APPENDIX_A_INLINE uint32_t appendix_a_work(appendix_a_learner_t *self)
+APPENDIX_A_INLINE uint32_t appendix_a_continue_update(appendix_a_learner_t *self)
 {
     uint32_t lost = 0u;
 
     switch (self->phase) {
     case 2u:
         self->phase = 3u;
-        lost = appendix_a_weigh(self);
+        lost = appendix_a_update_diagonal(self);
 
         break;
     case 3u:
@@ -1898,7 +1898,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_work(appendix_a_learner_t *self)
 }
 
 /* The first call of an update. Returns 1 if the shadow has to start again. */
-APPENDIX_A_INLINE uint32_t appendix_a_open(appendix_a_learner_t *self)
+APPENDIX_A_INLINE uint32_t appendix_a_first_phase(appendix_a_learner_t *self)
 {
     uint32_t lost = 0u;
 
@@ -1922,27 +1922,27 @@ void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V)
     float innovation = 0.0f;
     uint32_t lost = 0u;
 
-    appendix_a_learner_note(self, &self->rejected, (usable ^ 1u) | u_lost, APPENDIX_A_LEARN_REJECTED);
+    appendix_a_count_learner_event(self, &self->rejected, (usable ^ 1u) | u_lost, APPENDIX_A_LEARN_REJECTED);
     if (self->phase != 0u) {
-        lost = appendix_a_work(self);
+        lost = appendix_a_continue_update(self);
     } else {
         if ((self->fresh & usable) != 0u) {
-            lost = appendix_a_take(self, y, &innovation);
+            lost = appendix_a_evaluate_reading(self, y, &innovation);
         }
         if (self->phase != 0u) {
-            lost = appendix_a_open(self);
+            lost = appendix_a_first_phase(self);
         }
     }
     if (lost != 0u) {
-        appendix_a_learner_note(self, &self->restarts, 1u, APPENDIX_A_LEARN_RESTARTED);
+        appendix_a_count_learner_event(self, &self->restarts, 1u, APPENDIX_A_LEARN_RESTARTED);
         appendix_a_restart(self);
     }
     self->fresh = 0u;
     if (((uint32_t)(self->phase == 0u) & usable & (u_lost ^ 1u)) != 0u) {
-        appendix_a_keep(self, y, u);
+        appendix_a_store_regressors(self, y, u);
     }
     self->rested = (uint32_t)(appendix_a_float(appendix_a_bits(away) & 0x7fffffffu) < APPENDIX_A_LEARN_REST_V);
-    self->mean_u_V = appendix_a_settled(self->mean_u_V + APPENDIX_A_LEARN_FAST * away);
+    self->mean_u_V = appendix_a_flushed(self->mean_u_V + APPENDIX_A_LEARN_FAST * away);
     self->u_V = u;
 }
 
@@ -2025,7 +2025,7 @@ APPENDIX_A_INLINE float appendix_a_greater(float a, float b)
 }
 
 /* Half the spread over the rules of y q1 + u q2 + one q3, the strengths in the bank taken off again. */
-APPENDIX_A_INLINE float appendix_a_spread(const appendix_a_bank_t *bank, float y, float u, float one)
+APPENDIX_A_INLINE float appendix_a_half_span(const appendix_a_bank_t *bank, float y, float u, float one)
 {
     const float v0 = ((y * bank->slope[0] + u * bank->gain[0]) + one * bank->offset[0]) * appendix_a_commit_unfold[0];
     const float v1 = ((y * bank->slope[1] + u * bank->gain[1]) + one * bank->offset[1]) * appendix_a_commit_unfold[1];
@@ -2050,18 +2050,18 @@ APPENDIX_A_INLINE float appendix_a_spread(const appendix_a_bank_t *bank, float y
 }
 
 /* What Taylor's theorem leaves between the check points, for these parameters. */
-static void appendix_a_rests(appendix_a_candidate_t *candidate)
+static void appendix_a_bound_remainders(appendix_a_candidate_t *candidate)
 {
     const appendix_a_bank_t *bank = &candidate->bank;
-    const float common = APPENDIX_A_COMMIT_SLOPE_REST_1 * appendix_a_spread(bank, 1.0f, 0.0f, 0.0f);
+    const float common = APPENDIX_A_COMMIT_SLOPE_REMAINDER_1 * appendix_a_half_span(bank, 1.0f, 0.0f, 0.0f);
     const float low = appendix_a_greater(
-        appendix_a_spread(bank, APPENDIX_A_Y_MIN_UM, APPENDIX_A_U_MIN_V, 1.0f), appendix_a_spread(bank, APPENDIX_A_Y_MAX_UM, APPENDIX_A_U_MIN_V, 1.0f));
+        appendix_a_half_span(bank, APPENDIX_A_Y_MIN_UM, APPENDIX_A_U_MIN_V, 1.0f), appendix_a_half_span(bank, APPENDIX_A_Y_MAX_UM, APPENDIX_A_U_MIN_V, 1.0f));
     const float high = appendix_a_greater(
-        appendix_a_spread(bank, APPENDIX_A_Y_MIN_UM, APPENDIX_A_U_MAX_V, 1.0f), appendix_a_spread(bank, APPENDIX_A_Y_MAX_UM, APPENDIX_A_U_MAX_V, 1.0f));
+        appendix_a_half_span(bank, APPENDIX_A_Y_MIN_UM, APPENDIX_A_U_MAX_V, 1.0f), appendix_a_half_span(bank, APPENDIX_A_Y_MAX_UM, APPENDIX_A_U_MAX_V, 1.0f));
 
-    candidate->gain_rest_um_per_V = APPENDIX_A_COMMIT_GAIN_REST * appendix_a_spread(bank, 0.0f, 1.0f, 0.0f);
-    candidate->slope_rest[0] = common + APPENDIX_A_COMMIT_SLOPE_REST_3 * low;
-    candidate->slope_rest[1] = common + APPENDIX_A_COMMIT_SLOPE_REST_3 * high;
+    candidate->gain_remainder_um_per_V = APPENDIX_A_COMMIT_GAIN_REMAINDER * appendix_a_half_span(bank, 0.0f, 1.0f, 0.0f);
+    candidate->slope_remainder[0] = common + APPENDIX_A_COMMIT_SLOPE_REMAINDER_3 * low;
+    candidate->slope_remainder[1] = common + APPENDIX_A_COMMIT_SLOPE_REMAINDER_3 * high;
 }
 
 /* Take the shadow as it is now. */
@@ -2130,7 +2130,7 @@ static uint32_t appendix_a_snapshot(appendix_a_learner_t *learner)
     if (beyond != 0u) {
         return APPENDIX_A_REFUSED_LIMIT;
     }
-    appendix_a_rests(candidate);
+    appendix_a_bound_remainders(candidate);
     candidate->point = 0u;
     candidate->phase = 1u;
     return APPENDIX_A_BUSY;
@@ -2201,11 +2201,11 @@ static uint32_t appendix_a_check(const appendix_a_candidate_t *candidate)
     c2 = c2 + p[17] * bank->offset[5];
 
     const float gain = APPENDIX_A_COMMIT_SIGN * b0;
-    const float away = APPENDIX_A_COMMIT_HALF_UM * appendix_a_float(appendix_a_size(b1)) + candidate->gain_rest_um_per_V;
+    const float away = APPENDIX_A_COMMIT_HALF_UM * appendix_a_float(appendix_a_size(b1)) + candidate->gain_remainder_um_per_V;
     const float slope = (a0 + a1 * y) + c1;
     const float curve = ((a1 + a1) + a2 * y) + c2;
-    const uint32_t steep = appendix_a_too_steep(slope + b1 * APPENDIX_A_U_MIN_V, curve + b2 * APPENDIX_A_U_MIN_V, candidate->slope_rest[0])
-        | appendix_a_too_steep(slope + b1 * APPENDIX_A_U_MAX_V, curve + b2 * APPENDIX_A_U_MAX_V, candidate->slope_rest[1]);
+    const uint32_t steep = appendix_a_too_steep(slope + b1 * APPENDIX_A_U_MIN_V, curve + b2 * APPENDIX_A_U_MIN_V, candidate->slope_remainder[0])
+        | appendix_a_too_steep(slope + b1 * APPENDIX_A_U_MAX_V, curve + b2 * APPENDIX_A_U_MAX_V, candidate->slope_remainder[1]);
     const uint32_t weak = (uint32_t)(gain - away <= APPENDIX_A_COMMIT_GAIN_FLOOR) | (uint32_t)(gain + away >= APPENDIX_A_COMMIT_GAIN_CEILING);
 
     if (weak != 0u) {

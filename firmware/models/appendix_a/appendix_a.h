@@ -122,8 +122,8 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
 typedef struct {
     uint32_t phase;                   /**< 0: none, 1: being checked, 2: to be written, 3: to be made active */
     uint32_t point;                   /**< check point that comes next */
-    float gain_rest_um_per_V;         /**< bound of the gain's Taylor remainder near a check point [um/V] */
-    float slope_rest[2];              /**< the same of |df/dy|, at the least and the largest input */
+    float gain_remainder_um_per_V;    /**< bound of the gain's Taylor remainder near a check point [um/V] */
+    float slope_remainder[2];         /**< the same of |df/dy|, at the least and the largest input */
     float theta[APPENDIX_A_LEARNED];  /**< the shadow when it was taken [um] */
     appendix_a_bank_t bank;           /**< the same as a bank */
 } appendix_a_candidate_t;

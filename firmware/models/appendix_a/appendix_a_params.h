@@ -213,16 +213,16 @@ static const float appendix_a_learn_firing[APPENDIX_A_RULES] = {
 /* Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
-#define APPENDIX_A_COMMIT_MATURE            0x00000400u
-#define APPENDIX_A_COMMIT_POINTS            0x00000100u
-#define APPENDIX_A_COMMIT_HALF_UM        0.00606611511f  /* 0x3bc6c643 */
-#define APPENDIX_A_COMMIT_GAIN_REST     5.00745191e-05f  /* 0x3852071b */
-#define APPENDIX_A_COMMIT_SLOPE_REST_1  0.000150223554f  /* 0x391d8554 */
-#define APPENDIX_A_COMMIT_SLOPE_REST_3  0.000119217162f  /* 0x38fa043a */
-#define APPENDIX_A_COMMIT_SIGN                     1.0f  /* 0x3f800000 */
-#define APPENDIX_A_COMMIT_GAIN_FLOOR    0.000797890592f  /* 0x3a512988 */
-#define APPENDIX_A_COMMIT_GAIN_CEILING   0.00729236891f  /* 0x3beef4d3 */
-#define APPENDIX_A_COMMIT_SLOPE_LIMIT      0.999538124f  /* 0x3f7fe1bb */
+#define APPENDIX_A_COMMIT_MATURE                 0x00000400u
+#define APPENDIX_A_COMMIT_POINTS                 0x00000100u
+#define APPENDIX_A_COMMIT_HALF_UM             0.00606611511f  /* 0x3bc6c643 */
+#define APPENDIX_A_COMMIT_GAIN_REMAINDER     5.00745191e-05f  /* 0x3852071b */
+#define APPENDIX_A_COMMIT_SLOPE_REMAINDER_1  0.000150223554f  /* 0x391d8554 */
+#define APPENDIX_A_COMMIT_SLOPE_REMAINDER_3  0.000119217162f  /* 0x38fa043a */
+#define APPENDIX_A_COMMIT_SIGN                          1.0f  /* 0x3f800000 */
+#define APPENDIX_A_COMMIT_GAIN_FLOOR         0.000797890592f  /* 0x3a512988 */
+#define APPENDIX_A_COMMIT_GAIN_CEILING        0.00729236891f  /* 0x3beef4d3 */
+#define APPENDIX_A_COMMIT_SLOPE_LIMIT           0.999538124f  /* 0x3f7fe1bb */
 
 static const float appendix_a_commit_unfold[APPENDIX_A_RULES] = {
         22.7598953f,  /* 0x41b61444 */

@@ -100,7 +100,7 @@ EXTENDED_INLINE uint32_t extended_counted(uint32_t counter, uint32_t happened)
 }
 
 /* Status bits and counters of one call. Called last: the counting fills the slots that the arithmetic leaves free. */
-EXTENDED_INLINE void extended_note(extended_t *self, const extended_events_t *events)
+EXTENDED_INLINE void extended_count_events(extended_t *self, const extended_events_t *events)
 {
     self->status |= (events->y_clamped * EXTENDED_STATUS_Y_CLAMPED) | (events->u_clamped * EXTENDED_STATUS_U_CLAMPED)
         | (events->y_rejected * EXTENDED_STATUS_Y_REJECTED) | (events->u_rejected * EXTENDED_STATUS_U_REJECTED);
@@ -124,7 +124,7 @@ EXTENDED_INLINE float extended_finite(float x, float held, uint32_t *rejected)
 }
 
 /* A result before it leaves or is kept: magnitudes below 2^-40 become 0. */
-EXTENDED_INLINE float extended_settled(float x)
+EXTENDED_INLINE float extended_flushed(float x)
 {
     const uint32_t bits = extended_bits(x);
 
@@ -435,7 +435,7 @@ void extended_init(extended_t *self, float y_um, float u_V)
     self->u_V = EXTENDED_U_REST_V;
     self->y_um = extended_checked_y(self, y_um, &events);
     self->u_V = extended_checked_u(self, u_V, &events);
-    extended_note(self, &events);
+    extended_count_events(self, &events);
     extended_inputs_init(&self->inputs, self->u_V);
     extended_terms_init(&self->terms, self->inputs.v_V);
 }
@@ -444,7 +444,7 @@ void extended_init(extended_t *self, float y_um, float u_V)
 EXTENDED_INLINE float extended_apply(extended_t *self, float base, float gain, float per_weight, float extra, float u)
 {
     const float rules = (base + u * gain) * per_weight;
-    const float y_next = extended_settled(rules + extra);
+    const float y_next = extended_flushed(rules + extra);
 
     extended_terms_advance(&self->terms, u);
     self->y_um = y_next;
@@ -467,7 +467,7 @@ float extended_predict(extended_t *self, float y_um, float u_V)
     self->u_V = u;
     const float y_next = extended_apply(self, base, sums.gain, per_weight, extra, v);
 
-    extended_note(self, &events);
+    extended_count_events(self, &events);
     return y_next;
 }
 
@@ -489,7 +489,7 @@ float extended_simulate(extended_t *self, float u_V)
     self->u_V = u;
     const float y_next = extended_apply(self, base, sums.gain, per_weight, extra, v);
 
-    extended_note(self, &events);
+    extended_count_events(self, &events);
     return y_next;
 }
 
@@ -511,7 +511,7 @@ float extended_inverse(extended_t *self, float y_um, float y_next_um)
     const float numerator = (wanted - extra) * sums.weight - base;
     const float per_gain = extended_reciprocal(sums.gain);
     const float per_weight = extended_reciprocal(sums.weight);
-    const float exact = extended_settled(numerator * per_gain);
+    const float exact = extended_flushed(numerator * per_gain);
     const float inside = extended_limited(exact, EXTENDED_U_MIN_V, EXTENDED_U_MAX_V, &events.u_clamped);
     const float v = extended_inputs_reach(&self->inputs, inside);
     const float u = extended_inputs_command(&self->inputs, v);
@@ -519,7 +519,7 @@ float extended_inverse(extended_t *self, float y_um, float y_next_um)
 
     self->status |= (clamped * EXTENDED_STATUS_REFERENCE_CLAMPED) | (unreachable * EXTENDED_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
-    extended_note(self, &events);
+    extended_count_events(self, &events);
     self->u_V = u;
     (void)extended_apply(self, base, sums.gain, per_weight, extra, v);
     return u;
@@ -536,7 +536,7 @@ float extended_inverse(extended_t *self, float y_um, float y_next_um)
 #endif
 
 /* Set the bit of an event in the status word and step its counter, which stops at its largest value. */
-EXTENDED_INLINE void extended_learner_note(
+EXTENDED_INLINE void extended_count_learner_event(
     extended_learner_t *self, uint32_t *counter, uint32_t happened, uint32_t flag)
 {
     self->status |= extended_mask(happened) & flag;
@@ -1039,9 +1039,9 @@ static uint32_t extended_admit(extended_learner_t *self, float alpha)
             self->scale_um = size;
         }
     }
-    extended_learner_note(self, &self->outliers, outlier, EXTENDED_LEARN_OUTLIER);
-    extended_learner_note(self, &self->changes, changed, EXTENDED_LEARN_CHANGED);
-    extended_learner_note(self, &self->quiet, quiet, EXTENDED_LEARN_QUIET);
+    extended_count_learner_event(self, &self->outliers, outlier, EXTENDED_LEARN_OUTLIER);
+    extended_count_learner_event(self, &self->changes, changed, EXTENDED_LEARN_CHANGED);
+    extended_count_learner_event(self, &self->quiet, quiet, EXTENDED_LEARN_QUIET);
     return (outlier | quiet) ^ 1u;
 }
 
@@ -1084,7 +1084,7 @@ static EXTENDED_STRAIGHT void extended_reciprocals(const float *a, float *r, uin
 
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
  * The reciprocals are those of extended_reciprocal, several side by side. Returns 1 if the shadow has to start again. */
-static EXTENDED_STRAIGHT uint32_t extended_weigh(extended_learner_t *self)
+static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *self)
 {
     const float inflate = self->inflate;
     const float least = EXTENDED_LEARN_LEAST_VARIANCE;
@@ -1400,7 +1400,7 @@ static EXTENDED_STRAIGHT uint32_t extended_weigh(extended_learner_t *self)
     self->d[24] = extended_float(inside24 | end24);
     clamped |= below24 | above24;
     self->per_alpha = r[24];
-    extended_learner_note(self, &self->clamped, clamped & 1u, EXTENDED_LEARN_CLAMPED);
+    extended_count_learner_event(self, &self->clamped, clamped & 1u, EXTENDED_LEARN_CLAMPED);
     return 0u;
 }
 
@@ -1466,7 +1466,7 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
     size = extended_float(largest) * extended_float(extended_bits(q) & 0x7fffffffu);
     if (size > EXTENDED_LEARN_STEP_UM) {
         q = q * (EXTENDED_LEARN_STEP_UM * extended_reciprocal(size));
-        extended_learner_note(self, &self->limited, 1u, EXTENDED_LEARN_LIMITED);
+        extended_count_learner_event(self, &self->limited, 1u, EXTENDED_LEARN_LIMITED);
     }
     const float s0 = self->k[0] * q, s1 = self->k[1] * q, s2 = self->k[2] * q;
     const float h0 = s0 + grid, h1 = s1 + grid, h2 = s2 + grid;
@@ -1576,7 +1576,7 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
     beyond |= extended_beyond(sum24);
     self->theta_low[24] = left24;
     self->phase = 0u;
-    extended_learner_note(self, &self->updates, beyond ^ 1u, 0u);
+    extended_count_learner_event(self, &self->updates, beyond ^ 1u, 0u);
     self->age += self->measuring & (uint32_t)(self->age < UINT32_MAX);
     return beyond;
 }
@@ -1710,7 +1710,7 @@ static EXTENDED_STRAIGHT float extended_innovations(const extended_learner_t *se
 
 /* Running levels. Once the shadow has settled, 1 if it predicts worse than the reference parameters do, or than
  * y(k+1) = y(k): both are among the models that it could be. */
-EXTENDED_INLINE uint32_t extended_lost(extended_learner_t *self, float e, float reference, float moved)
+EXTENDED_INLINE uint32_t extended_restart_needed(extended_learner_t *self, float e, float reference, float moved)
 {
     const float size = extended_float(extended_bits(moved) & 0x7fffffffu) + EXTENDED_LEARN_FLOOR_UM;
     const uint32_t settling = extended_mask((uint32_t)(self->age >= EXTENDED_LEARN_SETTLING));
@@ -1762,15 +1762,15 @@ EXTENDED_INLINE void extended_begin(extended_learner_t *self, float e)
 }
 
 /* What the displacement y says about the sample before. Returns 1 if the shadow has to start again. */
-EXTENDED_INLINE uint32_t extended_take(extended_learner_t *self, float y, float *innovation)
+EXTENDED_INLINE uint32_t extended_evaluate_reading(extended_learner_t *self, float y, float *innovation)
 {
     float reference;
     uint32_t lost = 0u;
 
     *innovation = extended_innovations(self, y, &reference);
-    extended_learner_note(self, &self->resting, self->rested, EXTENDED_LEARN_RESTING);
+    extended_count_learner_event(self, &self->resting, self->rested, EXTENDED_LEARN_RESTING);
     if (self->rested == 0u) {
-        lost = extended_lost(self, *innovation, reference, y - self->y_um);
+        lost = extended_restart_needed(self, *innovation, reference, y - self->y_um);
         if (lost == 0u) {
             extended_begin(self, *innovation);
         }
@@ -1786,7 +1786,7 @@ EXTENDED_INLINE float extended_on_grid(float x)
 
 /* Keep the regressors of sample k for the displacement of sample k + 1. firing_l is r^l / W times a power of two: with
  * the strength that the bank's numbers carry it is p_l. */
-static EXTENDED_STRAIGHT void extended_keep(extended_learner_t *self, float y_um, float u)
+static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self, float y_um, float u)
 {
     uint32_t outside;
     const float y = extended_limited(y_um, EXTENDED_Y_MIN_UM, EXTENDED_Y_MAX_UM, &outside);
@@ -1839,7 +1839,7 @@ static EXTENDED_STRAIGHT void extended_keep(extended_learner_t *self, float y_um
     self->fixed_um = 0.0f;
     self->fresh = outside ^ 1u;
     self->y_um = y_um;
-    extended_learner_note(self, &self->outside, outside, EXTENDED_LEARN_OUTSIDE);
+    extended_count_learner_event(self, &self->outside, outside, EXTENDED_LEARN_OUTSIDE);
 }
 
 /* ---- Learner: copies of a model's states ------------------------------------------------------------------------- */
@@ -1870,7 +1870,7 @@ static void extended_creep_copy(extended_creep_t *to, const extended_creep_t *fr
 }
 
 /* Work at an update or a restart behind its first call. Returns 1 if the shadow has to start again. */
-EXTENDED_INLINE uint32_t extended_work(extended_learner_t *self)
+EXTENDED_INLINE uint32_t extended_continue_update(extended_learner_t *self)
 {
     uint32_t lost = 0u;
 
@@ -1882,7 +1882,7 @@ EXTENDED_INLINE uint32_t extended_work(extended_learner_t *self)
         break;
     case 3u:
         self->phase = 4u;
-        lost = extended_weigh(self);
+        lost = extended_update_diagonal(self);
 
         break;
     case 4u:
@@ -1940,7 +1940,7 @@ EXTENDED_INLINE uint32_t extended_work(extended_learner_t *self)
 }
 
 /* The first call of an update. Returns 1 if the shadow has to start again. */
-EXTENDED_INLINE uint32_t extended_open(extended_learner_t *self)
+EXTENDED_INLINE uint32_t extended_first_phase(extended_learner_t *self)
 {
     uint32_t lost = 0u;
 
@@ -1965,27 +1965,27 @@ void extended_learn(extended_learner_t *self, float y_um, float u_V)
     float innovation = 0.0f;
     uint32_t lost = 0u;
 
-    extended_learner_note(self, &self->rejected, (usable ^ 1u) | u_lost, EXTENDED_LEARN_REJECTED);
+    extended_count_learner_event(self, &self->rejected, (usable ^ 1u) | u_lost, EXTENDED_LEARN_REJECTED);
     if (self->phase != 0u) {
-        lost = extended_work(self);
+        lost = extended_continue_update(self);
     } else {
         if ((self->fresh & usable) != 0u) {
-            lost = extended_take(self, y, &innovation);
+            lost = extended_evaluate_reading(self, y, &innovation);
         }
         if (self->phase != 0u) {
-            lost = extended_open(self);
+            lost = extended_first_phase(self);
         }
     }
     if (lost != 0u) {
-        extended_learner_note(self, &self->restarts, 1u, EXTENDED_LEARN_RESTARTED);
+        extended_count_learner_event(self, &self->restarts, 1u, EXTENDED_LEARN_RESTARTED);
         extended_restart(self);
     }
     self->fresh = 0u;
     if (((uint32_t)(self->phase == 0u) & usable & (u_lost ^ 1u)) != 0u) {
-        extended_keep(self, y, v);
+        extended_store_regressors(self, y, v);
     }
     self->rested = (uint32_t)(extended_float(extended_bits(away) & 0x7fffffffu) < EXTENDED_LEARN_REST_V);
-    self->mean_u_V = extended_settled(self->mean_u_V + EXTENDED_LEARN_FAST * away);
+    self->mean_u_V = extended_flushed(self->mean_u_V + EXTENDED_LEARN_FAST * away);
     self->u_V = u;
     extended_terms_advance(&self->terms, v);
 }
@@ -2085,7 +2085,7 @@ EXTENDED_INLINE float extended_greater(float a, float b)
 }
 
 /* Half the spread over the rules of y q1 + u q2 + one q3, the strengths in the bank taken off again. */
-EXTENDED_INLINE float extended_spread(const extended_bank_t *bank, float y, float u, float one)
+EXTENDED_INLINE float extended_half_span(const extended_bank_t *bank, float y, float u, float one)
 {
     const float v0 = ((y * bank->slope[0] + u * bank->gain[0]) + one * bank->offset[0]) * extended_commit_unfold[0];
     const float v1 = ((y * bank->slope[1] + u * bank->gain[1]) + one * bank->offset[1]) * extended_commit_unfold[1];
@@ -2110,18 +2110,18 @@ EXTENDED_INLINE float extended_spread(const extended_bank_t *bank, float y, floa
 }
 
 /* What Taylor's theorem leaves between the check points, for these parameters. */
-static void extended_rests(extended_candidate_t *candidate)
+static void extended_bound_remainders(extended_candidate_t *candidate)
 {
     const extended_bank_t *bank = &candidate->bank;
-    const float common = EXTENDED_COMMIT_SLOPE_REST_1 * extended_spread(bank, 1.0f, 0.0f, 0.0f);
+    const float common = EXTENDED_COMMIT_SLOPE_REMAINDER_1 * extended_half_span(bank, 1.0f, 0.0f, 0.0f);
     const float low = extended_greater(
-        extended_spread(bank, EXTENDED_Y_MIN_UM, EXTENDED_U_MIN_V, 1.0f), extended_spread(bank, EXTENDED_Y_MAX_UM, EXTENDED_U_MIN_V, 1.0f));
+        extended_half_span(bank, EXTENDED_Y_MIN_UM, EXTENDED_U_MIN_V, 1.0f), extended_half_span(bank, EXTENDED_Y_MAX_UM, EXTENDED_U_MIN_V, 1.0f));
     const float high = extended_greater(
-        extended_spread(bank, EXTENDED_Y_MIN_UM, EXTENDED_U_MAX_V, 1.0f), extended_spread(bank, EXTENDED_Y_MAX_UM, EXTENDED_U_MAX_V, 1.0f));
+        extended_half_span(bank, EXTENDED_Y_MIN_UM, EXTENDED_U_MAX_V, 1.0f), extended_half_span(bank, EXTENDED_Y_MAX_UM, EXTENDED_U_MAX_V, 1.0f));
 
-    candidate->gain_rest_um_per_V = EXTENDED_COMMIT_GAIN_REST * extended_spread(bank, 0.0f, 1.0f, 0.0f);
-    candidate->slope_rest[0] = common + EXTENDED_COMMIT_SLOPE_REST_3 * low;
-    candidate->slope_rest[1] = common + EXTENDED_COMMIT_SLOPE_REST_3 * high;
+    candidate->gain_remainder_um_per_V = EXTENDED_COMMIT_GAIN_REMAINDER * extended_half_span(bank, 0.0f, 1.0f, 0.0f);
+    candidate->slope_remainder[0] = common + EXTENDED_COMMIT_SLOPE_REMAINDER_3 * low;
+    candidate->slope_remainder[1] = common + EXTENDED_COMMIT_SLOPE_REMAINDER_3 * high;
 }
 
 /* Take the shadow as it is now. */
@@ -2222,7 +2222,7 @@ static uint32_t extended_snapshot(extended_learner_t *learner)
     if (moved > EXTENDED_COMMIT_WEIGHT_BUDGET) {
         return EXTENDED_REFUSED_WEIGHTS;
     }
-    extended_rests(candidate);
+    extended_bound_remainders(candidate);
     candidate->point = 0u;
     candidate->phase = 1u;
     return EXTENDED_BUSY;
@@ -2293,11 +2293,11 @@ static uint32_t extended_check(const extended_candidate_t *candidate)
     c2 = c2 + p[17] * bank->offset[5];
 
     const float gain = EXTENDED_COMMIT_SIGN * b0;
-    const float away = EXTENDED_COMMIT_HALF_UM * extended_float(extended_size(b1)) + candidate->gain_rest_um_per_V;
+    const float away = EXTENDED_COMMIT_HALF_UM * extended_float(extended_size(b1)) + candidate->gain_remainder_um_per_V;
     const float slope = (a0 + a1 * y) + c1;
     const float curve = ((a1 + a1) + a2 * y) + c2;
-    const uint32_t steep = extended_too_steep(slope + b1 * EXTENDED_U_MIN_V, curve + b2 * EXTENDED_U_MIN_V, candidate->slope_rest[0])
-        | extended_too_steep(slope + b1 * EXTENDED_U_MAX_V, curve + b2 * EXTENDED_U_MAX_V, candidate->slope_rest[1]);
+    const uint32_t steep = extended_too_steep(slope + b1 * EXTENDED_U_MIN_V, curve + b2 * EXTENDED_U_MIN_V, candidate->slope_remainder[0])
+        | extended_too_steep(slope + b1 * EXTENDED_U_MAX_V, curve + b2 * EXTENDED_U_MAX_V, candidate->slope_remainder[1]);
     const uint32_t weak = (uint32_t)(gain - away <= EXTENDED_COMMIT_GAIN_FLOOR) | (uint32_t)(gain + away >= EXTENDED_COMMIT_GAIN_CEILING);
 
     if (weak != 0u) {

@@ -300,17 +300,17 @@ static const float extended_learn_per_phi[7] = {
 /* Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
-#define EXTENDED_COMMIT_MATURE             0x00000400u
-#define EXTENDED_COMMIT_POINTS             0x00000200u
-#define EXTENDED_COMMIT_HALF_UM         0.00299498532f  /* 0x3b444784 */
-#define EXTENDED_COMMIT_GAIN_REST      1.25186298e-05f  /* 0x3752071b */
-#define EXTENDED_COMMIT_SLOPE_REST_1   3.75558884e-05f  /* 0x381d8554 */
-#define EXTENDED_COMMIT_SLOPE_REST_3   3.01831624e-05f  /* 0x37fd31d9 */
-#define EXTENDED_COMMIT_SIGN                      1.0f  /* 0x3f800000 */
-#define EXTENDED_COMMIT_GAIN_FLOOR     0.000753078551f  /* 0x3a456a3f */
-#define EXTENDED_COMMIT_GAIN_CEILING    0.00439830218f  /* 0x3b901fa2 */
-#define EXTENDED_COMMIT_SLOPE_LIMIT       0.999873757f  /* 0x3f7ff7ba */
-#define EXTENDED_COMMIT_WEIGHT_BUDGET  1.98784528e-05f  /* 0x37a6c0a7 */
+#define EXTENDED_COMMIT_MATURE                 0x00000400u
+#define EXTENDED_COMMIT_POINTS                 0x00000200u
+#define EXTENDED_COMMIT_HALF_UM             0.00299498532f  /* 0x3b444784 */
+#define EXTENDED_COMMIT_GAIN_REMAINDER     1.25186298e-05f  /* 0x3752071b */
+#define EXTENDED_COMMIT_SLOPE_REMAINDER_1  3.75558884e-05f  /* 0x381d8554 */
+#define EXTENDED_COMMIT_SLOPE_REMAINDER_3  3.01831624e-05f  /* 0x37fd31d9 */
+#define EXTENDED_COMMIT_SIGN                          1.0f  /* 0x3f800000 */
+#define EXTENDED_COMMIT_GAIN_FLOOR         0.000753078551f  /* 0x3a456a3f */
+#define EXTENDED_COMMIT_GAIN_CEILING        0.00439830218f  /* 0x3b901fa2 */
+#define EXTENDED_COMMIT_SLOPE_LIMIT           0.999873757f  /* 0x3f7ff7ba */
+#define EXTENDED_COMMIT_WEIGHT_BUDGET      1.98784528e-05f  /* 0x37a6c0a7 */
 
 static const float extended_commit_unfold[EXTENDED_RULES] = {
         22.7598953f,  /* 0x41b61444 */

@@ -83,7 +83,7 @@ class RestartFacts:
 
 @dataclass(frozen=True)
 class RegressorFacts:
-    """Regressors (learn_keep.j2): learned groups, powers of r, sum of the strengths, prediction that is not learned.
+    """Regressors (learn_regressors.j2): learned groups, powers of r, sum of the strengths, fixed prediction.
 
     firing: whether consequents of the rules are learned; fixed_rules: whether `fixed` needs the sums over the rules.
     """
@@ -258,7 +258,7 @@ def _fixed(model: Model, found: LearnerNumbers) -> str:
     parts = [f"({sums}) * per_weight"] if sums else []
     if model.terms and not found.learns("terms"):
         parts.append(f"{model.name}_terms_sum(&self->base, &self->terms)")
-    return f"{model.name}_settled({' + '.join(parts)})" if parts else "0.0f"
+    return f"{model.name}_flushed({' + '.join(parts)})" if parts else "0.0f"
 
 
 def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:

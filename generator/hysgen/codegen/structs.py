@@ -77,8 +77,10 @@ def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
         (
             Member("phase", "uint32_t", "0: none, 1: being checked, 2: to be written, 3: to be made active"),
             Member("point", "uint32_t", "check point that comes next"),
-            Member("gain_rest_um_per_V", "float", "bound of the gain's Taylor remainder near a check point [um/V]"),
-            Member("slope_rest", "float", "the same of |df/dy|, at the least and the largest input", (2,)),
+            Member(
+                "gain_remainder_um_per_V", "float", "bound of the gain's Taylor remainder near a check point [um/V]"
+            ),
+            Member("slope_remainder", "float", "the same of |df/dy|, at the least and the largest input", (2,)),
             Member(
                 "theta", "float", "the shadow when it was taken [um]", (learned,), (f"{model.name.upper()}_LEARNED",)
             ),

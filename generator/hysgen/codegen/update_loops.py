@@ -135,7 +135,7 @@ class UpdateLoops:
 
 @dataclass(frozen=True)
 class DenominatorLoops:
-    """alpha, l and D (learn_weigh.j2).
+    """alpha, l and D (learn_diagonal.j2).
 
     sums: alpha_j = alpha_(j-1) + f_j g_j. turns: the stages of reciprocals, l and D. reciprocals: elements of one pass
     of passes of reciprocals, which begin at reciprocal_passes; none up to WRITTEN_OUT parameters.

@@ -48,7 +48,7 @@ class CommitNumbers:
     """The numbers of one model's `_commit`.
 
     y_um: (G,) check points. table: (G, 3 L), rows p_l, p_l', p_l'' divided by the strengths w_l.
-    unfold: (L,) 1/w_l. half_um: h. gain_rest, slope_rest_1, slope_rest_3: h^2/2 times C2, 3 C2, C3.
+    unfold: (L,) 1/w_l. half_um: h. gain_remainder, slope_remainder_1, slope_remainder_3: h^2/2 times C2, 3 C2, C3.
     sign: sign of the gain b; gain_floor, gain_ceiling: limits of |b| [um/V]; slope_limit: limit of |df/dy|.
     gammas, weights: (T,) gains of the terms and their weights in the model; weight_budget: limit of
     sum_j gamma_j |theta_j - weight_j|.
@@ -59,9 +59,9 @@ class CommitNumbers:
     table: Floats32
     unfold: Floats32
     half_um: np.float32
-    gain_rest: np.float32
-    slope_rest_1: np.float32
-    slope_rest_3: np.float32
+    gain_remainder: np.float32
+    slope_remainder_1: np.float32
+    slope_remainder_3: np.float32
     sign: np.float32
     gain_floor: np.float32
     gain_ceiling: np.float32
@@ -104,9 +104,9 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
         table=(table / np.tile(numbers.fold, 3)).astype(np.float32),
         unfold=(1.0 / numbers.fold.astype(np.float64)).astype(np.float32),
         half_um=np.float32(SAFETY * half),
-        gain_rest=np.float32(SAFETY * 0.5 * (half * half) * c2),
-        slope_rest_1=np.float32(SAFETY * 1.5 * (half * half) * c2),
-        slope_rest_3=np.float32(SAFETY * 0.5 * (half * half) * c3),
+        gain_remainder=np.float32(SAFETY * 0.5 * (half * half) * c2),
+        slope_remainder_1=np.float32(SAFETY * 1.5 * (half * half) * c2),
+        slope_remainder_3=np.float32(SAFETY * 0.5 * (half * half) * c3),
         sign=np.float32(math.copysign(1.0, certificates.gain_highest.value + certificates.gain_lowest.value)),
         gain_floor=np.float32(floor),
         gain_ceiling=np.float32(ceiling),

@@ -1,9 +1,9 @@
 """Division of one update of the learner among several calls: the columns of U that each call computes.
 
-    begin, f = U' x by columns, weigh (alpha, l, D) | U and P x by columns, step (theta)
+    begin, f = U' x by columns, diagonal (alpha, l, D) | U and P x by columns, step (theta)
 
 Each call computes neighbouring columns of one half. The cuts minimise the cycles of the most expensive call; the result
-does not depend on them. A call without columns is allowed: `weigh` or `step` may fill a call, and there may be more
+does not depend on them. A call without columns is allowed: `diagonal` or `step` may fill a call, and there may be more
 calls than columns. After a restart, each call writes one slice of the second half of U = I.
 
 Costs are stall-free cycles of the C674x, measured at 18, 27, 36 and 54 parameters (docs/target.md).
@@ -27,7 +27,7 @@ COLUMNS_PER_PASS: Final = 6
 # Cycles per element of U up to WRITTEN_OUT parameters, per row of a pass or column above, per parameter elsewhere.
 _PROJECT_ELEMENT, _FACTOR_ELEMENT = 1.7, 3.1
 _PROJECT_PASS, _FACTOR_COLUMN = 7.4, 4.2
-_BEGIN, _WEIGH, _STEP = 11.0, 30.0, 15.5
+_BEGIN, _DIAGONAL, _STEP = 11.0, 30.0, 15.5
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def update_schedule(parameters: int, calls: int) -> UpdateSchedule:
     (0, 24, 54)
     """
     n = parameters
-    begin, weigh, step = _BEGIN * n, _WEIGH * n, _STEP * n
+    begin, diagonal, step = _BEGIN * n, _DIAGONAL * n, _STEP * n
     if n <= WRITTEN_OUT:
         grain = 1
         project = [_PROJECT_ELEMENT * (j + 1) for j in range(n)]
@@ -85,10 +85,10 @@ def update_schedule(parameters: int, calls: int) -> UpdateSchedule:
         project = [_PROJECT_PASS * n] * -(-n // grain)
         factor = [_FACTOR_COLUMN * n] * n
     if calls == 1:
-        return UpdateSchedule(1, (0, n), (0, n), begin + sum(project) + weigh + sum(factor) + step)
+        return UpdateSchedule(1, (0, n), (0, n), begin + sum(project) + diagonal + sum(factor) + step)
     found = []
     for first in range(1, calls):
-        one, passes = _cut([begin, *project, weigh], first)
+        one, passes = _cut([begin, *project, diagonal], first)
         other, columns = _cut([0.0, *factor, step], calls - first)
         found.append(UpdateSchedule(calls, tuple(min(grain * c, n) for c in passes), columns, max(one, other)))
     return min(found, key=lambda schedule: schedule.largest_cycles)

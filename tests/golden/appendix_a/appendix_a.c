@@ -100,7 +100,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_counted(uint32_t counter, uint32_t happene
 }
 
 /* Status bits and counters of one call. Called last: the counting fills the slots that the arithmetic leaves free. */
-APPENDIX_A_INLINE void appendix_a_note(appendix_a_t *self, const appendix_a_events_t *events)
+APPENDIX_A_INLINE void appendix_a_count_events(appendix_a_t *self, const appendix_a_events_t *events)
 {
     self->status |= (events->y_clamped * APPENDIX_A_STATUS_Y_CLAMPED) | (events->u_clamped * APPENDIX_A_STATUS_U_CLAMPED)
         | (events->y_rejected * APPENDIX_A_STATUS_Y_REJECTED) | (events->u_rejected * APPENDIX_A_STATUS_U_REJECTED);
@@ -124,7 +124,7 @@ APPENDIX_A_INLINE float appendix_a_finite(float x, float held, uint32_t *rejecte
 }
 
 /* A result before it leaves or is kept: magnitudes below 2^-40 become 0. */
-APPENDIX_A_INLINE float appendix_a_settled(float x)
+APPENDIX_A_INLINE float appendix_a_flushed(float x)
 {
     const uint32_t bits = appendix_a_bits(x);
 
@@ -229,14 +229,14 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V)
     self->u_V = APPENDIX_A_U_REST_V;
     self->y_um = appendix_a_checked_y(self, y_um, &events);
     self->u_V = appendix_a_checked_u(self, u_V, &events);
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
 }
 
 /* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */
 APPENDIX_A_INLINE float appendix_a_apply(appendix_a_t *self, float base, float gain, float per_weight, float u)
 {
     const float rules = (base + u * gain) * per_weight;
-    const float y_next = appendix_a_settled(rules);
+    const float y_next = appendix_a_flushed(rules);
 
     self->y_um = y_next;
     return y_next;
@@ -256,7 +256,7 @@ float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
     self->u_V = u;
     const float y_next = appendix_a_apply(self, base, sums.gain, per_weight, u);
 
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
     return y_next;
 }
 
@@ -276,7 +276,7 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
     self->u_V = u;
     const float y_next = appendix_a_apply(self, base, sums.gain, per_weight, u);
 
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
     return y_next;
 }
 
@@ -297,13 +297,13 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
     const float numerator = wanted * sums.weight - base;
     const float per_gain = appendix_a_reciprocal(sums.gain);
     const float per_weight = appendix_a_reciprocal(sums.weight);
-    const float exact = appendix_a_settled(numerator * per_gain);
+    const float exact = appendix_a_flushed(numerator * per_gain);
     const float u = appendix_a_limited(exact, APPENDIX_A_U_MIN_V, APPENDIX_A_U_MAX_V, &events.u_clamped);
     const uint32_t unreachable = events.u_clamped;
 
     self->status |= (clamped * APPENDIX_A_STATUS_REFERENCE_CLAMPED) | (unreachable * APPENDIX_A_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
-    appendix_a_note(self, &events);
+    appendix_a_count_events(self, &events);
     self->u_V = u;
     (void)appendix_a_apply(self, base, sums.gain, per_weight, u);
     return u;

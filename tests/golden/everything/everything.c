@@ -100,7 +100,7 @@ EVERYTHING_INLINE uint32_t everything_counted(uint32_t counter, uint32_t happene
 }
 
 /* Status bits and counters of one call. Called last: the counting fills the slots that the arithmetic leaves free. */
-EVERYTHING_INLINE void everything_note(everything_t *self, const everything_events_t *events)
+EVERYTHING_INLINE void everything_count_events(everything_t *self, const everything_events_t *events)
 {
     self->status |= (events->y_clamped * EVERYTHING_STATUS_Y_CLAMPED) | (events->u_clamped * EVERYTHING_STATUS_U_CLAMPED)
         | (events->y_rejected * EVERYTHING_STATUS_Y_REJECTED) | (events->u_rejected * EVERYTHING_STATUS_U_REJECTED);
@@ -124,7 +124,7 @@ EVERYTHING_INLINE float everything_finite(float x, float held, uint32_t *rejecte
 }
 
 /* A result before it leaves or is kept: magnitudes below 2^-40 become 0. */
-EVERYTHING_INLINE float everything_settled(float x)
+EVERYTHING_INLINE float everything_flushed(float x)
 {
     const uint32_t bits = everything_bits(x);
 
@@ -635,7 +635,7 @@ void everything_init(everything_t *self, float y_um, float u_V)
     self->u_V = EVERYTHING_U_REST_V;
     self->y_um = everything_checked_y(self, y_um, &events);
     self->u_V = everything_checked_u(self, u_V, &events);
-    everything_note(self, &events);
+    everything_count_events(self, &events);
     everything_inputs_init(&self->inputs, self->u_V);
     everything_terms_init(&self->terms, self->inputs.v_V);
 }
@@ -649,7 +649,7 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS])
 EVERYTHING_INLINE float everything_apply(everything_t *self, float base, float gain, float per_weight, float extra, float u)
 {
     const float rules = (base + u * gain) * per_weight;
-    const float y_next = everything_settled(rules + extra);
+    const float y_next = everything_flushed(rules + extra);
 
     everything_terms_advance(&self->terms, u);
     self->y_um = y_next;
@@ -675,7 +675,7 @@ float everything_predict(everything_t *self, float y_um, float u_V)
     self->u_V = u;
     const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, v);
 
-    everything_note(self, &events);
+    everything_count_events(self, &events);
     return y_next;
 }
 
@@ -697,7 +697,7 @@ float everything_simulate(everything_t *self, float u_V)
     self->u_V = u;
     const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, v);
 
-    everything_note(self, &events);
+    everything_count_events(self, &events);
     return y_next;
 }
 
@@ -719,7 +719,7 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     const float numerator = (wanted - extra) * sums.weight - base;
     const float per_gain = everything_reciprocal(sums.gain);
     const float per_weight = everything_reciprocal(sums.weight);
-    const float exact = everything_settled(numerator * per_gain);
+    const float exact = everything_flushed(numerator * per_gain);
     const float inside = everything_limited(exact, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &events.u_clamped);
     const float v = everything_inputs_reach(&self->inputs, inside);
     const float u = everything_inputs_command(&self->inputs, v);
@@ -727,7 +727,7 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
 
     self->status |= (clamped * EVERYTHING_STATUS_REFERENCE_CLAMPED) | (unreachable * EVERYTHING_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
-    everything_note(self, &events);
+    everything_count_events(self, &events);
     self->u_V = u;
     (void)everything_apply(self, base, sums.gain, per_weight, extra, v);
     return u;

@@ -100,7 +100,7 @@ SMOOTH_50_INLINE uint32_t smooth_50_counted(uint32_t counter, uint32_t happened)
 }
 
 /* Status bits and counters of one call. Called last: the counting fills the slots that the arithmetic leaves free. */
-SMOOTH_50_INLINE void smooth_50_note(smooth_50_t *self, const smooth_50_events_t *events)
+SMOOTH_50_INLINE void smooth_50_count_events(smooth_50_t *self, const smooth_50_events_t *events)
 {
     self->status |= (events->y_clamped * SMOOTH_50_STATUS_Y_CLAMPED) | (events->u_clamped * SMOOTH_50_STATUS_U_CLAMPED)
         | (events->y_rejected * SMOOTH_50_STATUS_Y_REJECTED) | (events->u_rejected * SMOOTH_50_STATUS_U_REJECTED);
@@ -124,7 +124,7 @@ SMOOTH_50_INLINE float smooth_50_finite(float x, float held, uint32_t *rejected)
 }
 
 /* A result before it leaves or is kept: magnitudes below 2^-40 become 0. */
-SMOOTH_50_INLINE float smooth_50_settled(float x)
+SMOOTH_50_INLINE float smooth_50_flushed(float x)
 {
     const uint32_t bits = smooth_50_bits(x);
 
@@ -278,14 +278,14 @@ void smooth_50_init(smooth_50_t *self, float y_um, float u_V)
     self->u_V = SMOOTH_50_U_REST_V;
     self->y_um = smooth_50_checked_y(self, y_um, &events);
     self->u_V = smooth_50_checked_u(self, u_V, &events);
-    smooth_50_note(self, &events);
+    smooth_50_count_events(self, &events);
 }
 
 /* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */
 SMOOTH_50_INLINE float smooth_50_apply(smooth_50_t *self, float base, float gain, float per_weight, float u)
 {
     const float rules = (base + u * gain) * per_weight;
-    const float y_next = smooth_50_settled(rules);
+    const float y_next = smooth_50_flushed(rules);
 
     self->y_um = y_next;
     return y_next;
@@ -305,7 +305,7 @@ float smooth_50_predict(smooth_50_t *self, float y_um, float u_V)
     self->u_V = u;
     const float y_next = smooth_50_apply(self, base, sums.gain, per_weight, u);
 
-    smooth_50_note(self, &events);
+    smooth_50_count_events(self, &events);
     return y_next;
 }
 
@@ -325,7 +325,7 @@ float smooth_50_simulate(smooth_50_t *self, float u_V)
     self->u_V = u;
     const float y_next = smooth_50_apply(self, base, sums.gain, per_weight, u);
 
-    smooth_50_note(self, &events);
+    smooth_50_count_events(self, &events);
     return y_next;
 }
 
@@ -346,13 +346,13 @@ float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
     const float numerator = wanted * sums.weight - base;
     const float per_gain = smooth_50_reciprocal(sums.gain);
     const float per_weight = smooth_50_reciprocal(sums.weight);
-    const float exact = smooth_50_settled(numerator * per_gain);
+    const float exact = smooth_50_flushed(numerator * per_gain);
     const float u = smooth_50_limited(exact, SMOOTH_50_U_MIN_V, SMOOTH_50_U_MAX_V, &events.u_clamped);
     const uint32_t unreachable = events.u_clamped;
 
     self->status |= (clamped * SMOOTH_50_STATUS_REFERENCE_CLAMPED) | (unreachable * SMOOTH_50_STATUS_UNREACHABLE);
     events.y_rejected |= rejected;
-    smooth_50_note(self, &events);
+    smooth_50_count_events(self, &events);
     self->u_V = u;
     (void)smooth_50_apply(self, base, sums.gain, per_weight, u);
     return u;

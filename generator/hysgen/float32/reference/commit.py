@@ -34,8 +34,8 @@ class Committer:
         n, lanes = learner.theta.shape
         self.phase, self.point, self.active = (np.zeros(lanes, np.uint32) for _ in range(3))
         self.theta: Floats32 = np.zeros((n, lanes), np.float32)
-        self.gain_rest_um_per_V: Floats32 = np.zeros(lanes, np.float32)
-        self.slope_rest: Floats32 = np.zeros((2, lanes), np.float32)
+        self.gain_remainder_um_per_V: Floats32 = np.zeros(lanes, np.float32)
+        self.slope_remainder: Floats32 = np.zeros((2, lanes), np.float32)
         base = {group: np.repeat(getattr(learner.base, group)[:, None], lanes, axis=1) for group in _GROUPS}
         self.bank: dict[str, Floats32] = {group: np.zeros_like(rows) for group, rows in base.items()}
         self.banks: dict[str, Floats32] = {group: np.stack([rows, rows]) for group, rows in base.items()}
@@ -67,9 +67,9 @@ class Committer:
         wide = copy.copy(self)
         wide.point = np.repeat(np.arange(points, dtype=np.uint32), lanes)
         wide.bank = {group: np.tile(rows, points) for group, rows in self.bank.items()}
-        wide.gain_rest_um_per_V, wide.slope_rest = (
-            np.tile(self.gain_rest_um_per_V, points),
-            np.tile(self.slope_rest, points),
+        wide.gain_remainder_um_per_V, wide.slope_remainder = (
+            np.tile(self.gain_remainder_um_per_V, points),
+            np.tile(self.slope_remainder, points),
         )
         found = wide._answer_at_point().reshape(points, lanes)
         refused = found != Commit.BUSY
@@ -78,8 +78,12 @@ class Committer:
 
     def words(self) -> Mapping[str, Words]:
         """The bit patterns of `<name>_candidate_t` by C path, in the order of the struct, (lanes,) each."""
-        named = {"phase": self.phase, "point": self.point, "gain_rest_um_per_V": bits_of(self.gain_rest_um_per_V)}
-        named |= {f"slope_rest[{i}]": bits_of(row) for i, row in enumerate(self.slope_rest)}
+        named = {
+            "phase": self.phase,
+            "point": self.point,
+            "gain_remainder_um_per_V": bits_of(self.gain_remainder_um_per_V),
+        }
+        named |= {f"slope_remainder[{i}]": bits_of(row) for i, row in enumerate(self.slope_remainder)}
         named |= {f"theta[{i}]": bits_of(row) for i, row in enumerate(self.theta)}
         for group, rows in self.bank.items():
             named |= {f"bank.{group}[{i}]": bits_of(row) for i, row in enumerate(rows)}
@@ -120,7 +124,7 @@ class Committer:
 
     def _over_budget(self) -> Mask:
         """Whether sum_j gamma_j |theta_j - weight_j|, weight_j of the model, exceeds the budget; (lanes,)."""
-        moved = np.zeros_like(self.gain_rest_um_per_V)
+        moved = np.zeros_like(self.gain_remainder_um_per_V)
         if not self.learner.numbers.learns("terms"):
             return np.zeros(moved.size, np.bool_)
         for j, weight in enumerate(self.bank["weight"]):
@@ -136,13 +140,13 @@ class Committer:
     def _bound_remainders(self, where: Mask) -> None:
         """Bounds of the Taylor remainders of gain and slope within half a cell of a check point."""
         numbers, model = self.numbers, self.learner.model_numbers
-        common = numbers.slope_rest_1 * self._half_span(_ONE, _ZERO, _ZERO)
+        common = numbers.slope_remainder_1 * self._half_span(_ONE, _ZERO, _ZERO)
         for end, u in enumerate((model.u_min_V, model.u_max_V)):
             corners = [self._half_span(y, u, _ONE) for y in (model.y_min_um, model.y_max_um)]
-            rest = common + numbers.slope_rest_3 * np.maximum(*corners)
-            self.slope_rest[end] = np.where(where, rest, self.slope_rest[end])
-        gain = numbers.gain_rest * self._half_span(_ZERO, _ONE, _ZERO)
-        self.gain_rest_um_per_V = np.where(where, gain, self.gain_rest_um_per_V)
+            rest = common + numbers.slope_remainder_3 * np.maximum(*corners)
+            self.slope_remainder[end] = np.where(where, rest, self.slope_remainder[end])
+        gain = numbers.gain_remainder * self._half_span(_ZERO, _ONE, _ZERO)
+        self.gain_remainder_um_per_V = np.where(where, gain, self.gain_remainder_um_per_V)
 
     def _answer_at_point(self) -> Words:
         """REFUSED_GAIN, REFUSED_SLOPE or, within the limits, BUSY for each lane at its check point."""
@@ -150,14 +154,14 @@ class Committer:
         at = np.minimum(self.point, numbers.points - 1)
         y, rows = numbers.y_um[at], numbers.table[at].reshape(at.size, 3, -1)
         a, b, c = (self._weighted_sums(rows, self.bank[group]) for group in ("slope", "gain", "offset"))
-        away = numbers.half_um * magnitude(b[1]) + self.gain_rest_um_per_V
+        away = numbers.half_um * magnitude(b[1]) + self.gain_remainder_um_per_V
         gain = numbers.sign * b[0]
         weak = (gain - away <= numbers.gain_floor) | (gain + away >= numbers.gain_ceiling)
         slope, curve = (a[0] + a[1] * y) + c[1], ((a[1] + a[1]) + a[2] * y) + c[2]
         steep = np.zeros(at.size, np.bool_)
         for end, u in enumerate((model.u_min_V, model.u_max_V)):
             near = numbers.half_um * magnitude(curve + b[2] * u)
-            steep |= magnitude(slope + b[1] * u) + (near + self.slope_rest[end]) >= numbers.slope_limit
+            steep |= magnitude(slope + b[1] * u) + (near + self.slope_remainder[end]) >= numbers.slope_limit
         steep_or_not = np.where(steep, np.uint32(Commit.REFUSED_SLOPE), np.uint32(Commit.BUSY))
         return np.where(weak, np.uint32(Commit.REFUSED_GAIN), steep_or_not)
 

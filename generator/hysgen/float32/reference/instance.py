@@ -65,7 +65,7 @@ class Instance(InstanceWords):
     def simulate(self, u_V: Floats32) -> Floats32:
         """One step of the free run from the stored output, with u(k) [V], (lanes,); returns and stores y(k+1) [um]."""
         y, clamped = limited(self.y_um, self.numbers.y_min_um, self.numbers.y_max_um)
-        self._note(Status.Y_CLAMPED, clamped)
+        self._count_event(Status.Y_CLAMPED, clamped)
         return self._forward(y, self._checked_u(u_V))
 
     def inverse(self, y_um: Floats32, y_next_um: Floats32) -> Floats32:
@@ -79,9 +79,9 @@ class Instance(InstanceWords):
         y, clamped = limited(held, numbers.y_min_um, numbers.y_max_um)
         reference, refused = finite(y_next_um, y)
         reference, cut = limited(reference, numbers.reference_min_um, numbers.reference_max_um)
-        self._note(Status.Y_CLAMPED, clamped)
-        self._note(Status.Y_REJECTED, rejected | refused)
-        self._note(Status.REFERENCE_CLAMPED, cut)
+        self._count_event(Status.Y_CLAMPED, clamped)
+        self._count_event(Status.Y_REJECTED, rejected | refused)
+        self._count_event(Status.REFERENCE_CLAMPED, cut)
         sums, extra = rule_sums(numbers, self.bank, y), self._extra()
         wanted = reference if extra is None else reference - extra
         numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
@@ -90,8 +90,8 @@ class Instance(InstanceWords):
         v = self.inputs.reach(u)
         held_back = (bits_of(v) != bits_of(u)).astype(np.uint32)
         self.u_V = self.inputs.command(v)
-        self._note(Status.U_CLAMPED, clamped)
-        self._note(Status.UNREACHABLE, clamped | held_back)
+        self._count_event(Status.U_CLAMPED, clamped)
+        self._count_event(Status.UNREACHABLE, clamped | held_back)
         self._apply(sums, extra, y, v)
         return self.u_V
 
@@ -119,18 +119,18 @@ class Instance(InstanceWords):
     def _checked_y(self, y_um: Floats32) -> Floats32:
         y, rejected = finite(y_um, self.y_um)
         y, clamped = limited(y, self.numbers.y_min_um, self.numbers.y_max_um)
-        self._note(Status.Y_REJECTED, rejected)
-        self._note(Status.Y_CLAMPED, clamped)
+        self._count_event(Status.Y_REJECTED, rejected)
+        self._count_event(Status.Y_CLAMPED, clamped)
         return y
 
     def _checked_u(self, u_V: Floats32) -> Floats32:
         u, rejected = finite(u_V, self.u_V)
         u, clamped = limited(u, self.numbers.u_min_V, self.numbers.u_max_V)
-        self._note(Status.U_REJECTED, rejected)
-        self._note(Status.U_CLAMPED, clamped)
+        self._count_event(Status.U_REJECTED, rejected)
+        self._count_event(Status.U_CLAMPED, clamped)
         return u
 
-    def _note(self, event: Status, happened: Words) -> None:
+    def _count_event(self, event: Status, happened: Words) -> None:
         """Set the status bit of `event` and increment its counter, if any, where `happened` is 1; counters saturate."""
         self.status = self.status | happened * np.uint32(event)
         for name, counter in self.COUNTERS.items():

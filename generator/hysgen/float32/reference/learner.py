@@ -47,10 +47,10 @@ class Learner(LearnerState):
         v = self.inputs.apply(u)
         usable = (y_lost == 0) & ~((y < numbers.y_low_um) | (y > numbers.y_high_um))
         away = u - self.mean_u_V
-        self.note("rejected", ~usable | (u_lost != 0))
+        self.count_event("rejected", ~usable | (u_lost != 0))
         taking = (self.phase == 0) & (self.fresh != 0) & usable
         before = self.phase
-        innovation = self._compare(taking, np.where(taking, y, self.y_um))
+        innovation = self._evaluate_reading(taking, np.where(taking, y, self.y_um))
         for term in self.terms:
             term.correct(np.where(taking, innovation, _ZERO))
         self._continue_update()
@@ -63,7 +63,7 @@ class Learner(LearnerState):
         for term in self.terms:
             term.advance(v)
 
-    def _compare(self, where: Mask, y: Floats32) -> Floats32:
+    def _evaluate_reading(self, where: Mask, y: Floats32) -> Floats32:
         """Innovation e = y - x' theta - fixed_um [um], (lanes,); restarts the shadow or begins an update with e."""
         shadow, other = self.x[0] * self.theta[0], self.x[0] * self.reference[0]
         for i in range(1, self.numbers.size):
@@ -72,10 +72,10 @@ class Learner(LearnerState):
         e: Floats32 = y - (shadow + self.fixed_um)
         reference = y - (other + self.fixed_um)
         rested = self.rested != 0
-        self.note("resting", where & rested)
+        self.count_event("resting", where & rested)
         where = where & ~rested
         lost = self._restart_needed(where, e, reference, y - self.y_um)
-        self.note("restarts", lost)
+        self.count_event("restarts", lost)
         self.restart(lost)
         self._begin(where & ~lost, e)
         return e
@@ -170,7 +170,7 @@ class Learner(LearnerState):
         alpha = denominators(self.f, self.g)
         before = alpha[-1]
         wild = where & (bits_of(before) >= bits_of(np.asarray(numbers.largest_denominator)))
-        self.note("restarts", wild)
+        self.count_event("restarts", wild)
         self.restart(wild)
         where = where & ~wild
         refused = self._excluded(where & (self.measuring != 0), before)
@@ -182,7 +182,7 @@ class Learner(LearnerState):
         d = np.where(d < _LEAST_VARIANCE, _LEAST_VARIANCE, np.where(d > ceiling, ceiling, d))
         self.l, self.d = np.where(where, slope, self.l), np.where(where, d, self.d)
         self.per_alpha = np.where(where, per_alpha, self.per_alpha)
-        self.note("clamped", where & clamped.any(axis=0))
+        self.count_event("clamped", where & clamped.any(axis=0))
 
     def _excluded(self, where: Mask, alpha: Floats32) -> Mask:
         """True for outliers and innovations in the dead zone; updates the running mean of |innovation|."""
@@ -202,9 +202,9 @@ class Learner(LearnerState):
         self.scale_um = np.where(where, scale, self.scale_um)
         self.run = np.where(where, np.where(changed, np.uint32(0), run), self.run)
         outlier = far & ~changed
-        self.note("outliers", where & outlier)
-        self.note("changes", where & changed)
-        self.note("quiet", where & quiet)
+        self.count_event("outliers", where & outlier)
+        self.count_event("changes", where & changed)
+        self.count_event("quiet", where & quiet)
         return where & (outlier | quiet)
 
     def _update_factor(self, where: Mask, first: int, last: int) -> None:
@@ -220,13 +220,13 @@ class Learner(LearnerState):
         size = float_of((bits_of(self.k) & np.uint32(MAGNITUDE_BITS)).max(axis=0)) * magnitude(q)
         long = where & (size > numbers.step_um)
         q = np.where(long, q * (numbers.step_um * reciprocal(np.where(long, size, _ONE))), q)
-        self.note("limited", long)
+        self.count_event("limited", long)
         theta, low = add_compensated(self.theta, self.theta_low, self.k, q)
         self.theta_low = np.where(where, low, self.theta_low)
         self.theta = np.where(where, theta, self.theta)
         beyond = where & (bits_of(magnitude(theta)) >= bits_of(np.asarray(numbers.limit_um))).any(axis=0)
         self.phase = np.where(where, np.uint32(0), self.phase)
-        self.note("restarts", beyond)
+        self.count_event("restarts", beyond)
         self.restart(beyond)
         counted = where & ~beyond
         self.count("updates", counted)
@@ -259,7 +259,7 @@ class Learner(LearnerState):
         self.fixed_um = np.where(where, self._fixed(y, v, per_weight, phi), self.fixed_um)
         self.fresh = np.where(where & (outside == 0), np.uint32(1), np.uint32(0))
         self.y_um = np.where(where, y_um, self.y_um)
-        self.note("outside", where & (outside != 0))
+        self.count_event("outside", where & (outside != 0))
 
     def _fixed(self, y: Floats32, v: Floats32, per_weight: Floats32, phi: list[Floats32]) -> Floats32:
         """The part of the prediction y(k+1) whose parameters are not learned [um], (lanes,)."""

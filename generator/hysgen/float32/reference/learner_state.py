@@ -82,7 +82,7 @@ class LearnerState(LearnerWords):
             diagonal = np.arange(first, last)
             self.u[diagonal, diagonal] = np.where(where, _ONE, self.u[diagonal, diagonal])
 
-    def note(self, event: str, happened: Mask) -> None:
+    def count_event(self, event: str, happened: Mask) -> None:
         """Set the status bit of `event` and increment its counter where `happened`."""
         if not happened.any():
             return

@@ -11,7 +11,7 @@ from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY
 from hysgen.checking.proof.eva.contracts import with_beyond
 from hysgen.checking.proof.eva.frama import Verdict, analyse
-from hysgen.checking.proof.eva.learner_box import PARAMETERS, RESTS
+from hysgen.checking.proof.eva.learner_box import PARAMETERS, REMAINDERS
 from hysgen.checking.proof.eva.splits import Split, annotated, signs, splits
 from hysgen.checking.proof.eva.states import float_word, integer_word
 from hysgen.codegen.render import render
@@ -34,8 +34,10 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     boxes = {f"{path}[{j}]": symmetric(limit) for path in (*PARAMETERS, "candidate.theta") for j in range(numbers.size)}
     boxes |= {f"candidate.bank.{path}": box for path, box in banks.items()}
     boxes |= {f"base.{path}": box for path, box in banks.items()}
-    boxes |= {path: symmetric(RESTS) for path in ("candidate.gain_rest_um_per_V", "candidate.slope_rest[0]")}
-    boxes |= {"candidate.slope_rest[1]": symmetric(RESTS)}
+    boxes |= {
+        path: symmetric(REMAINDERS) for path in ("candidate.gain_remainder_um_per_V", "candidate.slope_remainder[0]")
+    }
+    boxes |= {"candidate.slope_remainder[1]": symmetric(REMAINDERS)}
     known = [float_word("learner", path, box) for path, box in boxes.items()]
     known += [float_word("self", f"bank[{b}].{path}", box) for b in range(2) for path, box in banks.items()]
     known += [integer_word("self", "active", 1), integer_word("learner", "candidate.phase", 3)]

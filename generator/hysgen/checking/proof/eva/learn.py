@@ -70,7 +70,7 @@ def prove_learn(model: Model, texts: Mapping[str, str], function: str) -> tuple[
     sources, checks = learn_step(model, texts, function)
     name = model.name
     trusted = update_functions(name, texts)
-    apart = ",".join(f"{name}_{function}:0" for function in ("weigh", "work", "take"))
+    apart = ",".join(f"{name}_{function}:0" for function in ("update_diagonal", "continue_update", "evaluate_reading"))
     options = ("-eva-use-spec", ",".join(trusted), "-eva-split-return-function", apart)
     return analyse(sources, ENTRY, "finite" if function == "learn_init" else "any", options=options), checks
 
@@ -108,8 +108,8 @@ def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
 def _learn_splits(model: Model) -> list[Split]:
     return [
         Split("learn", _plausible(model), "const float y = "),
-        Split("keep", displacements(coefficients(model)), "const float y = "),
-        Split("lost", signs("moved")),
+        Split("store_regressors", displacements(coefficients(model)), "const float y = "),
+        Split("restart_needed", signs("moved")),
         Split("begin", ("sliding == 0u",), "const uint32_t sliding = "),
         Split("admit", signs("e"), "const float e = "),
         Split("limited", ("x <= high",)),
@@ -125,13 +125,13 @@ def _joins(model: Model, box: LearnerBox) -> list[Join]:
         Join("learn", r"if \(self->phase != 0u\)"),
         Join("learn", "self->fresh = "),
         *(
-            Join("lost", f"self->{path} = ", levels[path].borders)
+            Join("restart_needed", f"self->{path} = ", levels[path].borders)
             for path in ("moving_um", "error", "reference_error", "step_error")
         ),
-        Join("lost", "return "),
+        Join("restart_needed", "return "),
         Join("admit", "if ", levels["scale_um"].borders),
         Join("admit", "self->run = "),
-        Join("keep", r"(?:const float [yu]_share|self->x\[0\]) = "),
+        Join("store_regressors", r"(?:const float [yu]_share|self->x\[0\]) = "),
     ]
 
 

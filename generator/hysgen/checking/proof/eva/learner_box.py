@@ -28,7 +28,7 @@ WILD: Final = tuple(member.name for member in LearnerWords.described() if member
 PARAMETERS: Final = tuple(member.name for member in LearnerWords.described() if member.parameter)
 """Words that hold a parameter each, finite and within its limit."""
 
-RESTS: Final = 1e12
+REMAINDERS: Final = 1e12
 """Larger than what commit may keep of a candidate between its calls, far from what overflows."""
 
 FIRING: Final = 16.0

@@ -53,10 +53,10 @@ def splits(model: Model, kept: float) -> list[Split]:
     numbers = coefficients(model)
     least, limit = (_bits(size) for size in (float(LEAST), kept))
     found = [
-        *(Split(function, signs("x")) for function in ("finite", "settled", "inside", "limited")),
+        *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited")),
         Split("finite", _magnitudes(least, INFINITY_BITS), "const uint32_t bits = "),
         Split("finite", signs("held")),
-        Split("settled", _magnitudes(least), "const uint32_t bits = "),
+        Split("flushed", _magnitudes(least), "const uint32_t bits = "),
         Split("inside", _magnitudes(limit), "const uint32_t bits = "),
         Split("limited", signs("low")),
         Split("limited", signs("high")),
