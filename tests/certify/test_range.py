@@ -84,6 +84,7 @@ def test_certificates_are_those_of_the_part_and_no_wider_than_those_of_the_whole
     assert part.gain_lowest.bound - 2e-8 < gain.min() < gain.max() < part.gain_highest.bound + 2e-8
 
 
+@pytest.mark.slow
 def test_commit_checks_the_part_only() -> None:
     learner = LearnerSettings()
     with pytest.raises(CertificateError, match="gain"):

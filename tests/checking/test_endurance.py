@@ -16,6 +16,8 @@ from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.model.model import Model
 
+pytestmark = pytest.mark.slow
+
 SAMPLES = 200_000
 
 NO_RESTORING = [

@@ -114,6 +114,7 @@ def test_a_restart_spread_over_calls_is_whole_for_commit_at_once_and_for_the_nex
 @pytest.mark.parametrize(
     ("size", "left_out"), [(40, "    smooth_10_clear_column(self, 39u);\n}"), (18, "self->u[152] = 0.0f;\n}")]
 )
+@pytest.mark.slow
 def test_a_restart_that_leaves_out_a_column_is_found(size: int, left_out: str) -> None:
     model = sized(size, calls_per_update=8)
     texts = dict(spread_texts(size, 8))
@@ -124,6 +125,7 @@ def test_a_restart_that_leaves_out_a_column_is_found(size: int, left_out: str) -
     assert "u[" in str(next(filter(None, (pair.first_difference(*piece) for piece in losing(pair))), None))
 
 
+@pytest.mark.slow
 def test_a_learner_starts_with_every_state_of_the_model_and_of_what_the_input_passes() -> None:
     """Copied number by number, from what the terms and blocks declare."""
     name = "everything_spread"
@@ -151,6 +153,7 @@ def test_a_state_that_cannot_be_copied_number_by_number_is_refused(kind: Any, si
         Member("x", kind, "state", sizes)
 
 
+@pytest.mark.slow
 def test_terms_blocks_and_drift_of_the_learner_are_its_own_and_equal() -> None:
     model = dataclasses.replace(everything(), learner=LearnerSettings(learned=("gain", "offset", "terms")))
     assert Pair(model).first_difference(*corrupted(500)) is None
@@ -158,6 +161,7 @@ def test_terms_blocks_and_drift_of_the_learner_are_its_own_and_equal() -> None:
 
 @pytest.mark.parametrize("toolchain", [Toolchain("gcc", ("-O3",)), Toolchain("clang", ("-O2",))], ids=str)
 @pytest.mark.parametrize("size", [6, 18, 24, 40])
+@pytest.mark.slow
 def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size: int, toolchain: Toolchain) -> None:
     need(toolchain.command)
     model = sized(size, settle=512)
@@ -176,6 +180,7 @@ def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size:
         ("const uint32_t usable = 1u ^ (y_lost | implausible);", "const uint32_t usable = 1u ^ y_lost;"),
     ],
 )
+@pytest.mark.slow
 def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
     model = dataclasses.replace(load_model("appendix_a"), learner=LearnerSettings())
     texts = texts_of(model)
@@ -185,6 +190,7 @@ def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
 
 
 @pytest.mark.parametrize("calls", [2, 6])
+@pytest.mark.slow
 def test_an_update_spread_over_calls_gives_the_bits_of_one_at_once(calls: int) -> None:
     """The spread learner uses the samples c i and c i + 1; the other one is shown just these, cut apart by NaN."""
     y, u = lagging(600 * calls + 2)

@@ -202,6 +202,7 @@ PROTECTIONS: list[Protection] = [
 
 
 @pytest.mark.parametrize(("promise", "settings", "edit"), PROTECTIONS, ids=lambda given: getattr(given, "__name__", ""))
+@pytest.mark.slow
 def test_protection_holds_and_is_missed_where_it_is_taken_out(
     promise: Callable[[Watched], bool], settings: dict[str, Any], edit: tuple[str, str]
 ) -> None:

@@ -40,6 +40,7 @@ def learners() -> Mapping[str, LearnerSettings]:
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "everything", "extended", "diagnosed"])
+@pytest.mark.slow
 def test_no_compiler_warns_of_generated_c(name: str) -> None:
     for compiler in COMPILERS:
         need(compiler)
@@ -49,6 +50,7 @@ def test_no_compiler_warns_of_generated_c(name: str) -> None:
 
 
 @pytest.mark.parametrize("kind", learners())
+@pytest.mark.slow
 def test_no_compiler_warns_of_any_learner(kind: str) -> None:
     learner = dataclasses.replace(learning(), name=kind, learner=learners()[kind])
     found = wall(kind, generate(learner, Options(clock_Hz=2e9)))
@@ -74,6 +76,7 @@ def test_every_compiler_sees_a_planted_fault(fault: str, anchor: str, replacemen
     assert complaining == set(COMPILERS), "\n".join(found.lines())
 
 
+@pytest.mark.slow
 def test_required_misra_rules_are_followed_and_every_deviation_is_advisory_and_met() -> None:
     need("cppcheck")
     found = [
@@ -97,6 +100,7 @@ def test_required_misra_rules_are_followed_and_every_deviation_is_advisory_and_m
         ("21.6", '#include "appendix_a.h"', '#include "appendix_a.h"\n#include <stdio.h>'),
     ],
 )
+@pytest.mark.slow
 def test_misra_sees_a_planted_fault(rule: str, anchor: str, replacement: str) -> None:
     need("cppcheck")
     found = misra("appendix_a", planted(anchor, replacement))
@@ -104,6 +108,7 @@ def test_misra_sees_a_planted_fault(rule: str, anchor: str, replacement: str) ->
     assert found.required > 0
 
 
+@pytest.mark.slow
 def test_sanitizers_find_nothing_in_what_runs() -> None:
     """Every term, block and the learner; few samples, for `hysgen prove DIR --only sanitize` runs 1e5 of each call."""
     need("gcc")
@@ -122,6 +127,7 @@ def test_sanitizers_find_nothing_in_what_runs() -> None:
     ],
     ids=["signed overflow", "index out of bounds"],
 )
+@pytest.mark.slow
 def test_sanitizers_stop_at_a_planted_fault(anchor: str, replacement: str) -> None:
     need("gcc")
     with pytest.raises(BuildError, match="sanitizers: the program ended"):

@@ -52,6 +52,7 @@ def altered(file: str, old: str, new: str) -> dict[str, str]:
     return texts | {file: texts[file].replace(old, new)}
 
 
+@pytest.mark.slow
 def test_generated_c_equals_reference_in_every_installed_build() -> None:
     report = verify_texts(extended(), generate(extended()), VerifySettings(SAMPLES, 3))
     assert report.equal, "\n".join(report.lines())
@@ -124,6 +125,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.slow
 def test_planted_fault_is_found_and_named(fault: str) -> None:
     file, old, new, function, word = FAULTS[fault]
     report = compared(extended(), altered(file, old, new))
@@ -155,6 +157,7 @@ def test_results_that_are_not_settled_are_found_by_the_model_of_low_gain() -> No
 
 # clang obeys the pragma unless -ffp-contract=fast overrides it; then only the self-test can tell.
 @pytest.mark.parametrize(("compiler", "contract"), [("gcc", "fast"), ("clang", "on")])
+@pytest.mark.slow
 def test_guard_keeps_the_compiler_from_fusing_multiplication_and_addition(compiler: str, contract: str) -> None:
     need(compiler)
     if " fma " not in Path("/proc/cpuinfo").read_text():

@@ -36,6 +36,7 @@ def model(record: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_record_becomes_a_scored_model_and_its_c(
     record: Path, model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -53,6 +54,7 @@ def test_a_record_becomes_a_scored_model_and_its_c(
     assert {"axis_one.h", "axis_one.c", "axis_one_params.h"} <= {path.name for path in (tmp_path / "c").iterdir()}
 
 
+@pytest.mark.slow
 def test_a_learner_is_asked_for_when_fitting_or_when_generating(record: Path, model: Path, tmp_path: Path) -> None:
     """--learn generates `_learn` and `_commit` for the parameters that it names; --learn none removes them."""
     learning = tmp_path / "learning.json"

@@ -58,6 +58,7 @@ def test_check_says_which_generated_files_are_stale(folder: Path, tmp_path: Path
     assert not (tmp_path / "axis.h").exists()
 
 
+@pytest.mark.slow
 def test_refit_changes_the_numbers_and_verifies_the_c(folder: Path, tmp_path: Path) -> None:
     assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c"]) == 0
     call = ["refit", f"{folder}/axis.json", f"{folder}/second.csv", "-o", f"{tmp_path}/axis.json"]
@@ -88,6 +89,7 @@ def test_diff_lists_changed_properties_and_scores_both_models_on_both_records(fo
     assert len(told["rules_change"]) == len(told["centres_um"]) == 6
 
 
+@pytest.mark.slow
 def test_refit_says_that_the_structure_no_longer_fits_and_what_it_lacks(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -76,6 +76,7 @@ def test_nothing_of_machine_or_clock_stands_in_the_files() -> None:
         assert word not in told
 
 
+@pytest.mark.slow
 def test_new_numbers_change_parameters_and_nothing_of_the_algorithm() -> None:
     """After re-identification only <name>_params.h goes to the firmware, beside the model itself and the manifest."""
     for model in (load_model("appendix_a"), everything(), learning()):
@@ -105,6 +106,7 @@ def test_literal_refuses_what_is_no_number(value: float) -> None:
 
 
 @pytest.mark.parametrize("model", [load_model("appendix_b"), everything(), learning()], ids=lambda model: model.name)
+@pytest.mark.slow
 def test_every_number_reads_back_to_the_bits_beside_it(model: Model) -> None:
     text = generate(model)[f"{model.name}_params.h"]
     pairs = re.findall(r"(-?[\d.]+(?:e[-+]\d+)?)f,?\s+/\* 0x([0-9a-f]{8}) \*/", text)

@@ -22,6 +22,7 @@ MODELS = [load_model("appendix_a"), load_model("appendix_b"), everything(), smoo
 
 
 @pytest.mark.parametrize("function", ["predict", "simulate", "inverse"])
+@pytest.mark.slow
 def test_chained_run_of_c_equals_chained_run_of_reference_bit_for_bit(function: str) -> None:
     """Both run in a row, without the induction that verify uses: it has to come to the same."""
     model = everything()
@@ -50,6 +51,7 @@ def test_chained_run_of_c_equals_chained_run_of_reference_bit_for_bit(function: 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+@pytest.mark.slow
 def test_no_warning_passes_the_wall(model: Model, compiler: str, tmp_path: Path) -> None:
     need(compiler)
     write(generate(model), tmp_path)
@@ -77,6 +79,7 @@ def test_flags_that_change_bits_are_refused_at_compile_time(flags: str, tmp_path
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+@pytest.mark.slow
 def test_nothing_forbidden_stands_in_the_code(model: Model) -> None:
     """No division, no double, no library, no allocation, no goto, no writable global, no open-ended loop."""
     texts = generate(model)
@@ -90,6 +93,7 @@ def test_nothing_forbidden_stands_in_the_code(model: Model) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+@pytest.mark.slow
 def test_self_test_finds_nothing_and_finds_a_changed_bit(model: Model) -> None:
     texts = generate(model)
     assert Host(model.name, texts).call("selftest") == 0

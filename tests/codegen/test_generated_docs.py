@@ -32,6 +32,7 @@ def doxygen(folder: Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "extended", "everything"])
+@pytest.mark.slow
 def test_generated_c_is_documented_for_doxygen(name: str, tmp_path: Path) -> None:
     write(proof_models.texts(name), tmp_path / "c")
     done = doxygen(tmp_path)

@@ -47,6 +47,7 @@ def here() -> list[dict[str, str]]:
 
 
 @pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES.keys())
+@pytest.mark.slow
 def test_the_firmwares_models_generate_to_the_same_bytes_on_other_machines(
     machine: dict[str, str], here: list[dict[str, str]]
 ) -> None:

@@ -45,6 +45,7 @@ def assert_equal_bits(model: Model, function: str, samples: int, start_V: float 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("term", [*TERMS, *OTHERS], ids=lambda term: f"{term.kind}{term.size}")
+@pytest.mark.slow
 def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None:
     assert_equal_bits(model_with([term]), function, 20_000)
 
@@ -55,16 +56,19 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
     [*([block] for block in BLOCKS), [Delay(0.0)], [Delay(2.0)], [Delay(0.7)], [BLOCKS[0], BLOCKS[2]]],
     ids=lambda blocks: "+".join(f"{block.kind}{getattr(block, 'samples', '')}" for block in blocks),
 )
+@pytest.mark.slow
 def test_input_blocks_equal_their_reference(blocks: list[InputBlock], function: str) -> None:
     assert_equal_bits(model_with([TERMS[0]], blocks), function, 20_000)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.slow
 def test_all_terms_and_blocks_together_equal_their_reference(function: str) -> None:
     assert_equal_bits(model_with(TERMS, BLOCKS), function, 20_000)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.slow
 def test_a_start_beyond_the_saturation_rests_at_its_level(function: str) -> None:
     model = model_with(TERMS[:3], BLOCKS)
     assert_equal_bits(model, function, 200, start_V=110.0)
@@ -95,6 +99,7 @@ def test_flushing_denormals_to_zero_changes_no_bit() -> None:
     assert np.array_equal(traces[0][1], traces[1][1])
 
 
+@pytest.mark.slow
 def test_order_of_the_terms_does_not_matter_to_the_equality() -> None:
     for terms in itertools.islice(itertools.permutations(TERMS), 100, 720, 211):
         assert_equal_bits(model_with(terms, BLOCKS), "predict", 2000)

@@ -218,6 +218,7 @@ def test_the_past_of_a_stage_is_estimated_from_its_first_swing() -> None:
 
 
 @pytest.mark.parametrize("method", ["rls", "batch", "refined"])
+@pytest.mark.slow
 def test_a_stage_that_is_no_fuzzy_model_is_followed_within_its_loop_width(method: Any) -> None:
     # A Preisach stage at 50 kHz under two amplitudes: rules alone cannot hold its memory, but must not diverge.
     k = np.arange(12_000)

@@ -75,6 +75,7 @@ def test_refit_generates_again_over_the_ranges_that_the_folder_had(
     assert generate(again)["axis.c"] == generate(part)["axis.c"]
 
 
+@pytest.mark.slow
 def test_compare_finds_the_gain_that_moved_by_a_tenth(records: tuple[Record, Record]) -> None:
     old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
     new, _ = refit(old, records[1])
