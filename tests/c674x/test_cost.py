@@ -38,6 +38,7 @@ BUDGET = Path(__file__).parents[2] / "firmware" / "budget.json"
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+@pytest.mark.slow
 def test_counts_are_those_of_the_machine_code_without_optimisation(model: Model, tmp_path: Path) -> None:
     """At -O0 gcc makes one instruction of each float operation, and inlines what it is told to."""
     need("gcc")
@@ -103,6 +104,7 @@ def test_code_without_a_fixed_cost_is_refused(body: str, complaint: str) -> None
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+@pytest.mark.slow
 def test_sizes_are_those_of_the_compiler(model: Model) -> None:
     texts = generate(model)
     host = Host(model.name, texts)
@@ -110,6 +112,7 @@ def test_sizes_are_those_of_the_compiler(model: Model) -> None:
         assert host.words_of(host.struct(name)).nbytes == size, name
 
 
+@pytest.mark.slow
 def test_prediction_stops_growing_with_the_number_of_rules() -> None:
     sizes = (3, 6, 12, 13, 20, 50)
     counted = {rules: figures(f"smooth_{rules}", generate(smooth(rules))).operations for rules in sizes}
@@ -148,6 +151,7 @@ def test_estimates_are_called_estimates_and_measured_cycles_are_not(tmp_path: Pa
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+@pytest.mark.slow
 def test_estimate_is_within_the_stated_factor_of_the_targets_code(model: Model) -> None:
     """Stated in hysgen.codegen.operations.cycles: 0.7 .. 1.3 times the estimate."""
     need_compiler()
@@ -163,6 +167,7 @@ def test_estimate_is_within_the_stated_factor_of_the_targets_code(model: Model) 
 
 
 @pytest.mark.parametrize("name", ["learning", "everything_spread"])
+@pytest.mark.slow
 def test_estimate_of_learn_is_within_the_stated_factor_of_the_targets_code(name: str) -> None:
     """The budget file holds the cycles to the code of today."""
     counts = figures(name, texts_for_proofs(name)).operations["learn"]
@@ -176,6 +181,7 @@ def test_clock_of_the_options_sets_the_budget(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "learning", "plays", "everything_spread"])
+@pytest.mark.slow
 def test_every_function_is_within_the_budget_that_is_kept(name: str) -> None:
     """More than 2 % over it is red; what is better asks to be written down: `hysgen cost DIR --update-budget`."""
     need_compiler()
@@ -192,6 +198,7 @@ def test_every_function_is_within_the_budget_that_is_kept(name: str) -> None:
         assert found["learn"]["cycles"] <= 2500
 
 
+@pytest.mark.slow
 def test_one_operation_more_in_a_function_is_over_budget_and_one_less_asks_to_tighten(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

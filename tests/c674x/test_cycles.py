@@ -191,6 +191,7 @@ def test_a_predicate_asked_again_answers_the_same_unless_it_was_written(before: 
     assert bounds(bench.image, bench.packets, "start").worst == worst
 
 
+@pytest.mark.slow
 def test_the_shape_of_an_update_changes_its_cycles_not_its_bits() -> None:
     need_compiler()
     of_loops, of_blocks = measured(SHAPES["loops of constant length"]()), measured(in_blocks(AS_WRITTEN))
