@@ -82,12 +82,14 @@ def assert_in_box(found: Model, function: str) -> None:
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("term", ALL_TERMS, ids=lambda term: f"{term.kind}{term.size}")
+@pytest.mark.slow
 def test_the_state_of_each_term_stays_in_its_box(term: Term, function: str) -> None:
     assert_in_box(model_with([term]), function)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("blocks", CHAINS, ids=lambda blocks: "+".join(block.kind for block in blocks))
+@pytest.mark.slow
 def test_the_state_of_each_block_and_of_a_term_behind_it_stays_in_its_box(
     blocks: list[InputBlock], function: str
 ) -> None:
@@ -100,6 +102,7 @@ def test_every_kind_that_is_installed_is_among_them() -> None:
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.slow
 def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
     """Of the float32 mirrors, on what reaches the stage in the C."""
     found = model_with([*ALL_TERMS[:6]], BLOCKS)
@@ -116,6 +119,7 @@ def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["plays", "extended", "everything_spread"])
+@pytest.mark.slow
 def test_every_float_of_a_learner_stays_in_its_box(name: str) -> None:
     """What is not WILD, after every sample that is learnt from or refused."""
     host, struct = host_of(name), f"{name}_learner_t"
@@ -146,6 +150,7 @@ def halved(seen: np.ndarray) -> Interval:
 
 
 @pytest.mark.parametrize("name", ["extended", "diagnosed", "everything"])
+@pytest.mark.slow
 def test_a_box_that_is_too_small_is_left(name: str) -> None:
     ran = of_instance(host_of(name), "predict", seed=8)
     box = state_box(model(name))

@@ -61,6 +61,7 @@ def test_generated_c_equals_reference_in_every_installed_build() -> None:
 
 
 @pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.slow
 def test_the_c_that_ships_equals_its_reference(name: str) -> None:
     folder = shipped(name)
     report = verify_texts(folder.model, folder.texts, VerifySettings(SAMPLES, 0, compilers=["gcc"], levels=["-O2"]))
