@@ -206,27 +206,31 @@ def test_every_float_that_learn_reads_is_assumed_and_demanded(name: str) -> None
 
 
 def test_a_kind_without_a_box_and_one_with_too_few_regressors_are_refused() -> None:
-    class Unknown:
-        kind = "unknown"
-        size = 2
+    class BoxlessTerm(Creep):
+        box = Term.box
 
-    class Short(Unknown):
+    class ShortTerm(Creep):
         def box(self, v_V: Interval, Ts_s: float) -> TermBox:
             return TermBox({}, (1.0,))
 
-    altered = dataclasses.replace(model("appendix_a"))
-    for part, about in ((Unknown(), "unknown: gives no box"), (Short(), "bounds 1 regressors, the term has 2")):
-        object.__setattr__(altered, "terms", (part,))
+    class BoxlessBlock(Saturation):
+        box = InputBlock.box
+
+    times_s = (1e-3, 1e-2)
+    for part, about in (
+        (BoxlessTerm(times_s), "terms: creep: gives no box"),
+        (ShortTerm(times_s), "bounds 1 regressors, the term has 2"),
+    ):
         with pytest.raises(ModelError, match=about):
-            parts_box(altered)
-    object.__setattr__(altered, "terms", ())
-    object.__setattr__(altered, "blocks", (Unknown(),))
-    with pytest.raises(ModelError, match="blocks: unknown: gives no box"):
+            parts_box(model_with([part]))
+    altered = dataclasses.replace(model("appendix_a"))
+    object.__setattr__(altered, "blocks", (BoxlessBlock(130.0, 140.0),))
+    with pytest.raises(ModelError, match="blocks: saturation: gives no box"):
         parts_box(altered)
 
 
 def test_a_saturation_beyond_the_range_holds_the_input_at_its_level() -> None:
-    box = inputs.box_of(Saturation(130.0, 140.0), Interval(-20.0, 120.0), 1.0)
+    box = Saturation(130.0, 140.0).box(Interval(-20.0, 120.0), 1.0)
     assert box.through_V == Interval(130.0, 130.0)
 
 

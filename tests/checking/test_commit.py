@@ -220,6 +220,7 @@ def test_a_shadow_that_has_just_restarted_is_too_young() -> None:
     assert planted.answer(planted.own) == Commit.REFUSED_YOUNG
 
 
+SEEN = "uint32_t smooth_2_seen(uint32_t i);"
 INTERRUPT = """
 static uint32_t smooth_2_seen_bits[4096];
 static uint32_t smooth_2_seen_count;
@@ -244,15 +245,13 @@ def interrupted(texts: dict[str, str]) -> dict[str, str]:
     """The texts with a prediction after every statement of what writes the parameters and makes them active."""
     start = texts["smooth_2.c"].index("static void smooth_2_write(")
     body = re.sub(r";\n", "; smooth_2_interrupt(self);\n", texts["smooth_2.c"][start:])
-    head = texts["smooth_2.h"].replace(
-        "void smooth_2_init(", "uint32_t smooth_2_seen(uint32_t i);\nvoid smooth_2_init(", 1
-    )
+    head = texts["smooth_2.h"].replace("void smooth_2_init(", f"{SEEN}\nvoid smooth_2_init(", 1)
     return texts | {"smooth_2.c": texts["smooth_2.c"][:start] + INTERRUPT + body, "smooth_2.h": head}
 
 
 def predictions_seen(texts: dict[str, str]) -> list[int]:
     """Bits of the predictions of an interrupt that comes between any two statements while a shadow is committed."""
-    planted = Planted(Host("smooth_2", interrupted(texts), GCC))
+    planted = Planted(Host("smooth_2", interrupted(texts), GCC, declarations=SEEN))
     assert planted.answer(planted.own * np.where(np.arange(6) % 3 == 1, 1.2, 1.0)) == Commit.COMMITTED
     seen = [int(planted.host.call("seen", i)) for i in range(4096)]
     return [bits for bits in seen if bits]

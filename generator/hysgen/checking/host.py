@@ -18,12 +18,15 @@ Words = NDArray[np.uint32]
 class Host:
     """A model's generated C, compiled by one toolchain.
 
-    texts: file name -> text, as `generate` returns them. Raises BuildError if the compiler refuses them.
+    texts: file name -> text, as `generate` returns them. declarations: C prototypes of functions that the texts define
+    beside the interface. Raises BuildError if the compiler refuses the texts.
     entries: the functions that step a struct by one sample, by name; channels: auxiliary channels that the model
     listens to; selftested: there is a self-test among the texts; commits: there is a `<name>_commit`.
     """
 
-    def __init__(self, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None) -> None:
+    def __init__(
+        self, name: str, texts: Mapping[str, str], toolchain: Toolchain | None = None, *, declarations: str = ""
+    ) -> None:
         self.name = name
         self.interface = interface_of(name, texts)
         self.entries = {function.name: function for function in self.interface.functions if function.floats}
@@ -39,7 +42,7 @@ class Host:
         }
         driver = render("driver.c.j2", facts)
         sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
-        declared = self.interface.declarations()
+        declared = self.interface.declarations() + declarations
         declared += "".join(_driver_declaration(entry) for entry in self.entries.values())
         declared += "int32_t driver_flushes(void);\n"
         if self.commits:
