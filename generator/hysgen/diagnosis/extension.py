@@ -1,4 +1,4 @@
-"""What a cause adds to the Takagi-Sugeno model."""
+"""Extension of the Takagi-Sugeno model for a cause: term, input block, correction, weights of samples."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ Floats = NDArray[np.float64]
 
 
 class Correction(abc.ABC):
-    """A slow change that is taken out of the displacement before a fit; frozen and comparable."""
+    """A slow change that is removed from the displacement before a fit. Subclasses are frozen and comparable."""
 
     @abc.abstractmethod
     def removed(self, y_um: Floats, t_s: Floats) -> Floats:
-        """(n,) displacement without the change; t_s: (n,) time since the start of the segment."""
+        """(n,) displacement y_um without the slow change [um]; t_s: (n,) time since the start of the segment."""
 
     def online_term(self, model: Model, span_s: float) -> Term | None:
-        """The term with weight 1 that follows the change in operation. span_s: length of the record."""
+        """The term with weight 1 that follows the slow change in operation, or None. span_s: length of the record."""
         return None
 
 
 @dataclass(frozen=True, eq=False)
 class Extension:
-    """What a cause adds to the model: a term, an input block, or how the fit and the learner treat samples.
+    """Extension for one cause: a term, an input block, a correction, or settings of the fit and the learner.
 
     trust: (m,) weight of each row in the fit, for the first m rows of the record, or None for 1 throughout.
-    correction: slow change that is taken out of the displacement before the fit.
-    forgetting_s: memory of the learner, so that it follows a change of the gain.
-    gate: the learner rejects samples that are far from its prediction.
+    correction: slow change that is removed from the displacement before the fit.
+    forgetting_s: time constant of the learner, by which it follows a change of the gain; None for no forgetting.
+    gate: whether the learner rejects samples that are far from its prediction.
     """
 
     term: Term | None = None
@@ -47,11 +47,11 @@ class Extension:
 
     @property
     def content(self) -> Hashable:
-        """Key of a cache of fits: equal for extensions that give the same models."""
+        """Key for a cache of fits; extensions with equal keys give equal models."""
         trust = None if self.trust is None else self.trust.tobytes()
         return (self.term, self.block, trust, self.correction, self.learns)
 
     @property
     def learns(self) -> bool:
-        """Whether the extension is a setting of the learner, so that the model needs one."""
+        """Whether the extension requires a learner."""
         return self.gate or self.forgetting_s is not None

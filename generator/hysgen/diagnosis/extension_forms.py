@@ -1,8 +1,8 @@
 """The form of each extension, such as the number of plays of the memory, chosen inside the identification part.
 
-A cause may offer several forms of its extension (`Cause.other_forms`). Every form is fitted with the other extensions
-to the identification part less a third of its blocks, each third in turn, and scored in free run on the third. The
-usual form is kept unless another one is lower for certain.
+A cause may offer several forms of its extension (`Cause.other_forms`). Every form is fitted together with the other
+extensions to two thirds of the blocks of the identification part and scored in free run on the remaining third, for
+each third in turn. The usual form is kept unless another form has a lower error with LEAST_CONFIDENCE.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
 
 LEAST_CONFIDENCE = 0.95
-"""Share of bootstrap draws in which another form must be lower: in the rms and in the mean over blocks alike."""
+"""Least share of bootstrap draws in which another form has a lower rms error and a lower geometric mean over blocks."""
 
 
 def with_usual_forms(extensions: dict[str, Extension]) -> dict[str, Extension]:
@@ -29,9 +29,9 @@ def with_usual_forms(extensions: dict[str, Extension]) -> dict[str, Extension]:
 def with_best_forms(
     prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
 ) -> dict[str, Extension]:
-    """The extensions, those of `names` each in its best form.
+    """The extensions, those of `names` in the form with the lowest rms error.
 
-    Of the forms that are lower than the usual one for certain, the form with the lowest rms.
+    A form other than the usual one is chosen only if its error is lower with LEAST_CONFIDENCE.
     """
     beside = [name for name in names if not causes()[name].fitted_late]
     best = dict(extensions)

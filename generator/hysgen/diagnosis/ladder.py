@@ -1,11 +1,11 @@
-"""The ladder: the Takagi-Sugeno model, extended cause by cause, and what each step gains on held-out data.
+"""The ladder: the Takagi-Sugeno model, extended cause by cause, and the gain of each rung on held-out rows.
 
     rung 0   the paper's model
-    rung i   the same, with the extensions of the first i causes, fitted again to the identification part
+    rung i   the model with the extensions of the first i causes, fitted again to the identification part
 
-All rungs are scored in free run on the same rows. What a single cause is worth beside all others is measured by leaving
-it out of the last rung, on blocks of the identification part that are left out of the fit: each third of the blocks in
-turn.
+All rungs are scored in free run on the same rows. The gain of one cause beside all others is the rise of the error if
+its extension is left out. It is measured by cross-validation: each third of the blocks of the identification part in
+turn is left out of the fit and scored.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ Rows = NDArray[np.intp]
 
 CHECK_BLOCKS = 12
 MOST_IN_TURN = 20_000
-"""Rows above which one third of the blocks says enough."""
+"""Rows above which only one third of the blocks is left out and scored."""
 
 LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
-"""Largest loop gain and slope of a model that is to learn: `_commit` takes no parameters without room below 1."""
+"""Largest loop gain and slope of a model with a learner: a commit accepts only parameters with a margin below 1."""
 
 SHARE_TO_LEARN = 0.4
-"""Share of a sample period that the dearest call of an update may take; the rest is for a step and a commit."""
+"""Share of a sample period for the most expensive call of an update; the rest is for a model step and a commit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ def fit_ladder(
     if any(extension.learns for extension in chosen) and math.isfinite(settings.loop_limit):
         loop, slope = min(settings.loop_limit, LOOP_TO_LEARN), min(settings.slope_limit, SLOPE_TO_LEARN)
         settings = dataclasses.replace(settings, loop_limit=loop, slope_limit=slope)
-    asked = dataclasses.replace(
+    extended = dataclasses.replace(
         settings,
         terms=terms,
         blocks=blocks,
@@ -86,19 +86,19 @@ def fit_ladder(
     )
     weights = _by_segment(trust, [s.samples for s in part.segments])
     try:
-        model = fit(part, asked, trust=weights)
+        model = fit(part, extended, trust=weights)
     except FitError:
-        # No certified model lies near: an uncertified one still measures what the extension is worth.
-        model = fit(part, dataclasses.replace(asked, certified=False), trust=weights)
+        # If the certified fit fails, an uncertified fit still measures the gain of the extension.
+        model = fit(part, dataclasses.replace(extended, certified=False), trust=weights)
     runs = free_run(model, level)
     error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
     return Rung(tuple(in_ladder_order(names)), model, error)
 
 
 def add_online_parts(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:
-    """The model for operation: with terms that follow slow changes, and a learner where one is needed.
+    """The model for operation: with terms that follow slow changes, and a learner if an extension requires one.
 
-    span_s: length of the record. The added terms start at 0 and hold in a free run, so every score stays as it was.
+    span_s: length of the record. The added terms start at 0 and are constant in a free run, so no score changes.
     """
     corrections = [extension.correction for extension in extensions if extension.correction is not None]
     for term in (correction.online_term(model, span_s) for correction in corrections):
@@ -127,7 +127,7 @@ def calls_per_update(parameters: int, Ts_s: float) -> int:
 
 
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
-    """The record with slow changes taken out of the displacement, counted from the start of each segment."""
+    """The record without the slow changes of the displacement; their time counts from the start of each segment."""
     record = prepared.record
     corrections = [extension.correction for extension in extensions if extension.correction is not None]
     if not corrections:
@@ -143,7 +143,10 @@ def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
 
 
 def _model_range_um(prepared: Prepared, level: Record) -> tuple[float, float]:
-    """The range that the model visits: fitted and scored on the levelled record, it runs on the stage as it is."""
+    """Range of the grid: the union of the displacement ranges with and without the slow changes.
+
+    The fit uses the levelled record; in operation, the model runs on the stage with its slow changes.
+    """
     ranges = [prepared.predicted_range_um]
     if level is not prepared.record:
         ranges.append(predicted_range_um(level, prepared.training_rows))
@@ -151,7 +154,7 @@ def _model_range_um(prepared: Prepared, level: Record) -> tuple[float, float]:
 
 
 def left_out(prepared: Prepared) -> list[Rows]:
-    """Thirds of 12 blocks of the identification part, to be left out of a fit in turn; of a long record one third."""
+    """Thirds of 12 blocks of the identification part, each left out of one fit; one third of a long record."""
     rows = prepared.training_rows
     block = np.arange(len(rows)) * CHECK_BLOCKS // len(rows)
     thirds = [rows[block % 3 == third] for third in (1, 0, 2)]
@@ -161,9 +164,9 @@ def left_out(prepared: Prepared) -> list[Rows]:
 def checked_error(
     prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
 ) -> tuple[Rows, Floats]:
-    """Rows of the identification part in order, and the free-run error there of models that were not fitted to them."""
-    asked = tuple((name, extensions[name].content) for name in in_ladder_order(names))
-    return prepared.checked.get((asked, settings), lambda: _checked(prepared, extensions, names, settings))
+    """Rows of the identification part in order, and the free-run error on each by a fit that left its block out."""
+    content = tuple((name, extensions[name].content) for name in in_ladder_order(names))
+    return prepared.checked.get((content, settings), lambda: _checked(prepared, extensions, names, settings))
 
 
 def _checked(

@@ -1,4 +1,4 @@
-"""The diagnosis: cut the record, fit the probe, name the causes, extend the model and measure the gain of each step."""
+"""The diagnosis: split the record, fit the probe, name the causes, extend the model, score each rung of the ladder."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
 LEAST_CONFIDENCE = 0.7
-"""Share of bootstrap draws in which an extension must lower the error of blocks that were left out of the fit."""
+"""Least share of bootstrap draws in which an extension lowers the error on blocks left out of the fit by LEAST_FALL."""
 
 LEAST_CONFIDENCE_REPEATED = 0.95
-"""The same for a cause that gained nothing at first and is asked again: each further time is one more chance to err."""
+"""The same share in the second and third test of a cause, because repeated tests raise the rate of false positives."""
 
 LEAST_FALL = 0.02
-"""Share of the error that it must take away there: what takes less is nobody's cause of it."""
+"""A cause whose extension lowers the rms error by less than this share is not named."""
 
 
 @dataclass(frozen=True)
 class DiagnoseSettings:
-    """How a record is diagnosed.
+    """Settings of a diagnosis.
 
-    fit: settings of the Takagi-Sugeno fits; terms and blocks are the ladder's to choose.
+    fit: settings of the Takagi-Sugeno fits; their terms and blocks are replaced by those of the extensions.
     identify: share of a single record that is used for identification.
-    price: cycles and bytes of a model, or None where they are not known (`hysgen.report.words.price_of`).
+    price: function for the cycles and bytes of a model, None if unknown (`hysgen.report.words.price_of`).
     """
 
     fit: FitSettings = field(default_factory=FitSettings)
@@ -56,7 +56,11 @@ class DiagnoseSettings:
 
 @dataclass(frozen=True, eq=False)
 class Naming:
-    """The first half of a diagnosis: causes on which evidence and gain agree, before the ladder is climbed."""
+    """The named causes, before the models of the ladder are fitted.
+
+    agreed: named causes in ladder order: evidence, need and gain hold. alone: gain of each extension beside all others.
+    refused: the other causes of the chain, with the reason. unknown: description of structure that is left, or None.
+    """
 
     prepared: Prepared
     found: SearchResult
@@ -91,10 +95,10 @@ def diagnose(
     settings: DiagnoseSettings | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
-    """What is wrong with the simulation of a stage, why, and what an extended model gains.
+    """The causes of the simulation error of a stage, and the extended model with the gain of each extension.
 
-    Structure and parameters come from the identification part alone; every score in the result is held out.
-    progress: told the fraction done and one line.
+    Structure and parameters are identified from the identification part alone; every score is of held-out rows.
+    progress: called with the fraction done and one line of text.
     Raises RecordError or FitError with one line.
     """
     chosen = settings or DiagnoseSettings()
@@ -103,7 +107,7 @@ def diagnose(
     report(0.7, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
-    report(0.75, "asking which extensions pay")
+    report(0.75, "testing which extensions pay")
     made = paying(naming, chosen)
     report(0.85, "fitting rules, " + ", ".join(made))
     steps = [made[:count] for count in range(len(made) + 1)]
@@ -113,10 +117,10 @@ def diagnose(
 
 
 def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
-    """The named causes whose extensions pay in the models that are delivered, in the order of the ladder.
+    """The named causes whose extensions lower the error of the delivered models, in the order of the ladder.
 
-    Causes are named with the fit unrestricted, for that is a question about the stage. Where certificates are kept, an
-    extension has to pay with them too, on blocks left out of the fit, or it is not made.
+    Causes are named by fits without a limit of the loop gain. If the delivered models keep their certificates, an
+    extension must also lower the error of certified fits on blocks left out of the fit; otherwise it is not made.
     """
     if not settings.fit.certified:
         return list(naming.agreed)
@@ -131,14 +135,14 @@ def name_causes(
     settings: DiagnoseSettings | None = None,
     progress: Progress | None = None,
 ) -> Naming:
-    """The causes that the identification part shows, without the ladder: names, parameters, evidence.
+    """The causes in the identification part with parameters and evidence; no model of the ladder is fitted.
 
     Raises RecordError or FitError with one line.
     """
     chosen = settings or DiagnoseSettings()
     report = progress or (lambda fraction, line: None)
     prepared = prepare(record, holdout, chosen.identify)
-    report(0.05, "looking")
+    report(0.05, "fitting the probe")
     found = search(prepared.scene(), lambda line: report(0.3, line))
     report(0.7, "weighing the evidence")
     signatures = _signatures(found)
@@ -162,14 +166,14 @@ def name_causes(
 
 
 def _usable_error(found: SearchResult) -> Floats:
-    """(n,) what the probe leaves, NaN where its unknown past still counts or a sample is corrupted."""
+    """(n,) residual of the probe, NaN in the burn-in and at samples that are not used."""
     left = np.full_like(found.fit.error, np.nan)
     left[found.scene.rows] = found.fit.error[found.scene.rows]
     return left
 
 
 def _signatures(found: SearchResult) -> dict[str, Signature]:
-    """The evidence for every cause that the final fit shows."""
+    """The signature of each cause in the final fit (`Cause.shown`)."""
     residual = Residual(found.scene, found.fit, found.corrupted)
     return {
         name: cause.signature(residual, found.rivals.get(name, found.fit))
@@ -181,8 +185,8 @@ def _signatures(found: SearchResult) -> dict[str, Signature]:
 def _extensions(found: SearchResult, signatures: dict[str, Signature], left: Sequence[str]) -> dict[str, Extension]:
     """The extension of each cause. left: causes that are not named.
 
-    Slow causes divide one slow course between them: the parameters of those that stay are fitted without those of
-    `left`.
+    Slow causes share one slow movement, so the parameters of the named slow causes are fitted in a chain without the
+    slow causes of `left`.
     """
     left = [name for name in slow_causes() if name in left]
     alone = without(found, left)
@@ -197,7 +201,11 @@ def _agreement(
     extensions: dict[str, Extension],
     settings: DiagnoseSettings,
 ) -> tuple[list[str], dict[str, Gain], list[Refused]]:
-    """The causes on which evidence, the probe's need and the model's gain agree; the others with the reason."""
+    """Named causes, gain of each extension beside the others, and the refused causes with the reason.
+
+    A cause is named if its signature holds, the error of the probe grows enough without it, and its extension lowers
+    the free-run error of the model.
+    """
     refused, candidates = [], []
     for name in in_ladder_order(list(signatures)):
         if not signatures[name].holds:
@@ -206,14 +214,15 @@ def _agreement(
             refused.append(Refused(name, f"the error grows only {found.error_growth[name]:.2f} times without it"))
         else:
             candidates.append(name)
-    # Causes are a question about the stage: the models have to simulate it, whether or not an inverse of them exists.
+    # Naming depends on the simulation alone: these fits need not have a certified inverse.
     simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
     agreed, alone, idle = _eliminate_by_gain(prepared, found, extensions, candidates, simulating)
     usual = with_usual_forms(extensions)
     for others in (simulating, settings.fit):
         if not idle:
             break
-        # A coarse memory leaves more than a small cause gains; what is delivered may need what a freer model does not.
+        # A coarse memory term can leave an error above the gain of a small cause, so the usual forms are tested too;
+        # a model with a limited loop gain may need an extension that an unlimited model does not need.
         again, beside, left = _eliminate_by_gain(prepared, found, usual, candidates, others, LEAST_CONFIDENCE_REPEATED)
         agreed, alone = in_ladder_order(list({*agreed, *again})), {**beside, **alone}
         idle = [name for name in idle if name in left]
@@ -222,9 +231,10 @@ def _agreement(
 
 
 def _needed(found: SearchResult, name: str) -> bool:
-    """Whether the probe needs a cause of its chain: its error grows enough without it, or Schwarz's criterion says so.
+    """Whether the error of the probe grows by `Cause.needed_in` without the cause.
 
-    Schwarz's criterion stands for the growth that the plain form of the cause needs and for no more.
+    A very strong difference of Schwarz's criterion replaces the growth `Cause.needed`; it does not replace a larger
+    growth that a form of the cause requires.
     """
     cause = causes()[name]
     least = cause.needed_in(found.fit.chain)
@@ -239,9 +249,10 @@ def _eliminate_by_gain(
     settings: FitSettings,
     sure: float = LEAST_CONFIDENCE,
 ) -> tuple[list[str], dict[str, Gain], list[str]]:
-    """The causes whose extensions gain for certain beside each other, what each gains, and those that left, in turn.
+    """Backward elimination by gain: the kept causes, the gain of each, and the removed causes in order of removal.
 
-    The one that gains least goes first; where none gains, the one without which the error is smallest.
+    Each round removes the cause with the least confidence until all have at least the confidence `sure`. Among equal
+    confidences, the cause is removed without which the error is smallest.
     """
     kept = list(names)
     left: list[str] = []
@@ -261,15 +272,15 @@ def _gains_beside_others(
     names: list[str],
     settings: FitSettings,
 ) -> dict[str, Gain]:
-    """What the extension of each cause gains beside all others, on blocks left out of the fit.
+    """Gain of the extension of each cause beside all others, on blocks left out of the fit.
 
-    Causes that are not judged by their gain (`Cause.judged_by_gain`) are left out of the answer.
+    The result omits causes that are not judged by their gain (`Cause.judged_by_gain`).
     """
     judged = [name for name in names if causes()[name].judged_by_gain]
     if not judged:
         return {}
-    asked = [list(names), *([other for other in names if other != name] for name in judged)]
-    checked = in_threads(lambda those: checked_error(prepared, extensions, those, settings), asked)
+    sets = [list(names), *([other for other in names if other != name] for name in judged)]
+    checked = in_threads(lambda chosen: checked_error(prepared, extensions, chosen, settings), sets)
     rows, whole_um = checked[0]
     clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
@@ -280,7 +291,7 @@ def _gains_beside_others(
 
 
 def _scored(naming: Naming, made: list[str], rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
-    """The diagnosis with its scores, all on held-out rows."""
+    """The diagnosis with all scores on held-out rows."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
     held = prepared.held_rows
     gated = {name for name in made if naming.extensions[name].gate}
@@ -295,7 +306,7 @@ def _scored(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagno
     prices = [settings.price(model) if settings.price is not None else None for model in running]
     named = []
     for name in agreed:
-        # A cause whose extension is not made leaves the ladder where it is.
+        # A cause without extension adds no rung.
         i = sum(other in made for other in agreed[: agreed.index(name)])
         j = i + (name in made)
         step = gain(rungs[i].error_um[clean], rungs[j].error_um[clean])
@@ -335,7 +346,7 @@ def _scored(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagno
 
 
 def _difference(before: Price | None, after: Price | None) -> Price | None:
-    """What a step of the ladder costs; None where either model has no C."""
+    """Price of one rung; None if no C can be generated for one of the two models."""
     if before is None or after is None:
         return None
     return Price(after.cycles - before.cycles, after.bytes - before.bytes)

@@ -1,4 +1,8 @@
-"""Exchanging a cause of a chain for one that looks like it: where that explains more, is sound, or is far likelier."""
+"""Swaps of a cause of a chain for a similar cause.
+
+Criteria: a smaller error (`swap_similar_causes`), a signature that holds (`swap_slow_causes`), or a likelihood that is
+much larger (`likeliest_slow_causes`).
+"""
 
 from __future__ import annotations
 
@@ -20,11 +24,11 @@ from hysgen.diagnosis.comparison import (
 from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, linear_fit, refine, schwarz
 
 VERY_STRONG = 10.0
-"""Difference of Schwarz's criterion from which on the evidence is very strong (Kass and Raftery, 1995)."""
+"""Least difference of Schwarz's criterion that is very strong evidence (Kass and Raftery, 1995)."""
 
 
 def swap_similar_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit with a cause exchanged for one that looks like it, where that explains more."""
+    """The fit after each swap of two similar causes (`Cause.mistaken_for`) that lowers the error below HELPS_BELOW."""
     pairs = [(name, other) for name in reversed(in_ladder_order(causes())) for other in causes()[name].mistaken_for]
     for first, second in pairs:
         for old, new in ((first, second), (second, first)):
@@ -33,17 +37,18 @@ def swap_similar_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
             other = best_with(part, linear_fit(part, causes()[old].without(fit.chain)), new)
             if other is None or not admissible(part, other.chain):
                 continue
-            # Both halves of the rows have their say, as in a step forward.
+            # The mean of the ratios on the checking rows and on the training rows, as in forward selection.
             if 0.5 * (ratio(other, fit, checked) + other.rms_um / fit.rms_um) < HELPS_BELOW:
                 fit = other
     return fit
 
 
 def swap_slow_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit with a cause whose own signature does not hold exchanged for the best of those that are slow like it.
+    """The fit with each slow cause whose signature does not hold swapped for the best slow cause whose signature holds.
 
-    It explains no more than what it replaces, or `exchanged` would have taken it; but it is sound. If one that is
-    there already becomes sound without its neighbour, the neighbour just goes.
+    The new cause must lower the error of the chain without the old one below KEEP_ABOVE; it need not be better than the
+    old one. If the signature of another slow cause of the chain holds only without the old cause, the old cause is
+    removed and not replaced.
     """
     for old in slow_causes():
         if not causes()[old].present(fit.chain):
@@ -58,31 +63,32 @@ def swap_slow_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
             continue
         others = [name for name in slow_causes() if name != old and not causes()[name].present(fit.chain)]
         candidates = [best_with(part, bare, name) for name in others]
-        sound = [
+        supported = [
             candidate
             for name, candidate in zip(others, candidates, strict=True)
             if candidate is not None and causes()[name].signature(Residual(part, candidate), bare).holds
         ]
-        best = min(sound, key=lambda candidate: ratio(candidate, bare, checked), default=bare)
+        best = min(supported, key=lambda candidate: ratio(candidate, bare, checked), default=bare)
         if ratio(best, bare, checked) < KEEP_ABOVE:
             fit = best
     return fit
 
 
 def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
-    """The chain with its slow causes exchanged for others that are sound, where these are likelier.
+    """The chain with its slow causes swapped for the set of slow causes with the smallest Schwarz's criterion.
 
-    Those that are sound go only for others that are far likelier, those that are not all sound for the likeliest that
-    are, unless these are far less likely. Two are looked for where two are there, or one that is not sound. All are
-    fitted to one scene, whitened for what the best of them leaves; a cause pays for each of its parameters.
+    Candidates are all sets of one slow cause, and of two if the chain has several slow causes or one whose signature
+    does not hold. Only a set whose signatures all hold is accepted. If the signatures of the present set all hold, the
+    criterion must fall by VERY_STRONG; if they do not, it must not rise by more than VERY_STRONG. The criterion
+    penalises each parameter; all fits use one scene, whitened for the residual of the fit with the smallest error.
     """
     there = _slow(fit.chain)
     if not there:
         return fit.chain
-    sound = _evidence_holds(scene, fit, there)
+    supported = _evidence_holds(scene, fit, there)
     bare: tuple[str, ...] = ()
     fits = {bare: linear_fit(scene, chain_without(fit.chain, there)), there: refine(scene, fit.chain)}
-    for size in (1, 2) if len(there) > 1 or not sound else (1,):
+    for size in (1, 2) if len(there) > 1 or not supported else (1,):
         for names in itertools.combinations(slow_causes(), size):
             beside = fits.get(names[:-1])
             other = best_with(scene, beside, names[-1]) if beside is not None and names != there else None
@@ -90,10 +96,10 @@ def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
                 fits[names] = other
     del fits[bare]
     white = WhitenedScene.of(scene, min(fits.values(), key=lambda one: one.rms_um))
-    worth = {names: schwarz(white, refine(white, one.chain)) for names, one in fits.items()}
-    most = worth[there] + (-VERY_STRONG if sound else VERY_STRONG)
-    for names in sorted(fits, key=worth.__getitem__):
-        if (names == there and sound) or worth[names] > most:
+    criterion = {names: schwarz(white, refine(white, one.chain)) for names, one in fits.items()}
+    most = criterion[there] + (-VERY_STRONG if supported else VERY_STRONG)
+    for names in sorted(fits, key=criterion.__getitem__):
+        if (names == there and supported) or criterion[names] > most:
             break
         if names != there and _evidence_holds(scene, fits[names], names):
             return fits[names].chain
@@ -101,9 +107,10 @@ def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
 
 
 def compare_likelihood(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> list[str]:
-    """Those of several slow causes beside which the chain is far likelier than without them.
+    """The slow causes whose removal raises Schwarz's criterion by more than VERY_STRONG; empty with fewer than two.
 
-    On blocks left out, what is free beside creep does much of a drift's work. rivals: the best fit without each cause.
+    On checking rows the error may hardly grow without a drift, because the free parameters beside the creep fit much
+    of the drift. rivals: the best fit without each cause.
     """
     there = _slow(fit.chain)
     if len(there) < 2:
@@ -114,18 +121,18 @@ def compare_likelihood(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> lis
 
 
 def _slow(chain: Chain) -> tuple[str, ...]:
-    """Names of the slow causes that the chain holds."""
+    """Names of the slow causes in the chain."""
     return tuple(name for name in slow_causes() if causes()[name].present(chain))
 
 
 def _evidence_holds(scene: Scene, fit: Fit, names: Sequence[str]) -> bool:
-    """Whether each of these causes shows evidence of its own."""
+    """Whether the signature of each named cause holds."""
     residual = Residual(scene, fit)
     return all(causes()[name].signature(residual, fit).holds for name in names)
 
 
 def best_with(part: Scene, bare: Fit, name: str) -> Fit | None:
-    """The best fit with the cause `name` added to `bare`."""
+    """The best fit of `bare` with the cause `name` added; None if the cause proposes no chain."""
     cause = causes()[name]
     candidates = cause.select_starts(fitted(part, cause.proposals(Residual(part, bare))))
     found = refined(part, [candidate.chain for candidate in candidates], rounds=FINAL_ROUNDS)

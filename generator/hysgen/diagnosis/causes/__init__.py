@@ -1,4 +1,4 @@
-"""The registry of causes, DESIGN.md section 7: one file for each, found by looking into this package.
+"""The registry of causes: one file per cause, found by listing the modules of this package.
 
 A cause is a module `<cause>.py` that defines CAUSE, an instance of a class derived from `Cause`. Every other list of
 causes in the package is a loop over `causes()`.
@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 UNKNOWN = "unknown"
-"""Answer where structure is left that no cause explains."""
+"""Answer for structure in the residual that no cause explains."""
 
 
 @functools.lru_cache(maxsize=1)
@@ -49,7 +49,7 @@ def in_ladder_order(names: Iterable[str]) -> list[str]:
 
 
 def slow_causes() -> tuple[str, ...]:
-    """Names of the causes that act over the length of a record, in the order of the ladder."""
+    """Names of the slow causes (`Cause.slow`), in the order of the ladder."""
     return tuple(in_ladder_order(name for name, cause in causes().items() if cause.slow))
 
 

@@ -17,15 +17,16 @@ from hysgen.diagnosis.probe.part import STEP
 Floats = NDArray[np.float64]
 
 FORGET = 0.35
-"""Time constant of forgetting, as a share of the record: short enough to follow, long enough to average."""
+"""Time constant of forgetting, as a share of the record: a compromise between tracking and noise."""
 
 MOST_CHANGE = 0.5
-"""Change of the gain over the record beyond which it is looked for no further: such a stage has no gain to speak of."""
+"""Largest starting value of the relative change of the gain over the record."""
 
 STARTING_CHANGES = (0.003, 0.03)
-"""Changes of the gain, of either sign, from which it is looked for.
+"""Starting values of the relative change of the gain over the record, used with both signs.
 
-Hysteresis that was fitted without aging has bent towards it: a change of the wrong sign can explain more at first.
+A hysteresis that was fitted without aging has absorbed part of the aging, so a change with the wrong sign can have the
+smaller error before the refinement.
 """
 
 
@@ -47,7 +48,7 @@ class AgingPart(Part):
 
 @dataclass(frozen=True)
 class GainChange(Correction):
-    """A gain 1 + per_s t about zero_um, as the record shows it; the learner follows it in operation."""
+    """A gain 1 + per_s t about the displacement zero_um; in operation, the learner follows the change."""
 
     per_s: float
     zero_um: float = 0.0
@@ -76,11 +77,11 @@ class AgingCause(Cause):
         return [chain.having(AgingPart(rate)) for rate in rates]
 
     def select_starts(self, candidates: list[Fit]) -> list[Fit]:
-        """The best of either sign: no way may lead from one to the other, see STARTING_CHANGES."""
+        """The best start of each sign, because a refinement may not change the sign (STARTING_CHANGES)."""
         return list({candidate.chain.gain_per_s > 0.0: candidate for candidate in reversed(candidates)}.values())
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """The change of gain against its standard error, measured as creep is."""
+        """The change of the gain divided by its standard error, by the whitened fit."""
         scene, fit = whitened_fit(residual.scene, residual.fit)
         rate = fit.chain.gain_per_s
         error = standard_errors(scene, fit).coordinates["aging.per_s"]
@@ -98,7 +99,7 @@ class AgingCause(Cause):
     def extension(self, residual: Residual) -> Extension:
         scene = residual.scene
         _, fit = whitened_fit(scene, residual.fit)
-        # A ramp beside the aging that is no drift of its own says only that the gain turns about another point.
+        # A ramp too small for a drift of its own means that the gain changes about another point than the fitted zero.
         drift, rate = fit.chain.get(DriftPart), fit.chain.gain_per_s
         shift_um = 0.0
         if drift is not None and drift.since_s is None:

@@ -1,7 +1,7 @@
-"""The contract of a cause: how it is proposed to the probe, how it is taken out again, and what it must show itself.
+"""Interface of a cause: candidate chains for the search, removal from a chain, evidence, and extension of the model.
 
-A cause is named only if two things agree: the held-out gain that its part of the chain brings, which `search` measures
-for all causes alike, and a physical signature of its own, which only the cause's module knows.
+A cause is named only if two criteria hold: the error of the probe on the checking rows grows without the cause
+(`search`), and the physical signature that the file of the cause defines holds.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ Floats = NDArray[np.float64]
 
 
 SLOW_Z = 4.0
-"""Least size of a slow cause in standard errors: few blocks of the record determine it."""
+"""Least size of a slow cause in standard errors; the errors are uncertain, because few blocks determine them."""
 
 ZERO_UNCERTAIN = 0.25
-"""Uncertainty of the stage's zero as a share of the span: a gain that changes about another zero adds a ramp."""
+"""Uncertainty of the displacement at 0 V as a share of the span; with a wrong zero, aging also shows as a ramp."""
 
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """A fitted chain with its error on a scene. corrupted: samples of the scene that stand alone, (n,), or (0,)."""
+    """A fitted chain with its residual on a scene. corrupted: (n,) flags of the corrupted samples, or (0,) for none."""
 
     scene: Scene
     fit: Fit
@@ -43,20 +43,20 @@ class Residual:
         return Projector.of(self.scene.columns(self.fit.chain)[:, self.scene.rows])
 
     def amount(self, column: Floats) -> float:
-        """How much of `column`, (n,), explains the error best, all that is linear being free beside it."""
+        """Least-squares weight of `column`, (n,), for the residual, fitted jointly with all columns of the chain."""
         rows = self.scene.rows
         alone = self.projector.rest(column[rows])
         return float(alone @ self.fit.error[rows] / (alone @ alone + 1e-300))
 
     def responses(self, chain: Chain) -> list[Floats]:
-        """What the linear part of `chain` makes of the hysteresis that the fit found, run by run, (n_i,) each."""
+        """Response of the linear part of `chain` to the fitted hysteresis, (n_i,) for each run."""
         paths = self.scene.paths(self.fit.chain, self.fit.weights)
         return [respond(path, chain, self.scene.Ts_s) for path in paths]
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A physical parameter with its standard error, in the unit that its name ends with."""
+    """A physical parameter with its standard error, both in the unit at the end of the parameter's name."""
 
     value: float
     standard_error: float
@@ -64,7 +64,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Signature:
-    """What a cause shows of itself: a statistic in standard errors or their equivalent, whether it holds, in words."""
+    """Evidence for a cause: whether it holds, its statistic in standard errors or an equivalent, and a sentence."""
 
     holds: bool
     z: float
@@ -74,7 +74,7 @@ class Signature:
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What an extension is made from when the plant is known: its parameters by "cause.parameter", and the record.
+    """Data for an extension of a known plant: its parameters by "cause.parameter", and ranges of the record.
 
     low_V, high_V: range of the voltage across the ceramic. span_s: length of the record. channels: (n,) each.
     """
@@ -87,94 +87,94 @@ class Known:
 
 
 class Cause(abc.ABC):
-    """One cause of the vocabulary. Stateless: one instance per module, called CAUSE."""
+    """One cause of the vocabulary. It has no state: each module has one instance, CAUSE."""
 
     name: ClassVar[str]
 
     rank: ClassVar[int]
-    """Place on the ladder and in the vocabulary: sensor's faults, path of the command, disturbances, slow changes."""
+    """Place on the ladder and in the vocabulary: sensor faults, path of the command, disturbances, slow changes."""
 
     part: ClassVar[type[Part] | None] = None
-    """Its part of the chain, None if it has none."""
+    """Class of the cause's part of the chain; None if the cause has no part."""
 
     slow: ClassVar[bool] = False
-    """Whether it acts over the length of the record, so that it can take the place of another slow cause."""
+    """Whether the cause acts over the length of the record; slow causes can be swapped for each other."""
 
     mistaken_for: ClassVar[tuple[str, ...]] = ()
-    """Other causes that the search may add in place of this one, and this one in place of them."""
+    """Similar causes; the search compares this cause with each of them and swaps the two if the error falls."""
 
     judged_by_gain: ClassVar[bool] = True
-    """Whether the extension must lower the error of the model; not where the error itself is in doubt."""
+    """Whether the extension must lower the error of the model; False if the measured error itself is corrupted."""
 
     fitted_late: ClassVar[bool] = False
-    """Whether its extension is left out while the forms of others are chosen: it takes the gain that they leave."""
+    """Whether the extension is left out while the forms of others are chosen: it uses the loop gain that they leave."""
 
     needed: ClassVar[float] = 1.2
-    """By how much the probe's error on unfitted blocks must grow without the cause for it to be named."""
+    """Least growth of the probe's error above the noise on the checking rows without the cause, as a ratio."""
 
     starts: ClassVar[int] = 1
-    """How many of its proposals are refined in a step, the best first; `select_starts` may choose otherwise."""
+    """Number of proposals that one step of the search refines, the best ones first; see `select_starts`."""
 
     def present(self, chain: Chain) -> bool:
-        """Whether the chain holds this cause's part."""
+        """Whether the chain contains the part of this cause."""
         return self.part is not None and chain.get(self.part) is not None
 
     def shown(self, residual: Residual) -> bool:
-        """Whether the final fit shows the cause, so that its signature is computed."""
+        """Whether the final fit contains the cause; only then the signature is computed."""
         return self.present(residual.fit.chain)
 
     def needed_in(self, chain: Chain) -> float:
-        """`needed`, for the form that the cause has in this chain."""
+        """Least growth of the error (`needed`) for the form of the cause in this chain."""
         return self.needed
 
     def without(self, chain: Chain) -> Chain:
-        """The chain with this cause's part taken out."""
+        """The chain without the part of this cause."""
         return chain if self.part is None else chain.without(self.part)
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
-        """Chains with one part of this cause taken out: one mode, line or channel of several, or all there is."""
+        """Chains without one mode, line or channel of this cause; by default one chain without the whole cause."""
         return [self.without(chain)]
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
-        """Chains in which this cause stands in a simpler form, which is preferred unless it explains less."""
+        """Chains with a simpler form of this cause, which is preferred if the error does not grow."""
         return []
 
     def admissible(self, scene: Scene, chain: Chain) -> bool:
-        """Whether this cause's numbers in the chain let its signature hold; cheap, asked at every step."""
+        """Whether the parameters of this cause are in the range that its signature requires; called in every step."""
         return True
 
     def supported(self, residual: Residual) -> Chain:
-        """The chain without those parts of this cause, of several, that show no evidence of their own."""
+        """The chain without those of several modes, lines or channels of this cause that have no evidence."""
         return residual.fit.chain
 
     def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
-        """The same chain with this cause's numbers elsewhere, where the fit is known to have several minima."""
+        """The same chain with other starting values of this cause, if the fit is known to have several minima."""
         return []
 
     def proposals(self, residual: Residual) -> list[Chain]:
-        """Chains that hold this cause (or one part more of it), rough values, worth a refinement; empty if hopeless."""
+        """Candidate chains with this cause, or one more part of it, at starting values; empty if none is possible."""
         return []
 
     def select_starts(self, candidates: list[Fit]) -> list[Fit]:
-        """Those of its proposals, as they stand and the best first, that are worth a refinement."""
+        """The linear fits that are refined. candidates: linear fits of the proposals, sorted by rms error."""
         return candidates[: self.starts]
 
     @abc.abstractmethod
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Evidence in the record. residual: of the final fit; rival: the best fit without the cause."""
+        """Evidence for the cause. residual: of the final fit; rival: the best fit without the cause."""
 
     @abc.abstractmethod
     def extension(self, residual: Residual) -> Extension:
         """The extension of the model, with the shape parameters of the final fit."""
 
     def usual_form(self, extension: Extension) -> Extension:
-        """The extension in the form that is kept unless another form is better for certain."""
+        """The extension in the form that is kept unless another form has a significantly lower error."""
         return extension
 
     def other_forms(self, extension: Extension) -> list[Extension]:
-        """Other forms of the extension, of which the best is chosen inside the identification part."""
+        """Other forms of the extension, compared by cross-validation (`extension_forms`)."""
         return []
 
     def true_extension(self, known: Known) -> Extension | None:
-        """The extension with the plant's own parameters; None if it treats the record instead of the model."""
+        """The extension with the true parameters of the plant; None if it changes the record and not the model."""
         return None

@@ -1,4 +1,4 @@
-"""Coupling: another measured channel explains part of the error, once the own input is accounted for."""
+"""Coupling: another measured channel explains part of the residual beside the stage's own input."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from hysgen.model.terms.coupling import Coupling
 Floats = NDArray[np.float64]
 
 TAPS = 32
-"""Samples of a channel's past where one is not enough."""
+"""Past samples of a channel in the form with several taps."""
 
 
 @dataclass(frozen=True)
 class CouplingPart(Part):
-    """Auxiliary `channels` behind the lag and the delay, each with `taps` samples of its past as columns."""
+    """Auxiliary `channels` behind the lag and the delay; each adds `taps` past samples as columns."""
 
     cause: ClassVar[str] = "coupling"
     order: ClassVar[int] = 80
@@ -57,7 +57,7 @@ class CouplingCause(Cause):
         return less if part.taps == 1 else [*less, chain.having(dataclasses.replace(part, taps=1))]
 
     def supported(self, residual: Residual) -> Chain:
-        """One sample of each channel, where none of several has evidence of its own: a slow channel needs no more."""
+        """The chain with one tap per channel if the signature with several taps does not hold (slow channels)."""
         chain = residual.fit.chain
         part = chain.of(CouplingPart)
         if part.taps == 1 or self.signature(residual, residual.fit).holds:
@@ -69,15 +69,16 @@ class CouplingCause(Cause):
         part = chain.get(CouplingPart) or CouplingPart(())
         left = [name for name in residual.scene.runs[0].aux if name not in part.channels and _moves(residual, name)]
         alone = [chain.having(CouplingPart((*part.channels, name), part.taps)) for name in left]
-        # A channel may act through the mechanics of the stage: then one sample of it is not enough.
+        # A channel that acts through the dynamics of the stage needs several taps.
         if part.taps == 1 and (left or part.channels):
             alone.append(chain.having(CouplingPart((*part.channels, *left), TAPS)))
         return alone
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Each channel's gain against its standard error, the own input's share taken out of the channel.
+        """The gain of each channel divided by its standard error, beside all columns of the own input.
 
-        The gain over several samples is their sum; it counts as many standard errors as their root mean square does.
+        The gain of several taps is the sum of their weights; z is the root mean square of the weights in standard
+        errors.
         """
         scene, chain = residual.scene, residual.fit.chain
         part = chain.of(CouplingPart)
@@ -85,10 +86,10 @@ class CouplingCause(Cause):
         weights = residual.fit.weights[first : first + part.added].reshape(-1, part.taps)
         errors = standard_errors(scene, residual.fit).added[beside : beside + part.added].reshape(-1, part.taps)
         z = np.sqrt(np.mean((weights / np.maximum(errors, 1e-15)) ** 2, axis=1))
-        gains, spread = weights.sum(axis=1), np.sqrt((errors**2).sum(axis=1))
+        gains, gain_errors = weights.sum(axis=1), np.sqrt((errors**2).sum(axis=1))
         listed = ", ".join(
             f"{name} {gain:.4g} +- {error:.1g} um per unit"
-            for name, gain, error in zip(part.channels, gains, spread, strict=True)
+            for name, gain, error in zip(part.channels, gains, gain_errors, strict=True)
         )
         return Signature(
             holds=bool((z > 5.0).all()),
@@ -96,7 +97,7 @@ class CouplingCause(Cause):
             text=f"the error follows {listed}" + (f", over {part.taps} samples" if part.taps > 1 else ""),
             parameters={
                 f"{name}_um_per_unit": Estimate(float(gain), float(error))
-                for name, gain, error in zip(part.channels, gains, spread, strict=True)
+                for name, gain, error in zip(part.channels, gains, gain_errors, strict=True)
             },
         )
 
@@ -110,7 +111,7 @@ class CouplingCause(Cause):
 
 
 def coupling_term(ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> Coupling:
-    """The term for some channels, each with its range."""
+    """The term for channels with their ranges (low, high) by name."""
     low, high = zip(*ranges.values(), strict=True)
     return Coupling(tuple(ranges), low, high, taps)
 
