@@ -1,4 +1,4 @@
-"""Creep: the output keeps moving in the direction of the last move, by a constant share in every decade of time."""
+"""Creep: after a step the output continues in the same direction, by a constant share of the step per decade."""
 
 from __future__ import annotations
 
@@ -28,20 +28,21 @@ from hysgen.model.terms.creep import Creep
 Floats = NDArray[np.float64]
 
 LEAST_DECADES = 10.0
+"""Least ratio of the length of the record to the time from which the creep starts."""
 STATES = 4
-"""Slow states of the term, spread over the decades between the start of the creep and the length of the record."""
+"""Slow states of the term, spaced logarithmically from the start of the creep to the length of the record."""
 
 
 PAST_DECAYS = (1 / 30, 1 / 8)
-"""Time constants, as shares of the record's length, with which creep from before the record may fade."""
+"""Time constants of the decay of creep from before the record, as shares of its length."""
 
 
 @dataclass(frozen=True)
 class CreepPart(Part):
-    """After a step the output moves on by `per_decade` of it in every decade of time, from from_s on.
+    """After a step the output moves by `per_decade` times the step in every decade of time, from from_s on.
 
-    Two slow states per decade, up to ten times the length of the run. Added columns: creep from before the record,
-    where the hysteresis stood at an unknown place, as two exponentials and the creep of a step at the start.
+    Two slow states per decade, up to ten times the length of the run. Added columns: the creep that the unknown motion
+    before the record causes, as two exponentials and the creep of a step at the start.
     """
 
     cause: ClassVar[str] = "creep"
@@ -79,7 +80,7 @@ def crept_step(samples: int, Ts_s: float, from_s: float) -> Floats:
 
 
 def _slowest_s(samples: int, Ts_s: float) -> float:
-    """Ten times the length of the record: slower creep cannot be told from standing still."""
+    """Largest time constant: ten times the length of the record; slower creep cannot be measured."""
     return 10.0 * samples * Ts_s
 
 
@@ -112,9 +113,9 @@ class CreepCause(Cause):
         return candidates
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """The creep against its standard error: onward, not back, and over a decade of time at least.
+        """The creep divided by its standard error; it must be positive and last for at least a decade of time.
 
-        Plateaus tell it best: there the hysteresis rests, and what it leaves does not change.
+        The whitened fit weights plateaus most, because the misfit of the hysteresis is constant on a plateau.
         """
         scene, fit = whitened_fit(residual.scene, residual.fit)
         part = fit.chain.of(CreepPart)
@@ -139,10 +140,10 @@ class CreepCause(Cause):
 
 
 def creep_term(from_s: float, longest_s: float) -> Creep:
-    """The same creep in every decade from from_s to longest_s: one weight for all states.
+    """The term with equal creep in every decade from from_s to longest_s: one weight for all states.
 
-    With a weight for each, a fit takes the slowest for a drift that the identification part happens to have: weights of
-    -0.4 and +2.2 of the gain lower its error by a fifth and double that of the held-out part.
+    With one weight per state, the slowest state fits a drift of the identification part: weights of -0.4 and +2.2 times
+    the gain lower the error of the identification part by a fifth and double the error of the held-out part.
     """
     return Creep.log_spaced(STATES, from_s, longest_s, shared=True)
 

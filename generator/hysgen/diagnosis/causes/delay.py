@@ -38,7 +38,7 @@ class DelayCause(Cause):
         chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
         if self.present(chain):
             return []
-        # What was taken for lag is shared out between lag and delay in several ways.
+        # The fitted lag contains the delay; the starting values divide the lag between lag and delay in several ratios.
         candidates = []
         for share in (0.1, 0.4, 0.8):
             late = share * chain.lag_s / Ts_s
@@ -48,7 +48,7 @@ class DelayCause(Cause):
         return candidates
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """The delay itself against its standard error, with lag, modes and hysteresis free to take its place."""
+        """The delay divided by its standard error; lag, modes and hysteresis are fitted jointly with the delay."""
         late = residual.fit.chain.delay
         error = standard_errors(residual.scene, residual.fit).coordinates["delay.samples"]
         z = late / max(error, 1e-12)

@@ -1,6 +1,6 @@
-"""Drift: slow movement that does not depend on the input, the same whether the stage rises or falls.
+"""Drift: slow movement that does not depend on the input and is equal on rising and falling input.
 
-It may go on at one rate, or slow down by the logarithm of time, as what a stage did before the record began fades.
+Its rate is constant, or it decreases with the logarithm of time, like creep from a move before the record.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ SOONEST = 0.003
 """Least time before the record, as a share of it, at which a drift that slows down may have begun."""
 
 NEEDED_SLOWING = 3.0
-"""By how much the error must grow without a drift that slows down: a little of that course is in whatever the memory's
-unknown start, creep, or a limit that is not quite found leaves."""
+"""Least growth of the error without a drift that slows down; large, because the unknown initial state of the memory,
+creep, or an inaccurate limit of the amplifier leaves a residual with a similar course."""
 
 SINCE = (0.01, 0.05, 0.25)
-"""Shares of the record at which a drift that slows down is tried to have begun before it."""
+"""Starting values of the time between the start of a drift that slows down and the record, as shares of the record."""
 
 
 FOLLOWED = 0.02
@@ -60,7 +60,7 @@ class Trend(Correction):
         return y_um - self.at(t_s)
 
     def online_term(self, model: Model, span_s: float) -> Drift:
-        """A bias state; it starts at 0 and holds in a free run, so that every score stays as it was."""
+        """A bias state; it starts at 0 and is constant in a free run, so that no score changes."""
         tau_s = max(span_s * FOLLOWED, 100.0 * model.Ts_s)
         return Drift(tau_s, WIDEST_BIAS * (model.grid.y_max_um - model.grid.y_min_um))
 
@@ -97,7 +97,7 @@ class DriftCause(Cause):
     part = DriftPart
 
     def needed_in(self, chain: Chain) -> float:
-        """A drift that slows down can stand for the memory's unknown start too, so more is asked of it."""
+        """Larger for a drift that slows down, because the memory's unknown initial state has a similar effect."""
         return self.needed if chain.of(DriftPart).since_s is None else NEEDED_SLOWING
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
@@ -114,10 +114,10 @@ class DriftCause(Cause):
         return [chain.having(DriftPart()), *slowing]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """The drift against its standard error, and the same drift seen on rising and on falling input.
+        """The drift divided by its standard error, and the drift on rising and on falling input, which must agree.
 
-        A ramp is measured as creep is. The misfit would leave nothing certain of a drift that slows down: blocks that
-        were not fitted decide on it, see `needed_in`.
+        The error of a ramp is by the whitened fit. The whitened fit does not distinguish a drift that slows down from
+        the model error, so its growth of the error on the checking rows must be larger (`needed_in`).
         """
         slowing = residual.fit.chain.of(DriftPart).since_s is not None
         scene, fit = (residual.scene, residual.fit) if slowing else whitened_fit(residual.scene, residual.fit)
@@ -157,13 +157,13 @@ class DriftCause(Cause):
 
 
 def _drift(scene: Scene, fit: Fit) -> Trend:
-    """The drift that a fit found."""
+    """The drift of a fit."""
     weight, since_s = float(fit.weights[scene.column_of(fit.chain, DriftPart)]), fit.chain.of(DriftPart).since_s
     return Trend(weight / float(trend_course(scene.span_s, since_s)), since_s)
 
 
 def _seen(residual: Residual, direction: float) -> float:
-    """Share of the drift that stands in the samples where the input moves in one direction."""
+    """Ratio of the drift in the samples whose input moves in `direction` to the drift of the whole fit."""
     scene, drift = residual.scene, _drift(residual.scene, residual.fit)
     time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])
     moving = np.concatenate([np.gradient(run.u_V) for run in scene.runs])

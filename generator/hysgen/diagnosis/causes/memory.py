@@ -1,4 +1,4 @@
-"""Memory: the output depends on past extremes of the input, so the loop stays open however slowly it is run."""
+"""Memory: the output depends on past extremes of the input, so the loop stays open at any frequency."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from hysgen.record.series import turning_rows
 Floats = NDArray[np.float64]
 
 PLAYS, DEGREE = 6, 3
-"""Plays while causes are weighed, each with its square and cube. These fits are unrestricted, and the past input makes
-some of them fail; `extension_forms` chooses the form that the model gets."""
+"""Plays of the term while causes are tested, each with its square and cube. The term excludes the past input, because
+some fits without a loop-gain limit fail with it; `extension_forms` chooses the form of the delivered model."""
 
 USUAL_PLAYS, USUAL_DEGREE = 10, 3
-"""Plays of the usual form, beside the past input: on Preisach stages half the error of 6."""
+"""Plays of the usual form, which includes the past input; on Preisach stages its error is half of that of 6 plays."""
 
 OTHERS = ((6, 3, True), (6, 3, False), (12, 1, False))
-"""Plays, degree, and whether the past input is among them.
+"""Other forms: plays, degree, and whether the past input is a regressor.
 
-Without the past input where the output is a sample late: there it takes the place of the input.
+One form excludes the past input for a stage that is one sample late, in which the past input replaces the input.
 """
 
 FEWEST = 4
-"""Samples that a swing needs to be counted."""
+"""Least number of samples of a counted swing."""
 CHANCE = 1e-3
 WITNESS = 0.25
 """Half-width, in half ranges of the input, of the play that measures the opening of the loop."""
@@ -52,9 +52,9 @@ class MemoryCause(Cause):
         return [] if chain.memory else [dataclasses.replace(chain, memory=True)]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """On how many swings between turning points past extremes explain the output better than its dynamics do.
+        """Sign test on the swings between turning points: the number of swings on which the fit with memory is better.
 
-        A sign test: without memory each swing would be a coin's toss.
+        Without memory, the fit with memory is better on each swing with probability 1/2.
         """
         scene = residual.scene
         swing = np.concatenate([swings(run.u_V) + 10**9 * i for i, run in enumerate(scene.runs)])[scene.rows]
@@ -102,18 +102,18 @@ def usual_memory(low_V: float, high_V: float) -> Memory:
 
 
 def _range_V(extension: Extension) -> tuple[float, float] | None:
-    """The input's range that the memory term counts with; None for plays alone."""
+    """Input range of the memory term; None for a term of plays alone."""
     return extension.term.range_V if isinstance(extension.term, Memory) else None
 
 
 def swings(u_V: Floats) -> NDArray[np.int64]:
-    """(n,) number of the swing of each sample; a plateau belongs to the swing before it, at the start to its own."""
+    """(n,) number of the swing of each sample; a plateau belongs to the swing before it, or is the first swing."""
     moves = np.flatnonzero(np.diff(u_V))
     return np.searchsorted(np.append(moves[:1], turning_rows(u_V, 0.0)), np.arange(len(u_V))).astype(np.int64)
 
 
 def _opening(residual: Residual, rival: Fit) -> float:
-    """Mean height in um of the loop that a model without memory leaves open, from the slack z(u) - u of a play."""
+    """Mean height in um of the loop in the residual of a model without memory, by regression on z(u) - u of a play."""
     scene = residual.scene
     half = 0.5 * (scene.operator.high_V - scene.operator.low_V)
     slack = np.concatenate(

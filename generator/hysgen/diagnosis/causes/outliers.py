@@ -1,7 +1,7 @@
-"""Outliers: readings that stand alone, far from both neighbours.
+"""Outliers: single readings far from both neighbours.
 
-The probe's chain has no part for them: the search leaves them out of every fit (`spikes`), the model gets weights of 0
-for them, and the learner a gate.
+The probe's chain has no part for outliers: the search excludes them from every fit (`spikes`), the fit of the model has
+weights of 0 for them, and the learner gets a gate.
 """
 
 from __future__ import annotations
@@ -14,20 +14,21 @@ from hysgen.diagnosis.probe import Fit
 from hysgen.diagnosis.spikes import local_scatter
 
 FEWEST = 3
+"""Least number of corrupted samples for evidence."""
 
 
 class OutliersCause(Cause):
     name = "outliers"
     rank = 0
-    judged_by_gain = False  # the error of a model on a corrupted sample is not the model's
+    judged_by_gain = False  # on a corrupted sample the error is that of the reading, not that of the model
 
     def shown(self, residual: Residual) -> bool:
         return bool(residual.corrupted.any())
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Number and size of the corrupted samples, against the scatter of the others.
+        """Number and size of the corrupted samples, and their size divided by the scatter of all samples.
 
-        It holds if their error power exceeds that of all other samples.
+        The signature holds if the error power of the corrupted samples exceeds that of all other samples.
         """
         hit, error = np.flatnonzero(residual.corrupted), residual.fit.error
         edges = np.cumsum([len(run.u_V) for run in residual.scene.runs])[:-1]

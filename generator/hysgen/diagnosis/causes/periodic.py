@@ -1,4 +1,4 @@
-"""Periodic: a line in the error's spectrum that keeps its phase and is no harmonic of what drives the stage."""
+"""Periodic: a line in the spectrum of the residual with constant phase that is no harmonic of the input."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Floats = NDArray[np.float64]
 
 MOST_LINES = 4
 FEWEST_PERIODS = 12.0
-"""Three in each quarter of the record, in which the phase is looked at: slower lines are what misfit looks like."""
+"""Least periods of a line in the record: three per quarter, whose phases are compared. Slower lines resemble misfit."""
 
 LEAST_PEAK = 10.0
-"""Power of a peak over its neighbourhood from which on a line is tried there."""
+"""Least ratio of a peak's power to the local background for a candidate line."""
 
 LEAST_RATIO = 30.0
-"""Power of a line over its background, with the line taken out, from which on it is one."""
+"""Least ratio of a line's power to the power of the residual around it, for evidence of the line."""
 
 
 LINE = Parameter("lines_Hz", "Hz", lambda e: (0.5 / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s)
@@ -78,14 +78,14 @@ class PeriodicCause(Cause):
         return [chain.having(PeriodicPart((*lines, line_Hz))) for line_Hz in _peaks(residual, 3)]
 
     def supported(self, residual: Residual) -> Chain:
-        """The chain without those lines, of several, that hardly stand out or do not keep their phase."""
+        """The chain without the lines with a power ratio up to LEAST_RATIO or a changing phase, if others remain."""
         chain = residual.fit.chain
         evidence = zip(_lines_Hz(chain), _line_evidence(residual), strict=True)
         kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in evidence if steady and ratio > LEAST_RATIO)
         return chain.having(PeriodicPart(kept)) if kept else chain
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Each line's power against the local background, and its phase in each quarter of the record."""
+        """Power of each line divided by the local background, and its phase in each quarter of the record."""
         chain = residual.fit.chain
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
@@ -107,13 +107,13 @@ class PeriodicCause(Cause):
 
 
 def _lines_Hz(chain: Chain) -> tuple[float, ...]:
-    """The lines of a chain, none without a part for them."""
+    """The lines of a chain; empty if the chain has no periodic part."""
     part = chain.get(PeriodicPart)
     return () if part is None else part.lines_Hz
 
 
 def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
-    """For each line its amplitude in um, its power over the local background, and whether it keeps its phase."""
+    """For each line: amplitude in um, ratio of its power to the local background, and whether its phase is constant."""
     chain, scene, weights = residual.fit.chain, residual.scene, residual.fit.weights
     first = scene.column_of(chain, PeriodicPart)
     found = []
@@ -125,7 +125,7 @@ def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
 
 
 def _peaks(residual: Residual, count: int) -> list[float]:
-    """Frequencies in Hz of the lines that explain most of the error and stand out of their neighbourhood."""
+    """Frequencies in Hz of the `count` lines that explain most of the residual power and exceed LEAST_PEAK."""
     scene = residual.scene
     longest = max(len(run.u_V) for run in scene.runs)
     power = _explained(residual, 2 * longest)
@@ -143,12 +143,12 @@ def _peaks(residual: Residual, count: int) -> list[float]:
 
 
 def _explained(residual: Residual, length: int) -> Floats:
-    """(length/2 + 1,) how much of the error's power on the fitted rows a line at each j/(length Ts) would explain.
+    """(length/2 + 1,) fall of the sum of squares on the fitted rows by adding a line at each frequency j/(length Ts).
 
-        b' G^-1 b,    b = (e . c, e . s),   G = (c, s)' P (c, s),   P the projector off all that is linear
+        b' G^-1 b,    b = (e . c, e . s),   G = (c, s)' P (c, s),   P the projector off the columns of the chain
 
-    What the other columns have taken of a line, they would give back. All sums over rows are Fourier transforms:
-    with w = c - i s and q an orthonormal basis of the columns, q . w and e . w.
+    The weights of the other columns are fitted jointly with the line. All sums over rows are Fourier transforms q . w
+    and e . w, with w = c - i s and q an orthonormal basis of the columns.
     """
     scene, rows = residual.scene, residual.scene.rows
     edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
@@ -173,7 +173,7 @@ def _explained(residual: Residual, length: int) -> Floats:
 
 
 def _local_median(power: Floats) -> Floats:
-    """Median power in the neighbourhood of each bin, narrower at low frequencies; found at some bins, then drawn on."""
+    """Median power around each bin, over fewer bins at low frequencies; computed at 120 bins and interpolated."""
     at = np.unique(np.round(np.geomspace(1, len(power), 120)).astype(int)) - 1
     halves = np.maximum(16, at // 8)
     level = [np.median(power[max(0, i - half) : i + half + 1]) for i, half in zip(at, halves, strict=True)]
@@ -181,14 +181,14 @@ def _local_median(power: Floats) -> Floats:
 
 
 def _line_significance(residual: Residual, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
-    """Power of the line over that of the error around it, and whether every quarter of the rows shows its phase."""
+    """Ratio of the line's power to that of the residual around it, and whether its phase is equal in all quarters."""
     scene, rows = residual.scene, residual.scene.rows
     time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])[rows]
     wave = np.exp(-2j * np.pi * line_Hz * time_s)
     line = sine * np.sin(2 * np.pi * line_Hz * time_s) + cosine * np.cos(2 * np.pi * line_Hz * time_s)
     error = residual.fit.error[rows]
     around = []
-    # The resolution of the record, however few of its rows are looked at.
+    # The frequency resolution of the whole record, also for thinned rows.
     width = 1.0 / (scene.Ts_s * len(scene.dense))
     for step in (3, 4, 5, 6, 7, 8):
         for sign in (-1, 1):

@@ -1,4 +1,4 @@
-"""Resonance: a lightly damped mode that rings at its own frequency whatever the input's."""
+"""Resonance: a lightly damped mode that oscillates at its own frequency for every input."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from hysgen.diagnosis.probe import Chain, Fit, Mode, Parameter, Part, Scene, sta
 from hysgen.model.terms.resonance import Resonance
 
 PER_DECADE = 45
-"""Trial frequencies per decade: a mode half a step off still rings alike for as long as its damping lets it."""
+"""Grid frequencies per decade; the responses of two modes half a step apart stay alike until they have decayed."""
 
 DAMPINGS = (0.03, 0.12)
 MOST_MODES = 3
 LEAST_DAMPING = 1e-3
 MOST_DAMPING = 0.4
-"""A mode damped more than this no longer rings: the fit would use it in place of a delay."""
+"""Largest damping ratio of a mode; the fit would use a mode with more damping in place of a delay."""
 
 MODE = (
     Parameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True),
@@ -56,7 +56,7 @@ class ResonanceCause(Cause):
     rank = 60
     fitted_late = True  # its modes share the small gain of the inverse with the plays
     part = ResonancePart
-    starts = 3  # slow misfit can resemble a mode before the mode does; a fit keeps to one side of the true damping
+    starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
@@ -64,7 +64,7 @@ class ResonanceCause(Cause):
         return [chain.having(ResonancePart(left)) if left else self.without(chain) for left in fewer]
 
     def admissible(self, scene: Scene, chain: Chain) -> bool:
-        """A mode that hardly decays at all is a line in disguise, one that the fit lets decay no faster a delay."""
+        """Damping ratios inside the bounds: a mode at the lower bound is a line, a mode at the upper bound a delay."""
         return all(LEAST_DAMPING < mode.zeta < 0.99 * MOST_DAMPING for mode in chain.modes)
 
     def supported(self, residual: Residual) -> Chain:
@@ -73,12 +73,12 @@ class ResonanceCause(Cause):
         return chain.having(ResonancePart(kept)) if kept else chain
 
     def proposals(self, residual: Residual) -> list[Chain]:
-        """The best few of a grid of modes, judged by how much of the error their ringing alone would explain."""
+        """The six modes of a grid whose responses explain most of the residual, one at a time."""
         chain, scene = residual.fit.chain, residual.scene
         if len(chain.modes) >= MOST_MODES:
             return []
         low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
-        # A mode far above the lag's corner moves nothing, one below it rings freely.
+        # The grid starts at a fiftieth of the corner frequency of the lag.
         low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
         error = residual.projector.rest(residual.fit.error[scene.rows])
         still = self.without(chain)
@@ -106,7 +106,7 @@ class ResonanceCause(Cause):
         return [chain.having(ResonancePart((*chain.modes, mode))) for mode in chosen]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Frequency, damping and share against their standard errors; it decays, inside the band."""
+        """Frequency, damping ratio and share of each mode with standard errors; see `mode_evidence` for the limits."""
         chain = residual.fit.chain
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
@@ -130,7 +130,7 @@ class ResonanceCause(Cause):
 
 
 def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
-    """Each mode, whether it shows evidence of its own, and its share in standard errors. errors: those of the fit."""
+    """Each mode, whether it has evidence, and its share in standard errors. errors: standard errors by name."""
     chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
     errors = errors or standard_errors(residual.scene, residual.fit).coordinates
     found = []

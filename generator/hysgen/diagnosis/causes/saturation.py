@@ -1,4 +1,4 @@
-"""Saturation: beyond a level of the command the output stands still, however far the command goes."""
+"""Saturation: the output is constant while the command is beyond a level."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from hysgen.model.path.saturation import Saturation
 Floats = NDArray[np.float64]
 
 LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
-# Closer than LEVELS: with both ends open, a level too far out is a minimum of its own, the curve bent flat before it.
+# Closer than LEVELS, because of local minima with a level too far out and a curve that is flat inside the level.
 PAIRED = (0.5, 0.57, 0.64, 0.71, 0.78, 0.85, 0.92)
 
 FURTHER_IN = 2
 
 LEAST_BEYOND = 0.01
-"""Share of the command's range that must lie beyond a level: at the very end of the range any curve looks flat."""
+"""Least share of the command's range beyond a level; at the end of the range every curve resembles saturation."""
 
 RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
 
@@ -56,11 +56,11 @@ class SaturationCause(Cause):
     rank = 10
     mistaken_for = ("slew",)
     part = SaturationPart
-    needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
-    starts = 3  # a fit seldom leaves the level of one stroke for that of another
+    needed = 2.0  # a limit has a large effect; a smaller growth is misfit at the end of the range
+    starts = 3  # a refinement rarely moves from the level of one stroke to that of another
 
     def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
-        """Levels further in: a level too far out can hide where the curve has been bent flat instead."""
+        """Levels further in, because a fit can have a level too far out and a curve that is flat inside the level."""
         span_V, part = scene.operator.high_V - scene.operator.low_V, _part(chain)
         candidates = []
         for step in RESTARTS:
@@ -79,13 +79,13 @@ class SaturationCause(Cause):
         if part.low_V is None:
             candidates += [chain.having(dataclasses.replace(part, low_V=middle - level * half)) for level in LEVELS]
         if part.low_V is None and part.high_V is None:
-            # Where both ends clip, a limit at one of them alone may help too little to be a step towards the other.
+            # If both ends clip, one limit alone may lower the error too little for a step of forward selection.
             for low, high in itertools.product(PAIRED, PAIRED):
                 candidates.append(chain.having(SaturationPart(middle - low * half, middle + high * half)))
         return candidates
 
     def select_starts(self, candidates: list[Fit]) -> list[Fit]:
-        """The best, and beside it the next levels further in: a fit finds outward more readily than inward."""
+        """The best starts, and the next levels further in, because a refinement moves a level outward more easily."""
         if not candidates:
             return []
         best = _part(candidates[0].chain)
@@ -96,20 +96,20 @@ class SaturationCause(Cause):
         ]
 
     def supported(self, residual: Residual) -> Chain:
-        """Without a level at the end of the range, of two."""
+        """The chain without a level at the end of the range, if the other level is inside."""
         chain, part = residual.fit.chain, _part(residual.fit.chain)
         low_V, high_V = (level if _inside(residual.scene, level) else None for level in (part.low_V, part.high_V))
         return chain if low_V is None and high_V is None else chain.having(SaturationPart(low_V, high_V))
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
-        """One end clips instead of both."""
+        """Chains in which only one of the two ends clips."""
         part = _part(chain)
         if part.low_V is None or part.high_V is None:
             return []
         return [chain.having(SaturationPart(high_V=part.high_V)), chain.having(SaturationPart(low_V=part.low_V))]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """The slope of the output over the command beyond the level, as a share of the slope just inside it."""
+        """Slope of the output over the command beyond the level, as a share of the mean slope of the record."""
         part = _part(residual.fit.chain)
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts, shares = {}, [], []
@@ -131,7 +131,7 @@ class SaturationCause(Cause):
         scene, chain = residual.scene, residual.fit.chain
         part = _part(chain)
         span_V = scene.operator.high_V - scene.operator.low_V
-        # A side that does not clip gets a level that the record never reaches.
+        # A side that does not clip gets a level outside the range of the record.
         return Extension(
             block=Saturation(
                 scene.operator.low_V - span_V if part.low_V is None else part.low_V,
@@ -144,19 +144,19 @@ class SaturationCause(Cause):
 
 
 def _part(chain: Chain) -> SaturationPart:
-    """The chain's clamp; one that clips nowhere if it has none."""
+    """The saturation part of the chain; a part that does not clip if the chain has none."""
     return chain.get(SaturationPart) or SaturationPart()
 
 
 def _inside(scene: Scene, level_V: float | None) -> bool:
-    """Whether the command goes beyond the level on either side by LEAST_BEYOND of its range."""
+    """Whether the level is inside the command's range by at least LEAST_BEYOND of the range at both ends."""
     low_V, high_V = scene.operator.low_V, scene.operator.high_V
     least_V = LEAST_BEYOND * (high_V - low_V)
     return level_V is not None and low_V + least_V <= level_V <= high_V - least_V
 
 
 def _further_in(part: SaturationPart, other: SaturationPart) -> float:
-    """By how many V, low and high together, the same ends clip further in than those of `other`; inf if they do not."""
+    """Sum in V by which the levels are further in than those of `other`; inf if one is further out or missing."""
     total = 0.0
     for level_V, other_V, sign in ((part.low_V, other.low_V, 1.0), (part.high_V, other.high_V, -1.0)):
         if (level_V is None) != (other_V is None):
@@ -168,15 +168,15 @@ def _further_in(part: SaturationPart, other: SaturationPart) -> float:
 
 
 def _slope_beyond(residual: Residual, level_V: float, sign: float) -> float:
-    """Slope of the error left by the clamp over how far the command goes beyond it, over the gain of the stage.
+    """Slope of the residual over the excess of the command beyond the level, divided by the mean gain of the record.
 
-    0 if the output stands still beyond the level as the clamp says, 1 if it goes on as inside.
+    0 if the output is constant beyond the level, 1 if the slope does not change at the level.
     """
     scene = residual.scene
     u_V = np.concatenate([run.u_V for run in scene.runs])
     y_um = scene.y_um
     beyond_V = np.clip(sign * (u_V - level_V), 0.0, None)
-    # The lag and the delay hold the output back: only what the command did long enough ago is seen.
+    # Lag and delay: a row counts if the command was beyond the level `late` samples before.
     late = max(1, round(residual.fit.chain.delay + 1 + residual.fit.chain.lag_s / scene.Ts_s))
     rows = scene.rows[(scene.rows >= late) & (beyond_V[scene.rows - late] > 0)]
     if len(rows) < 5:

@@ -1,4 +1,4 @@
-"""Slew: the amplifier limits the rate, so the output follows fast commands along a straight ramp, at any level."""
+"""Slew: the amplifier limits the rate of the voltage, so fast commands become ramps of constant slope at any level."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from hysgen.model.path.slew import Slew
 Floats = NDArray[np.float64]
 
 QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.77, 0.83, 0.87, 0.9, 0.925, 0.95, 0.965, 0.98, 0.99)
-"""Of the command's rates: where a limit is looked for."""
+"""Quantiles of the command's rates that are the starting values of the limit."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class SlewPart(Part):
         return rate_limited(u_V, self.rate_V_per_s * Ts_s)
 
     def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:
-        """A limited amplifier moves for the share |dv| / (rate Ts) of a period; the mean is behind by half of that."""
+        """A limited amplifier moves for the share |dv| / (rate Ts) of a period; the mean lags by half of this share."""
         moving = np.minimum(np.abs(np.diff(v_V)) / (self.rate_V_per_s * Ts_s), 1.0)
         columns[:, 1:] -= 0.5 * moving * np.diff(columns, axis=1)
         return columns
@@ -53,7 +53,7 @@ class SlewCause(Cause):
     name = "slew"
     rank = 20
     part = SlewPart
-    needed = 2.0  # a limit is gross wherever it acts; a smaller gain is misfit at the end of the range
+    needed = 2.0  # a limit has a large effect; a smaller growth is misfit
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene
@@ -61,7 +61,7 @@ class SlewCause(Cause):
             return []
         rates = np.concatenate([np.abs(np.diff(run.u_V)) for run in scene.runs]) / scene.Ts_s
         levels = np.unique(np.quantile(rates[rates > 1e-6 * rates.max()], QUANTILES))
-        # A slow amplifier was taken for lag, so the lag is tried shorter too.
+        # The fitted lag may contain the effect of the limit, so shorter lags are starting values too.
         return [
             dataclasses.replace(chain.having(SlewPart(float(rate))), lag_s=share * chain.lag_s)
             for rate in levels
@@ -69,7 +69,7 @@ class SlewCause(Cause):
         ]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """The rate against its standard error, and the share of the command's steps that the limit holds back."""
+        """The rate divided by its standard error, and the number of samples at which the limit delays the command."""
         scene, chain = residual.scene, residual.fit.chain
         rate = chain.of(SlewPart).rate_V_per_s
         error = rate * standard_errors(scene, residual.fit).coordinates["slew.rate_V_per_s"]

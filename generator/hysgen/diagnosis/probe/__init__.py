@@ -1,7 +1,7 @@
-"""The probe: a physical model of the stage, fitted to the free run to find causes; it is never delivered.
+"""The probe: a physical model of the stage that is fitted to the free run to find causes; no C is generated from it.
 
-It shares nothing with the Takagi-Sugeno model: a hysteresis operator between the amplifier's limits and a linear chain.
-Where its residual is only noise, every part of the chain that the fit needs is a cause.
+The probe shares no code with the Takagi-Sugeno model. It is a hysteresis operator behind the limits of the amplifier,
+followed by a linear chain. If the residual is only noise, every needed part of the chain is a cause.
 """
 
 from hysgen.diagnosis.probe.chain import Chain

@@ -1,9 +1,9 @@
-"""The probe's chain: the hypothesis about what stands between command and sensor.
+"""The probe's chain: a hypothesis about the parts between command and sensor.
 
     u -> amplifier -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain t)  + added columns
 
-h is linear in its coefficients (`operator`), everything after it is linear in h: given the few shape parameters of the
-chain, all other unknowns follow from linear least squares. Each part belongs to a cause and is declared in its file.
+h is linear in its coefficients (`operator`), and the chain behind h is linear: for given shape parameters, all other
+parameters follow from linear least squares. Each part belongs to a cause and is declared in the file of the cause.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LAG = Parameter("lag_s", "s", lambda extent: (0.02 * extent.Ts_s, 0.3 * extent.s
 class Chain:
     """One hypothesis about the stage.
 
-    lag_s: time constant of the one pole that every stage has.
+    lag_s: time constant of the first-order lag that every chain has.
     parts: at most one of each cause, in their order. memory: whether h is a hysteresis operator or a single-valued
     curve.
     """
@@ -73,19 +73,19 @@ class Chain:
         return tuple(name for name, _ in self.parameters)
 
     def coordinates(self) -> Floats:
-        """The free shape parameters as the fit sees them: logarithms of those whose table says so."""
+        """Coordinates of the free shape parameters: ln(value) if `Parameter.logarithm`, otherwise the value."""
         values = (self.lag_s, *(value for part in self.parts for value in part.values))
         return np.array([one.coordinate(value) for (_, one), value in zip(self.parameters, values, strict=True)])
 
     def at(self, coordinates: Sequence[float] | Floats) -> Chain:
-        """The same structure with other numbers; inverse of `coordinates`."""
+        """The chain of the same structure with other shape parameters; inverse of `coordinates`."""
         values = iter([one.value(float(x)) for (_, one), x in zip(self.parameters, coordinates, strict=True)])
         lag_s = next(values)
         parts = tuple(part.with_values([next(values) for _ in part.values]) for part in self.parts)
         return dataclasses.replace(self, lag_s=lag_s, parts=parts)
 
     def bounded(self, coordinates: Floats, extent: Extent) -> Chain:
-        """The chain at `coordinates`, each first moved to the nearest bound if it lies outside."""
+        """The chain at `coordinates`, each clamped to its bounds."""
         entries = [one for _, one in self.parameters]
         return self.at([one.bounded(float(x), extent) for one, x in zip(entries, coordinates, strict=True)])
 
@@ -95,7 +95,7 @@ class Chain:
 
     @property
     def amplifier(self) -> tuple[Part, ...]:
-        """The parts that stand before the hysteresis."""
+        """The parts before the hysteresis."""
         return tuple(part for part in self.parts if part.amplifies)
 
     def amplified(self, u_V: Floats, Ts_s: float) -> Floats:
@@ -111,7 +111,7 @@ class Chain:
         return low_V, high_V
 
     def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
-        """The slow states behind the hysteresis; without a part that has them, none."""
+        """The slow states behind the hysteresis; with no states if no part has them."""
         found = [part.slow_states(samples, Ts_s) for part in self.parts]
         return next((states for states in found if states is not None), SlowStates(0.0, np.zeros(0)))
 

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 def respond(h: Floats, chain: Chain, Ts_s: float) -> Floats:
-    """Response of slow states, modes, lag and delay to h, (n,) or (m, n) along the last axis; at rest at first.
+    """Response of slow states, modes, lag and delay to h, (n,) or (m, n) along the last axis; h(k) = h(0) for k < 0.
 
     y(k) depends on h(k-1), h(k-2), ...: every record has one sample of delay.
     """
@@ -35,7 +35,7 @@ def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float) 
 
 
 def lagged(signal: Floats, lag_s: float, delay: float, Ts_s: float) -> Floats:
-    """Response of the lag and the delay alone to a signal, (n,); at rest before the record."""
+    """Response of the lag and the delay alone to a signal, (n,), constant before its first sample."""
     out = np.empty((1, len(signal)))
     branches, whole = _branches(lag_s, delay, (), Ts_s)
     linear_response(signal[None], LinearPart(0.0, np.zeros(0), branches, whole), out, 0)
@@ -43,7 +43,7 @@ def lagged(signal: Floats, lag_s: float, delay: float, Ts_s: float) -> Floats:
 
 
 def _branches(lag_s: float, delay: float, modes: Sequence[Mode], Ts_s: float) -> tuple[list[Branch], int]:
-    """The lag with the stiff share, the lag with each mode, all behind the fractional delay; and the whole delay."""
+    """Branches with the fractional delay (lag with the share of no mode, lag with each mode), and the whole delay."""
     whole = math.floor(delay)
     late = delay - whole
     stiff = 1.0 - sum(mode.share for mode in modes)
@@ -60,7 +60,7 @@ def _lag(lag_s: float, mode: Mode | None, Ts_s: float, late: float) -> tuple[Flo
     """
     if mode is None:
         a, a_new = math.exp(-Ts_s / lag_s), math.exp(-(1.0 - late) * Ts_s / lag_s)
-        # An input that acted early in the period has decayed by its end.
+        # The older value acts for the first late * Ts of the period and decays until the end.
         return np.array([0.0, 1.0 - a_new, a_new - a]), np.array([1.0, -a, 0.0])
     w = 2.0 * math.pi * mode.f_Hz
     A = np.array([[-1.0 / lag_s, 1.0 / lag_s, 0.0], [0.0, 0.0, 1.0], [0.0, -w * w, -2.0 * mode.zeta * w]])

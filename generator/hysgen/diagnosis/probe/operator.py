@@ -10,7 +10,7 @@ Preisach operators.
 
     h = sum_m a_m T_m(v) + sum_b sum_m c_bm * sum_i hat_b(r_i) T_m(z_i) + ...,     v, z_i in [-1, 1]
 
-Only the probe uses this operator; a model that is delivered has the cheaper terms of `hysgen.model.terms`.
+Only the probe uses this operator; a delivered model has terms of `hysgen.model.terms` that cost fewer cycles.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Operator:
     def at(self, u_V: float) -> Floats:
         """(size,) columns at u_V, mean of both branches of the major loop; extrapolated linearly outside the range.
 
-        On the major loop every play has a value that it also has in a record; elsewhere its polynomials extrapolate.
+        On the major loop the values of the plays are those of a record; elsewhere the polynomials would extrapolate.
         """
         return _middle(self, u_V)
 

@@ -1,10 +1,10 @@
-"""The contract of a part of the probe's chain: its parameters, and where it acts on the signal.
+"""Interface of a part of the probe's chain: parameters, and methods for the places in the chain where a part can act.
 
     u -> amplify -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain_per_s t)  + added columns
 
 A cause declares its part in its own file (`hysgen.diagnosis.causes`): a frozen dataclass whose fields are the shape
-parameters, and a table of these parameters. A part overrides the hooks of the places where it acts and inherits "no
-effect" for all others.
+parameters, and a table of these parameters. A part overrides the methods of the places where it acts; the inherited
+methods have no effect.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STEP = 1e-5
 
 @dataclass(frozen=True)
 class Extent:
-    """What bounds and steps of parameters depend on: sampling period, longest run and range of the command."""
+    """Sampling period, longest run and range of the command: the arguments of bounds and steps of parameters."""
 
     Ts_s: float
     span_s: float
@@ -47,7 +47,7 @@ class Parameter:
     """One shape parameter of a part.
 
     field: attribute of the part; unit: its unit; bounds: lowest and highest value for an extent, in that unit.
-    logarithm: whether the fit sees ln(value). step: of the forward difference, in the coordinate that the fit sees.
+    logarithm: whether the coordinate of the fit is ln(value). step: step of the forward difference in this coordinate.
     """
 
     field: str
@@ -57,7 +57,7 @@ class Parameter:
     step: Callable[[Extent], float] = lambda extent: STEP
 
     def coordinate(self, value: float) -> float:
-        """The value as the fit sees it."""
+        """The coordinate of a value: ln(value) or the value itself."""
         return math.log(value) if self.logarithm else value
 
     def value(self, coordinate: float) -> float:
@@ -65,14 +65,14 @@ class Parameter:
         return math.exp(coordinate) if self.logarithm else coordinate
 
     def bounded(self, coordinate: float, extent: Extent) -> float:
-        """The coordinate, moved to the nearest bound if it lies outside."""
+        """The coordinate, clamped to its bounds."""
         low, high = (self.coordinate(bound) for bound in self.bounds(extent))
         return min(max(coordinate, low), high)
 
 
 @dataclass(frozen=True)
 class Mode:
-    """share / (1 + 2 zeta s/w + s^2/w^2), w = 2 pi f_Hz; the share that no mode carries follows stiffly."""
+    """share / (1 + 2 zeta s/w + s^2/w^2), w = 2 pi f_Hz; the remaining share responds without a mode."""
 
     f_Hz: float
     zeta: float
@@ -88,7 +88,7 @@ class SlowStates:
 
 
 class Drive(Protocol):
-    """One run as an added column sees it: the command and the auxiliary channels, (n,) each."""
+    """Signals of one run for an added column: the command and the auxiliary channels, (n,) each."""
 
     @property
     def u_V(self) -> Floats: ...
@@ -98,12 +98,13 @@ class Drive(Protocol):
 
 
 class Part:
-    """One part of the chain: a frozen dataclass that overrides the hooks of the places where it acts.
+    """One part of the chain: a frozen dataclass that overrides the methods of the places where it acts.
 
-    cause: name of the cause that it belongs to; prefix of its parameters' names.
-    order: of the parts in the chain, and of their coordinates and columns.
-    table: the parameters that are fitted; one whose attribute is None is absent.
-    amplifies: whether `amplify` or `averaged` do anything; the hysteresis is evaluated again when such a part changes.
+    cause: name of the part's cause; prefix of the parameter names.
+    order: sort key of the parts in the chain, and of their coordinates and columns.
+    table: the parameters that are fitted; a parameter whose attribute is None is not fitted.
+    amplifies: whether the part overrides `amplify` or `averaged`; a change of such a part requires a new evaluation of
+    the hysteresis.
     """
 
     cause: ClassVar[str]
@@ -123,7 +124,7 @@ class Part:
         return tuple(float(getattr(self, one.field)) for _, one in self.parameters)
 
     def with_values(self, values: Sequence[float]) -> Self:
-        """The same part with other values; inverse of `values`."""
+        """The part with other values of its fitted parameters; inverse of `values`."""
         fields = [one.field for _, one in self.parameters]
         return dataclasses.replace(self, **dict(zip(fields, values, strict=True))) if fields else self  # type: ignore[type-var]
 
@@ -144,12 +145,12 @@ class Part:
     # Behind the hysteresis; linear.
 
     def slow_states(self, samples: int, Ts_s: float) -> SlowStates | None:
-        """Slow first-order states that the hysteresis drives; one part of a chain may have them."""
+        """First-order states with the hysteresis as input; at most one part of a chain may have them."""
         return None
 
     @property
     def modes(self) -> tuple[Mode, ...]:
-        """Second-order modes side by side."""
+        """Second-order modes in parallel."""
         return ()
 
     @property
@@ -170,9 +171,9 @@ class Part:
         return 0
 
     def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        """`added` columns of one run, (n,) each. seen: a signal, (n,), behind the chain's lag and delay."""
+        """`added` columns of one run, (n,) each. seen: applies the chain's lag and delay to a signal, (n,)."""
         return []
 
     def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
-        """Key of a cache for the columns: equal keys, equal columns."""
+        """Key for a cache of the columns; equal keys imply equal columns."""
         return self

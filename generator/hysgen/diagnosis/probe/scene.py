@@ -1,4 +1,4 @@
-"""The data that the probe is fitted to: the channels of a record, and which of its rows are used."""
+"""Data of a fit of the probe: the channels of a record and its training rows."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 CURVE_ALONE = 7
-"""Degree of the curve where it has no plays beside it."""
+"""Degree of the curve of a chain without plays."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """One unbroken run: u_V, y_um (n,), auxiliary channels, and where the plays stood before it (-1 to 1)."""
+    """One unbroken run: u_V, y_um (n,), auxiliary channels, initial state of the plays (`Operator.columns`)."""
 
     u_V: Floats
     y_um: Floats
@@ -34,13 +34,14 @@ class Trace:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Runs at one sampling period; rows of the joined runs used to fit (`rows`), and how hysteresis is expanded.
+    """Runs at one sampling period, their training rows, and the expansion of the hysteresis.
 
-    lost: samples at which the sensor was at its end; none of them is among the rows.
-    thinned_from: the rows before they were thinned out, if they were (`dense`).
-    known_ranges: lowest and highest value of auxiliary channels over all that will be simulated; a channel that it does
-    not hold has the range of its runs.
-    The columns for the last few settings of the amplifier and the last few sets of added columns are cached.
+    rows: training rows of the joined runs.
+    lost: samples at which the sensor was at the end of its range; they are never training rows.
+    thinned_from: the rows before thinning, None if the rows are not thinned (`dense`).
+    known_ranges: lowest and highest value of auxiliary channels over all rows that will be simulated; for a channel
+    without an entry, the range in the runs is used.
+    The columns of the last 3 settings of the amplifier and of the last 6 sets of added columns are cached.
     """
 
     runs: tuple[Trace, ...]
@@ -76,16 +77,16 @@ class Scene:
 
     @property
     def extent(self) -> Extent:
-        """What bounds and steps of the chain's parameters depend on."""
+        """The quantities on which bounds and steps of the chain's parameters depend."""
         return Extent(self.Ts_s, self.span_s, self.operator.low_V, self.operator.high_V)
 
     def using(self, rows: Rows, thinned_from: Rows | None = None) -> Scene:
-        """The same runs, other rows; what was kept stays. thinned_from: more rows, of which these are some."""
+        """The scene with other training rows and the same cache. thinned_from: the rows before thinning."""
         return dataclasses.replace(self, rows=rows, thinned_from=thinned_from)
 
     @property
     def dense(self) -> Rows:
-        """The rows before they were thinned out: neighbours in time but where a block ends or a sample is not used."""
+        """The rows before thinning: consecutive samples except at the ends of blocks and at unused samples."""
         return self.rows if self.thinned_from is None else self.thinned_from
 
     def _path(self, run: Trace, chain: Chain) -> Floats:
@@ -112,7 +113,7 @@ class Scene:
         )
 
     def columns(self, chain: Chain) -> Floats:
-        """(p, n) everything that is linear: hysteresis seen through the chain, then `added_columns`."""
+        """(p, n) columns of the linear parameters: chain's response to the columns of h, then `added_columns`."""
         size, below = self.hysteresis_size(chain), self.added_columns(chain)
         out = np.empty((size + len(below), self.samples))
         out[size:] = below
@@ -124,7 +125,7 @@ class Scene:
         return out
 
     def paths(self, chain: Chain, weights: Floats) -> list[Floats]:
-        """h of every run, (n_i,), with these weights: before the linear part."""
+        """h of every run, (n_i,), for the weights of a fit: the input of the linear part."""
         return [weights[: len(h)] @ h for h in self.hysteresis(chain)]
 
     def seen(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
@@ -136,12 +137,12 @@ class Scene:
         return np.concatenate(parts) + weights[size:] @ self.added_columns(chain)
 
     def zero_um(self, chain: Chain, weights: Floats) -> float:
-        """Where the stage stands at 0 V in the middle of its loops."""
+        """Displacement at 0 V in um, mean of both branches of the major loop."""
         size = self.hysteresis_size(chain)
         return float(weights[:size] @ self._operator(chain).at(0.0) + weights[size])
 
     def _age(self, seen: Floats, chain: Chain, weights: Floats | None = None) -> None:
-        """Gives `seen` a gain 1 + gain_per_s t about where the stage stands at 0 V; t from the start of the run."""
+        """Applies the gain 1 + gain_per_s t about the displacement at 0 V to `seen`, in place; t: time in the run."""
         if chain.gain_per_s == 0.0:
             return
         rest = self._operator(chain).at(0.0)

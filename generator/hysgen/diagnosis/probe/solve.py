@@ -3,7 +3,8 @@
     minimise over s and theta   sum over rows (y - Phi(s) theta)^2
 
 theta is eliminated (variable projection; Golub and Pereyra, 1973), in Kaufman's form: the derivative of the residual is
--P d(Phi)/ds theta, with P the projector off the columns. Levenberg-Marquardt damping keeps each step an improvement.
+-P d(Phi)/ds theta, with P the projector off the columns. Levenberg-Marquardt: a step that does not lower the rms error
+is rejected and repeated with more damping.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ RIDGE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A chain with its linear unknowns; `error` (n,) y - prediction on all rows, used for fitting or not."""
+    """A chain with its linear weights; `error`: (n,) y - prediction on all rows; `rms_um`: rms on the training rows."""
 
     chain: Chain
     weights: Floats
@@ -34,7 +35,7 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class Projector:
-    """Least squares on fixed columns: solves for the weights and takes out of a signal what the columns explain."""
+    """Least squares on fixed columns: weights of a signal, and its component orthogonal to the columns."""
 
     columns: Floats
     scale: Floats
@@ -58,12 +59,12 @@ class Projector:
         return np.asarray(solve_triangular(factor, self.columns, trans="N" if lower else "T", lower=lower))
 
     def rest(self, signal: Floats) -> Floats:
-        """`signal`, (n,) or (c, n), less what the columns explain of it."""
+        """Component of `signal`, (n,) or (c, n), orthogonal to the columns."""
         return np.asarray(signal - cho_solve(self.factor, self.columns @ signal.T).T @ self.columns)
 
 
 def linear_fit(scene: Scene, chain: Chain) -> Fit:
-    """Least squares over the linear unknowns, shape parameters as given."""
+    """Least squares over the linear weights with the shape parameters of the chain."""
     return _solved(scene, chain)[0]
 
 
@@ -77,7 +78,10 @@ def _solved(scene: Scene, chain: Chain) -> tuple[Fit, Projector]:
 
 
 def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
-    """Least squares over everything, from `chain`. Stops when a round improves the rms by less than 1e-4 of it."""
+    """Least squares over weights and shape parameters, from `chain`.
+
+    Stops after `rounds` rounds, or if a round lowers the rms by less than the share 1e-4.
+    """
     best, projector = _solved(scene, chain)
     y_um = scene.y_um[scene.rows]
     damping = 1e-3
@@ -101,10 +105,10 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
 
 
 def sensitivities(scene: Scene, fit: Fit, projector: Projector) -> Floats:
-    """(c, rows) d(prediction)/d(coordinates) on the fitted rows with what the linear part explains taken out.
+    """(c, rows) d(prediction)/d(coordinates) on the training rows, projected off the columns.
 
-    projector: off the columns of the fit's chain. Forward differences: the chain is smooth except where a limit begins
-    to act.
+    projector: off the columns of the fit's chain. The derivatives are forward differences; the chain is smooth except
+    where a limit begins to act.
     """
     paths = scene.paths(fit.chain, fit.weights)
     base = scene.seen(paths, fit.chain, fit.weights)[scene.rows]

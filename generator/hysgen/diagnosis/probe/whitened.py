@@ -2,7 +2,7 @@
 
     e(k) = m(k) + n(k),    m(k) = exp(-|dv(k)| / length) m(k-1) + w(k),    n white,    var m constant
 
-The model error m of a hysteresis model depends on the path: it is constant while the stage rests, and its correlation
+The model error m of a hysteresis model depends on the path: it is constant at constant input, and its correlation
 decays with the distance v that the stage travels. Samples of one plateau therefore share their model error, and their
 differences are known to within the noise n; ordinary least squares ignores that. A Kalman filter turns the measurement
 and every column into innovations, which are nearly independent, so that fits of different chains can be compared by
@@ -36,7 +36,7 @@ CORRELATION_LENGTH = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """The Kalman filter for one scene, (n,) each: correlation of m(k) and m(k-1), gains, variances of innovations."""
+    """The Kalman filter of one scene, (n,) each: correlation of m(k) and m(k-1), gains, variances of innovations."""
 
     keep: Floats
     gain: Floats
