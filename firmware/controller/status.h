@@ -1,4 +1,4 @@
-/* status.h: what the firmware has to say. Bits of `status` are sticky until controller_clear; each is set at the first
+/* status.h: what the firmware has to say. Bits of `status` are sticky until CLEAR; each is set at the first
  * sample that shows its cause. Bits of STATUS_FAULTS bring the voltage down and keep it there. */
 
 #ifndef STATUS_H

@@ -10,13 +10,11 @@
 #endif
 
 #define TIMER0            0x01C20000u
-#define TIMER_EMUMGT      0x04u
 #define TIMER_TIM12       0x10u
 #define TIMER_PRD12       0x18u
 #define TIMER_TCR         0x20u
 #define TIMER_TGCR        0x24u
 #define INTC_INTMUX1      0x01800104u
-#define INTC_EVTFLAG0     0x01800000u
 #define EVENT_TIMER0      4u            /* T64P0_TINT12 */
 
 static volatile uint32_t *board_register(uint32_t address)

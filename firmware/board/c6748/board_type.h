@@ -16,7 +16,6 @@
 #define BOARD_DAC_PER_V        7489.82857f  /* 2^20 codes over 140 V */
 #define BOARD_DAC_CODES        1048575.0f
 
-#define BOARD_CLOCK_HZ         375000000u
 #define BOARD_TIMER_HZ         24000000u    /* Timer64P0 runs from the oscillator */
 #define BOARD_PERIOD           480u         /* of it in 20 us */
 #define BOARD_PERIOD_NS        20000u       /* the same; must be the model's sampling period */
