@@ -38,7 +38,7 @@ CHECKED = np.arange(60, SAMPLES, 3)
 @pytest.mark.parametrize(
     ("left_um", "noise_um", "said"), [(0.012, 0.001, True), (0.009, 0.001, False), (0.012, 0.006, False)]
 )
-def test_what_is_left_is_unknown_only_above_a_thousandth_of_the_span_and_above_the_noise(
+def test_unexplained_structure_requires_a_thousandth_of_the_span_and_more_than_the_noise(
     left_um: float, noise_um: float, said: bool
 ) -> None:
     wave = np.sin(np.arange(SAMPLES) / 40.0)
@@ -46,16 +46,16 @@ def test_what_is_left_is_unknown_only_above_a_thousandth_of_the_span_and_above_t
     seen = SimpleNamespace(
         scene=SimpleNamespace(rows=np.arange(SAMPLES)), fit=SimpleNamespace(error=math.sqrt(2.0) * left_um * wave)
     )
-    told = unexplained_structure(prepared, cast(SearchResult, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
-    assert (told is not None) == said
+    result = unexplained_structure(prepared, cast(SearchResult, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
+    assert (result is not None) == said
 
 
-def test_search_stops_where_nothing_is_left() -> None:
+def test_search_stops_when_the_residual_is_noise() -> None:
     seen = scene(LAG)
     assert search.forward_step(seen, refine(seen, LAG), CHECKED) is None
 
 
-def test_search_goes_on_to_an_effect_below_the_noise() -> None:
+def test_search_adds_a_cause_whose_effect_is_below_the_noise() -> None:
     seen = scene(LAG, 2e-3 * T_S / SPAN_S)
     step = search.forward_step(seen, refine(seen, LAG), CHECKED)
     assert step is not None
@@ -75,20 +75,20 @@ LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(
         (LIMITED, 0.0, CLIPPED_AT_60, "slew"),
     ],
 )
-def test_a_cause_that_came_first_is_exchanged_for_the_one_like_it_that_explains_more(
+def test_a_cause_is_swapped_for_a_similar_cause_with_a_smaller_error(
     stage: Chain, more_um: float | NDArray[np.float64], wrong: Chain, right: str
 ) -> None:
     seen = scene(stage, more_um)
     assert search.present(swaps.swap_similar_causes(seen, refine(seen, wrong), CHECKED).chain) == [right]
 
 
-def test_a_slow_cause_without_evidence_makes_room_for_another() -> None:
+def test_a_slow_cause_without_evidence_is_swapped_for_one_with_evidence() -> None:
     seen = scene(LAG, AGED_UM)
     right = swaps.swap_slow_causes(seen, refine(seen, CREEP), CHECKED).chain
     assert search.present(right) == ["aging"]
 
 
-def test_a_slow_cause_without_evidence_goes_where_it_hides_the_evidence_of_another() -> None:
+def test_a_slow_cause_without_evidence_is_removed_if_it_hides_the_evidence_of_another() -> None:
     seen = scene(LAG, 2e-3 * T_S / SPAN_S)
     both = refine(seen, LAG.having(CreepPart(1e-4, 0.05)).having(DriftPart()))
     drift = causes()["drift"]

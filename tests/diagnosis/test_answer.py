@@ -32,11 +32,11 @@ def hum() -> tuple[Record, Diagnosis]:
     return record, diagnose(record, settings=QUICK)
 
 
-def test_json_holds_at_least_what_the_design_promises(hum: tuple[Record, Diagnosis]) -> None:
-    told = json.loads(json.dumps(hum[1].to_json(), allow_nan=False))
-    assert {"causes", "free_run_rms", "unexplained_fraction", "next_experiment"} <= set(told)
-    assert set(told["free_run_rms"]) == {"base", "extended", "noise_floor", "persistence_one_step", "unit"}
-    for cause in told["causes"]:
+def test_json_contains_the_keys_of_the_design(hum: tuple[Record, Diagnosis]) -> None:
+    result = json.loads(json.dumps(hum[1].to_json(), allow_nan=False))
+    assert {"causes", "free_run_rms", "unexplained_fraction", "next_experiment"} <= set(result)
+    assert set(result["free_run_rms"]) == {"base", "extended", "noise_floor", "persistence_one_step", "unit"}
+    for cause in result["causes"]:
         assert {"name", "parameters", "evidence", "confidence", "gain", "cost"} <= set(cause)
         assert {"free_run_rms_before", "free_run_rms_after", "ci95"} <= set(cause["gain"])
 
@@ -51,7 +51,9 @@ def test_ladder_begins_at_the_papers_model_and_ends_at_the_extended_one(hum: tup
     assert sum(cause.share for cause in found.causes) + found.unexplained_fraction == pytest.approx(1.0, abs=1e-9)
 
 
-def test_every_named_cause_has_evidence_need_and_gain_and_every_other_a_reason(hum: tuple[Record, Diagnosis]) -> None:
+def test_a_named_cause_has_evidence_and_gain_and_a_refused_cause_a_reason(
+    hum: tuple[Record, Diagnosis],
+) -> None:
     for cause in hum[1].causes:
         assert cause.evidence
         assert cause.probe_gain is not None
@@ -63,7 +65,7 @@ def test_every_named_cause_has_evidence_need_and_gain_and_every_other_a_reason(h
 
 
 @pytest.mark.slow
-def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
+def test_a_cause_whose_extension_has_no_gain_with_certificates_is_named_but_not_extended(
     hum: tuple[Record, Diagnosis], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def worse(prepared: Prepared, extensions: Any, names: Sequence[str], settings: FitSettings, *rest: Any) -> Rung:
@@ -80,10 +82,10 @@ def test_an_extension_that_does_not_pay_with_certificates_is_named_but_not_made(
     assert "periodic is not extended" in str(evaluate(found, hum[0], None, 0.65))
 
 
-def test_a_certificate_that_the_extended_model_lacks_is_told(hum: tuple[Record, Diagnosis]) -> None:
+def test_a_certificate_that_the_extended_model_lacks_is_reported(hum: tuple[Record, Diagnosis]) -> None:
     record, found = hum
-    told = {name: {"holds": name != "inverse"} for name in ("gain", "contraction", "inverse")}
-    lacking = dataclasses.replace(found, model=dataclasses.replace(found.model, certificates=told))
+    result = {name: {"holds": name != "inverse"} for name in ("gain", "contraction", "inverse")}
+    lacking = dataclasses.replace(found, model=dataclasses.replace(found.model, certificates=result))
     assert lacking.missing_certificates == ("inverse",)
     assert lacking.to_json()["missing_certificates"] == ["inverse"]
     assert "not certified in the extended model: inverse" in str(evaluate(lacking, record, None, 0.65))
@@ -112,12 +114,12 @@ def test_the_command_holds_rows_out_of_one_record(tmp_path: Path) -> None:
     record = record_of("none", 2)
     fitted_rows = record.samples // 2
     found = diagnose(record, settings=DiagnoseSettings(identify=fitted_rows / record.samples))
-    csv, told = tmp_path / "record.csv", tmp_path / "told.json"
+    csv, result = tmp_path / "record.csv", tmp_path / "result.json"
     columns = (record.Ts_s * np.arange(record.samples), record.segments[0].u_V, record.segments[0].y_um)
     lines = [f"{t:.9g},{u!r},{y!r}" for t, u, y in zip(*(column.tolist() for column in columns), strict=True)]
     csv.write_text("\n".join(["time_s,voltage_V,displacement_um", *lines]) + "\n")
-    assert main(["diagnose", str(csv), "--rows", f"0:{fitted_rows}", "--json", str(told)]) == 0
-    extended_um = json.loads(told.read_text())["free_run_rms"]["extended"]
+    assert main(["diagnose", str(csv), "--rows", f"0:{fitted_rows}", "--json", str(result)]) == 0
+    extended_um = json.loads(result.read_text())["free_run_rms"]["extended"]
     assert extended_um == pytest.approx(found.extended_rms_um, rel=1e-6)
 
 
@@ -130,7 +132,7 @@ def test_separate_holdout_is_scored_and_not_fitted() -> None:
     assert found.held_rows.min() >= whole.samples
 
 
-def test_nothing_hidden_is_answered_with_no_cause_at_all() -> None:
+def test_a_stage_without_a_planted_cause_is_diagnosed_with_none() -> None:
     record = record_of("none", 2)
     found = diagnose(record, settings=QUICK)
     assert found.names == ()
@@ -147,7 +149,7 @@ def test_stick_slip_is_unknown_and_described() -> None:
 
 @pytest.mark.parametrize("seed", [0, 2])
 @pytest.mark.slow
-def test_poor_excitation_names_the_experiment_that_could_tell(seed: int) -> None:
+def test_poor_excitation_is_answered_with_the_next_experiment(seed: int) -> None:
     naming = name_causes(record_of("poor", seed))
     assert naming.next_experiment.startswith("drive with")
 
@@ -158,7 +160,7 @@ def test_short_record_is_refused_in_one_line() -> None:
         diagnose(Record.from_arrays(u_V, 0.1 * u_V, 1e-3))
 
 
-def test_analysis_imports_nothing_of_the_stage() -> None:
+def test_diagnosis_imports_nothing_of_the_virtual_stage() -> None:
     code = "import sys, hysgen.diagnosis; sys.exit(any(name.startswith('hysgen.stage') for name in sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

@@ -11,7 +11,7 @@ from hysgen.record import Record
 from hysgen.record.noise import residual_noise_floor
 
 
-def test_profile_counts_every_sample_once_and_keeps_its_power() -> None:
+def test_a_profile_counts_every_sample_once_and_preserves_the_power() -> None:
     rng = np.random.default_rng(1)
     values, error_um = rng.uniform(0, 5, 4000), rng.normal(size=4000)
     sorted_by = profile("level", "V", values, error_um)

@@ -1,4 +1,4 @@
-"""What is made of a named cause: certificates are kept, plays chosen by rows left out, and the price is told."""
+"""What is made of a named cause: certificates are kept, plays chosen by rows left out, and the price is result."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def held_um(prepared: Prepared, extensions: dict[str, Extension], names: list[st
     return rms(fit_ladder(prepared, extensions, names, USUAL).error_um[prepared.held_rows])
 
 
-def test_a_mode_that_would_cost_the_inverse_its_certificate_is_limited_in_the_fit() -> None:
+def test_the_fit_limits_a_mode_so_that_the_inverse_keeps_its_certificate() -> None:
     prepared, extensions = known("resonance", 1)
     free = fit_ladder(prepared, extensions, list(extensions), dataclasses.replace(USUAL, certified=False))
     assert not certify(free.model).inverse_holds
@@ -44,7 +44,7 @@ def test_a_mode_that_would_cost_the_inverse_its_certificate_is_limited_in_the_fi
     assert certify(kept.model).contraction_holds
 
 
-def test_creep_pays_on_rows_that_no_fit_has_seen_and_keeps_the_inverse() -> None:
+def test_creep_lowers_the_held_out_error_and_keeps_the_certificate_of_the_inverse() -> None:
     prepared, extensions = known("creep", 1)
     with_um, without_um = (held_um(prepared, extensions, names) for names in (["memory", "creep"], ["memory"]))
     assert with_um < without_um
@@ -54,7 +54,7 @@ def test_creep_pays_on_rows_that_no_fit_has_seen_and_keeps_the_inverse() -> None
     assert creep.weights[-1] * creep.consequents[:, 1].mean() > 0.0  # onward, in the direction of the gain
 
 
-def test_bent_plays_rise_wherever_they_can_stand_and_so_do_not_turn_back_beyond_what_was_fitted() -> None:
+def test_plays_with_powers_have_a_positive_slope_also_outside_the_fitted_range() -> None:
     # The held-out part of this record leaves the range of the rest: free squares and cubes fall 3.5 times only there.
     prepared, extensions = known("memory", 4)
     rung = fit_ladder(prepared, extensions, ["memory"], USUAL)
@@ -68,7 +68,7 @@ def test_bent_plays_rise_wherever_they_can_stand_and_so_do_not_turn_back_beyond_
 
 
 @pytest.mark.slow
-def test_plays_are_chosen_by_rows_left_out_and_stay_as_they_are_where_nothing_is_surely_better() -> None:
+def test_the_form_of_the_plays_is_chosen_by_cross_validation_and_the_usual_form_kept_in_doubt() -> None:
     prepared, known_ones = known("memory", 5)
     assert with_best_forms(prepared, known_ones, ["memory"], USUAL)["memory"].term == known_ones["memory"].term
     u_V = scenario("memory", 5).u_V[:3500]
@@ -107,7 +107,7 @@ def runs(names: list[str]) -> Model:
 
 @pytest.mark.parametrize("cause", ["drift", "aging"])
 @pytest.mark.slow
-def test_what_follows_a_running_stage_has_its_price(cause: str) -> None:
+def test_the_price_includes_the_terms_and_the_learner_for_operation(cause: str) -> None:
     before, after = price_of(runs(["memory"])), price_of(runs(["memory", cause]))
     assert before is not None
     assert after is not None

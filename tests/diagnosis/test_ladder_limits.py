@@ -25,7 +25,7 @@ from hysgen.studies.bank.truth import true_extensions
 FULL_STROKE_V = 50.0 - 50.0 * np.cos(2.0 * np.pi * np.arange(400) / 400.0)
 
 
-def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> None:
+def test_the_grid_covers_an_aged_stage_before_and_after_the_aging() -> None:
     """Fitted is the displacement with the aging taken out: a gain that falls by 8 % puts it above what was measured."""
     u_V = good(np.random.default_rng(5), 6000, 0.0, 80.0)
     u_V[3400:3800] = FULL_STROKE_V
@@ -41,7 +41,7 @@ def test_the_grid_covers_a_stage_that_has_aged_as_it_was_when_it_was_new() -> No
     assert rms(rung.error_um[prepared.held_rows]) < 3.0 * rms(rung.error_um[prepared.training_rows])
 
 
-def test_a_corrupted_last_reading_moves_no_model() -> None:
+def test_a_corrupted_last_reading_changes_no_model() -> None:
     record = measured(built())
     segment = record.segments[0]
     wild_um = segment.y_um.copy()
@@ -53,7 +53,7 @@ def test_a_corrupted_last_reading_moves_no_model() -> None:
     assert np.abs(weights[1] - weights[0]).max() < 1e-6 * np.abs(weights[0]).max()
 
 
-def test_the_top_of_the_first_stroke_is_fitted_where_the_held_out_part_goes_there_again() -> None:
+def test_the_top_of_the_first_stroke_is_fitted_if_the_held_out_part_returns_to_it() -> None:
     """Only the first stroke and one behind the cut go above 80 V."""
     u_V = good(np.random.default_rng(5), 6000, 0.0, 80.0)
     u_V[:400] = u_V[4800:5200] = FULL_STROKE_V
@@ -65,7 +65,7 @@ def test_the_top_of_the_first_stroke_is_fitted_where_the_held_out_part_goes_ther
 
 
 @pytest.mark.slow
-def test_a_mode_that_takes_nearly_all_of_the_gain_does_not_make_the_model_worse() -> None:
+def test_a_mode_with_nearly_all_of_the_gain_does_not_raise_the_error() -> None:
     """One rule beside the mode has a gain of next to nothing, and so would have limits that are multiples of it."""
     hidden = built(lag_s=2e-3, resonance=(18.0, 0.055, 0.685))
     prepared = prepare(measured(hidden))
@@ -95,7 +95,7 @@ def test_a_model_that_only_simulates_follows_a_mode_that_no_certified_inverse_ca
     assert not found.inverse_holds
 
 
-def test_the_range_of_a_channel_is_that_of_the_whole_record_not_of_the_rows_before_the_cut() -> None:
+def test_the_range_of_a_channel_is_that_of_the_whole_record() -> None:
     channel = np.linspace(-1.0, 1.0, 6000) ** 3 + np.sin(np.arange(6000) / 90.0)
     hidden = built(aux={"axis2_V": channel}, coupling={"axis2_V": 0.05})
     prepared = prepare(measured(hidden))

@@ -1,4 +1,4 @@
-"""docs/extend.md to the letter: its four files are all that a new cause takes, from the plant to the proof."""
+"""The four files printed in docs/extend.md add a cause, from the virtual stage to the proof."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ print("found, extended and equal in every bit")
 
 
 @pytest.mark.slow
-def test_four_files_are_all_that_a_new_cause_takes(tmp_path: Path) -> None:
+def test_a_new_cause_requires_four_files(tmp_path: Path) -> None:
     files = {path: text for path, _, text in TARGET.findall((ROOT / "docs" / "extend.md").read_text())}
     assert list(files) == [
         "generator/hysgen/model/terms/kick.py",

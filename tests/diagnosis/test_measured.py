@@ -28,7 +28,7 @@ def test_memory_a_line_and_a_drift_that_slows_down_are_named_on_the_micromanipul
     assert ramps.held_rows.min() == FITTED_ROWS
 
 
-def test_extension_takes_most_of_the_error_on_the_micromanipulator(ramps: Diagnosis) -> None:
+def test_the_extensions_remove_most_of_the_error_on_the_micromanipulator(ramps: Diagnosis) -> None:
     # Issue 4: the paper's model leaves about 0.47 um there, the hold noise is 0.067 um.
     assert ramps.base_rms_um == pytest.approx(0.47, abs=0.02)
     assert ramps.noise.rms_um == pytest.approx(0.067, abs=0.01)

@@ -27,6 +27,7 @@ from hysgen.diagnosis.error_map import spectrum
 from hysgen.diagnosis.probe import Chain, Fit, Scene, Trace, refine
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
+from hysgen.report.words import parameter_text
 
 NOISE_NM = 0.5
 
@@ -48,11 +49,11 @@ def test_command_line_writes_json_of_a_record_with_corrupted_samples(spiked: Rec
     segment = spiked.segments[0]
     columns = (spiked.Ts_s * np.arange(spiked.samples), segment.u_V, segment.y_um)
     rows = zip(*(column.tolist() for column in columns), strict=True)
-    record, told = tmp_path / "spiked.csv", tmp_path / "told.json"
+    record, result = tmp_path / "spiked.csv", tmp_path / "result.json"
     lines = ["time_s,voltage_V,displacement_um", *(f"{t:.9g},{u!r},{y!r}" for t, u, y in rows)]
     record.write_text("\n".join(lines) + "\n")
-    assert main(["diagnose", str(record), "--rules", "2", "--json", str(told)]) == 0
-    outliers, memory = json.loads(told.read_text())["causes"]
+    assert main(["diagnose", str(record), "--rules", "2", "--json", str(result)]) == 0
+    outliers, memory = json.loads(result.read_text())["causes"]
     assert (outliers["name"], memory["name"]) == ("outliers", "memory")
     assert outliers["probe_gain"] is None
     assert outliers["confidence"] is None
@@ -69,17 +70,24 @@ def test_confidence_is_the_share_of_draws_and_nothing_else(found: Diagnosis) -> 
     assert outliers.to_json()["confidence"] is None
 
 
-def test_what_is_not_finite_is_null(found: Diagnosis) -> None:
+def test_a_number_that_is_not_finite_is_null_in_json(found: Diagnosis) -> None:
     unknown = {"per_s": Estimate(1.0, math.inf), "from_s": Estimate(2.0, math.nan)}
     lost = dataclasses.replace(found.causes[1], parameters=unknown, statistic=math.inf)
-    told = json.loads(json.dumps(lost.to_json(), allow_nan=False))
-    assert told["standard_errors"] == {"per_s": None, "from_s": None}
-    assert told["statistic"] is None
+    result = json.loads(json.dumps(lost.to_json(), allow_nan=False))
+    assert result["standard_errors"] == {"per_s": None, "from_s": None}
+    assert result["statistic"] is None
     whole = dataclasses.replace(found, causes=(lost,), probe_rms_um=math.nan)
     assert json.loads(json.dumps(whole.to_json(), allow_nan=False))["probe_rms_um"] is None
 
 
-def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_apart(
+def test_the_unit_of_a_parameter_is_printed_behind_its_value(found: Diagnosis) -> None:
+    rates = {"rate_V_per_s": Estimate(800.0, 3.0), "ramp_um_per_s": Estimate(0.5, math.nan)}
+    memory = dataclasses.replace(found.causes[1], parameters={**rates, "per_s": Estimate(0.1, 0.01)})
+    study: Any = SimpleNamespace(diagnosis=dataclasses.replace(found, causes=(memory,)))
+    assert parameter_text(study, "memory") == "rate 800 ± 3 V/s, ramp 0.5 um/s, per s 0.1 ± 0.01"
+
+
+def test_error_growth_is_as_measured_if_the_likelihood_separates_the_causes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     seen = scene(LAG, 2e-3 * np.linspace(0.0, 1.0, 4000))
@@ -105,11 +113,11 @@ def test_growth_of_the_error_is_as_measured_where_the_likelihood_tells_causes_ap
     [
         (DRIFTING, ("drift",), None),
         (DRIFTING, (), "the error grows only 1.05 times without it"),
-        # A drift that slows down has to be needed 3 times: the likelihood vouches for no more than a ramp needs.
+        # A drift that slows down requires a growth of 3; the likelihood replaces only the growth that a ramp requires.
         (LAG.having(DriftPart(1.0)), ("drift",), "the error grows only 1.05 times without it"),
     ],
 )
-def test_a_cause_that_the_likelihood_tells_apart_is_needed_whatever_its_growth(
+def test_a_cause_that_the_likelihood_separates_is_needed_at_any_error_growth(
     monkeypatch: pytest.MonkeyPatch, chain: Chain, apart: tuple[str, ...], why: str | None
 ) -> None:
     monkeypatch.setattr(procedure, "_eliminate_by_gain", lambda *given: (list(given[3]), {}, []))
@@ -130,7 +138,7 @@ def planted(samples: int) -> tuple[Scene, Fit]:
     return seen, Fit(LAG, np.zeros(1), left_um, 1.0)
 
 
-def test_noise_is_measured_between_neighbours_however_long_the_record() -> None:
+def test_noise_is_estimated_from_neighbours_at_any_length_of_record() -> None:
     """On the rows that are compared, and on the rows of a fit, which looks at one row in twenty-five."""
     seen, fit = planted(300_000)
     part, checked = search.split_rows(seen)
@@ -140,18 +148,18 @@ def test_noise_is_measured_between_neighbours_however_long_the_record() -> None:
     assert 1e3 * residual_noise(fit.error[part.rows]) > 1.2 * NOISE_NM, "the record shows no difference"
 
 
-def test_a_line_is_held_against_its_neighbours_however_long_the_record() -> None:
+def test_a_line_is_compared_with_adjacent_frequencies_at_any_length_of_record() -> None:
     """What stands 1.25 Hz beside a line in 6 s of record is background, also where one row in five is looked at."""
     samples, line_Hz = 60_000, 50.0
     time_s = 1e-4 * np.arange(samples)
     beside_um = np.sin(2.0 * np.pi * (line_Hz + 1.25) * time_s)
     noise_um = 0.1 * np.random.default_rng(4).normal(size=samples)
     seen = Scene((Trace(np.zeros(samples), noise_um, {}),), 1e-4, np.arange(samples), LINEAR)
-    look = SimpleNamespace(fit=SimpleNamespace(error=beside_um + noise_um), scene=seen)
-    dense, _ = periodic._line_significance(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
-    look.scene = search.thinned(seen)
-    assert len(look.scene.rows) == search.MOST_ROWS
-    thinned, _ = periodic._line_significance(look, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
+    residual = SimpleNamespace(fit=SimpleNamespace(error=beside_um + noise_um), scene=seen)
+    dense, _ = periodic._line_significance(residual, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
+    residual.scene = search.thinned(seen)
+    assert len(residual.scene.rows) == search.MOST_ROWS
+    thinned, _ = periodic._line_significance(residual, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
     assert thinned == pytest.approx(dense, rel=0.1)
 
 
@@ -159,7 +167,7 @@ def test_spectrum_of_two_samples_is_finite() -> None:
     assert np.isfinite(spectrum(np.array([1.0, -1.0]), 1e-3).rms_um).all()
 
 
-def test_noise_of_a_sensor_that_resolves_no_more_than_its_noise() -> None:
+def test_noise_of_a_sensor_whose_resolution_equals_its_noise() -> None:
     """The median of differences that are whole steps is a whole step: 0.60 nm for 0.52 nm behind steps of 1 nm."""
     rng = np.random.default_rng(5)
     left_nm = np.round(rng.normal(scale=0.43, size=40_000) + 40.0 * np.sin(np.arange(40_000) / 3000.0))

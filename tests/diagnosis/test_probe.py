@@ -58,7 +58,7 @@ def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: fl
 
 
 @pytest.mark.parametrize(("columns", "late"), [(1, 0), (2, 3), (5, -4), (8, 1), (9, 250), (3, -250)])
-def test_all_columns_pass_through_creep_and_filters_like_one(columns: int, late: int) -> None:
+def test_the_response_of_many_columns_equals_that_of_each_column(columns: int, late: int) -> None:
     """Whatever their number and the delay, every column is what SciPy's filters make of it, in its own place."""
     rng = np.random.default_rng(columns)
     h = np.cumsum(rng.normal(size=(columns, 200)), axis=1) + 5.0
@@ -86,7 +86,7 @@ def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
     assert crept[-1] > 0.1
 
 
-def test_rate_limiter_reaches_every_level_it_can_and_never_faster() -> None:
+def test_rate_limiter_reaches_every_level_within_its_rate() -> None:
     u_V = np.array([0.0, 5.0, 5.0, 5.0, -1.0, 9.0])
     np.testing.assert_array_equal(rate_limited(u_V, 2.0), [0.0, 2.0, 4.0, 5.0, 3.0, 5.0])
 
@@ -112,7 +112,7 @@ def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
     np.testing.assert_allclose(again.at(chain.coordinates()).coordinates(), chain.coordinates(), rtol=1e-14)
 
 
-def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
+def test_delay_and_its_standard_error_agree_with_repeated_noise() -> None:
     rng = np.random.default_rng(2)
     u_V = np.cumsum(rng.normal(size=3000)) * 0.3
     clean = 0.1 * respond(u_V, Chain(6e-3, (DelayPart(1.7),)), TS_S)
@@ -130,7 +130,7 @@ def test_delay_and_its_standard_error_hold_over_repeated_noise() -> None:
     assert 0.5 < np.mean(errors) / np.std(found, ddof=1) < 2.0
 
 
-def test_error_behind_a_standard_error_is_that_of_a_fit_that_left_the_block_out() -> None:
+def test_the_residual_of_a_standard_error_is_that_of_a_fit_without_the_block() -> None:
     rng = np.random.default_rng(4)
     columns, y_um = rng.normal(size=(30, 800)), rng.normal(size=800)
     fitted = y_um - np.linalg.lstsq(columns.T, y_um)[0] @ columns
@@ -142,7 +142,7 @@ def test_error_behind_a_standard_error_is_that_of_a_fit_that_left_the_block_out(
     np.testing.assert_allclose(block_left_out_error(columns, fitted), expected, atol=1e-7)
 
 
-def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() -> None:
+def test_isolated_finds_single_and_paired_corrupted_samples_and_no_steps() -> None:
     rng = np.random.default_rng(3)
     error_um = 0.01 * rng.normal(size=2000)
     error_um[1000:] += 1.0
@@ -157,7 +157,7 @@ def test_isolated_finds_corrupted_samples_alone_and_in_pairs_and_spares_steps() 
 
 
 @pytest.mark.parametrize("u_V", [-10.0, 3.0, 40.0, 85.0])
-def test_middle_of_the_loops_is_that_of_the_widest_one(u_V: float) -> None:
+def test_the_mean_of_the_branches_is_that_of_the_major_loop(u_V: float) -> None:
     operator = Operator(-10.0, 90.0)
     weights = np.random.default_rng(3).normal(size=operator.size)
     weights[-2 * len(operator.reaches) :] = 0.0
@@ -168,7 +168,7 @@ def test_middle_of_the_loops_is_that_of_the_widest_one(u_V: float) -> None:
     assert weights @ operator.at(u_V) == pytest.approx(0.5 * np.interp(u_V, rise_V, down + up), abs=1e-6)
 
 
-def test_outside_the_range_the_stage_goes_on_along_the_line_through_the_ends_of_the_widest_loop() -> None:
+def test_outside_the_range_the_operator_extrapolates_along_the_ends_of_the_major_loop() -> None:
     operator = Operator(20.0, 100.0)
     weights = np.random.default_rng(4).normal(size=operator.size)
     low, high, outside = (weights @ operator.at(u_V) for u_V in (20.0, 100.0, 0.0))

@@ -1,4 +1,4 @@
-"""Slow causes told apart, what pays, and how far a command leads: the decisions of the diagnosis, each seen alone."""
+"""Slow causes result apart, what pays, and how far a command leads: the decisions of the diagnosis, each seen alone."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def drifting(course_um: Floats, seed: int = 5) -> Scene:
     return Scene((Trace(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), operator)
 
 
-def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
+def test_drift_that_slows_down_is_found_with_its_parameters() -> None:
     t_s = TS_S * np.arange(SAMPLES)
     scene = drifting(0.1 * np.log10(1.0 + t_s / 0.2))
     found = search(scene)
@@ -54,7 +54,7 @@ def test_drift_that_slows_down_is_found_with_its_size_and_its_course() -> None:
     assert np.abs(course - 0.1 * np.log10(1.0 + 2.0 * t_s / 0.2)).max() < 0.01
 
 
-def test_drift_and_aging_beside_each_other_are_of_one_fit() -> None:
+def test_drift_and_aging_are_fitted_jointly() -> None:
     """Each takes what the other leaves: the aging of one fit beside the ramp of another adds up to neither."""
     hidden = built(drift=(0.05, 0.0), aging=(-0.03, 6.0))
     prepared = prepare(measured(hidden))
@@ -78,14 +78,14 @@ def test_drift_at_one_rate_stays_a_ramp() -> None:
 
 
 @pytest.mark.slow
-def test_a_slow_cause_without_a_sound_signature_makes_room_for_the_one_that_has_it() -> None:
+def test_a_slow_cause_whose_signature_fails_is_swapped_for_one_whose_signature_holds() -> None:
     # The probe first explains this change of gain by creep whose sign or decades make no sense.
     naming = name_causes(record_of("aging", 0))
     assert naming.names == ("memory", "aging")
 
 
-def test_aging_is_looked_for_with_either_sign() -> None:
-    """Hysteresis that was fitted without aging has bent towards it: the wrong sign is a minimum too."""
+def test_aging_has_starting_values_of_both_signs() -> None:
+    """The fit with the wrong sign is a local minimum, because the hysteresis has absorbed part of the aging."""
     hidden = scenario("aging", 5)
     scene = prepared_of("aging", 5).scene()
     part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
@@ -98,12 +98,10 @@ def test_aging_is_looked_for_with_either_sign() -> None:
 
 
 @pytest.mark.parametrize(("lag_s", "lag"), [(1e-5, 0.3), (0.012, 12.0), (0.05, 50.0)])
-def test_rows_that_count_begin_when_the_first_stroke_has_faded_and_end_before_the_last_readings(
-    lag_s: float, lag: float
-) -> None:
+def test_training_rows_begin_after_the_burn_in_and_end_before_the_last_readings(lag_s: float, lag: float) -> None:
     u_V = 50.0 - 50.0 * np.cos(2.0 * np.pi * np.arange(6000) / 1000.0)
     prepared = prepare(Record.from_arrays(u_V, 0.1 * respond(u_V, Chain(lag_s), TS_S), TS_S), identify=0.5)
-    # A cosine has come through 0.98 of its range after 455 samples; what lags fades in at most 0.03 * 6000 more.
+    # A cosine covers 0.98 of its range after 455 samples; the burn-in of the lag adds at most 0.03 * 6000 samples.
     for rows, lags in ((prepared.training_rows, 3.0), (prepared.scene().rows, 8.0)):
         assert 0.8 * min(lags * lag, 180.0) <= rows[0] - 455 <= min(1.3 * lags * lag + 1.0, 180.0)
         assert rows[-1] == 3000 - 3
@@ -116,10 +114,10 @@ def test_a_cut_before_the_input_has_run_through_its_range_is_refused() -> None:
         prepare(Record.from_arrays(u_V, 0.1 * u_V, TS_S), identify=500 / 6000)
 
 
-def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
+def test_one_block_with_a_large_error_does_not_determine_the_confidence() -> None:
     rng = np.random.default_rng(1)
     before, after = rng.normal(size=2400), 0.5 * rng.normal(size=2400)
-    after[600:700] *= 40.0  # a stroke that this fit never saw
+    after[600:700] *= 40.0  # a stroke wider than all fitted strokes
     assert gain(before, after).fall_um < 0.0
     assert blockwise_confidence(before, after) > 0.99
     assert blockwise_confidence(after, before) < 0.01
@@ -128,7 +126,7 @@ def test_one_wild_block_does_not_decide_whether_an_extension_pays() -> None:
     assert blockwise_confidence(before, 0.99 * before, 0.02) == 0.0
 
 
-def test_a_quiet_block_that_gets_worse_does_not_decide_either() -> None:
+def test_one_block_with_a_negligible_error_does_not_determine_the_confidence() -> None:
     rng = np.random.default_rng(2)
     before = rng.normal(size=2400)
     before[1200:1600] *= 0.01  # nothing moves here
@@ -142,7 +140,7 @@ def test_a_quiet_block_that_gets_worse_does_not_decide_either() -> None:
     assert gain(before, after, 0.3).confidence == 0.0
 
 
-def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> None:
+def test_the_grid_covers_a_plateau_that_the_identification_part_only_reaches() -> None:
     u_V = np.concatenate([50.0 + 30.0 * np.sin(np.arange(4000) / 150.0), np.full(1500, 100.0), np.full(500, 0.0)])
     u_V[700:706] = 100.0  # a pulse too short for the lag
     u_V[900:906] = 0.0
@@ -155,7 +153,7 @@ def test_grid_covers_a_plateau_that_the_identification_part_only_touched() -> No
     assert low_um < seen[0]
 
 
-def test_refining_a_slow_drift_keeps_its_beginning_inside_the_record() -> None:
+def test_refinement_keeps_the_start_of_a_drift_within_its_bounds() -> None:
     scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
     fit = refine(scene, Chain(4e-3, (DriftPart(0.1),), memory=False))
     (drift,) = fit.chain.parts

@@ -53,9 +53,9 @@ def test_innovations_have_the_likelihood_of_the_dense_covariance(seed: int, misf
     assert np.log(variance[rows]).sum() == pytest.approx(np.linalg.slogdet(covariance)[1], rel=1e-9, abs=1e-9)
 
 
-def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() -> None:
+def test_creep_is_identified_from_plateaus_beside_a_coarse_hysteresis() -> None:
     """150 relays jump where no smooth density does; what that leaves takes the place of creep, unless it rests too."""
-    plain, told = [], []
+    plain, result = [], []
     for seed in range(6):
         hysteresis = Relays(Density(40.0, 55.0, 15.0, 65.0), 0.4, count=150)
         stage = Stage(stroke_um=15.0, lag_s=8e-3, memory=hysteresis, noise=Noise(5e-4))
@@ -66,9 +66,9 @@ def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() 
         signature = causes()["creep"].signature(Residual(seen, fit), fit)
         if signature.holds:
             plain.append(abs((fit.chain.parts[0].values[0]) / 0.006 - 1.0))
-            told.append(abs(signature.parameters["per_decade"].value / 0.006 - 1.0))
-    assert len(told) >= 4
-    assert max(told) < 0.15
+            result.append(abs(signature.parameters["per_decade"].value / 0.006 - 1.0))
+    assert len(result) >= 4
+    assert max(result) < 0.15
     assert max(plain) > 0.5
 
 
@@ -83,21 +83,21 @@ def test_creep_is_told_by_plateaus_where_few_relays_leave_a_coarse_hysteresis() 
         (LAG, AGED_UM, AGING, "aging"),
     ],
 )
-def test_a_slow_cause_makes_room_for_one_that_is_far_likelier(
+def test_a_slow_cause_is_swapped_for_one_with_a_much_larger_likelihood(
     hidden: Chain, more_um: Floats | float, wrong: Chain, right: str
 ) -> None:
     seen = scene(hidden, more_um)
     assert present(likeliest_slow_causes(seen, refine(seen, wrong))) == [right]
 
 
-def test_slow_causes_that_are_all_sound_stay() -> None:
+def test_slow_causes_whose_signatures_all_hold_are_kept() -> None:
     seen = scene(CREEP, 0.01 * T_S / SPAN_S)
     both = refine(seen, CREEP.having(DriftPart()))
     assert likeliest_slow_causes(seen, both) == both.chain
 
 
 @pytest.mark.parametrize("right", [["drift"], ["creep"], ["aging", "drift"]])
-def test_slow_causes_that_are_not_all_sound_go_for_those_that_are(right: list[str]) -> None:
+def test_slow_causes_are_swapped_if_one_signature_does_not_hold(right: list[str]) -> None:
     more_um = (0.1 * T_S / SPAN_S if "drift" in right else 0.0) + (AGED_UM if "aging" in right else 0.0)
     seen = scene(CREEP if "creep" in right else LAG, more_um)
     wrong = LAG.having(CreepPart(0.001, 0.05)).having(AgingPart(1e-5))
@@ -105,7 +105,7 @@ def test_slow_causes_that_are_not_all_sound_go_for_those_that_are(right: list[st
     assert sorted(present(chain)) == right
 
 
-def test_a_drift_beside_creep_is_needed_though_creep_could_do_its_work() -> None:
+def test_a_drift_beside_creep_is_needed_by_the_likelihood() -> None:
     for more_um, needed in ((0.004 * T_S / SPAN_S, ["creep", "drift"]), (0.0, ["creep"])):
         seen = scene(CREEP, more_um)
         both = refine(seen, CREEP.having(DriftPart()))
@@ -114,11 +114,11 @@ def test_a_drift_beside_creep_is_needed_though_creep_could_do_its_work() -> None
         assert compare_likelihood(seen, rivals["drift"], {}) == []
 
 
-def test_samples_that_do_not_count_tell_nothing() -> None:
+def test_unused_samples_do_not_change_the_innovations() -> None:
     seen = scene(CREEP)
     rows = seen.rows[seen.rows % 100 != 0]
-    wild_um = seen.y_um.copy()
-    wild_um[::100] += 50.0
-    wild = dataclasses.replace(seen, runs=(dataclasses.replace(seen.runs[0], y_um=wild_um),))
-    chains = [whitened_fit(one.using(rows), refine(one.using(rows), CREEP))[1].chain for one in (seen, wild)]
+    spiked_um = seen.y_um.copy()
+    spiked_um[::100] += 50.0
+    spiked = dataclasses.replace(seen, runs=(dataclasses.replace(seen.runs[0], y_um=spiked_um),))
+    chains = [whitened_fit(one.using(rows), refine(one.using(rows), CREEP))[1].chain for one in (seen, spiked)]
     assert chains[0] == chains[1]

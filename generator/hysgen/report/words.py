@@ -17,8 +17,20 @@ from hysgen.display import table
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model.model import Model
 
-UNITS = ("um", "V", "s", "Hz", "samples")
-"""Units at the end of parameter names."""
+UNITS = {
+    "um_per_decade": "um per decade",
+    "um_per_unit": "um per unit",
+    "um_per_s": "um/s",
+    "V_per_s": "V/s",
+    "per_decade": "per decade",
+    "per_s": "1/s",
+    "um": "um",
+    "V": "V",
+    "s": "s",
+    "Hz": "Hz",
+    "samples": "samples",
+}
+"""Unit by the end of a parameter's name, the longest first."""
 
 SMALLEST_SHARE = 0.005
 """Share of the error's power below which the verdict gives a cause no percentage of its own."""
@@ -136,11 +148,11 @@ def where_rows(study: Study) -> list[list[str]]:
 
 
 def _with_unit(key: str, estimate: Estimate) -> str:
-    """A parameter as text: the unit moves from the end of its name to behind the number."""
-    stem, _, unit = key.rpartition("_")
-    name, unit = (stem.replace("_", " "), f" {unit}") if unit in UNITS and stem else (key.replace("_", " "), "")
+    """A parameter as text: name, value, standard error and unit; a name that is only a unit does not change."""
+    end = next((end for end in UNITS if key == end or key.endswith(f"_{end}")), key)
+    name, unit = (key, "") if key == end else (key.removesuffix(f"_{end}"), f" {UNITS[end]}")
     error = f" ± {estimate.standard_error:.2g}" if math.isfinite(estimate.standard_error) else ""
-    return f"{name} {estimate.value:.4g}{error}{unit}"
+    return f"{name.replace('_', ' ')} {estimate.value:.4g}{error}{unit}"
 
 
 def _percent(value: float) -> str:
