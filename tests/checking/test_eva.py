@@ -8,21 +8,24 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import pytest
 
 from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.tools import need
+from hysgen.checking.proof.eva import calls, commit, learn
 from hysgen.checking.proof.eva.calls import prove_call, step
 from hysgen.checking.proof.eva.commit import prove_commit
 from hysgen.checking.proof.eva.contract import check_contract
 from hysgen.checking.proof.eva.frama import Floats, analyse
 from hysgen.checking.proof.eva.guards import GUARDS, Guard, guards, without
-from hysgen.checking.proof.eva.learn import learn_step, prove_update, update_step
+from hysgen.checking.proof.eva.hooked import hooked
+from hysgen.checking.proof.eva.learn import prove_update, update_step
 from hysgen.checking.proof.eva.report import prove, proved
-from hysgen.checking.proof.eva.splits import annotated, splits
-from hysgen.codegen import Options, generate
+from hysgen.checking.proof.eva.splits import case_lines, splits
+from hysgen.codegen import Options, generate, marked_source
+from hysgen.codegen.hooks import HOOK
 from hysgen.errors import BuildError, ModelError
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
@@ -145,28 +148,43 @@ def test_every_guard_stands_in_one_of_two_models() -> None:
 
 def test_cases_leave_the_generated_text_as_it_is() -> None:
     generated = texts("everything")["everything.c"]
-    looked_at = annotated("everything", generated, splits(model("everything"), 1048576.0))
-    assert looked_at != generated
+    looked_at = hooked(model("everything"), texts("everything"), case_lines(splits(model("everything"), 1048576.0)))
+    assert looked_at.count("/*@ ghost") > 20
     assert re.sub(r"    /\*@ ghost .* \*/\n", "", looked_at) == generated
 
 
-def test_a_case_whose_place_is_gone_is_an_error() -> None:
-    altered = texts("appendix_a")["appendix_a.c"].replace("const uint32_t below = ", "const uint32_t under = ")
-    with pytest.raises(ModelError, match="limited: no line"):
-        annotated("appendix_a", altered, splits(model("appendix_a"), 1048576.0))
+def test_the_proof_and_the_templates_name_the_same_hooks(monkeypatch: pytest.MonkeyPatch) -> None:
+    learner, generated = model("everything"), texts("everything")
+    named: set[str] = set()
+
+    def recorded(model: Model, texts: Mapping[str, str], lines: Mapping[str, Sequence[str]]) -> str:
+        named.update(lines)
+        return hooked(model, texts, lines)
+
+    for module in (calls, learn, commit):
+        monkeypatch.setattr(module, "hooked", recorded)
+    calls.step(learner, generated, "inverse", "any")
+    learn.learn_step(learner, generated, "learn")
+    commit.commit_step(learner, generated)
+    marked = marked_source(learner, inverse=True).splitlines()
+    assert named == {line.removeprefix(HOOK) for line in marked if line.startswith(HOOK)}
+
+
+def test_a_hook_whose_lines_are_gone_is_an_error() -> None:
+    altered = texts("appendix_a")["appendix_a.c"]
+    for line in ("const uint32_t below = ", "const uint32_t above = "):
+        altered = altered.replace(line, line.replace("_t ", "_t the_"))
+    lines = case_lines(splits(model("appendix_a"), 1048576.0))
+    with pytest.raises(ModelError, match="hook `limited: below`"):
+        hooked(model("appendix_a"), {**texts("appendix_a"), "appendix_a.c": altered}, lines)
 
 
 def test_a_learner_whose_lines_are_gone_is_an_error() -> None:
-    generated = texts("learning")
-
-    def altered(line: str, other: str) -> Mapping[str, str]:
-        assert line in generated["learning.c"]
-        return {**generated, "learning.c": generated["learning.c"].replace(line, other)}
-
-    with pytest.raises(ModelError, match="learn: no line"):
-        learn_step(model("learning"), altered("    self->fresh = 0u;", "    self->fresh &= 0u;"), "learn")
+    generated = texts("learning")["learning.c"]
+    altered = generated.replace("self->theta[17] = sum17;", "self->theta[17] = (sum17);")
+    assert altered != generated
     with pytest.raises(ModelError, match="step: its parameters"):
-        update_step(model("learning"), altered("self->theta[17] = sum17;", "self->theta[17] = (sum17);"))
+        update_step(model("learning"), {**texts("learning"), "learning.c": altered})
 
 
 def test_what_is_not_c_and_what_never_ends_is_refused() -> None:

@@ -30,7 +30,7 @@ from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 
-__all__ = ["Options", "generate", "write"]
+__all__ = ["Options", "generate", "marked_source", "write"]
 
 ERROR_SAMPLES: Final = 20_000
 ERROR_DIGITS: Final = 6
@@ -67,19 +67,16 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     numbers = coefficients(model)
     upper = model.name.upper()
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
-    features = [feature for build in FEATURES if (feature := build(model, numbers, certificates)) is not None]
+    facts = _algorithm_facts(model, numbers, certificates, inverse=chosen.inverse)
+    features = facts["features"]
     sections = [range_section(numbers), rule_section(numbers, upper), *block_sections(model)]
     sections += term_sections(model, numbers, upper)
     sections += [section for feature in features for section in feature.sections]
-    facts = context(model, numbers) | {
-        "inverse": chosen.inverse,
+    facts |= {
         "prototypes": interface(model, inverse=chosen.inverse).prototypes,
-        "features": features,
         "sections": [*sections, error_section(errors, inverse=chosen.inverse)],
         "chains": chains(model, inverse=chosen.inverse),
     }
-    for feature in features:
-        facts |= feature.facts
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
     found = figures(model.name, _firmware(model.name, facts, {}, {}))
     cycles = cycles_of(found.operations, chosen.cycles)
@@ -100,10 +97,27 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     return texts | {MANIFEST: manifest(model, texts, summary)}
 
 
+def marked_source(model: Model, *, inverse: bool) -> str:
+    """The text of `<name>.c` with a line for every hook of its templates (hooks.py), otherwise that of `generate`."""
+    facts = _algorithm_facts(model, coefficients(model), certify(model), inverse=inverse)
+    return render("source.c.j2", facts, marked=True)
+
+
 def write(texts: Mapping[str, str], folder: Path) -> None:
     """Write the files into `folder`, the manifest last; an interrupted write leaves no partial file."""
     for name in sorted(texts, key=lambda name: name == MANIFEST):
         write_whole(folder / name, texts[name])
+
+
+def _algorithm_facts(
+    model: Model, numbers: Coefficients, certificates: Certificates, *, inverse: bool
+) -> dict[str, Any]:
+    """The variables of `source.c.j2`: of the model, of its features and whether there is an inverse."""
+    features = [feature for build in FEATURES if (feature := build(model, numbers, certificates)) is not None]
+    facts = context(model, numbers) | {"inverse": inverse, "features": features}
+    for feature in features:
+        facts |= feature.facts
+    return facts
 
 
 def _require_inverse(model: Model, certificates: Certificates) -> None:

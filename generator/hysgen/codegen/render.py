@@ -10,6 +10,7 @@ from typing import Any
 import jinja2
 import numpy as np
 
+from hysgen.codegen.hooks import Hook, MarkedHook
 from hysgen.codegen.parameters import Constant, Section, bits, literal
 from hysgen.codegen.polynomials import Sum, pairs, polynomial, powers, squares
 from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, part_struct, rows, terms_struct
@@ -178,9 +179,12 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
     }
 
 
-def render(template: str, facts: Mapping[str, Any]) -> str:
-    """The text of `template` with the variables `facts`. Raises jinja2.UndefinedError for one without a value."""
-    return _environment().get_template(template).render(facts)
+def render(template: str, facts: Mapping[str, Any], *, marked: bool = False) -> str:
+    """The text of `template` with the variables `facts`; marked: with a line for every hook (hooks.py).
+
+    Raises jinja2.UndefinedError for a variable without a value.
+    """
+    return _environment(marked).get_template(template).render(facts)
 
 
 def aligned(constants: Sequence[Constant], upper: str) -> list[str]:
@@ -256,9 +260,10 @@ def _arithmetic() -> dict[str, Any]:
     }
 
 
-@functools.lru_cache(maxsize=1)
-def _environment() -> jinja2.Environment:
+@functools.lru_cache(maxsize=2)
+def _environment(marked: bool) -> jinja2.Environment:
     environment = template_environment(autoescape=False)
+    environment.add_extension(MarkedHook if marked else Hook)
     environment.filters |= {
         "literal": literal,
         "aligned": aligned,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from hysgen.checking.proof.eva.banks import told_gain
 from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.frama import Floats, Verdict, analyse
-from hysgen.checking.proof.eva.splits import annotated, splits
+from hysgen.checking.proof.eva.hooked import hooked
+from hysgen.checking.proof.eva.splits import case_lines, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, bank_words, between, instance_words
 from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
@@ -21,6 +21,15 @@ ENTRY: Final = "step.c"
 
 FUNCTIONS: Final[Mapping[str, int]] = {"init": 2, "predict": 2, "simulate": 1, "inverse": 2, "aux": 0}
 """Functions of an instance, and how many floats they take."""
+
+
+FINITE_CHECKED: Final[Mapping[str, Sequence[str]]] = {
+    f"is_finite: {word}": [rf"    //@ check finite: \is_finite({word});"] for word in ("finite", "y", "u_finite")
+}
+"""A check behind every input that was looked at, by hook: from there on it is finite, whatever came in.
+
+With it the rest of the call is what the proof for finite inputs has seen.
+"""
 
 
 def functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
@@ -37,11 +46,12 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
     name, known = model.name, instance_words(model, texts)
     banks = [] if function == "init" else bank_words(model)
     floats = {"finite": between(ANY), "any": f"{name}_float({ANY_WORD})"}
-    source = annotated(name, texts[f"{name}.c"], splits(model, KEPT))
+    lines: dict[str, Sequence[str]] = {**case_lines(splits(model, KEPT))}
     if inputs == "any":
-        source = finite_checked(name, source)
+        lines |= FINITE_CHECKED
     if function == "inverse" and banks:
-        source = told_gain(model, source)
+        lines |= {"inverse: sums": [told_gain(model)]}
+    source = hooked(model, texts, lines)
     facts = {
         "name": name,
         "function": function,
@@ -59,12 +69,3 @@ def prove_call(model: Model, texts: Mapping[str, str], function: str, inputs: Fl
     """What Eva says of one call, and how many checks it must have come to."""
     sources, checks = step(model, texts, function, inputs)
     return analyse(sources, ENTRY, inputs), checks
-
-
-def finite_checked(name: str, source: str) -> str:
-    r"""`source` with a check behind every input that was looked at: from there on it is finite, whatever came in.
-
-    With it the rest of the call is what the proof for finite inputs has seen.
-    """
-    pattern = rf"^(    const float (\w+) = {name}_finite\(.*\);)$"
-    return re.sub(pattern, r"\1\n    //@ check finite: \\is_finite(\2);", source, flags=re.MULTILINE)

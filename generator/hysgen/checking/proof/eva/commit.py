@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 from hysgen.certify.certificates import certify
@@ -11,8 +10,9 @@ from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY
 from hysgen.checking.proof.eva.contracts import with_beyond
 from hysgen.checking.proof.eva.frama import Verdict, analyse
+from hysgen.checking.proof.eva.hooked import hooked
 from hysgen.checking.proof.eva.learner_box import PARAMETERS, REMAINDERS
-from hysgen.checking.proof.eva.splits import Split, annotated, signs, splits
+from hysgen.checking.proof.eva.splits import Split, case_lines, signs, splits
 from hysgen.checking.proof.eva.states import float_word, integer_word
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
@@ -43,10 +43,10 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     known += [integer_word("self", "active", 1), integer_word("learner", "candidate.phase", 3)]
     known += [integer_word("learner", "age")]
     facts = {"name": name, "words": known, "points": points}
-    source = with_beyond(name, annotated(name, texts[f"{name}.c"], [*splits(model, KEPT), *_commit_splits(name)]))
     # Asked where commit returns, case by case: afterwards the cases are taken together.
-    left = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */\n"
-    source = re.sub(rf"^(uint32_t {name}_commit\()", lambda match: left + match[1], source, flags=re.MULTILINE)
+    left = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
+    lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [left]}
+    source = with_beyond(name, hooked(model, texts, lines))
     checks = sum(word.demanded != "" for word in known) + 1
     return {**texts, f"{name}.c": source, ENTRY: render("proof/commit.c.j2", facts)}, checks
 
@@ -64,5 +64,5 @@ def _commit_splits(name: str) -> list[Split]:
         *(Split(function, signs(x)) for function in ("lesser", "greater") for x in ("a", "b")),
         Split("lesser", ("b < a",)),
         Split("greater", ("b <= a",)),
-        Split("commit", (f"candidate->point < {name.upper()}_COMMIT_POINTS",), "candidate->point += 1u"),
+        Split("commit: point", (f"candidate->point < {name.upper()}_COMMIT_POINTS",)),
     ]

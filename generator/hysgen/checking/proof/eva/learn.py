@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from hysgen.checking.proof.eva.banks import bank_box
 from hysgen.checking.proof.eva.boxes import KEPT
-from hysgen.checking.proof.eva.calls import ENTRY, finite_checked
+from hysgen.checking.proof.eva.calls import ENTRY, FINITE_CHECKED
 from hysgen.checking.proof.eva.contracts import (
     LOOKED_AT,
     WRITES,
@@ -21,9 +21,10 @@ from hysgen.checking.proof.eva.contracts import (
     with_contracts,
 )
 from hysgen.checking.proof.eva.frama import Verdict, analyse
+from hysgen.checking.proof.eva.hooked import hooked
 from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.checking.proof.eva.learner_box import WILD, LearnerBox, learner_box
-from hysgen.checking.proof.eva.splits import Join, Split, annotated, displacements, joined, signs, splits
+from hysgen.checking.proof.eva.splits import Join, Split, case_lines, displacements, signs, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, assumed, bank_words, float_word, instance_words
 from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
@@ -58,9 +59,8 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
         "scalars": ["per_alpha"],
         "any": f"{name}_float({ANY_WORD})",
     }
-    source = annotated(name, texts[f"{name}.c"], [*splits(model, KEPT), *_learn_splits(model)])
-    source = joined(name, source, _joins(model, box))
-    source = with_contracts(name, texts, finite_checked(name, source))
+    lines = case_lines([*splits(model, KEPT), *_learn_splits(model)], _joins(model, box))
+    source = with_contracts(name, texts, hooked(model, texts, {**lines, **FINITE_CHECKED}))
     checks = sum(word.demanded != "" for word in known)
     return {**texts, f"{name}.c": source, ENTRY: render("proof/learn.c.j2", facts)}, checks
 
@@ -107,11 +107,11 @@ def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
 
 def _learn_splits(model: Model) -> list[Split]:
     return [
-        Split("learn", _plausible(model), "const float y = "),
-        Split("store_regressors", displacements(coefficients(model)), "const float y = "),
+        Split("learn: y", _plausible(model)),
+        Split("store_regressors: y", displacements(coefficients(model))),
         Split("restart_needed", signs("moved")),
-        Split("begin", ("sliding == 0u",), "const uint32_t sliding = "),
-        Split("admit", signs("e"), "const float e = "),
+        Split("begin: sliding", ("sliding == 0u",)),
+        Split("admit: e", signs("e")),
         Split("limited", ("x <= high",)),
     ]
 
@@ -121,17 +121,17 @@ def _joins(model: Model, box: LearnerBox) -> list[Join]:
     levels = {level.path: level for level in box.levels}
     low, high = (hexadecimal(end) for end in (model.u_min_V, model.u_max_V))
     return [
-        Join("learn", "const float away", kept=(f"self->mean_u_V < {low}", f"self->mean_u_V <= {high}", "usable")),
-        Join("learn", r"if \(self->phase != 0u\)"),
-        Join("learn", "self->fresh = "),
+        Join("learn: away", kept=(f"self->mean_u_V < {low}", f"self->mean_u_V <= {high}", "usable")),
+        Join("learn: update"),
+        Join("learn: fresh"),
         *(
-            Join("restart_needed", f"self->{path} = ", levels[path].borders)
+            Join(f"restart_needed: {path}", levels[path].borders)
             for path in ("moving_um", "error", "reference_error", "step_error")
         ),
-        Join("restart_needed", "return "),
-        Join("admit", "if ", levels["scale_um"].borders),
-        Join("admit", "self->run = "),
-        Join("store_regressors", r"(?:const float [yu]_share|self->x\[0\]) = "),
+        Join("restart_needed: return"),
+        Join("admit: scale", levels["scale_um"].borders),
+        Join("admit: run"),
+        Join("store_regressors: x"),
     ]
 
 

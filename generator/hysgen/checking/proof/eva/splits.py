@@ -3,13 +3,12 @@
 Eva knows an interval of every number and no relation between numbers. Code without branches decides by masks, and
 Newton's iteration converges because its seed belongs to its argument: both are relations. Looked at case by case (the
 sign of x, between which two numbers it lies) every mask is a constant and every seed a narrow interval. The cases are
-ghost branches with nothing in them: they assert nothing, all of them together are all there are, and the C around them
-is the generated text to the byte.
+ghost branches with nothing in them, at the hooks of the templates: they assert nothing, all of them together are all
+there are, and the C around them is the generated text to the byte.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -18,7 +17,6 @@ import numpy as np
 
 from hysgen.checking.proof.eva.banks import committed_gain
 from hysgen.checking.proof.eva.intervals import hexadecimal
-from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.model.float32_constants import INFINITY_BITS, LEAST, POWER_LIMIT
 from hysgen.model.intervals import Interval
@@ -35,14 +33,13 @@ PIECES_OF_SUM: Final = 6
 
 @dataclass(frozen=True)
 class Split:
-    """Cases that `function` is looked at in, from behind `anchor` on; without one, from its start.
+    """Cases that the analysis distinguishes from a hook of the templates on.
 
-    borders: conditions on one number, C text, each true wherever the one before it is.
+    hook: name of the hook. borders: conditions on one number, C text, each true wherever the one before it is.
     """
 
-    function: str
+    hook: str
     borders: tuple[str, ...]
-    anchor: str = ""
 
 
 def splits(model: Model, kept: float) -> list[Split]:
@@ -54,76 +51,51 @@ def splits(model: Model, kept: float) -> list[Split]:
     least, limit = (_bits(size) for size in (float(LEAST), kept))
     found = [
         *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited")),
-        Split("finite", _magnitudes(least, INFINITY_BITS), "const uint32_t bits = "),
+        Split("finite: bits", _magnitudes(least, INFINITY_BITS)),
         Split("finite", signs("held")),
-        Split("flushed", _magnitudes(least), "const uint32_t bits = "),
-        Split("inside", _magnitudes(limit), "const uint32_t bits = "),
+        Split("flushed: bits", _magnitudes(least)),
+        Split("inside: bits", _magnitudes(limit)),
         Split("limited", signs("low")),
         Split("limited", signs("high")),
-        Split("limited", ("below == 0u",), "const uint32_t below = "),
-        Split("limited", ("above == 0u",), "const uint32_t above = "),
+        Split("limited: below", ("below == 0u",)),
+        Split("limited: above", ("above == 0u",)),
         Split("power_of_two", _roundings("x", POWER_LIMIT)),
         Split("reciprocal", _octaves("x", _sums_range(model))),
         Split("accumulate", _pieces("*high", Interval(-kept, kept), PIECES_OF_SUM)),
-        Split("accumulate", _pieces("t", Interval(-kept, kept), PIECES_OF_SUM), "const float t = *low + step;"),
-        Split("cosine_sine", tuple(f"quadrant < {k}u" for k in range(1, 4)), "const uint32_t quadrant = "),
-        Split("cosine_sine", signs("r"), "const float r = "),
+        Split("accumulate: t", _pieces("t", Interval(-kept, kept), PIECES_OF_SUM)),
+        Split("cosine_sine: quadrant", tuple(f"quadrant < {k}u" for k in range(1, 4))),
+        Split("cosine_sine: r", signs("r")),
         Split("coupling_channel", signs("self->sample[c][0]")),
-        Split("coupling_channel", ("rejected == 0u",), "const float finite = "),
-        Split("coupling_channel", _around("inside", f"{model.name}_coupling_middle[c]"), "const float inside = "),
+        Split("coupling_channel: finite", ("rejected == 0u",)),
+        Split("coupling_channel: inside", _around("inside", f"{model.name}_coupling_middle[c]")),
     ]
     for function in ("predict", "simulate", "inverse"):
-        found.append(Split(function, displacements(numbers), "const float y = "))
+        found.append(Split(f"{function}: y", displacements(numbers)))
     return found
-
-
-def annotated(name: str, text: str, where: Sequence[Split]) -> str:
-    """`text` of `<name>.c` with the cases of those splits whose functions it has.
-
-    Raises ModelError if an anchor is not found: then the generated text has changed under the proof.
-    """
-    for split in reversed(where):
-        found = re.search(rf"^[^\n/]*\b{name}_{split.function}\([^;{{]*\)\n\{{\n", text, re.MULTILINE)
-        if found is None:
-            continue
-        place = found.end()
-        if split.anchor:
-            anchor = text.find(split.anchor, place, text.index("\n}\n", place))
-            if anchor < 0:
-                raise ModelError(f"{name}_{split.function}: no line `{split.anchor}` to split at; adapt the proof")
-            place = text.index(";\n", anchor) + 2
-        text = f"{text[:place]}    /*@ ghost {_tree(split.borders)} */\n{text[place:]}"
-    return text
 
 
 @dataclass(frozen=True)
 class Join:
-    """Where the cases of `function` are taken together again, before the first line that starts with `line`.
+    """A hook where the cases so far are taken together again.
 
-    line: regular expression. borders: new cases behind. kept: instead, conditions that stay apart from here on, C text.
+    borders: new cases behind the hook. kept: instead of a join, conditions that stay apart from here on, C text.
     """
 
-    function: str
-    line: str
+    hook: str
     borders: tuple[str, ...] = ()
     kept: tuple[str, ...] = ()
 
 
-def joined(name: str, text: str, where: Sequence[Join]) -> str:
-    """`text` of `<name>.c` with annotations where cases are taken together: nothing is assumed, the rest is quicker.
-
-    Raises ModelError if a line is not found: then the generated text has changed under the proof.
-    """
-    for join in where:
-        found = re.search(rf"^[^\n/]*\b{name}_{join.function}\([^;{{]*\)\n\{{\n", text, re.MULTILINE)
-        end = text.index("\n}\n", found.end()) if found else 0
-        line = re.compile(rf"^    {join.line}", re.MULTILINE).search(text, found.end(), end) if found else None
-        if line is None:
-            raise ModelError(f"{name}_{join.function}: no line `{join.line}` to join cases at; adapt the proof")
+def case_lines(splits: Sequence[Split], joins: Sequence[Join] = ()) -> dict[str, list[str]]:
+    """The lines of the proof by hook: ghost branches of the splits and the merges of the joins."""
+    lines: dict[str, list[str]] = {}
+    for split in splits:
+        lines.setdefault(split.hook, []).append(f"    /*@ ghost {_tree(split.borders)} */")
+    for join in joins:
         notes = [f"//@ split {condition};" for condition in join.kept] or ["//@ slevel merge;"]
         notes += [f"/*@ ghost {_tree(join.borders)} */"] if join.borders else []
-        text = text[: line.start()] + "".join(f"    {note}\n" for note in notes) + text[line.start() :]
-    return text
+        lines.setdefault(join.hook, []).extend(f"    {note}" for note in notes)
+    return lines
 
 
 def _tree(borders: Sequence[str]) -> str:
