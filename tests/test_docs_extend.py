@@ -1,4 +1,4 @@
-"""docs/extend.md to the letter: its two files are all that a new term takes, from the fit to equal bits."""
+"""The first two files printed in docs/extend.md add a term, from the fit to equal bits."""
 
 from __future__ import annotations
 

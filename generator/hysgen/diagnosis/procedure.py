@@ -216,17 +216,19 @@ def _agreement(
             candidates.append(name)
     # Naming depends on the simulation alone: these fits need not have a certified inverse.
     simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
-    agreed, alone, idle = _eliminate_by_gain(prepared, found, extensions, candidates, simulating)
+    agreed, alone, without_gain = _eliminate_by_gain(prepared, found, extensions, candidates, simulating)
     usual = with_usual_forms(extensions)
     for others in (simulating, settings.fit):
-        if not idle:
+        if not without_gain:
             break
         # A coarse memory term can leave an error above the gain of a small cause, so the usual forms are tested too;
         # a model with a limited loop gain may need an extension that an unlimited model does not need.
         again, beside, left = _eliminate_by_gain(prepared, found, usual, candidates, others, LEAST_CONFIDENCE_REPEATED)
         agreed, alone = in_ladder_order(list({*agreed, *again})), {**beside, **alone}
-        idle = [name for name in idle if name in left]
-    refused += [Refused(name, "its extension does not lower the model's free-run error for certain") for name in idle]
+        without_gain = [name for name in without_gain if name in left]
+    refused += [
+        Refused(name, "its extension does not lower the model's free-run error for certain") for name in without_gain
+    ]
     return agreed, alone, refused
 
 

@@ -82,26 +82,26 @@ def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
     criterion must fall by VERY_STRONG; if they do not, it must not rise by more than VERY_STRONG. The criterion
     penalises each parameter; all fits use one scene, whitened for the residual of the fit with the smallest error.
     """
-    there = _slow(fit.chain)
-    if not there:
+    present = _slow(fit.chain)
+    if not present:
         return fit.chain
-    supported = _evidence_holds(scene, fit, there)
+    supported = _evidence_holds(scene, fit, present)
     bare: tuple[str, ...] = ()
-    fits = {bare: linear_fit(scene, chain_without(fit.chain, there)), there: refine(scene, fit.chain)}
-    for size in (1, 2) if len(there) > 1 or not supported else (1,):
+    fits = {bare: linear_fit(scene, chain_without(fit.chain, present)), present: refine(scene, fit.chain)}
+    for size in (1, 2) if len(present) > 1 or not supported else (1,):
         for names in itertools.combinations(slow_causes(), size):
             beside = fits.get(names[:-1])
-            other = best_with(scene, beside, names[-1]) if beside is not None and names != there else None
+            other = best_with(scene, beside, names[-1]) if beside is not None and names != present else None
             if other is not None:
                 fits[names] = other
     del fits[bare]
     white = WhitenedScene.of(scene, min(fits.values(), key=lambda one: one.rms_um))
     criterion = {names: schwarz(white, refine(white, one.chain)) for names, one in fits.items()}
-    most = criterion[there] + (-VERY_STRONG if supported else VERY_STRONG)
+    most = criterion[present] + (-VERY_STRONG if supported else VERY_STRONG)
     for names in sorted(fits, key=criterion.__getitem__):
-        if (names == there and supported) or criterion[names] > most:
+        if (names == present and supported) or criterion[names] > most:
             break
-        if names != there and _evidence_holds(scene, fits[names], names):
+        if names != present and _evidence_holds(scene, fits[names], names):
             return fits[names].chain
     return fit.chain
 
@@ -112,12 +112,12 @@ def compare_likelihood(scene: Scene, fit: Fit, rivals: Mapping[str, Fit]) -> lis
     On checking rows the error may hardly grow without a drift, because the free parameters beside the creep fit much
     of the drift. rivals: the best fit without each cause.
     """
-    there = _slow(fit.chain)
-    if len(there) < 2:
+    present = _slow(fit.chain)
+    if len(present) < 2:
         return []
     white = WhitenedScene.of(scene, fit)
     least = schwarz(white, refine(white, fit.chain)) + VERY_STRONG
-    return [name for name in there if schwarz(white, refine(white, rivals[name].chain)) > least]
+    return [name for name in present if schwarz(white, refine(white, rivals[name].chain)) > least]
 
 
 def _slow(chain: Chain) -> tuple[str, ...]:

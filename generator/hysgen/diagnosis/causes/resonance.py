@@ -33,7 +33,7 @@ MODE = (
 
 @dataclass(frozen=True)
 class ResonancePart(Part):
-    """Modes side by side behind the hysteresis."""
+    """Parallel second-order modes behind the hysteresis."""
 
     cause: ClassVar[str] = "resonance"
     order: ClassVar[int] = 40

@@ -5,8 +5,8 @@
 
 The first two terms are every Preisach operator with a density (Brokate and Sprekels, 1996, chapter 2.4). g and q are
 Chebyshev polynomials of the normalised input and play, q is piecewise linear in r (hat functions). The states d_j
-forget along the path, not in time; they approximate Duhem operators such as Dahl's and Bouc-Wen's, which are no
-Preisach operators.
+decay with the path length of the input, not in time; they approximate Duhem operators such as Dahl's and Bouc-Wen's,
+which are not Preisach operators.
 
     h = sum_m a_m T_m(v) + sum_b sum_m c_bm * sum_i hat_b(r_i) T_m(z_i) + ...,     v, z_i in [-1, 1]
 
@@ -31,8 +31,8 @@ class Operator:
     """Size of the expansion over the input range [low_V, high_V].
 
     plays: number of half-widths r_i of the quadrature; hats: hat functions of r, 0 for a single-valued curve g(u).
-    curve, degree: degree of the Chebyshev polynomials of the input and of the plays. reaches: path lengths in half
-    ranges of the input after which the Duhem states forget.
+    curve, degree: degree of the Chebyshev polynomials of the input and of the plays. reaches: decay lengths of the
+    Duhem states along the path, in half ranges of the input.
     """
 
     low_V: float

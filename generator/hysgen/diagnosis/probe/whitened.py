@@ -4,7 +4,7 @@
 
 The model error m of a hysteresis model depends on the path: it is constant at constant input, and its correlation
 decays with the distance v that the stage travels. Samples of one plateau therefore share their model error, and their
-differences are known to within the noise n; ordinary least squares ignores that. A Kalman filter turns the measurement
+differences contain only the noise n; ordinary least squares does not use this. A Kalman filter turns the measurement
 and every column into innovations, which are nearly independent, so that fits of different chains can be compared by
 their likelihood.
 
