@@ -8,7 +8,7 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.proof.eva.banks import bank_box
 from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY
-from hysgen.checking.proof.eva.contracts import with_beyond
+from hysgen.checking.proof.eva.contracts import beyond_contract
 from hysgen.checking.proof.eva.frama import Verdict, analyse
 from hysgen.checking.proof.eva.hooked import hooked
 from hysgen.checking.proof.eva.learner_box import PARAMETERS, REMAINDERS
@@ -46,7 +46,7 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     # Asked where commit returns, case by case: afterwards the cases are taken together.
     left = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
     lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [left]}
-    source = with_beyond(name, hooked(model, texts, lines))
+    source = hooked(model, texts, lines | beyond_contract(name))
     checks = sum(word.demanded != "" for word in known) + 1
     return {**texts, f"{name}.c": source, ENTRY: render("proof/commit.c.j2", facts)}, checks
 

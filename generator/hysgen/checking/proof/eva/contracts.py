@@ -11,9 +11,11 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
+from hysgen.checking.proof.eva.hooked import hook_names
 from hysgen.codegen.interface import interface_of
 from hysgen.errors import ModelError
 from hysgen.float32.learner_words import LearnerWords
+from hysgen.model.model import Model
 
 WRITES: Final[Mapping[str, tuple[str, ...]]] = {
     kind: LearnerWords.written_by(kind) for kind in ("project", "factor", "clear", "step")
@@ -22,31 +24,34 @@ WRITES: Final[Mapping[str, tuple[str, ...]]] = {
 
 _RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
 
+_CLAUSE: Final = "\n    "
+
 LOOKED_AT: Final = "looked_at"
 """Parameter whose cases are distinguished: a number of the analysis, not of the generated C."""
 
 
-def update_functions(name: str, texts: Mapping[str, str]) -> dict[str, str]:
-    """C name -> which of WRITES, of every function of an update that has a contract, in the order of the text."""
-    kinds = "|".join(WRITES)
-    pattern = rf"^static \w+ (?:void|uint32_t) ({name}_({kinds})(?:_\d+)?)\({name}_learner_t \*self\)\n{{"
-    return {match[1]: match[2] for match in re.finditer(pattern, texts[f"{name}.c"], re.MULTILINE)}
+def update_functions(model: Model, texts: Mapping[str, str]) -> dict[str, str]:
+    """Name without prefix -> which of WRITES, of every function of an update with a contract, in the text's order."""
+    found = [name.removeprefix("contract: ") for name in hook_names(model, texts) if name.startswith("contract: ")]
+    return {function: kind for function in found if (kind := function.split("_")[0]) in WRITES}
 
 
-def with_contracts(name: str, texts: Mapping[str, str], source: str) -> str:
-    """`source` of `<name>.c` with a contract before each of them, for an analysis that takes it on trust."""
-    for function, kind in update_functions(name, texts).items():
+def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
+    """A contract for each of `update_functions`, by hook, for an analysis that takes it on trust."""
+    name = model.name
+    lines: dict[str, list[str]] = {}
+    for function, kind in update_functions(model, texts).items():
         written = [f"self->{_whole(name, texts, word)}" for word in WRITES[kind]]
         clauses = [f"assigns {', '.join([*written, *_RESULT[kind]])} \\from \\nothing;"]
         if kind == "step":
             kept = " && ".join(within(name, f"self->theta[{j}]") for j in range(_parameters(name, texts)))
             clauses += ["ensures self->phase == 0;", rf"ensures \result == 1 || (\result == 0 && {kept});"]
-        source = _before(source, function, "\n    ".join(clauses))
-    return source
+        lines[f"contract: {function}"] = [f"/*@ {_CLAUSE.join(clauses)} */"]
+    return lines
 
 
 def with_checks(name: str, texts: Mapping[str, str], source: str) -> str:
-    """`source` with checks of what `with_contracts` promises of `step`, for the parameter that is looked at.
+    """`source` with checks of what `update_contracts` promises of `step`, for the parameter that is looked at.
 
     Raises ModelError if its lines are not found: then the generated text has changed under the proof.
     """
@@ -79,15 +84,16 @@ def with_checks(name: str, texts: Mapping[str, str], source: str) -> str:
     return source[:start] + body[: ending.start()] + asked + ending[0] + source[end:]
 
 
-def with_beyond(name: str, source: str) -> str:
-    """`source` with the contract of `beyond` before its body."""
+def beyond_contract(name: str) -> dict[str, list[str]]:
+    """The contract of `beyond`, by hook."""
     kept = within(name, "theta")
-    contract = (
-        r"assigns \result \from theta;" + "\n    ensures 0 <= \\result <= 1;\n"
-        rf"    behavior in: assumes {kept}; ensures \result == 0;" + "\n"
-        rf"    behavior out: assumes !({kept}); ensures \result == 1;"
-    )
-    return _before(source, f"{name}_beyond", contract)
+    clauses = [
+        r"assigns \result \from theta;",
+        r"ensures 0 <= \result <= 1;",
+        rf"behavior in: assumes {kept}; ensures \result == 0;",
+        rf"behavior out: assumes !({kept}); ensures \result == 1;",
+    ]
+    return {"contract: beyond": [f"/*@ {_CLAUSE.join(clauses)} */"]}
 
 
 def within(name: str, theta: str) -> str:
@@ -104,9 +110,3 @@ def _whole(name: str, texts: Mapping[str, str], field: str) -> str:
     """All words of a field of the learner, as ACSL."""
     paths = [word.path for word in interface_of(name, texts).struct(f"{name}_learner_t").words()]
     return field if field in paths else f"{field}[0..{sum(path.startswith(f'{field}[') for path in paths) - 1}]"
-
-
-def _before(source: str, function: str, clauses: str) -> str:
-    """`source` with a contract before the definition of `function`."""
-    head = rf"^(?=[^\n;]*\b{function}\([^;{{]*\)\n{{)"
-    return re.sub(head, lambda _: f"/*@ {clauses} */\n", source, count=1, flags=re.MULTILINE)

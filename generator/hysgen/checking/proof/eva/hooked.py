@@ -44,6 +44,12 @@ def hooked(model: Model, texts: Mapping[str, str], lines: Mapping[str, Sequence[
     return "".join([*found, *source[start:]])
 
 
+def hook_names(model: Model, texts: Mapping[str, str]) -> list[str]:
+    """Names of the hooks in the templates of `<name>.c`, in the order of the text."""
+    marked = marked_source(model, inverse=interface_of(model.name, texts).has("inverse"))
+    return [line.removeprefix(HOOK) for line in marked.splitlines() if line.startswith(HOOK)]
+
+
 def _same_lines(one: Sequence[str], other: Sequence[str]) -> dict[int, int]:
     """Index in `other` of the lines of `one` that are the same there."""
     if one == other:

@@ -15,10 +15,10 @@ from hysgen.checking.proof.eva.calls import ENTRY, FINITE_CHECKED
 from hysgen.checking.proof.eva.contracts import (
     LOOKED_AT,
     WRITES,
+    beyond_contract,
+    update_contracts,
     update_functions,
-    with_beyond,
     with_checks,
-    with_contracts,
 )
 from hysgen.checking.proof.eva.frama import Verdict, analyse
 from hysgen.checking.proof.eva.hooked import hooked
@@ -60,7 +60,7 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
         "any": f"{name}_float({ANY_WORD})",
     }
     lines = case_lines([*splits(model, KEPT), *_learn_splits(model)], _joins(model, box))
-    source = with_contracts(name, texts, hooked(model, texts, {**lines, **FINITE_CHECKED}))
+    source = hooked(model, texts, {**lines, **FINITE_CHECKED, **update_contracts(model, texts)})
     checks = sum(word.demanded != "" for word in known)
     return {**texts, f"{name}.c": source, ENTRY: render("proof/learn.c.j2", facts)}, checks
 
@@ -69,7 +69,7 @@ def prove_learn(model: Model, texts: Mapping[str, str], function: str) -> tuple[
     """What Eva says of one call of learn_init, learn_aux or learn, and how many checks it must have come to."""
     sources, checks = learn_step(model, texts, function)
     name = model.name
-    trusted = update_functions(name, texts)
+    trusted = [f"{name}_{function}" for function in update_functions(model, texts)]
     apart = ",".join(f"{name}_{function}:0" for function in ("update_diagonal", "continue_update", "evaluate_reading"))
     options = ("-eva-use-spec", ",".join(trusted), "-eva-split-return-function", apart)
     return analyse(sources, ENTRY, "finite" if function == "learn_init" else "any", options=options), checks
@@ -78,13 +78,13 @@ def prove_learn(model: Model, texts: Mapping[str, str], function: str) -> tuple[
 def update_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str], int]:
     """The C that Eva analyses for what one update does to the shadow, and the number of its checks."""
     name = model.name
-    functions = update_functions(name, texts)
-    source = with_beyond(name, with_checks(name, texts, texts[f"{name}.c"]))
+    functions = update_functions(model, texts)
+    source = with_checks(name, texts, hooked(model, texts, beyond_contract(name)))
     parameters = source.count(f"ghost if ({LOOKED_AT} ==")
     facts = {
         "name": name,
         "looked_at": LOOKED_AT,
-        "functions": [function for function, kind in functions.items() if kind != "step"],
+        "functions": [f"{name}_{function}" for function, kind in functions.items() if kind != "step"],
         "parameters": parameters,
     }
     return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, parameters + 2
@@ -99,9 +99,9 @@ def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
     sources, checks = update_step(model, texts)
     verdict = analyse(sources, ENTRY, "any", options=("-eva-use-spec", f"{name}_beyond", "-out-external"))
     alarms = list(verdict.alarms)
-    for function, kind in update_functions(name, texts).items():
-        more = sorted(verdict.fields(function, "learner") - set(WRITES[kind]))
-        alarms += [f"{function}: writes {', '.join(more)}: not in its contract"] if more else []
+    for function, kind in update_functions(model, texts).items():
+        more = sorted(verdict.fields(f"{name}_{function}", "learner") - set(WRITES[kind]))
+        alarms += [f"{name}_{function}: writes {', '.join(more)}: not in its contract"] if more else []
     return dataclasses.replace(verdict, alarms=tuple(alarms)), checks
 
 
