@@ -10,16 +10,19 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3 p
 CC_FOUND := $(shell for c in "$(CC)" cc gcc clang; do command -v $$c >/dev/null 2>&1 && { echo $$c; break; }; done)
 OUT ?= hysgen-demo
 
-.PHONY: run test check style help clean
+.PHONY: run test prove check style help clean
 
 run: $(VENV)/.installed  ## the main job on the bundled record: fit, score, C, equivalence, cost, plots
 	$(PY) -m hysgen demo -o $(OUT)
 
 check: style  ## style, types, import layers, and the fast tests: at most 90 s on two cores
-	$(PY) -m pytest -n auto --dist worksteal -m "not slow"
+	$(PY) -m pytest -n auto --dist worksteal -m "not slow and not proof"
 
-test: style  ## style, types, import layers, and every test: at most 5 minutes on two cores
-	$(PY) -m pytest -n auto --dist worksteal
+test: style  ## style, types, import layers, and every test but those of `make prove`
+	$(PY) -m pytest -n auto --dist worksteal -m "not proof"
+
+prove: $(VENV)/.tested  ## every call of the two models that ship, proved by Frama-C: a few minutes
+	$(PY) -m pytest -n auto -m proof
 
 style: $(VENV)/.tested
 	$(PY) -m ruff check .

@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 
 USE = """
@@ -37,6 +39,7 @@ print("equal in every bit")
 """
 
 
+@pytest.mark.slow
 def test_the_two_files_of_the_page_are_all_that_a_new_term_takes(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "extend.md").read_text()
     blocks = re.findall(r"```(?:python|c)\n(.*?)```", page, re.DOTALL)

@@ -187,6 +187,7 @@ def test_a_float_without_a_box_is_refused() -> None:
 
 
 @pytest.mark.parametrize("name", ["extended", "diagnosed", "everything"])
+@pytest.mark.slow
 def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(name: str) -> None:
     sources, _ = step(model(name), texts(name), "predict", "finite")
     for path in floats_of(interface_of(name, texts(name)), f"{name}_t"):
@@ -196,6 +197,7 @@ def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(na
 
 
 @pytest.mark.parametrize("name", ["plays", "extended", "everything_spread"])
+@pytest.mark.slow
 def test_every_float_that_learn_reads_is_assumed_and_demanded(name: str) -> None:
     """The bank that a learner started from among them: it is any that was committed before, not the generated one."""
     sources, _ = learn_step(model(name), texts(name), "learn")

@@ -39,7 +39,7 @@ def gains() -> tuple[Model, Mapping[str, str]]:
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-@pytest.mark.slow
+@pytest.mark.proof
 def test_every_call_of_a_model_that_ships_is_proved(name: str) -> None:
     """The folders of firmware/models to the byte, each with its learner: a good minute of one core each."""
     need("frama-c")

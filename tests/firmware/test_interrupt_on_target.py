@@ -179,6 +179,7 @@ def preempted_at_every_packet(function: str, argument: int, memory: bytes) -> tu
     return taken, differing
 
 
+@pytest.mark.slow
 def test_an_interrupt_before_any_packet_leaves_arguments_on_the_stack_alone() -> None:
     """The eleventh argument lies at SP+4 of its caller (SPRAB89, 4.3)."""
     memory = bytes(machine()._processor.memory)

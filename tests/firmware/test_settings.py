@@ -87,10 +87,12 @@ def test_a_fall_after_a_fault_that_takes_too_long_ends_at_the_largest_rate() -> 
     assert firmware.board.output_V == settings.off_V
 
 
+@pytest.mark.slow
 def test_a_voltage_within_one_step_is_reached_to_the_bit() -> None:
     """from + (to - from) is not always `to`: RISE across 0 V ended an ulp beside its voltage, told as a rate limit."""
     rng = np.random.default_rng(3)
-    for _ in range(200):
+    # Without the exact end of the step one pair in six misses by an ulp: 40 pairs all hit once in 1500 runs.
+    for _ in range(40):
         off_V, low_V = (float(each) for each in rng.uniform(-1.5, 1.5, 2).astype(np.float32))
         settings = Settings(off_V=off_V, loop_low_V=low_V, loop_high_V=40.0, ramp_V=4.0, fall_V=4.0, step_V=4.0)
         firmware = HostFirmware(image(), ModelStage(model(), 0.0), settings)

@@ -44,6 +44,7 @@ def reached_um(driven: Model, u_V: float) -> float:
 
 
 @pytest.mark.parametrize("driven", [narrowed, mirrored], ids=lambda each: each.__name__)
+@pytest.mark.slow
 def test_a_drift_that_comes_and_goes_at_the_end_of_the_range_leaves_nothing_behind(driven: object) -> None:
     """While the drift lasts the output rests at its limit; afterwards the trim must let go of it."""
     plant = driven()  # type: ignore[operator]
@@ -59,6 +60,7 @@ def test_a_drift_that_comes_and_goes_at_the_end_of_the_range_leaves_nothing_behi
 
 @pytest.mark.parametrize("driven", [narrowed, mirrored], ids=lambda each: each.__name__)
 @pytest.mark.parametrize("limits_V", [{"high_V": 45.0}, {"low_V": 33.0, "off_V": 33.0}], ids=str)
+@pytest.mark.slow
 def test_limits_of_the_settings_inside_the_models_range_do_not_wind_up(
     driven: object, limits_V: dict[str, float]
 ) -> None:

@@ -32,6 +32,9 @@ from hysgen.stage import Stage
 from hysgen.stage import run as measure
 from hysgen.stage.signals import nested_amplitudes
 
+pytestmark = pytest.mark.slow
+"""Every page needs a diagnosis, or generated C that was verified."""
+
 SECTIONS = (
     "Measured and simulated loops",
     "Where the error lies",

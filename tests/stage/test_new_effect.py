@@ -98,6 +98,7 @@ def test_tolerances_are_those_of_the_true_parameters_of_an_effect_that_is_drawn(
         assert all(key.startswith(f"{kind.name}.") for key in parameters)
 
 
+@pytest.mark.slow
 def test_effect_in_a_new_file_is_planted_drawn_and_compared(tmp_path: Path) -> None:
     package = tmp_path / "hysgen"
     shutil.copytree(Path(hysgen.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))

@@ -22,6 +22,7 @@ def test_one_step_error_of_the_papers_model_flatters(section_4_2: RepeatedExperi
     assert paper.free_run.e_rms_um > 10 * paper.one_step.e_rms_um
 
 
+@pytest.mark.slow
 def test_memory_brings_the_free_run_down_to_the_one_step_error(section_4_2: RepeatedExperiment) -> None:
     before, after = section_4_2.started["refined"], section_4_2.started["memory"]
     assert after.e_rms_um < before.e_rms_um / 7
