@@ -15,20 +15,19 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
-from hysgen.model.plain import arguments, to_plain
-from hysgen.model.structs import Member, MirroredStruct
+from hysgen.model.part import ModelPart
+from hysgen.model.structs import MirroredStruct
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Bits = NDArray[np.uint32]
-Words = Floats32 | Bits
 
 
 @dataclass(frozen=True)
@@ -62,14 +61,13 @@ class BlockMirror(MirroredStruct, abc.ABC):
         return v_V
 
 
-class InputBlock(abc.ABC):
+class InputBlock(ModelPart):
     """A block between the command and the stage.
 
     A kind is a frozen dataclass whose fields are the parameters. The defaults here are right for a stateless limiter
     whose parameters are not optimised, and C without constants.
     """
 
-    kind: ClassVar[str]
     place: ClassVar[int]
     """Position in the chain, rising from the command to the stage."""
     limits: ClassVar[bool] = True
@@ -101,49 +99,13 @@ class InputBlock(abc.ABC):
         """
         raise ModelError(f"blocks: {self.kind}: gives no box of its state; write box() in the file of the block")
 
-    def shape(self) -> Floats:
-        """The parameters for an optimiser: positive ones as logarithms."""
-        return np.zeros(0)
-
-    def with_shape(self, shape: Floats) -> Self:
-        """The same block with these parameters. Raises ValueError outside their domain."""
-        return self
-
     def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
         """Lower and upper bounds of `shape` that a record with these commands can identify."""
         return np.zeros(0), np.zeros(0)
 
-    def members(self) -> tuple[Member, ...]:
-        """The members of the C struct that keeps the state, in its order, with units; () without a state.
-
-        Scalars and arrays of up to two sizes. The mirror has an attribute of the name of each.
-        """
-        return ()
-
     @abc.abstractmethod
     def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:
         """The float32 reference, at rest under u_V (lanes,), as the generated `_init` leaves it."""
-
-    def constants(self, Ts_s: float) -> Mapping[str, Words]:
-        """The 32-bit numbers that the C needs, by the name of their array in `<name>_params.h`."""
-        return {}
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values, exact; includes "kind"."""
-        return {"kind": self.kind, **to_plain(self)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """Inverse of to_json. Raises KeyError, TypeError or ValueError on malformed data."""
-        return cls(**arguments(cls, data))
-
-    @classmethod
-    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
-        """One block with random parameters for each form of the C, first the form that a diagnosis delivers.
-
-        `verify` compares models of them bit for bit.
-        """
-        return (cls(),)
 
 
 def limited(value: Floats32, low: Floats32 | np.float32, high: Floats32 | np.float32) -> Floats32:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock, Words
+from hysgen.model.part import Words
+from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock
 
 
 class ChainMirror:

@@ -15,20 +15,19 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol, Self, runtime_checkable
+from typing import ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.model.intervals import Interval
-from hysgen.model.plain import arguments, to_plain
-from hysgen.model.structs import Member, MirroredStruct
+from hysgen.model.part import ModelPart
+from hysgen.model.structs import MirroredStruct
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Bits = NDArray[np.uint32]
-Words = Floats32 | Bits
 Flags = NDArray[np.bool_]
 
 
@@ -135,14 +134,13 @@ class DensityTerm(Protocol):
         ...
 
 
-class Term(abc.ABC):
+class Term(ModelPart):
     """A source of regressors phi_j(k) that do not depend on u(k).
 
     A kind is a frozen dataclass whose fields are the shape parameters. The defaults here are right for one regressor in
     V without auxiliary channels, shape parameters that are not optimised, and C without constants.
     """
 
-    kind: ClassVar[str]
     parts: ClassVar[tuple[str, ...]] = ()
     """Templates of C that the kind shares with others, `terms/<part>.c.j2`."""
 
@@ -208,49 +206,13 @@ class Term(abc.ABC):
         """
         raise ModelError(f"terms: {self.kind}: gives no box of its state; write box() in the file of the term")
 
-    def shape(self) -> Floats:
-        """The shape parameters for an optimiser: positive ones as logarithms; (0,) if there are none."""
-        return np.zeros(0)
-
-    def with_shape(self, shape: Floats) -> Self:
-        """The same term with these shape parameters. Raises ValueError outside their domain."""
-        return self
-
     def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
         """Lower and upper bounds of `shape` that a record with this drive can identify."""
         return np.zeros(0), np.zeros(0)
 
-    def members(self) -> tuple[Member, ...]:
-        """The members of the C struct that keeps the state, in its order, with units; () without a state.
-
-        Scalars and arrays of up to two sizes. The mirror has an attribute of the name of each.
-        """
-        return ()
-
     @abc.abstractmethod
     def mirror(self, u_V: Floats32, Ts_s: float) -> Mirror:
         """The float32 reference, initialised by the inputs u_V (lanes,), as the generated `_init` does."""
-
-    def constants(self, Ts_s: float) -> Mapping[str, Words]:
-        """The 32-bit numbers that the C needs, by the name of their array in `<name>_params.h`."""
-        return {}
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values, exact; includes "kind"."""
-        return {"kind": self.kind, **to_plain(self)}
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """Inverse of to_json. Raises KeyError, TypeError or ValueError on malformed data."""
-        return cls(**arguments(cls, data))
-
-    @classmethod
-    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
-        """One term with random parameters for each form of the C, first the form that a diagnosis delivers.
-
-        `verify` compares models of them bit for bit.
-        """
-        return (cls(),)
 
 
 def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
