@@ -140,7 +140,7 @@ def certify(model: Model) -> Certificates:
     highest = dataclasses.replace(highest, bound=rounded_up(highest.bound, DIGITS))
     steepest = slope_extremum(model)
     steepest = dataclasses.replace(steepest, bound=rounded_up(steepest.bound, DIGITS))
-    ends = (model.u_min_V, model.u_max_V)
+    ends = (model.w_range.low, model.w_range.high)
     zero, loop = inverse_stability(model, lowest.value, highest.value)
     return Certificates(
         y_range_um=(model.grid.y_min_um, model.grid.y_max_um),
@@ -242,12 +242,13 @@ def _contracting_inputs(model: Model) -> tuple[float, float] | None:
     flat = per_volt == 0.0
     if (np.abs(at_zero[flat]) >= 1.0).any():
         return None
-    low = max(model.u_min_V, float(np.max(ends[0][~flat], initial=-np.inf)))
-    high = min(model.u_max_V, float(np.min(ends[1][~flat], initial=np.inf)))
+    first, last = model.w_range.low, model.w_range.high
+    low = max(first, float(np.max(ends[0][~flat], initial=-np.inf)))
+    high = min(last, float(np.min(ends[1][~flat], initial=np.inf)))
     # The grid may miss the worst displacement: narrow the interval until the enclosure confirms it.
     for share in geometric(1e-6, 0.5, 40):
-        margin = share * (model.u_max_V - model.u_min_V)
-        inner = (low if low == model.u_min_V else low + margin, high if high == model.u_max_V else high - margin)
+        margin = share * (last - first)
+        inner = (low if low == first else low + margin, high if high == last else high - margin)
         if inner[0] >= inner[1]:
             return None
         if slope_extremum(model, inner).bound < 1.0:

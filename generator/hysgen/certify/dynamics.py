@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from hysgen.certify.enclosure import slope
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
+from hysgen.model.path import applied
 from hysgen.model.simulate import simulate
 from hysgen.model.terms import Drive
 
@@ -133,7 +134,8 @@ def steady_states(model: Model, u_V: Floats) -> tuple[SteadyState, ...]:
         low, high = max(u - step, model.u_min_V), min(u + step, model.u_max_V)
         y, y_low, y_high = (_steady_displacement(model, float(level)) for level in (u, low, high))
         inside = model.grid.y_min_um <= y <= model.grid.y_max_um
-        a = float(slope(model, np.array([y]), np.array([u]))[0]) if inside else 0.0
+        w = applied(model.blocks, np.array([u]), model.Ts_s, model.w_range)
+        a = float(slope(model, np.array([y]), w)[0]) if inside else 0.0
         tau = -model.Ts_s / math.log(a) if 0.0 < a < 1.0 else None
         states.append(SteadyState(float(u), y, a, tau, float((y_high - y_low) / (high - low)), inside))
     return tuple(states)
@@ -186,7 +188,7 @@ def _steady_displacement(model: Model, u_V: float) -> float:
 def _transient_samples(model: Model) -> float:
     """Samples until the initial state has decayed by exp(-10), for the largest |df/dy| at mid-input."""
     y = np.linspace(model.grid.y_min_um, model.grid.y_max_um, 4 * model.grid.rules)
-    middle = np.full_like(y, 0.5 * (model.u_min_V + model.u_max_V))
+    middle = np.full_like(y, 0.5 * (model.w_range.low + model.w_range.high))
     steepest = min(float(np.abs(slope(model, y, middle)).max()), 0.9999)
     return 10.0 / (1.0 - steepest)
 

@@ -113,7 +113,7 @@ def gain_extrema(model: Model, narrow: float = NARROW) -> tuple[Extremum, Extrem
 
 def slope_extremum(model: Model, u_V: tuple[float, ...] | None = None, narrow: float = NARROW) -> Extremum:
     """Largest |df/dy| over the displacement range and the inputs `u_V`, by default the ends of the input range."""
-    return _largest(slope_series(model), model, u_V or (model.u_min_V, model.u_max_V), narrow, absolute=True)
+    return _largest(slope_series(model), model, u_V or (model.w_range.low, model.w_range.high), narrow, absolute=True)
 
 
 def gain_series(model: Model, sign: float = 1.0) -> Quantity:

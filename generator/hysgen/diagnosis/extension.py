@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.fitting.path import PathSize
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.terms import Term
@@ -30,8 +31,9 @@ class Correction(abc.ABC):
 
 @dataclass(frozen=True, eq=False)
 class Extension:
-    """Extension for one cause: a term, an input block, a correction, or settings of the fit and the learner.
+    """Extension for one cause: a term, a block of the path, a correction, or settings of the fit and the learner.
 
+    size: size of the hysteresis, None for a cause without memory. lag_s: lag of the chain that the block belongs to.
     trust: (m,) weight of each row in the fit, for the first m rows of the record, or None for 1 throughout.
     correction: slow change that is removed from the displacement before the fit.
     forgetting_s: time constant of the learner, by which it follows a change of the gain; None for no forgetting.
@@ -40,6 +42,8 @@ class Extension:
 
     term: Term | None = None
     block: InputBlock | None = None
+    size: PathSize | None = None
+    lag_s: float | None = None
     trust: Floats | None = None
     correction: Correction | None = None
     forgetting_s: float | None = None
@@ -49,7 +53,12 @@ class Extension:
     def content(self) -> Hashable:
         """Key for a cache of fits; extensions with equal keys give equal models."""
         trust = None if self.trust is None else self.trust.tobytes()
-        return (self.term, self.block, trust, self.correction, self.learns)
+        return (self.term, self.block, self.size, self.lag_s, trust, self.correction, self.learns)
+
+    @property
+    def on_path(self) -> bool:
+        """Whether the extension is a part of the path between command and rules."""
+        return self.block is not None or self.size is not None
 
     @property
     def learns(self) -> bool:

@@ -23,7 +23,7 @@ from hysgen.diagnosis.causes import in_ladder_order
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import CURVE, FitSettings, PathTask, fit, fit_path, partition, path_model
 from hysgen.float32.learner_numbers import MOST_PARAMETERS
 from hysgen.float32.update_schedule import update_schedule
 from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
@@ -85,11 +85,38 @@ def fit_ladder(
         displacement_range_um=_model_range_um(prepared, level),
     )
     weights = _by_segment(trust, [s.samples for s in part.segments])
+    if any(extension.on_path for extension in chosen):
+        # A cross-validation compares paths: the rules behind them stay one lag.
+        task = _path_task(part, chosen, extended, weights)
+        model = path_model(task) if skip is not None else fit_path(task, extended)
+        return _rung(names, model, level)
     try:
         model = fit(part, extended, trust=weights)
     except FitError:
         # If the certified fit fails, an uncertified fit still measures the gain of the extension.
         model = fit(part, dataclasses.replace(extended, certified=False), trust=weights)
+    return _rung(names, model, level)
+
+
+def _path_task(part: Record, chosen: Sequence[Extension], settings: FitSettings, trust: list[Floats]) -> PathTask:
+    """The path with the blocks of the chosen extensions; without memory its hysteresis is a curve."""
+    lags_s = [extension.lag_s for extension in chosen if extension.lag_s is not None]
+    return PathTask(
+        record=part,
+        grid=partition(part, settings.rules, settings.margin, settings.displacement_range_um),
+        input_range_V=settings.input_range_V or part.u_range_V,
+        blocks=settings.blocks,
+        terms=settings.terms,
+        lag_s=lags_s[0] if lags_s else part.Ts_s,
+        size=next((extension.size for extension in chosen if extension.size is not None), CURVE),
+        trust=trust,
+        searched=True,
+        name=settings.name,
+    )
+
+
+def _rung(names: Sequence[str], model: Model, level: Record) -> Rung:
+    """The rung of a model, with its free-run error over all rows of the record without slow changes."""
     runs = free_run(model, level)
     error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
     return Rung(tuple(in_ladder_order(names)), model, error)

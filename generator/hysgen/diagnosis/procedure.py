@@ -15,7 +15,7 @@ from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order, slow_causes
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.extension_forms import with_best_forms, with_usual_forms
+from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
@@ -32,9 +32,6 @@ Progress = Callable[[float, str], None]
 
 LEAST_CONFIDENCE = 0.7
 """Least share of bootstrap draws in which an extension lowers the error on blocks left out of the fit by LEAST_FALL."""
-
-LEAST_CONFIDENCE_REPEATED = 0.95
-"""The same share in the second and third test of a cause, because repeated tests raise the rate of false positives."""
 
 LEAST_FALL = 0.02
 """A cause whose extension lowers the rms error by less than this share is not named."""
@@ -107,25 +104,12 @@ def diagnose(
     report(0.7, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
-    report(0.75, "testing which extensions pay")
-    made = paying(naming, chosen)
+    made = list(naming.agreed)
     report(0.85, "fitting rules, " + ", ".join(made))
     steps = [made[:count] for count in range(len(made) + 1)]
     rungs = in_threads(lambda names: fit_ladder(naming.prepared, naming.extensions, names, chosen.fit), steps)
     report(1.0, "done")
     return _scored(naming, made, rungs, chosen)
-
-
-def paying(naming: Naming, settings: DiagnoseSettings) -> list[str]:
-    """The named causes whose extensions lower the error of the delivered models, in the order of the ladder.
-
-    Causes are named by fits without a limit of the loop gain. If the delivered models keep their certificates, an
-    extension must also lower the error of certified fits on blocks left out of the fit; otherwise it is not made.
-    """
-    if not settings.fit.certified:
-        return list(naming.agreed)
-    made, _, _ = _eliminate_by_gain(naming.prepared, naming.found, naming.extensions, naming.agreed, settings.fit)
-    return made
 
 
 @one_blas_thread()
@@ -217,15 +201,6 @@ def _agreement(
     # Naming depends on the simulation alone: these fits need not have a certified inverse.
     simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
     agreed, alone, without_gain = _eliminate_by_gain(prepared, found, extensions, candidates, simulating)
-    usual = with_usual_forms(extensions)
-    for others in (simulating, settings.fit):
-        if not without_gain:
-            break
-        # A coarse memory term can leave an error above the gain of a small cause, so the usual forms are tested too;
-        # a model with a limited loop gain may need an extension that an unlimited model does not need.
-        again, beside, left = _eliminate_by_gain(prepared, found, usual, candidates, others, LEAST_CONFIDENCE_REPEATED)
-        agreed, alone = in_ladder_order(list({*agreed, *again})), {**beside, **alone}
-        without_gain = [name for name in without_gain if name in left]
     refused += [
         Refused(name, "its extension does not lower the model's free-run error for certain") for name in without_gain
     ]

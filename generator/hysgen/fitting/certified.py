@@ -105,7 +105,7 @@ class CertifiedSet:
     def _steepest(self, q: Floats) -> HalfSpaces:
         """|df/dy| <= limit at the point of the largest |df/dy|."""
         s, cut = self.structure, 3 * self.structure.grid.rules
-        rules = Model("candidate", 1.0, s.grid, q[:cut].reshape(-1, 3), s.u_min_V, s.u_max_V)
+        rules = Model("candidate", 1.0, s.grid, q[:cut].reshape(-1, 3), s.w_range.low, s.w_range.high)
         worst = slope_extremum(rules, narrow=NARROW)
         assert worst.u_V is not None
         return _slope_limits(s, np.array([worst.y_um]), worst.u_V, self.slope_limit)
@@ -150,7 +150,7 @@ def certified_set(
     gain[:, 1:cut:3] = memberships(y, structure.grid) / gain_um_per_V
     one = np.ones(y.size)
     parts = [HalfSpaces(gain, GAIN_FLOOR * one), HalfSpaces(-gain, -GAIN_CEILING * one)]
-    for u_V in (structure.u_min_V, structure.u_max_V):
+    for u_V in (structure.w_range.low, structure.w_range.high):
         parts.append(_slope_limits(structure, y, u_V, slope_limit))
     parts.append(_rising(structure, gain_um_per_V))
     grid = parts[0]
@@ -184,7 +184,7 @@ def least_squares_inside(
     for _ in range(ROUNDS):
         away = imposed.steps_from(start, d.size)
         G = away.rows @ inverse
-        z, active = _least_distance(G, away.floor - G @ d)
+        z, active = least_distance(G, away.floor - G @ d)
         x = np.asarray(solve_triangular(R, z + d))
         violated = allowed.violated(start + x[: start.size])
         if violated.floor.size == 0:
@@ -195,7 +195,7 @@ def least_squares_inside(
     )
 
 
-def _least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+def least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """The shortest z with G z >= h, (n,), and which of these constraints are active, (m,).
 
     With the u >= 0 that minimises ||[G'; h'] u - [0; 1]|| and its residual r, z = -r_1..n / r_n+1; u_i > 0 where

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,11 +14,13 @@ from hysgen.errors import FitError
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fitting.free_run import free_run_error
 from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
+from hysgen.fitting.path import PathTask, path_model
 from hysgen.fitting.refine import Progress, refine
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Grid, Model
-from hysgen.model.regression import Starts, Structure, Trust
+from hysgen.model.regression import Starts, Structure, Trust, structure_of
+from hysgen.model.simulate import free_run
 from hysgen.model.terms import past_input
 from hysgen.record import Record
 
@@ -56,6 +59,54 @@ def fit(
         allowed = allowed_set(record, structure, chosen, task.one_step, linear_looped=True)
         model, outcome = _best_inside(task, allowed, progress)
     return _with_history(model, record, chosen, outcome)
+
+
+CHECKED_BLOCKS = 12
+"""Blocks of the record's rows, of which every third is left out to compare the refined rules with one lag."""
+
+
+@one_blas_thread()
+def fit_path(task: PathTask, settings: FitSettings, starts: Starts | None = None) -> Model:
+    """Fit a physical path and the rules behind it: `path_model`, then the rules by the free-run error.
+
+    The rules are refined from one lag on. They stay that lag unless refined rules have a smaller error on blocks of rows
+    that were left out. Raises FitError, ModelError or RecordError with one line.
+    """
+    start = path_model(task)
+    rows = np.flatnonzero(np.concatenate(list(task.trust)) > 0.0)
+    checked = rows[np.arange(rows.size) * CHECKED_BLOCKS // max(rows.size, 1) % 3 == 1]
+    lengths = np.cumsum([segment.samples for segment in task.record.segments])[:-1]
+    outcome: dict[str, object] = {"rules": "one lag"}
+    model = start
+    if settings.method == "refined":
+        joined = np.concatenate(list(task.trust))
+        joined[checked] = 0.0
+        trial = _refined_rules(task, settings, start, np.split(joined, lengths), starts)
+        before, after = (_rms_on(task.record, one, checked, starts) for one in (start, trial))
+        if after < before:
+            model = _refined_rules(task, settings, start, task.trust, starts)
+            outcome = {"rules": "refined"}
+        outcome["left_out_rms_um"] = {"one_lag": float(before), "refined": float(after)}
+    return _with_history(model, task.record, settings, outcome)
+
+
+def _refined_rules(task: PathTask, settings: FitSettings, start: Model, trust: Trust, starts: Starts | None) -> Model:
+    """`start` with the linear parameters of least free-run error inside the certified set."""
+    structure = structure_of(start)
+    one_step = information(task.record, structure, settings.weighting(trust, starts))
+    lag, gain = float(start.consequents[0, 0]), float(start.consequents[0, 1])
+    # A slow lag sampled fast has a slope next to 1; the rules may use half of what is left.
+    limit = max(settings.slope_limit, 0.5 * (1.0 + lag))
+    allowed = certified_set(structure, task.record.Ts_s, gain, limit, math.inf)
+    error = free_run_error(task.record, structure, settings.settle, trust, starts).penalised(start, one_step)
+    return refine(start, error, allowed, settings.iterations).model
+
+
+def _rms_on(record: Record, model: Model, rows: NDArray[np.intp], starts: Starts | None) -> float:
+    """rms error of the free run in um on `rows` of the joined segments."""
+    runs = free_run(model, record, starts)
+    error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, record.segments, strict=True)])
+    return float(np.sqrt(np.mean(error[rows] ** 2)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,7 +43,8 @@ def penalties_at(model: Model, free_run_um2: float, one_step: Information) -> Pe
     """The penalties of a refinement that starts at `model`, whose free run has the square error free_run_um2."""
     structure, single = structure_of(model), one_step.square(model.parameters)
     rough = roughness(structure)
-    share = DISAGREEMENT_SHARE_SHAPED if len(rough.R) else DISAGREEMENT_SHARE
+    shaped = len(rough.R) > 0 or any(block.responds for block in structure.blocks)
+    share = DISAGREEMENT_SHARE_SHAPED if shaped else DISAGREEMENT_SHARE
     forms = [(share * free_run_um2 / model.grid.step_um**2, disagreement(structure))]
     if len(rough.R):
         forms.append((ROUGHNESS_SHARE * free_run_um2 / float(np.mean(model.consequents[:, 1])) ** 2, rough))
@@ -58,7 +59,7 @@ def disagreement(structure: Structure) -> Information:
     y = np.linspace(grid.y_min_um, grid.y_max_um, POINTS_PER_RULE * (grid.rules - 1) + 1)
     p = memberships(y, grid)
     factor = np.zeros((structure.size, structure.size))
-    for u_V in (structure.u_min_V, structure.u_max_V):
+    for u_V in (structure.w_range.low, structure.w_range.high):
         local = np.stack([y, np.full_like(y, u_V), np.ones_like(y)], axis=1)
         for rule in range(grid.rules):
             # sqrt(p_l) (v_l - f) at every y: -p from f, and 1 from v_l.

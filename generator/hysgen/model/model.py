@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.path import InputBlock, check_chain
+from hysgen.model.intervals import Interval
+from hysgen.model.path import InputBlock, check_chain, path_range
 from hysgen.model.terms import Term
 
 Floats = NDArray[np.float64]
@@ -174,6 +175,11 @@ class Model(Displayed):
             )
         grid = self.grid if displacement_um is None else self.grid.within(*displacement_um)
         return dataclasses.replace(self, grid=grid, u_min_V=low_V, u_max_V=high_V, scores={}, certificates={})
+
+    @property
+    def w_range(self) -> Interval:
+        """Range of w, the input of the rules behind all blocks, see `path_range`."""
+        return path_range(self.blocks, Interval(self.u_min_V, self.u_max_V))
 
     @property
     def parameters(self) -> Floats:

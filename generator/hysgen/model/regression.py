@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from hysgen.errors import RecordError
 from hysgen.machine.kernels import rule_rows
 from hysgen.model.model import Grid, Model
-from hysgen.model.path import InputBlock, applied
+from hysgen.model.intervals import Interval
+from hysgen.model.path import InputBlock, applied, path_range
 from hysgen.model.terms import DensityTerm, Drive, Term
 from hysgen.record import Record, Segment
 
@@ -56,6 +57,11 @@ class Structure:
         return 3 * self.grid.rules + sum(term.size for term in self.terms)
 
     @property
+    def w_range(self) -> Interval:
+        """Range of w, the input of the rules behind all blocks, see `path_range`."""
+        return path_range(self.blocks, Interval(self.u_min_V, self.u_max_V))
+
+    @property
     def range_um(self) -> tuple[float, float, float, float]:
         """The partition as an argument of the kernels: y_min, y_max, step and first centre."""
         return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um, self.grid.ends_um[0])
@@ -88,7 +94,7 @@ def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping
     if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
         raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
     u_V = np.clip(segment.u_V, structure.u_min_V, structure.u_max_V)
-    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s))
+    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s, structure.w_range, start))
     return Drive(v_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s), start=start or {})
 
 

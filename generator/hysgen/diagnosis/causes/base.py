@@ -76,13 +76,14 @@ class Signature:
 class Known:
     """Data for an extension of a known plant: its parameters by "cause.parameter", and ranges of the record.
 
-    low_V, high_V: range of the voltage across the ceramic. span_s: length of the record. channels: (n,) each.
+    low_V, high_V: range of the voltage across the ceramic. span_s: length of the record. lag_s: of the stage. channels: (n,) each.
     """
 
     parameters: Mapping[str, float]
     low_V: float
     high_V: float
     span_s: float
+    lag_s: float
     channels: Mapping[str, Floats]
 
 
@@ -105,9 +106,6 @@ class Cause(abc.ABC):
 
     judged_by_gain: ClassVar[bool] = True
     """Whether the extension must lower the error of the model; False if the measured error itself is corrupted."""
-
-    fitted_late: ClassVar[bool] = False
-    """Whether the extension is left out while the forms of others are chosen: it uses the loop gain that they leave."""
 
     needed: ClassVar[float] = 1.2
     """Least growth of the probe's error above the noise on the checking rows without the cause, as a ratio."""
@@ -167,13 +165,9 @@ class Cause(abc.ABC):
     def extension(self, residual: Residual) -> Extension:
         """The extension of the model, with the shape parameters of the final fit."""
 
-    def usual_form(self, extension: Extension) -> Extension:
-        """The extension in the form that is kept unless another form has a significantly lower error."""
-        return extension
-
-    def other_forms(self, extension: Extension) -> list[Extension]:
-        """Other forms of the extension, compared by cross-validation (`extension_forms`)."""
-        return []
+    def forms(self, extension: Extension) -> list[Extension]:
+        """Forms of the extension in rising cost, compared by cross-validation (`extension_forms`)."""
+        return [extension]
 
     def true_extension(self, known: Known) -> Extension | None:
         """The extension with the true parameters of the plant; None if it changes the record and not the model."""

@@ -23,14 +23,14 @@ from hysgen.diagnosis.probe import (
     standard_errors,
     whitened_fit,
 )
-from hysgen.model.terms.creep import Creep
+from hysgen.model.path.creep import Creep
 
 Floats = NDArray[np.float64]
 
 LEAST_DECADES = 10.0
 """Least ratio of the length of the record to the time from which the creep starts."""
-STATES = 4
-"""Slow states of the term, spaced logarithmically from the start of the creep to the length of the record."""
+PER_DECADE = 1
+"""Slow states of the block per decade of time, from the start of the creep to the length of the record."""
 
 
 PAST_DECAYS = (1 / 30, 1 / 8)
@@ -130,22 +130,21 @@ class CreepCause(Cause):
         )
 
     def extension(self, residual: Residual) -> Extension:
-        scene = residual.scene
-        _, fit = whitened_fit(scene, residual.fit)
-        from_s = fit.chain.of(CreepPart).from_s
-        return Extension(term=creep_term(from_s, max(scene.span_s, 4.0 * from_s)))
+        _, fit = whitened_fit(residual.scene, residual.fit)
+        part = fit.chain.of(CreepPart)
+        return Extension(block=creep_block(part, residual.scene.span_s), lag_s=fit.chain.lag_s)
 
     def true_extension(self, known: Known) -> Extension:
-        return Extension(term=creep_term(known.parameters["creep.from_s"], known.span_s))
+        part = CreepPart(known.parameters["creep.per_decade"], known.parameters["creep.from_s"])
+        return Extension(block=creep_block(part, known.span_s), lag_s=known.lag_s)
 
 
-def creep_term(from_s: float, longest_s: float) -> Creep:
-    """The term with equal creep in every decade from from_s to longest_s: one weight for all states.
-
-    With one weight per state, the slowest state fits a drift of the identification part: weights of -0.4 and +2.2 times
-    the gain lower the error of the identification part by a fifth and double the error of the held-out part.
-    """
-    return Creep.log_spaced(STATES, from_s, longest_s, shared=True)
+def creep_block(part: CreepPart, span_s: float) -> Creep:
+    """The block with the same creep in every decade, from the start of the creep to the length of the record."""
+    first_s = part.from_s * 10.0 ** (0.5 / PER_DECADE)
+    count = max(1, round(PER_DECADE * math.log10(max(span_s / part.from_s, 10.0))))
+    tau_s = tuple(first_s * 10.0 ** (i / PER_DECADE) for i in range(count))
+    return Creep(part.per_decade / PER_DECADE, tau_s)
 
 
 CAUSE = CreepCause()

@@ -60,10 +60,11 @@ class DelayCause(Cause):
         )
 
     def extension(self, residual: Residual) -> Extension:
-        return Extension(block=Delay(max(residual.fit.chain.delay, 0.0)))
+        chain = residual.fit.chain
+        return Extension(block=Delay(max(chain.delay, 0.0)), lag_s=chain.lag_s)
 
     def true_extension(self, known: Known) -> Extension:
-        return Extension(block=Delay(known.parameters["delay.delay_samples"]))
+        return Extension(block=Delay(known.parameters["delay.delay_samples"]), lag_s=known.lag_s)
 
 
 CAUSE = DelayCause()

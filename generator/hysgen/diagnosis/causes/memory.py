@@ -11,24 +11,19 @@ from scipy.stats import binom
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
+from hysgen.fitting.path import PathSize
 from hysgen.machine.kernels import play_operators
-from hysgen.model.terms.memory import Memory
 from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
 
-PLAYS, DEGREE = 6, 3
-"""Plays of the term while causes are tested, each with its square and cube. The term excludes the past input, because
-some fits without a loop-gain limit fail with it; `extension_forms` chooses the form of the delivered model."""
-
-USUAL_PLAYS, USUAL_DEGREE = 10, 3
-"""Plays of the usual form, which includes the past input; on Preisach stages its error is half of that of 6 plays."""
-
-OTHERS = ((6, 3, True), (6, 3, False), (12, 1, False))
-"""Other forms: plays, degree, and whether the past input is a regressor.
-
-One form excludes the past input for a stage that is one sample late, in which the past input replaces the input.
-"""
+SIZES = (
+    PathSize(plays=6, degree=2, states=2, hats=3),
+    PathSize(plays=8, degree=3, states=0),
+    PathSize(),
+    PathSize(plays=12, degree=5),
+)
+"""Sizes of the hysteresis in rising cost: a short or noisy record does not determine the larger ones."""
 
 FEWEST = 4
 """Least number of samples of a counted swing."""
@@ -74,36 +69,14 @@ class MemoryCause(Cause):
             parameters={"loop_um": Estimate(loop_um, loop_um / max(float(z), 1.0))},
         )
 
-    def usual_form(self, extension: Extension) -> Extension:
-        range_V = _range_V(extension)
-        return extension if range_V is None else dataclasses.replace(extension, term=usual_memory(*range_V))
-
-    def other_forms(self, extension: Extension) -> list[Extension]:
-        """Fewer plays, plays without powers, and plays without the past input: all cost fewer cycles."""
-        range_V = _range_V(extension)
-        if range_V is None:
-            return []
-        low_V, high_V = range_V
-        terms = [Memory.polynomial(plays, degree, low_V, high_V, past) for plays, degree, past in OTHERS]
-        return [dataclasses.replace(extension, term=term) for term in terms]
+    def forms(self, extension: Extension) -> list[Extension]:
+        return [dataclasses.replace(extension, size=size) for size in SIZES]
 
     def true_extension(self, known: Known) -> Extension:
-        return Extension(term=usual_memory(known.low_V, known.high_V))
+        return Extension(size=PathSize(), lag_s=known.lag_s)
 
     def extension(self, residual: Residual) -> Extension:
-        scene, chain = residual.scene, residual.fit.chain
-        low_V, high_V = chain.passes_V(scene.operator.low_V, scene.operator.high_V)
-        return Extension(term=Memory.polynomial(PLAYS, DEGREE, low_V, high_V))
-
-
-def usual_memory(low_V: float, high_V: float) -> Memory:
-    """The usual form of the term for an input between low_V and high_V."""
-    return Memory.polynomial(USUAL_PLAYS, USUAL_DEGREE, low_V, high_V, past_input=True)
-
-
-def _range_V(extension: Extension) -> tuple[float, float] | None:
-    """Input range of the memory term; None for a term of plays alone."""
-    return extension.term.range_V if isinstance(extension.term, Memory) else None
+        return Extension(size=PathSize(), lag_s=residual.fit.chain.lag_s)
 
 
 def swings(u_V: Floats) -> NDArray[np.int64]:

@@ -12,7 +12,7 @@ import numpy as np
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Parameter, Part, Scene, standard_errors
-from hysgen.model.terms.resonance import Resonance
+from hysgen.model.path.modes import Modes
 
 PER_DECADE = 45
 """Grid frequencies per decade; the responses of two modes half a step apart stay alike until they have decayed."""
@@ -54,7 +54,6 @@ class ResonancePart(Part):
 class ResonanceCause(Cause):
     name = "resonance"
     rank = 60
-    fitted_late = True  # its modes share the small gain of the inverse with the plays
     part = ResonancePart
     starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
 
@@ -122,11 +121,20 @@ class ResonanceCause(Cause):
         return Signature(all(holds for _, holds, _ in evidence), least, "; ".join(texts), parameters)
 
     def extension(self, residual: Residual) -> Extension:
-        modes = sorted(residual.fit.chain.modes, key=lambda mode: mode.f_Hz)
-        return Extension(term=Resonance(tuple(m.f_Hz for m in modes), tuple(m.zeta for m in modes)))
+        chain = residual.fit.chain
+        return Extension(block=modes_block(chain.modes, chain.lag_s), lag_s=chain.lag_s)
 
     def true_extension(self, known: Known) -> Extension:
-        return Extension(term=Resonance((known.parameters["resonance.f_Hz"],), (known.parameters["resonance.zeta"],)))
+        mode = Mode(*(known.parameters[f"resonance.{one.field}"] for one in MODE))
+        return Extension(block=modes_block([mode], known.lag_s), lag_s=known.lag_s)
+
+
+def modes_block(modes: Sequence[Mode], lag_s: float) -> Modes:
+    """The block of these modes behind a lag, in rising order of their frequencies."""
+    rising = sorted(modes, key=lambda mode: mode.f_Hz)
+    return Modes(
+        tuple(m.f_Hz for m in rising), tuple(m.zeta for m in rising), tuple(m.share for m in rising), lag_s
+    )
 
 
 def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:

@@ -136,11 +136,12 @@ class SaturationCause(Cause):
             block=Saturation(
                 scene.operator.low_V - span_V if part.low_V is None else part.low_V,
                 scene.operator.high_V + span_V if part.high_V is None else part.high_V,
-            )
+            ),
+            lag_s=chain.lag_s,
         )
 
     def true_extension(self, known: Known) -> Extension:
-        return Extension(block=Saturation(known.parameters["saturation.low_V"], known.parameters["saturation.high_V"]))
+        return Extension(block=Saturation(known.parameters["saturation.low_V"], known.parameters["saturation.high_V"]), lag_s=known.lag_s)
 
 
 def _part(chain: Chain) -> SaturationPart:

@@ -88,12 +88,13 @@ class SlewCause(Cause):
         )
 
     def extension(self, residual: Residual) -> Extension:
-        rate = residual.fit.chain.of(SlewPart).rate_V_per_s
-        return Extension(block=Slew(rate, rate))
+        chain = residual.fit.chain
+        rate = chain.of(SlewPart).rate_V_per_s
+        return Extension(block=Slew(rate, rate), lag_s=chain.lag_s)
 
     def true_extension(self, known: Known) -> Extension:
         rate = known.parameters["slew.rate_V_per_s"]
-        return Extension(block=Slew(rate, rate))
+        return Extension(block=Slew(rate, rate), lag_s=known.lag_s)
 
 
 CAUSE = SlewCause()

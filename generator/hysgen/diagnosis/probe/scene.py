@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.dynamics import lagged, respond, respond_into
-from hysgen.diagnosis.probe.operator import Operator
+from hysgen.fitting.operator import Operator
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.machine.cache import LruCache
 

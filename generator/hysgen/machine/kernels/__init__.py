@@ -13,9 +13,11 @@ from __future__ import annotations
 from hysgen.machine.kernels.estimation import innovation_gains, innovations, rls_updates, triangularise
 from hysgen.machine.kernels.operators import (
     Branch,
+    HysteresisSeries,
     LinearPart,
     PreisachBasis,
     duhem_columns,
+    hysteresis_path,
     lag_states,
     linear_response,
     mode_states,
@@ -39,6 +41,7 @@ __all__ = [
     "Branch",
     "FreeRunSums",
     "HorizonInputs",
+    "HysteresisSeries",
     "LinearPart",
     "PreisachBasis",
     "Rules",
@@ -46,6 +49,7 @@ __all__ = [
     "free_run",
     "free_run_sums",
     "horizon_errors",
+    "hysteresis_path",
     "innovation_gains",
     "innovations",
     "lag_states",

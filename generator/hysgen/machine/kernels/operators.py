@@ -22,6 +22,9 @@ _PREISACH = """
 void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state, size_t hats,
                      const double *hat, size_t curve, size_t degree, double *out);
 void hysgen_duhem(size_t samples, const double *v, size_t states, const double *reach, double *out);
+void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
+                       const double *radius, const double *play, size_t states, const double *reach,
+                       const double *duhem, double *state, double *out);
 void hysgen_rate_limit(size_t samples, const double *u, double step, double *out);
 """
 _RESPONSE = """
@@ -147,6 +150,48 @@ def duhem_columns(out: Floats, v: Floats, reach: Floats) -> None:
         doubles(library, np.ascontiguousarray(reach)),
         doubles(library, out),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class HysteresisSeries:
+    """Coefficients of a hysteresis operator, all for inputs in [-1, 1].
+
+    curve: (C + 1,) of T_0(v) .. T_C(v). half_width: (m,) of the plays. plays: (m, degree) of T_1(z_j) .. T_degree(z_j).
+    reach: (s,) of the Duhem states. duhem: (s, 2) of d_i and d_i |d_i|.
+    """
+
+    curve: Floats
+    half_width: Floats
+    plays: Floats
+    reach: Floats
+    duhem: Floats
+
+
+def hysteresis_path(series: HysteresisSeries, v: Floats, state: Floats) -> tuple[Floats, Floats]:
+    """Displacement h(k) along the input v, (n,), and the state after the last sample.
+
+    state: plays z_j, Duhem states d_i, and the input before the first sample, (m + s + 1,).
+    """
+    library = kernel("preisach.c", _PREISACH)
+    after, out = np.array(state, dtype=np.float64), np.empty(v.size)
+    arrays = (series.curve, series.half_width, series.plays, series.reach, series.duhem)
+    curve, half_width, plays, reach, duhem = (np.ascontiguousarray(x, dtype=np.float64) for x in arrays)
+    library.lib.hysgen_hysteresis(
+        v.size,
+        doubles(library, np.ascontiguousarray(v, dtype=np.float64)),
+        curve.size,
+        doubles(library, curve),
+        half_width.size,
+        plays.shape[1] if plays.ndim == 2 else 0,
+        doubles(library, half_width),
+        doubles(library, plays),
+        reach.size,
+        doubles(library, reach),
+        doubles(library, duhem),
+        doubles(library, after),
+        doubles(library, out),
+    )
+    return out, after
 
 
 def rate_limited(u_V: Floats, step_V: float) -> Floats:

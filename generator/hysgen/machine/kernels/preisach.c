@@ -81,6 +81,49 @@ void hysgen_duhem(size_t samples, const double *v, size_t states, const double *
     }
 }
 
+/* out[k] = h of one path: curve and plays as Chebyshev series, Duhem states with b d + c d |d|.
+ *
+ *     h = sum_m curve[m] T_m(v) + sum_j sum_p play[j][p] T_(p+1)(z_j) + sum_i (duhem[2 i] d_i + duhem[2 i + 1] d_i |d_i|)
+ *
+ * state: z_j, then d_i, then the input before the first sample; on return those of the last sample.
+ */
+void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
+                       const double *radius, const double *play, size_t states, const double *reach,
+                       const double *duhem, double *state, double *out)
+{
+    double *z = state, *d = state + plays, *last = d + states;
+    for (size_t k = 0; k < samples; k++) {
+        double before = 1.0, now = v[k], h = curve[0];
+        for (size_t m = 1; m < terms; m++) {
+            h += curve[m] * now;
+            const double next = 2.0 * v[k] * now - before;
+            before = now;
+            now = next;
+        }
+        for (size_t j = 0; j < plays; j++) {
+            const double low = v[k] - radius[j], high = v[k] + radius[j];
+            z[j] = z[j] > high ? high : z[j];
+            z[j] = z[j] < low ? low : z[j];
+            before = 1.0;
+            now = z[j];
+            for (size_t p = 0; p < degree; p++) {
+                h += play[j * degree + p] * now;
+                const double next = 2.0 * z[j] * now - before;
+                before = now;
+                now = next;
+            }
+        }
+        const double dv = v[k] - *last;
+        for (size_t i = 0; i < states; i++) {
+            const double e = exp(-fabs(dv) / reach[i]);
+            d[i] = e * d[i] + (dv > 0.0 ? 1.0 - e : e - 1.0);
+            h += duhem[2 * i] * d[i] + duhem[2 * i + 1] * d[i] * fabs(d[i]);
+        }
+        *last = v[k];
+        out[k] = h;
+    }
+}
+
 /* v(k) = v(k-1) + clamp(u(k) - v(k-1), -step, step), from v(0) = u(0). */
 void hysgen_rate_limit(size_t samples, const double *u, double step, double *out)
 {

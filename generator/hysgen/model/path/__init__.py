@@ -12,7 +12,10 @@ import pkgutil
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from hysgen.errors import ModelError
+from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, InputBlock
 
 __all__ = [
@@ -23,7 +26,9 @@ __all__ = [
     "block_from_json",
     "check_chain",
     "kinds",
+    "path_range",
     "preview",
+    "state_key",
 ]
 
 
@@ -62,11 +67,39 @@ def check_chain(blocks: Sequence[InputBlock]) -> None:
         )
 
 
-def applied(blocks: Sequence[InputBlock], u_V: Floats, Ts_s: float) -> Floats:
-    """The input after all blocks, (n,), of the command u_V, (n,), from rest under u(0)."""
+def path_range(blocks: Sequence[InputBlock], u_V: Interval) -> Interval:
+    """Range of w, the input of the rules, for commands in u_V: V, or um behind a hysteresis.
+
+    Without a response of the stage (hysteresis, creep, modes), the range of the command itself.
+    """
+    return _range_behind(tuple(blocks), u_V)
+
+
+@functools.lru_cache(maxsize=64)
+def _range_behind(blocks: tuple[InputBlock, ...], u_V: Interval) -> Interval:
+    if not any(block.responds for block in blocks):
+        return u_V
     for block in blocks:
-        u_V = block.apply(u_V, Ts_s)
+        u_V = block.image(u_V)
     return u_V
+
+
+def applied(
+    blocks: Sequence[InputBlock], u_V: Floats, Ts_s: float, limits: Interval, start: Mapping[str, Floats] | None = None
+) -> Floats:
+    """w, (n,), of the commands u_V, (n,): the input after all blocks, from rest under u(0).
+
+    limits: range of w (`path_range`), to which w is limited behind a response of the stage. start: states of blocks
+    before the first sample, by `state_key`, where they are known.
+    """
+    for block in blocks:
+        u_V = block.apply(u_V, Ts_s, (start or {}).get(state_key(block)))
+    return np.clip(u_V, limits.low, limits.high) if any(block.responds for block in blocks) else u_V
+
+
+def state_key(block: InputBlock) -> str:
+    """Key of a block's initial state in a mapping that holds the states of terms too."""
+    return f"path.{block.kind}"
 
 
 def preview(blocks: Sequence[InputBlock]) -> int:

@@ -72,6 +72,8 @@ class InputBlock(ModelPart):
     """Position in the chain, rising from the command to the stage."""
     limits: ClassVar[bool] = True
     """Whether the block is a limiter: its own output passes it unchanged, and the inverse applies it to v(k)."""
+    responds: ClassVar[bool] = False
+    """Whether the block is a response of the stage (hysteresis, creep, modes), which the inverse solves for its input."""
 
     @property
     def preview(self) -> int:
@@ -83,8 +85,12 @@ class InputBlock(ModelPart):
         """One line of text: the parameters with units."""
 
     @abc.abstractmethod
-    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
-        """v (n,) of the commands u_V (n,), in float64, from rest under u(0)."""
+    def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
+        """Output (n,) of the inputs u_V (n,), in float64, from the state `start`, by default at rest under u(0)."""
+
+    def image(self, u_V: Interval) -> Interval:
+        """Range of the output for inputs in u_V."""
+        return u_V
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
         """What the struct of the generated C never leaves while the input of the block stays in u_V:

@@ -65,7 +65,7 @@ class Delay(InputBlock):
     def describe(self) -> str:
         return f"input delayed by {self.samples:.4g} samples"
 
-    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
+    def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         late = np.concatenate([np.full(self.whole + 1, u_V[0]), u_V])[: u_V.size + 1]
         return np.asarray(late[1:] + self.part * (late[:-1] - late[1:]))
 

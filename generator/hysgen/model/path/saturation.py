@@ -37,7 +37,7 @@ class Saturation(InputBlock):
     def describe(self) -> str:
         return f"input saturates at {self.low_V:.5g} and {self.high_V:.5g} V"
 
-    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
+    def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         return np.clip(u_V, self.low_V, self.high_V)
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:

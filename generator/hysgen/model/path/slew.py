@@ -38,7 +38,7 @@ class Slew(InputBlock):
     def describe(self) -> str:
         return f"input slews at most {self.rise_V_s:.5g} V/s up and {self.fall_V_s:.5g} V/s down"
 
-    def apply(self, u_V: Floats, Ts_s: float) -> Floats:
+    def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         return slew_limited(u_V, self.rise_V_s * Ts_s, self.fall_V_s * Ts_s, float(u_V[0]))
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:

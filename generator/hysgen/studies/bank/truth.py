@@ -43,5 +43,5 @@ def _extensions(hidden: Scenario) -> dict[str, Extension | None]:
         parameters |= effect.true_parameters()
         low_V, high_V = effect.passes_V(low_V, high_V)
     channels = {name: np.asarray(hidden.aux[name]) for name in hidden.stage.channels}
-    known = Known(parameters, low_V, high_V, hidden.Ts_s * len(hidden.u_V), channels)
+    known = Known(parameters, low_V, high_V, hidden.Ts_s * len(hidden.u_V), hidden.stage.lag_s, channels)
     return {name: cause.true_extension(known) for name, cause in causes().items() if name in hidden.planted}

@@ -1,0 +1,149 @@
+"""A hysteresis operator that is linear in its coefficients: the hysteresis of the probe and of delivered models.
+
+    h(u) = g(u) + integral over r of q(r, z_r(u)) dr + sum_j (b_j d_j + c_j d_j |d_j|)
+    z_r: play of half-width r;      d_j' = (sign(u') - d_j) |u'| / reach_j
+
+The first two terms are every Preisach operator with a density (Brokate and Sprekels, 1996, chapter 2.4). g and q are
+Chebyshev polynomials of the normalised input and play, q is piecewise linear in r (hat functions). The states d_j
+decay with the path length of the input, not in time; they approximate Duhem operators such as Dahl's and Bouc-Wen's,
+which are not Preisach operators.
+
+    h = sum_m a_m T_m(v) + sum_b sum_m c_bm * sum_i hat_b(r_i) T_m(z_i) + ...,     v, z_i in [-1, 1]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from hysgen.machine.kernels import PreisachBasis, duhem_columns, play_operators, preisach_columns
+from hysgen.model.path.hysteresis import Hysteresis
+
+Floats = NDArray[np.float64]
+
+TOUCHING = 1e-9
+"""Distance from the end of its play, in half ranges, up to which the input takes the play along."""
+
+
+@dataclass(frozen=True)
+class Operator:
+    """Size of the expansion over the input range [low_V, high_V].
+
+    plays: number of half-widths r_i of the quadrature; hats: hat functions of r, 0 for a single-valued curve g(u).
+    curve, degree: degree of the Chebyshev polynomials of the input and of the plays. reaches: decay lengths of the
+    Duhem states along the path, in half ranges of the input.
+    """
+
+    low_V: float
+    high_V: float
+    plays: int = 24
+    hats: int = 4
+    curve: int = 7
+    degree: int = 5
+    reaches: tuple[float, ...] = (0.06, 0.12, 0.25, 0.5, 1.0)
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients without the constant."""
+        return self.curve + self.hats * self.degree + 2 * len(self.reaches)
+
+    @property
+    def half_widths(self) -> Floats:
+        """(plays,) r_i in half ranges, denser near 0, because narrow plays determine the small loops."""
+        return np.asarray((np.arange(1, self.plays + 1) / (self.plays + 1)) ** 1.5)
+
+    @property
+    def hat_weights(self) -> Floats:
+        """(plays, hats) value of every hat function at every half-width, each hat with the sum 1."""
+        r = self.half_widths
+        place = np.sqrt(r / r[-1]) * (self.hats - 1)
+        hats = np.clip(1.0 - np.abs(place[:, None] - np.arange(self.hats)), 0.0, None)
+        return np.asarray(hats / hats.sum(axis=0) if self.hats else hats)
+
+    def normalised(self, u_V: Floats) -> Floats:
+        """v of the voltages u_V: -1 .. 1 over the input range."""
+        half = 0.5 * (self.high_V - self.low_V)
+        return np.asarray((u_V - 0.5 * (self.low_V + self.high_V)) / half)
+
+    def columns(self, u_V: Floats, start: float = 0.0) -> Floats:
+        """(size, n) columns of h for the path u_V, (n,); one column per row, contiguous in memory.
+
+        start: initial state of the plays, z_r = u(0) + start * r within the range: +1 after a falling, -1 after a
+        rising input.
+        """
+        v, r = self.normalised(u_V), self.half_widths
+        begin = np.clip(v[0] + start * r, -1.0 + r, 1.0 - r)
+        out = np.empty((self.size, len(v)))
+        duhem = self.size - 2 * len(self.reaches)
+        basis = PreisachBasis(r, self.hat_weights, self.curve, self.degree if self.hats else 0)
+        preisach_columns(out[:duhem], v, begin, basis)
+        duhem_columns(out[duhem:], v, np.array(self.reaches))
+        return out
+
+    def slopes(self, v: Floats) -> Floats:
+        """(2 n, size) rows: row @ coefficients is dh/dv at the states along the path v, (n,), normalised.
+
+        First for an input that rises from there, then for one that falls. Only plays that the input takes along move.
+        """
+        r, hats = self.half_widths, self.hat_weights
+        z = play_operators(np.ascontiguousarray(v), r, np.clip(v[0], r - 1.0, 1.0 - r))
+        states = np.empty((2 * len(self.reaches), len(v)))
+        duhem_columns(states, np.ascontiguousarray(v), np.array(self.reaches))
+        curve = [_slope(v, m) for m in range(1, self.curve + 1)]
+        turned = [_slope(z, m) for m in range(1, self.degree + 1)] if self.hats else []
+        rows = []
+        for sign, taken in ((1.0, z <= v[:, None] - r + TOUCHING), (-1.0, z >= v[:, None] + r - TOUCHING)):
+            columns = [*curve, *(column for slope in turned for column in ((slope * taken) @ hats).T)]
+            for d, reach in zip(states[::2], self.reaches, strict=True):
+                along = (1.0 - sign * d) / reach
+                columns += [along, 2.0 * np.abs(d) * along]
+            rows.append(np.stack(columns, axis=1))
+        return np.vstack(rows)
+
+    def block(self, coefficients: Floats, constant_um: float = 0.0) -> Hysteresis:
+        """The block of a model with these coefficients, (size,), of `columns`.
+
+        Raises ValueError unless the decay lengths halve from each to the next (a block has one longest decay length).
+        """
+        plays = self.hats * self.degree
+        per_play = self.hat_weights @ coefficients[self.curve : self.curve + plays].reshape(self.degree, self.hats).T
+        duhem = coefficients[self.curve + plays :]
+        longest = self.reaches[0] if self.reaches else 1.0
+        if any(reach != longest * 0.5**i for i, reach in enumerate(self.reaches)):
+            raise ValueError("the decay lengths of the Duhem states must halve from each to the next")
+        return Hysteresis(
+            self.low_V,
+            self.high_V,
+            (constant_um, *(float(a) for a in coefficients[: self.curve])),
+            tuple(self.half_widths.tolist()) if plays else (),
+            tuple(per_play.ravel().tolist()) if plays else (),
+            longest,
+            tuple(duhem.tolist()),
+        )
+
+    def at(self, u_V: float) -> Floats:
+        """(size,) columns at u_V, mean of both branches of the major loop; extrapolated linearly outside the range.
+
+        On the major loop the values of the plays are those of a record; elsewhere the polynomials would extrapolate.
+        """
+        return _middle(self, u_V)
+
+
+def _slope(x: Floats, order: int) -> Floats:
+    """dT_order/dx."""
+    return np.asarray(chebyshev.chebval(x, chebyshev.chebder(np.eye(order + 1)[order])))
+
+
+@lru_cache(maxsize=16)
+def _middle(operator: Operator, u_V: float) -> Floats:
+    low_V, high_V = operator.low_V, operator.high_V
+    inside_V = min(max(u_V, low_V), high_V)
+    down, up = (operator.columns(np.array([*way, inside_V]), 0.0) for way in ((low_V, high_V), (high_V, low_V)))
+    middle = 0.5 * (down[:, -1] + up[:, -1]) + (u_V - inside_V) / (high_V - low_V) * (down[:, 1] - up[:, 1])
+    middle[operator.size - 2 * len(operator.reaches) :] = 0.0
+    middle.flags.writeable = False
+    return middle

@@ -1,0 +1,252 @@
+"""The physical path of a model by least squares: the hysteresis behind given blocks, and rules that start as one lag.
+
+    u -> limits, slew, delay -> h -> creep, modes -> lag -> y
+
+The blocks around the hysteresis are given. h is linear in its coefficients and the chain behind h is linear, so h, the
+offset and the weights of the terms follow from one linear least-squares problem on the rows that count. The rules start
+as the lag: q_l1 = a, q_l2 = 1 - a, q_l3 = 0 with a = exp(-Ts/tau), equal in all rules.
+
+A stage never moves against its input. Noise and rows that a record does not visit may bend a fitted h the other way, and
+then h has no inverse; so dh/dv >= LEAST_SLOPE times the mean slope is required along the record's own path and along
+a path of random turns over the whole range, in both directions at every point.
+Source of the constrained solution: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from hysgen.errors import FitError
+from hysgen.fitting.certified import HalfSpaces, least_distance
+from hysgen.fitting.operator import Operator
+from hysgen.machine.kernels import lag_states
+from hysgen.machine.reproducible import exp
+from hysgen.model.intervals import Interval
+from hysgen.model.model import Grid, Model
+from hysgen.model.path import InputBlock
+from hysgen.model.path.creep import Creep
+from hysgen.model.path.modes import Modes
+from hysgen.model.regression import Trust
+from hysgen.model.terms import Drive, Term
+from hysgen.record import Record, Segment
+
+Floats = NDArray[np.float64]
+
+LEAST_SLOPE = 0.05
+"""Smallest slope of h, as a part of its mean slope: of stages with 20 % of hysteresis, the slope after a turn is about
+half of the mean."""
+
+RIDGE = 1e-7
+"""Prior of the coefficients relative to the scaled rows; 1e-9 leaves coefficients that bend where nothing holds them."""
+
+MOST_ROWS = 16_000
+"""Rows of the least-squares problem; the rows of a longer record are drawn at random."""
+
+PATH_SAMPLES, TURNS, STRIDE = 3000, 60, 0.02
+"""Points of the record's path at which the slope is checked, turns of the random path, and its step in half ranges."""
+
+ROUNDS, ADDED = 20, 30
+"""Rounds of adding violated slopes, and slopes added in each."""
+
+CREPT = (1 / 30, 1 / 8)
+"""Time constants of the creep that the motion before a record has caused, as shares of its length."""
+
+
+@dataclass(frozen=True)
+class PathSize:
+    """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states."""
+
+    plays: int = 8
+    degree: int = 3
+    states: int = 5
+    hats: int = 4
+    curve: int = 7
+
+    def operator(self, low_V: float, high_V: float) -> Operator:
+        """The operator of this size over an input range."""
+        reaches = tuple(0.5**i for i in range(self.states))
+        if not self.plays:
+            return Operator(low_V, high_V, hats=0, curve=self.curve, reaches=reaches)
+        return Operator(low_V, high_V, self.plays, self.hats, self.curve, self.degree, reaches)
+
+
+CURVE = PathSize(plays=0, states=0)
+"""A single-valued curve, for a path without memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class PathTask:
+    """What a path is fitted to.
+
+    blocks: all blocks but the hysteresis. lag_s: time constant of the rules. trust: weight of each sample, by segment.
+    searched: whether the lag is fitted too, from lag_s on.
+    """
+
+    record: Record
+    grid: Grid
+    input_range_V: tuple[float, float]
+    blocks: tuple[InputBlock, ...]
+    terms: tuple[Term, ...]
+    lag_s: float
+    size: PathSize
+    trust: Trust
+    searched: bool = False
+    name: str = "stage"
+
+
+def path_model(task: PathTask) -> Model:
+    """The model with the path of least error whose rules are one lag. Raises FitError if no path is found."""
+    lag_s = task.lag_s
+    kept = _Kept.of(task)
+    held = [_behind(task, segment) for segment in task.record.segments]
+    if task.searched and not any(isinstance(block, Modes) for block in task.blocks):
+        lag_s = _searched_lag(task, kept, held)
+    operator = task.size.operator(*_passed_V(task))
+    columns = np.hstack([_lagged(task, columns, extra, lag_s) for columns, extra in held])[:, kept.rows]
+    weights = _solved(task, operator, columns, kept)
+    size = operator.size
+    a_left = 1.0 - exp(-task.record.Ts_s / lag_s)
+    dc = 1.0 + sum(block.amount * len(block.tau_s) for block in task.blocks if isinstance(block, Creep))
+    block = operator.block(weights[:size], float(weights[size]) / dc)
+    parts = tuple(dataclasses.replace(part, lag_s=lag_s) if isinstance(part, Modes) else part for part in task.blocks)
+    theta = weights[size + 1 : size + 1 + sum(term.size for term in task.terms)]
+    return Model(
+        name=task.name,
+        Ts_s=task.record.Ts_s,
+        grid=task.grid,
+        consequents=np.tile([1.0 - a_left, a_left, 0.0], (task.grid.rules, 1)),
+        u_min_V=task.input_range_V[0],
+        u_max_V=task.input_range_V[1],
+        terms=task.terms,
+        weights=np.asarray(theta),
+        blocks=tuple(sorted((*parts, block), key=lambda part: part.place)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """Rows of the least-squares problem, their weights (square roots of the trust) and displacements."""
+
+    rows: NDArray[np.intp]
+    weight: Floats
+    y_um: Floats
+
+    @classmethod
+    def of(cls, task: PathTask) -> _Kept:
+        trust = np.concatenate(list(task.trust))
+        rows = np.flatnonzero(trust > 0.0)
+        if rows.size > MOST_ROWS:
+            rows = np.sort(np.random.default_rng(0).choice(rows, MOST_ROWS, replace=False))
+        y_um = np.concatenate([segment.y_um for segment in task.record.segments])
+        return cls(rows, np.sqrt(trust[rows]), y_um[rows])
+
+
+def _passed_V(task: PathTask) -> tuple[float, float]:
+    """Range of the voltage behind limits, slew and delay."""
+    passed = Interval(*task.input_range_V)
+    for block in task.blocks:
+        if not block.responds:
+            passed = block.image(passed)
+    return passed.low, passed.high
+
+
+def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
+    """(size, n) columns of h behind creep and modes, and (q, n) columns of offset, terms and past creep."""
+    Ts_s = task.record.Ts_s
+    u_V = np.clip(segment.u_V, *task.input_range_V)
+    for block in task.blocks:
+        if not block.responds:
+            u_V = block.apply(u_V, Ts_s)
+    columns = task.size.operator(*_passed_V(task)).columns(u_V)
+    for block in task.blocks:
+        if block.responds:
+            columns = np.stack([block.apply(column, Ts_s) for column in columns])
+    drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
+    extra = [np.ones(segment.samples)]
+    extra += [column for term in task.terms for column in term.regressors(drive).T]
+    return columns, np.stack(extra)
+
+
+def _lagged(task: PathTask, columns: Floats, extra: Floats, lag_s: float) -> Floats:
+    """(p, n) responses of the lag: to h with the static gain 1, to terms with the gain 1 in one sample; then creep."""
+    Ts_s, samples = task.record.Ts_s, columns.shape[1]
+    rate = np.array([1.0 - exp(-Ts_s / lag_s)])
+    out = [lag_states(column, rate, column[:1].copy())[:, 0] for column in columns]
+    out += [extra[0]]
+    out += [lag_states(column, rate, column[:1].copy())[:, 0] / rate[0] for column in extra[1:]]
+    if any(isinstance(block, Creep) for block in task.blocks):
+        t = np.arange(samples) / samples
+        out += [np.exp(-t / share) for share in CREPT]
+    return np.stack(out)
+
+
+def _searched_lag(task: PathTask, kept: _Kept, held: Sequence[tuple[Floats, Floats]]) -> float:
+    """The lag of least error without constraints, between a fifth and five times that of the task."""
+    few = dataclasses.replace(kept, rows=kept.rows[::4], weight=kept.weight[::4], y_um=kept.y_um[::4])
+
+    def error(log_lag: float) -> float:
+        lagged = [_lagged(task, columns, extra, float(np.exp(log_lag))) for columns, extra in held]
+        _, d, _ = _triangular(np.hstack(lagged)[:, few.rows], few)
+        # ||A x - b||^2 = ||b||^2 - ||d||^2 at the least-squares solution.
+        return -float(d @ d)
+
+    middle = float(np.log(task.lag_s))
+    low = max(middle - np.log(5.0), float(np.log(0.02 * task.record.Ts_s)))
+    best = minimize_scalar(error, bounds=(low, middle + np.log(5.0)), method="bounded", options={"xatol": 1e-3})
+    return float(np.exp(best.x)) if best.fun < error(middle) else task.lag_s
+
+
+def _triangular(columns: Floats, kept: _Kept) -> tuple[Floats, Floats, Floats]:
+    """R, d and the scales of the columns: minimise ||R x - d|| over x = scale * weights, with the ridge."""
+    rows = columns * kept.weight
+    scale = np.sqrt(np.mean(rows * rows, axis=1)) + 1e-300
+    count = rows.shape[1]
+    A = np.vstack([(rows / scale[:, None]).T / np.sqrt(count), np.sqrt(RIDGE) * np.eye(len(rows))])
+    b = np.concatenate([kept.weight * kept.y_um / np.sqrt(count), np.zeros(len(rows))])
+    Q, R = np.linalg.qr(A)
+    return R, Q.T @ b, scale
+
+
+def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) -> Floats:
+    """(p,) weights of the columns of least error with a rising h (falling, if the stage falls with the voltage)."""
+    R, d, scale = _triangular(columns, kept)
+    weights = np.linalg.solve(R, d) / scale
+    slopes = np.vstack([operator.slopes(path) for path in _paths(task, operator)])
+    middle = slopes @ weights[: operator.size]
+    sign, mean = float(np.sign(np.median(middle))), abs(float(np.median(middle)))
+    if mean == 0.0:
+        raise FitError(f"{task.record.source}: the displacement does not answer to the voltage; record with more drive")
+    imposed = HalfSpaces(np.zeros((0, R.shape[0])), np.zeros(0))
+    for _ in range(ROUNDS):
+        depth = LEAST_SLOPE - sign * (slopes @ weights[: operator.size]) / mean
+        worst = np.argsort(-depth, kind="stable")[:ADDED]
+        worst = worst[depth[worst] > 1e-4]
+        if not worst.size:
+            return np.asarray(weights)
+        rows = np.zeros((worst.size, R.shape[0]))
+        rows[:, : operator.size] = sign * slopes[worst] / (mean * scale[: operator.size])
+        imposed = imposed + HalfSpaces(rows, np.full(worst.size, LEAST_SLOPE))
+        inverse = np.linalg.inv(R)
+        z, _ = least_distance(imposed.rows @ inverse, imposed.floor - imposed.rows @ inverse @ d)
+        weights = inverse @ (z + d) / scale
+    raise FitError(f"{task.record.source}: no rising hysteresis lies near the record; it may not be a stage's response")
+
+
+def _paths(task: PathTask, operator: Operator) -> list[Floats]:
+    """Normalised inputs: the record's own, thinned, and turns at random places from one end of the range to the other."""
+    paths = []
+    for segment in task.record.segments:
+        u_V = np.clip(segment.u_V, operator.low_V, operator.high_V)
+        paths.append(operator.normalised(u_V[:: max(1, task.record.samples // PATH_SAMPLES)]))
+    turns = np.random.default_rng(0).uniform(-1.0, 1.0, TURNS)
+    turns[:3] = -1.0, 1.0, -1.0
+    strokes = [
+        np.linspace(a, b, max(2, int(abs(b - a) / STRIDE))) for a, b in zip(turns[:-1], turns[1:], strict=True)
+    ]
+    return [*paths, np.concatenate(strokes)]

@@ -1,0 +1,179 @@
+"""Hysteresis: the quasi-static displacement, a rate-independent functional of the voltage.
+
+    h(k) = g0(x) + sum_j g_j(z_j) + sum_i (b_i d_i + c_i d_i |d_i|)                              [um]
+    x = (v - middle) / half range,   -1 <= x <= 1
+    z_j(k) = max(x(k) - r_j, min(x(k) + r_j, z_j(k-1)))                                    play operators
+    d_i(k) = e_i d_i(k-1) + (1 - e_i) sign(dx),   e_i = exp(-2^i |dx| / reach),   i = 0, 1, ...     Duhem states
+
+g0 and g_j are polynomials, stored as coefficients of Chebyshev polynomials. g0 and sum_j g_j(z_j) are a Preisach
+operator (Brokate and Sprekels, 1996, chapter 2.4). The Duhem states decay along the path of the input, not in time, and
+add operators such as Dahl's and Bouc-Wen's; their decay lengths halve from state to state, so that e_(i+1) = e_i^2 costs
+one exponential for all. Without plays and Duhem states the block is a single-valued curve.
+
+Every g_j rises with the curve and b_i, b_i + 2 c_i have its sign (`fitting` sees to it), so h rises with v along every
+path, and the inverse is a root of a rising, piecewise smooth function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
+from hysgen.model.intervals import Interval
+from hysgen.model.path.base import BlockMirror, Floats, Floats32, InputBlock
+
+PLACES = 257
+"""Points of a polynomial at which its range is read; `Chain` clamps the input of the rules, so the range need not be
+exact."""
+
+
+@dataclass(frozen=True)
+class Hysteresis(InputBlock):
+    """Coefficients of the operator over the input range low_V .. high_V.
+
+    curve_um: of T_0(x) .. T_C(x) in g0. half_widths: r_j in half ranges, rising, below 1. plays_um: of T_1(z_j) ..
+    T_D(z_j) in g_j, play after play. reach: the longest decay length of the Duhem states in half ranges. duhem_um: b_0,
+    c_0, b_0, c_0, ..., from the longest decay length on.
+    Raises ValueError if sizes disagree, a half-width is not in (0, 1) or the reach is not positive.
+    """
+
+    kind: ClassVar[str] = "hysteresis"
+    place: ClassVar[int] = 3
+    limits: ClassVar[bool] = False
+    responds: ClassVar[bool] = True
+
+    low_V: float
+    high_V: float
+    curve_um: tuple[float, ...]
+    half_widths: tuple[float, ...] = ()
+    plays_um: tuple[float, ...] = ()
+    reach: float = 1.0
+    duhem_um: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.low_V < self.high_V:
+            raise ValueError("low_V must be below high_V")
+        if len(self.curve_um) < 2:
+            raise ValueError("curve_um must have at least two coefficients")
+        widths = self.half_widths
+        if any(not 0.0 < r < 1.0 for r in widths) or list(widths) != sorted(set(widths)):
+            raise ValueError("half_widths must rise and lie between 0 and 1")
+        if len(self.plays_um) != self.degree * len(widths) or bool(widths) != bool(self.plays_um):
+            raise ValueError("plays_um must have the same number of coefficients for every play")
+        if not 0.0 < self.reach < np.inf or len(self.duhem_um) % 2:
+            raise ValueError("reach must be positive, and duhem_um must have two coefficients for each state")
+        if not np.isfinite([*self.curve_um, *self.plays_um, *self.duhem_um]).all():
+            raise ValueError("the coefficients must be finite")
+
+    @property
+    def plays(self) -> int:
+        """Number of play operators."""
+        return len(self.half_widths)
+
+    @property
+    def degree(self) -> int:
+        """D: degree of the polynomial of each play; 0 without plays."""
+        return len(self.plays_um) // len(self.half_widths) if self.half_widths else 0
+
+    @property
+    def states(self) -> int:
+        """Number of Duhem states."""
+        return len(self.duhem_um) // 2
+
+    @property
+    def reaches(self) -> tuple[float, ...]:
+        """Decay length of every Duhem state in half ranges."""
+        return tuple(self.reach * 0.5**i for i in range(self.states))
+
+    @property
+    def series(self) -> HysteresisSeries:
+        """The coefficients as arrays."""
+        return HysteresisSeries(
+            np.array(self.curve_um),
+            np.array(self.half_widths),
+            np.array(self.plays_um).reshape(self.plays, self.degree),
+            np.array(self.reaches),
+            np.array(self.duhem_um).reshape(self.states, 2),
+        )
+
+    def describe(self) -> str:
+        if not self.plays and not self.states:
+            return f"curve of degree {len(self.curve_um) - 1}"
+        return (
+            f"{self.plays} plays of degree {self.degree}, {self.states} Duhem states, "
+            f"curve of degree {len(self.curve_um) - 1}"
+        )
+
+    def normalised(self, v_V: Floats) -> Floats:
+        """x, (n,), of the voltages v_V."""
+        return np.asarray((v_V - 0.5 * (self.low_V + self.high_V)) * (2.0 / (self.high_V - self.low_V)))
+
+    def start(self, v_V: float) -> Floats:
+        """State at rest under v_V: every play as near to the input as its range allows, d = 0, and the input."""
+        x = float(self.normalised(np.array([v_V]))[0])
+        r = np.array(self.half_widths)
+        return np.concatenate([np.clip(x, r - 1.0, 1.0 - r), np.zeros(self.states), [x]])
+
+    def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
+        state = self.start(float(u_V[0])) if start is None else start
+        return hysteresis_path(self.series, self.normalised(u_V), state)[0]
+
+    def image(self, u_V: Interval) -> Interval:
+        """Range of h for inputs in u_V, whatever the past: the sum of the ranges of its parts."""
+        x = self.normalised(np.array([u_V.low, u_V.high]))
+        low, high = _range(np.array(self.curve_um), float(x[0]), float(x[1]))
+        for r, row in zip(self.half_widths, self.series.plays, strict=True):
+            less, more = _range(np.array([0.0, *row]), r - 1.0, 1.0 - r)
+            low, high = low + less, high + more
+        for b, c in self.series.duhem:
+            d = np.linspace(-1.0, 1.0, PLACES)
+            values = b * d + c * d * np.abs(d)
+            low, high = low + float(values.min()), high + float(values.max())
+        return Interval(low, high)
+
+    def slope_range(self) -> tuple[float, float]:
+        """(m, M): bounds of dh/dx along every path, um per half range; the plays move together at most."""
+        x = np.linspace(-1.0, 1.0, PLACES)
+        slopes = chebyshev.chebval(x, chebyshev.chebder(np.array(self.curve_um)))
+        low, high = float(slopes.min()), float(slopes.max())
+        for r, row in zip(self.half_widths, self.series.plays, strict=True):
+            z = np.linspace(r - 1.0, 1.0 - r, PLACES)
+            moved = chebyshev.chebval(z, chebyshev.chebder(np.array([0.0, *row])))
+            low, high = low + min(float(moved.min()), 0.0), high + max(float(moved.max()), 0.0)
+        for (b, c), reach in zip(self.series.duhem, self.reaches, strict=True):
+            d = np.linspace(-1.0, 1.0, PLACES)
+            moved = (b + 2.0 * c * np.abs(d)) * (1.0 - d) / reach
+            low, high = low + float(moved.min()), high + float(moved.max())
+        return low, high
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:
+        raise NotImplementedError
+
+    def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
+        return {}
+
+    @classmethod
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        """Plays and Duhem states; a curve alone."""
+        r = tuple(float(x) for x in np.sort(rng.uniform(0.02, 0.9, 6)))
+        plays = rng.uniform(0.0, 0.3, (6, 3)) * np.array([1.0, 0.05, 0.02])
+        duhem = tuple(float(x) for x in rng.uniform(0.0, 0.1, 4))
+        curve = (5.0, 4.0, 0.1, 0.05)
+        return (
+            cls(-20.0, 120.0, curve, r, tuple(plays.ravel().tolist()), 0.8, duhem),
+            cls(-20.0, 120.0, curve),
+        )
+
+
+def _range(coefficients: Floats, low: float, high: float) -> tuple[float, float]:
+    """Smallest and largest value of a Chebyshev series over low .. high."""
+    values = chebyshev.chebval(np.linspace(low, high, PLACES), coefficients)
+    return float(values.min()), float(values.max())
+
+
+BLOCK = Hysteresis
