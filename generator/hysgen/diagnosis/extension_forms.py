@@ -1,6 +1,6 @@
 """The form of each extension, such as the size of the hysteresis, chosen inside the identification part.
 
-A cause may offer several forms of its extension (`Cause.other_forms`). Every form is fitted together with the other
+A cause may offer several forms of its extension (`Cause.forms`). Every form is fitted together with the other
 extensions to two thirds of the blocks of the identification part and scored in free run on the remaining third, for
 each third in turn. The cheapest form whose rms error is within TOLERATED of the least one is chosen.
 """

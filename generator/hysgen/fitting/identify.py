@@ -69,8 +69,8 @@ CHECKED_BLOCKS = 12
 def fit_path(task: PathTask, settings: FitSettings, starts: Starts | None = None) -> Model:
     """Fit a physical path and the rules behind it: `path_model`, then the rules by the free-run error.
 
-    The rules are refined from one lag on. They stay that lag unless refined rules have a smaller error on blocks of rows
-    that were left out. Raises FitError, ModelError or RecordError with one line.
+    The rules are refined from one lag on. They stay that lag unless refined rules have a smaller error on blocks of
+    rows that were left out. Raises FitError, ModelError or RecordError with one line.
     """
     start = path_model(task)
     rows = np.flatnonzero(np.concatenate(list(task.trust)) > 0.0)

@@ -6,15 +6,16 @@ The blocks around the hysteresis are given. h is linear in its coefficients and 
 offset and the weights of the terms follow from one linear least-squares problem on the rows that count. The rules start
 as the lag: q_l1 = a, q_l2 = 1 - a, q_l3 = 0 with a = exp(-Ts/tau), equal in all rules.
 
-A stage never moves against its input. Noise and rows that a record does not visit may bend a fitted h the other way, and
-then h has no inverse; so dh/dv >= LEAST_SLOPE times the mean slope is required along the record's own path and along
-a path of random turns over the whole range, in both directions at every point.
+A stage never moves against its input. Noise and rows that a record does not visit may bend a fitted h the other way,
+and then h has no inverse; so dh/dv >= LEAST_SLOPE times the mean slope is required along the record's own path and
+along a path of random turns over the whole range, in both directions at every point.
 Source of the constrained solution: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -43,7 +44,7 @@ LEAST_SLOPE = 0.05
 half of the mean."""
 
 RIDGE = 1e-7
-"""Prior of the coefficients relative to the scaled rows; 1e-9 leaves coefficients that bend where nothing holds them."""
+"""Prior of the coefficients relative to the scaled rows; with 1e-9 coefficients bend where nothing holds them."""
 
 MOST_ROWS = 16_000
 """Rows of the least-squares problem; the rows of a longer record are drawn at random."""
@@ -239,14 +240,12 @@ def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) ->
 
 
 def _paths(task: PathTask, operator: Operator) -> list[Floats]:
-    """Normalised inputs: the record's own, thinned, and turns at random places from one end of the range to the other."""
+    """Normalised inputs: the record's own, thinned, and turns at random places over the whole range."""
     paths = []
     for segment in task.record.segments:
         u_V = np.clip(segment.u_V, operator.low_V, operator.high_V)
         paths.append(operator.normalised(u_V[:: max(1, task.record.samples // PATH_SAMPLES)]))
     turns = np.random.default_rng(0).uniform(-1.0, 1.0, TURNS)
     turns[:3] = -1.0, 1.0, -1.0
-    strokes = [
-        np.linspace(a, b, max(2, int(abs(b - a) / STRIDE))) for a, b in zip(turns[:-1], turns[1:], strict=True)
-    ]
+    strokes = [np.linspace(a, b, max(2, int(abs(b - a) / STRIDE))) for a, b in itertools.pairwise(turns)]
     return [*paths, np.concatenate(strokes)]

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
-from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.intervals import Interval
+from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.path import InputBlock, check_chain, path_range
 from hysgen.model.terms import Term
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.machine.kernels import rule_rows
-from hysgen.model.model import Grid, Model
 from hysgen.model.intervals import Interval
+from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, applied, path_range
 from hysgen.model.terms import DensityTerm, Drive, Term
 from hysgen.record import Record, Segment

@@ -71,9 +71,9 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> ModelOutput:
     drive.u_V is the command: it is clamped to the model's range and passed through its blocks.
     """
     u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
-    arriving = dataclasses.replace(drive, u_V=np.ascontiguousarray(
-        applied(model.blocks, u_V, drive.Ts_s, model.w_range, drive.start)
-    ))
+    arriving = dataclasses.replace(
+        drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s, model.w_range, drive.start))
+    )
     y_um, y_clamped = kernels.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
     return ModelOutput(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
 

@@ -76,7 +76,8 @@ class Signature:
 class Known:
     """Data for an extension of a known plant: its parameters by "cause.parameter", and ranges of the record.
 
-    low_V, high_V: range of the voltage across the ceramic. span_s: length of the record. lag_s: of the stage. channels: (n,) each.
+    low_V, high_V: range of the voltage across the ceramic. span_s: length of the record. lag_s: of the stage.
+    channels: (n,) each.
     """
 
     parameters: Mapping[str, float]

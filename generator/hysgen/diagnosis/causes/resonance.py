@@ -132,9 +132,7 @@ class ResonanceCause(Cause):
 def modes_block(modes: Sequence[Mode], lag_s: float) -> Modes:
     """The block of these modes behind a lag, in rising order of their frequencies."""
     rising = sorted(modes, key=lambda mode: mode.f_Hz)
-    return Modes(
-        tuple(m.f_Hz for m in rising), tuple(m.zeta for m in rising), tuple(m.share for m in rising), lag_s
-    )
+    return Modes(tuple(m.f_Hz for m in rising), tuple(m.zeta for m in rising), tuple(m.share for m in rising), lag_s)
 
 
 def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:

@@ -141,7 +141,10 @@ class SaturationCause(Cause):
         )
 
     def true_extension(self, known: Known) -> Extension:
-        return Extension(block=Saturation(known.parameters["saturation.low_V"], known.parameters["saturation.high_V"]), lag_s=known.lag_s)
+        return Extension(
+            block=Saturation(known.parameters["saturation.low_V"], known.parameters["saturation.high_V"]),
+            lag_s=known.lag_s,
+        )
 
 
 def _part(chain: Chain) -> SaturationPart:

@@ -5,12 +5,12 @@ followed by a linear chain. If the residual is only noise, every needed part of 
 """
 
 from hysgen.diagnosis.probe.chain import Chain
-from hysgen.fitting.operator import Operator
 from hysgen.diagnosis.probe.part import Drive, Extent, Mode, Parameter, Part, SlowStates
 from hysgen.diagnosis.probe.scene import Scene, Trace
 from hysgen.diagnosis.probe.solve import Fit, Projector, linear_fit, refine, rms
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
 from hysgen.diagnosis.probe.whitened import WhitenedScene, schwarz, whitened_fit
+from hysgen.fitting.operator import Operator
 
 __all__ = [
     "Chain",

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.dynamics import lagged, respond, respond_into
-from hysgen.fitting.operator import Operator
 from hysgen.diagnosis.probe.part import Extent, Part
+from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
 
 Floats = NDArray[np.float64]

@@ -73,7 +73,7 @@ class InputBlock(ModelPart):
     limits: ClassVar[bool] = True
     """Whether the block is a limiter: its own output passes it unchanged, and the inverse applies it to v(k)."""
     responds: ClassVar[bool] = False
-    """Whether the block is a response of the stage (hysteresis, creep, modes), which the inverse solves for its input."""
+    """Whether the block is a response of the stage (hysteresis, creep, modes): the inverse solves it for its input."""
 
     @property
     def preview(self) -> int:

@@ -50,7 +50,8 @@ class Creep(InputBlock):
         return np.array([-expm1(-Ts_s / tau) for tau in self.tau_s])
 
     def describe(self) -> str:
-        return f"creep by {self.amount:.3g} per state, {len(self.tau_s)} states of {self.tau_s[0]:.3g} .. {self.tau_s[-1]:.3g} s"
+        tau = self.tau_s
+        return f"creep by {self.amount:.3g} per state, {len(tau)} states of {tau[0]:.3g} .. {tau[-1]:.3g} s"
 
     def start(self, x: float) -> Floats:
         """State at rest under x: every slow state at x."""

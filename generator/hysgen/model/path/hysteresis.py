@@ -6,9 +6,9 @@
     d_i(k) = e_i d_i(k-1) + (1 - e_i) sign(dx),   e_i = exp(-2^i |dx| / reach),   i = 0, 1, ...     Duhem states
 
 g0 and g_j are polynomials, stored as coefficients of Chebyshev polynomials. g0 and sum_j g_j(z_j) are a Preisach
-operator (Brokate and Sprekels, 1996, chapter 2.4). The Duhem states decay along the path of the input, not in time, and
-add operators such as Dahl's and Bouc-Wen's; their decay lengths halve from state to state, so that e_(i+1) = e_i^2 costs
-one exponential for all. Without plays and Duhem states the block is a single-valued curve.
+operator (Brokate and Sprekels, 1996, chapter 2.4). The Duhem states decay along the path of the input, not in time,
+and add operators such as Dahl's and Bouc-Wen's; their decay lengths halve from state to state, so that all of them cost
+one exponential, e_(i+1) = e_i^2. Without plays and Duhem states the block is a single-valued curve.
 
 Every g_j rises with the curve and b_i, b_i + 2 c_i have its sign (`fitting` sees to it), so h rises with v along every
 path, and the inverse is a root of a rising, piecewise smooth function.

@@ -7,7 +7,8 @@ exact for an input held over a sample; c = position + i velocity, with osc = Re 
 rules hold their input over a sample too, but a mode goes on moving in it. The block therefore puts out the mean of osc
 over the coming sample, weighted as the lag of the rules (lag_s = tau) weights it:
 
-    osc(k) = Re(M c(k)) + (1 - Re M) x(k),   M = (1 + i zeta/sqrt(1 - zeta^2)) (exp(lambda Ts) - a)/((1 - a)(1 + lambda tau))
+    osc(k) = Re(M c(k)) + (1 - Re M) x(k),
+    M = (1 + i zeta/sqrt(1 - zeta^2)) (exp(lambda Ts) - a) / ((1 - a)(1 + lambda tau))
 
 with a = exp(-Ts/tau): behind the lag, the chain is exact.
 Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digital Control (1998), section 4.3.

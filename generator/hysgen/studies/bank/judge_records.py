@@ -13,14 +13,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.memory import usual_memory
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.ladder import fit_ladder
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.procedure import Naming, name_causes
-from hysgen.fitting import FitSettings
+from hysgen.fitting import FitSettings, PathSize
 from hysgen.record import Record
 from hysgen.stage import Preisach, Relays, effects
 from hysgen.stage import run as measure
@@ -123,7 +122,7 @@ def left_by_memory(hidden: Scenario) -> float:
     bare = memory_only(hidden)
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
     prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=ACCEPTED))
-    extension = Extension(term=usual_memory(*prepared.record.u_range_V))
+    extension = Extension(size=PathSize(), lag_s=prepared.record.Ts_s)
     rung = fit_ladder(prepared, {Hysteresis.name: extension}, [Hysteresis.name], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
 
