@@ -10,10 +10,10 @@ from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY
 from hysgen.checking.proof.eva.contracts import beyond_contract
 from hysgen.checking.proof.eva.frama import Verdict, analyse
-from hysgen.checking.proof.eva.hooked import hooked
 from hysgen.checking.proof.eva.learner_box import PARAMETERS, REMAINDERS
 from hysgen.checking.proof.eva.splits import Split, case_lines, signs, splits
 from hysgen.checking.proof.eva.states import float_word, integer_word
+from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers

@@ -7,13 +7,11 @@ what a call writes, and that `step` answers 0 only if every parameter that it le
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Final
 
-from hysgen.checking.proof.eva.hooked import hook_names
+from hysgen.checking.proof.hooked import hook_names
 from hysgen.codegen.interface import interface_of
-from hysgen.errors import ModelError
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.model.model import Model
 
@@ -25,6 +23,8 @@ WRITES: Final[Mapping[str, tuple[str, ...]]] = {
 _RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
 
 _CLAUSE: Final = "\n    "
+_STORED: Final = "step: theta "
+"""Start of the name of a hook behind the lines that store parameters; their indices follow, separated by spaces."""
 
 LOOKED_AT: Final = "looked_at"
 """Parameter whose cases are distinguished: a number of the analysis, not of the generated C."""
@@ -44,44 +44,30 @@ def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[s
         written = [f"self->{_whole(name, texts, word)}" for word in WRITES[kind]]
         clauses = [f"assigns {', '.join([*written, *_RESULT[kind]])} \\from \\nothing;"]
         if kind == "step":
-            kept = " && ".join(within(name, f"self->theta[{j}]") for j in range(_parameters(name, texts)))
+            kept = " && ".join(within(name, f"self->theta[{j}]") for j in range(parameters(name, texts)))
             clauses += ["ensures self->phase == 0;", rf"ensures \result == 1 || (\result == 0 && {kept});"]
         lines[f"contract: {function}"] = [f"/*@ {_CLAUSE.join(clauses)} */"]
     return lines
 
 
-def with_checks(name: str, texts: Mapping[str, str], source: str) -> str:
-    """`source` with checks of what `update_contracts` promises of `step`, for the parameter that is looked at.
-
-    Raises ModelError if its lines are not found: then the generated text has changed under the proof.
-    """
+def update_checks(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
+    """Checks of what `update_contracts` promises of `step`, by hook, for the parameter that is looked at."""
+    name = model.name
     limit = f"{name.upper()}_LEARN_LIMIT_UM"
-
-    def looked_at(match: re.Match[str]) -> str:
-        cases = [
-            f"    /*@ ghost if ({LOOKED_AT} == {j}u) {{ /@ split \\is_NaN({x}); @/"
-            f" if ({x} < {limit}) {{ if ({x} <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
-            for j, x in re.findall(r"self->theta\[(\d+)\] = (sum\d+);", match[0])
-        ]
-        return "\n".join([match[0], *cases])
-
-    start = source.index(f" {name}_step({name}_learner_t *self)\n{{")
-    end = source.index("\n}\n", start)
-    lines = r"^ +self->theta\[\d+\] = sum\d+;(?:\s+self->theta\[\d+\] = sum\d+;)*$"
-    body = re.sub(lines, looked_at, source[start:end], flags=re.MULTILINE)
-    ending = re.search(r"\n    return ([^;\n]*);$", body)
-    if ending is None or body.count("/*@ ghost") != _parameters(name, texts):
-        raise ModelError(
-            f"{name}_step: its parameters are not where the proof looks for them; adapt proof/eva/contracts.py"
-        )
-    answer = ending[1]
-    checks = [f"answer: {answer} <= 1", "phase: self->phase == 0"]
+    lines: dict[str, list[str]] = {}
+    for hook in hook_names(model, texts):
+        if hook.startswith(_STORED):
+            lines[hook] = [
+                f"    /*@ ghost if ({LOOKED_AT} == {j}u) {{ /@ split \\is_NaN(sum{j}); @/"
+                f" if (sum{j} < {limit}) {{ if (sum{j} <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
+                for j in hook.removeprefix(_STORED).split()
+            ]
+    checks = ["answer: beyond <= 1", "phase: self->phase == 0"]
     checks += [
-        f"kept_{j}: {LOOKED_AT} == {j} && {answer} == 0 ==> {within(name, f'self->theta[{j}]')}"
-        for j in range(_parameters(name, texts))
+        f"kept_{j}: {LOOKED_AT} == {j} && beyond == 0 ==> {within(name, f'self->theta[{j}]')}"
+        for j in range(parameters(name, texts))
     ]
-    asked = "".join(f"\n    //@ check {check};" for check in checks)
-    return source[:start] + body[: ending.start()] + asked + ending[0] + source[end:]
+    return lines | {"step: return": [f"    //@ check {check};" for check in checks]}
 
 
 def beyond_contract(name: str) -> dict[str, list[str]]:
@@ -102,7 +88,8 @@ def within(name: str, theta: str) -> str:
     return rf"\is_finite({theta}) && -{limit} < {theta} < {limit}"
 
 
-def _parameters(name: str, texts: Mapping[str, str]) -> int:
+def parameters(name: str, texts: Mapping[str, str]) -> int:
+    """Number of parameters that the learner of model `name` has."""
     return sum(word.path.startswith("theta[") for word in interface_of(name, texts).struct(f"{name}_learner_t").words())
 
 

@@ -111,7 +111,7 @@ def prove(
         both: tuple[Floats, ...] = ("finite", "any")
         tasks += [(function, inputs) for inputs in ([LEARNER[function]] if function in LEARNER else both)]
     chosen = {function for function, _ in tasks}
-    outs = [guard for guard in guards(model.name, texts) if take_out and guard.function in chosen]
+    outs = [guard for guard in guards(model, texts) if take_out and guard.function in chosen]
     done, total = 0, len(tasks) + len(outs)
     found: list[Proof] = []
     taken: list[TakenOut] = []
@@ -122,7 +122,7 @@ def prove(
         done += 1
     for guard in outs:
         _tell(progress, done / total, f"without: that {guard.about}")
-        verdict, _ = proved(model, without(guard, model.name, texts), guard.function, guard.inputs)
+        verdict, _ = proved(model, without(guard, model, texts), guard.function, guard.inputs)
         taken.append(TakenOut(guard.about, guard.function, len(verdict.alarms)))
         done += 1
     return Proofs(model.name, tool, tuple(found), tuple(taken))
