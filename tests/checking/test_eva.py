@@ -17,7 +17,7 @@ from fixtures.tools import need
 from hysgen.checking.proof.eva import calls, commit, learn
 from hysgen.checking.proof.eva.calls import prove_call, step
 from hysgen.checking.proof.eva.commit import prove_commit
-from hysgen.checking.proof.eva.contract import check_contract
+from hysgen.checking.proof.eva.contracts import check_contract
 from hysgen.checking.proof.eva.frama import Floats, analyse
 from hysgen.checking.proof.eva.guards import GUARDS, Guard, guards, without
 from hysgen.checking.proof.eva.learn import prove_update

@@ -20,7 +20,7 @@ from hysgen.stage.effects.resonance import Resonance
 from hysgen.stage.effects.saturation import Saturation
 from hysgen.stage.effects.slew import Slew
 from hysgen.stage.effects.stick_slip import StickSlip
-from hysgen.stage.measure import Measurement, Truth, run, static_loop, without
+from hysgen.stage.measure import Measurement, Truth, effect_shares, run, static_loop, without
 from hysgen.stage.state import StageState, static_path
 
 __all__ = [
@@ -49,6 +49,7 @@ __all__ = [
     "StageState",
     "StickSlip",
     "Truth",
+    "effect_shares",
     "effects",
     "run",
     "static_loop",

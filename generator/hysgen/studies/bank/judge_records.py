@@ -22,7 +22,7 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.procedure import Naming, name_causes
 from hysgen.fitting import FitSettings
 from hysgen.record import Record
-from hysgen.stage import Preisach, Relays, effects
+from hysgen.stage import Preisach, Relays, effect_shares, effects
 from hysgen.stage import run as measure
 from hysgen.stage.effects import UNKNOWN, Tolerance
 from hysgen.stage.effects.memory import Hysteresis
@@ -77,14 +77,14 @@ def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Judgement]:
 
 def judge(hidden: Scenario) -> Judgement:
     """Measure a scenario, diagnose its record, and compare the causes named with the causes planted."""
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux, shares=True)
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
     record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED)
     left_um = left_by_memory(hidden)
     begun = time.perf_counter()
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
     fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier)
-    shares = {effects()[name].cause(): share for name, share in measured.truth.shares_um.items()}
+    shares = {effects()[name].cause(): share for name, share in effect_shares(measured).items()}
     return Judgement(
         category=hidden.category,
         seed=hidden.seed,

@@ -1,17 +1,23 @@
 """Functions that the proof of a learner takes at a contract instead of their text, and the contracts as ACSL.
 
-`beyond` is held against its contract by running it on every float (`contract.py`). What one update does to the shadow
-(`project`, `factor`, `clear`, `step`) is analysed once, from any bits the learner may hold, which shows two things:
-what a call writes, and that `step` answers 0 only if every parameter that it leaves is finite and inside its limit.
+`check_contract` runs `beyond` on every float. What one update does to the shadow (`project`, `factor`, `clear`, `step`)
+is analysed once, from any bits the learner may hold, which shows two things: what a call writes, and that `step`
+answers 0 only if every parameter that it leaves is finite and inside its limit.
 """
 
 from __future__ import annotations
 
+import subprocess
+import time
 from collections.abc import Mapping
 from typing import Final
 
+from hysgen.checking.proof.eva.frama import Verdict
 from hysgen.checking.proof.hooked import hook_names
+from hysgen.checking.proof.sources import folder_of
 from hysgen.codegen.interface import interface_of
+from hysgen.codegen.render import render
+from hysgen.errors import BuildError
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.model.model import Model
 
@@ -80,6 +86,26 @@ def beyond_contract(name: str) -> dict[str, list[str]]:
         rf"behavior out: assumes !({kept}); ensures \result == 1;",
     ]
     return {"contract: beyond": [f"/*@ {_CLAUSE.join(clauses)} */"]}
+
+
+def check_contract(name: str, texts: Mapping[str, str]) -> Verdict:
+    """Whether `<name>_beyond` keeps its contract, by running it on all 2^32 floats.
+
+    Raises BuildError if gcc is not installed or refuses the C.
+    """
+    started = time.monotonic()
+    program = render("proof/contract.c.j2", {"name": name, "NAME": name.upper()})
+    with folder_of({**texts, "contract.c": program}) as scratch:
+        call = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "-o", "contract", "contract.c"]
+        try:
+            built = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
+        except FileNotFoundError as fault:
+            raise BuildError("gcc: not installed; apt-get install gcc") from fault
+        if built.returncode != 0:
+            raise BuildError(f"gcc: contract.c: {(built.stderr.strip().splitlines() or ['refused'])[0]}")
+        run = subprocess.run([str(scratch / "contract")], capture_output=True, text=True, check=False)
+    alarms = () if run.returncode == 0 else (f"contract does not hold: {run.stdout.strip() or run.returncode}",)
+    return Verdict(alarms, 1 - len(alarms), 1, time.monotonic() - started)
 
 
 def within(name: str, theta: str) -> str:

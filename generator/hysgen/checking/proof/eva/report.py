@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from hysgen.checking.proof.eva.calls import functions, prove_call
 from hysgen.checking.proof.eva.commit import prove_commit
-from hysgen.checking.proof.eva.contract import check_contract
+from hysgen.checking.proof.eva.contracts import check_contract
 from hysgen.checking.proof.eva.frama import Floats, Verdict, version
 from hysgen.checking.proof.eva.guards import guards, without
 from hysgen.checking.proof.eva.learn import prove_learn, prove_update
