@@ -11,7 +11,7 @@ from fixtures.firmware_bench import booted, model, sine, tracking
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import firmware_model, structure_digest
 from hysgen.firmware.host import SLOT_BYTES, BoardFault, FirmwareStatus, HostFirmware, HostImage, Request, State
-from hysgen.firmware.image import decode, encode, pack
+from hysgen.firmware.image import ANSWERS, decode, encode, pack
 from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
@@ -125,7 +125,7 @@ def test_without_any_good_image_the_built_in_parameters_drive() -> None:
 def test_whole_and_right_but_not_certified_is_refused(consequents: tuple[float, ...], answer: int) -> None:
     firmware = booted()
     good = firmware.bank()
-    assert firmware.send(encode(changed(np.array(consequents)))) == answer
+    assert firmware.send(encode(changed(np.array(consequents)))) == answer, ANSWERS[answer]
     assert firmware.bank() == good
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
 

@@ -23,6 +23,22 @@ MAGIC: Final = 0x49535948
 VERSION: Final = 1
 HEADER_WORDS: Final = 9
 
+ANSWERS: Final = {
+    0: "accepted",
+    1: "refused: bytes are missing, or too many",
+    2: "refused: not an image, or of another version",
+    3: "refused: the CRC does not fit the bytes",
+    4: "refused: numbers of another structure, range or partition",
+    5: "refused: a parameter is not finite, denormal or absurdly large",
+    7: "refused: the board has no memory that survives power off",
+    8: "refused: not certified: too few updates",
+    9: "refused: not certified: a parameter beyond its limit",
+    10: "refused: not certified: the terms' weights are too far from those the firmware was built with",
+    11: "refused: not certified: the gain comes too close to zero or changes its sign",
+    12: "refused: not certified: the slope comes too close to 1",
+}
+"""Meaning of the firmware's `image_answer`."""
+
 
 @dataclass(frozen=True)
 class ParameterImage:
