@@ -103,12 +103,12 @@ def action(instruction: Instruction) -> Action:
     Raises TargetError with address and text if the instruction, or this form of it, is not modelled.
     """
     try:
-        found = _action(instruction)
+        decoded = _action(instruction)
     except (ValueError, IndexError):
-        found = None
-    if found is None:
+        decoded = None
+    if decoded is None:
         raise TargetError(f"{instruction}: not modelled by the simulator; change the C, or use the host")
-    return found
+    return decoded
 
 
 def _action(instruction: Instruction) -> Action | None:

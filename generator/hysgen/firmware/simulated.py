@@ -109,11 +109,11 @@ def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | 
 
     None for a function with an instruction that is not modelled.
     """
-    found = packets(instructions(compiled.listing))
+    decoded = packets(instructions(compiled.listing))
     cycles: dict[str, tuple[int, int] | None] = {}
     for symbol in ("firmware_interrupt", f"{name}_inverse", f"{name}_learn", f"{name}_commit"):
         try:
-            bound = bounds(compiled.image, found, symbol)
+            bound = bounds(compiled.image, decoded, symbol)
         except TargetError:
             cycles[symbol] = None
         else:

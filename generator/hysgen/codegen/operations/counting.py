@@ -233,10 +233,10 @@ class Program:
 
     def _assignment(self, node: c_ast.Assignment, scope: Scope) -> tuple[Counts, Value]:
         cost, value = self._expression(node.rvalue, scope)
-        found, place = self._place(node.lvalue, scope)
+        address, place = self._place(node.lvalue, scope)
         if isinstance(place.type, Pointer) and isinstance(node.lvalue, c_ast.ID):
             scope.names[node.lvalue.name] = Value(place.type, value.in_memory)
-        cost += found + _moved(place, _STORE)
+        cost += address + _moved(place, _STORE)
         if node.op == "=":
             return cost, place
         operation = Counts(multiply=1) if node.op == "*=" else Counts(add=1)

@@ -68,7 +68,7 @@ class PeriodicCause(Cause):
     def without_one_part(self, chain: Chain) -> list[Chain]:
         lines = _lines_Hz(chain)
         fewer = [lines[:i] + lines[i + 1 :] for i in range(len(lines))]
-        return [chain.having(PeriodicPart(left)) if left else self.without(chain) for left in fewer]
+        return [chain.having(PeriodicPart(lines_kept)) if lines_kept else self.without(chain) for lines_kept in fewer]
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
@@ -116,12 +116,12 @@ def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
     """For each line: amplitude in um, ratio of its power to the local background, and whether its phase is constant."""
     chain, scene, weights = residual.fit.chain, residual.scene, residual.fit.weights
     first = scene.column_of(chain, PeriodicPart)
-    found = []
+    evidence = []
     for i, line_Hz in enumerate(_lines_Hz(chain)):
         sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
         ratio, steady = _line_significance(residual, line_Hz, sine, cosine)
-        found.append((math.hypot(sine, cosine), ratio, bool(steady)))
-    return found
+        evidence.append((math.hypot(sine, cosine), ratio, bool(steady)))
+    return evidence
 
 
 def _peaks(residual: Residual, count: int) -> list[float]:

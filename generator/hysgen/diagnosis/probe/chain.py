@@ -112,8 +112,8 @@ class Chain:
 
     def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
         """The slow states behind the hysteresis; with no states if no part has them."""
-        found = [part.slow_states(samples, Ts_s) for part in self.parts]
-        return next((states for states in found if states is not None), SlowStates(0.0, np.zeros(0)))
+        candidates = [part.slow_states(samples, Ts_s) for part in self.parts]
+        return next((states for states in candidates if states is not None), SlowStates(0.0, np.zeros(0)))
 
     @property
     def modes(self) -> tuple[Mode, ...]:

@@ -115,8 +115,8 @@ class Part:
     @property
     def parameters(self) -> tuple[tuple[str, Parameter], ...]:
         """Name "cause.field" and table entry of each fitted parameter."""
-        found = (one for one in self.table if getattr(self, one.field) is not None)
-        return tuple((f"{self.cause}.{one.field}", one) for one in found)
+        fitted = (one for one in self.table if getattr(self, one.field) is not None)
+        return tuple((f"{self.cause}.{one.field}", one) for one in fitted)
 
     @property
     def values(self) -> tuple[float, ...]:

@@ -77,9 +77,9 @@ __all__ = [
 @functools.lru_cache(maxsize=1)
 def effects() -> Mapping[str, type[Effect]]:
     """Class of every effect by its name, in the order of their ranks."""
-    found: list[type[Effect]] = []
+    classes: list[type[Effect]] = []
     for module in pkgutil.iter_modules(__path__):
         kind = getattr(importlib.import_module(f"{__name__}.{module.name}"), "EFFECT", None)
         if kind is not None:
-            found.append(kind)
-    return MappingProxyType({kind.name: kind for kind in sorted(found, key=lambda kind: (kind.rank, kind.name))})
+            classes.append(kind)
+    return MappingProxyType({kind.name: kind for kind in sorted(classes, key=lambda kind: (kind.rank, kind.name))})

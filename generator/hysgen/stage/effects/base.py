@@ -50,10 +50,10 @@ class Tolerance:
     limit: float | None = None
     kind: Literal["relative", "absolute", "input range"] = "relative"
 
-    def error(self, found: float, truth: float, range_V: float) -> float:
-        """Signed error of the value found, in the measure that `kind` names."""
+    def error(self, estimate: float, truth: float, range_V: float) -> float:
+        """Signed error of an estimate, in the measure that `kind` names."""
         unit = {"relative": truth, "absolute": 1.0, "input range": range_V}[self.kind]
-        return (found - truth) / unit
+        return (estimate - truth) / unit
 
 
 @dataclass(frozen=True, eq=False)

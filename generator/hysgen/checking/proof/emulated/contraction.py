@@ -64,7 +64,7 @@ def contraction(
     """
     expected, inputs = _expected(model, texts, samples)
     bare = unguarded(model, texts)
-    found = []
+    results = []
     installed = [platform for platform in platforms if not platform.missing]
     if not installed:
         raise BuildError("no other instruction set is installed: qemu-user-static and a cross gcc are needed")
@@ -79,11 +79,11 @@ def contraction(
             selftest = int(program.call("selftest")) if program.selftested else 0
             differing = int(np.count_nonzero(out != expected))
             largest = float(difference.max())
-            found.append(Fused(platform.name, " ".join(flags), guarded, samples, differing, largest, selftest))
-    return found
+            results.append(Fused(platform.name, " ".join(flags), guarded, samples, differing, largest, selftest))
+    return results
 
 
-def contraction_rows(found: Sequence[Fused]) -> tuple[list[str], list[list[str]]]:
+def contraction_rows(results: Sequence[Fused]) -> tuple[list[str], list[list[str]]]:
     """Column heads and rows of a table."""
     header = ["machine", "flags", "guard", "predictions", "differ", "largest, um", "self-test"]
     rows = [
@@ -96,7 +96,7 @@ def contraction_rows(found: Sequence[Fused]) -> tuple[list[str], list[list[str]]
             f"{row.largest_um:.3g}",
             f"{row.selftest} mismatches",
         ]
-        for row in found
+        for row in results
     ]
     return header, rows
 

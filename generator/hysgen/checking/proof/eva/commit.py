@@ -44,8 +44,8 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     known += [integer_word("learner", "age")]
     facts = {"name": name, "words": known, "points": points}
     # Asked where commit returns, case by case: afterwards the cases are taken together.
-    left = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
-    lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [left]}
+    unfinished = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
+    lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [unfinished]}
     source = hooked(model, texts, lines | beyond_contract(name))
     checks = sum(word.demanded != "" for word in known) + 1
     return {**texts, f"{name}.c": source, ENTRY: render("proof/commit.c.j2", facts)}, checks

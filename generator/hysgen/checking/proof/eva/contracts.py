@@ -38,8 +38,8 @@ LOOKED_AT: Final = "looked_at"
 
 def update_functions(model: Model, texts: Mapping[str, str]) -> dict[str, str]:
     """Name without prefix -> which of WRITES, of every function of an update with a contract, in the text's order."""
-    found = [name.removeprefix("contract: ") for name in hook_names(model, texts) if name.startswith("contract: ")]
-    return {function: kind for function in found if (kind := function.split("_")[0]) in WRITES}
+    functions = [name.removeprefix("contract: ") for name in hook_names(model, texts) if name.startswith("contract: ")]
+    return {function: kind for function in functions if (kind := function.split("_")[0]) in WRITES}
 
 
 def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
