@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.integrate import dblquad
 
 from hysgen.stage import Stage, StageError, run, static_loop, static_path
-from hysgen.stage.effects.periodic import Periodic
+from hysgen.stage.effects.periodic import PeriodicEffect
 from hysgen.stage.families import (
     FAMILIES,
     SCENARIOS,
@@ -200,7 +200,7 @@ def test_a_plant_has_the_effects_of_its_scenario(scenario: str) -> None:
 
 
 def test_a_disturbance_has_the_same_phase_at_the_first_row_of_both_records() -> None:
-    line = Periodic(47.3, 0.01, 1.1)
+    line = PeriodicEffect(47.3, 0.01, 1.1)
     later = _advanced(line, 3.7)
     assert np.sin(2 * np.pi * 47.3 * 3.7 + later.phase_rad) == pytest.approx(np.sin(1.1), abs=1e-9)
 

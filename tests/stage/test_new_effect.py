@@ -27,7 +27,7 @@ from hysgen.stage.effects.base import Action, Effect, Tolerance, require_finite
 
 
 @dataclass(frozen=True)
-class Echo(Effect):
+class EchoEffect(Effect):
     um_per_V: float
 
     name = "echo"
@@ -57,7 +57,7 @@ class _Echo(Action):
         return self.um_per_V * past_V
 
 
-EFFECT = Echo
+EFFECT = EchoEffect
 """
 
 BANK = """

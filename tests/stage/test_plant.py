@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hysgen.stage import (
-    Bandwidth,
+    BandwidthEffect,
     BoucWen,
     Preisach,
     Stage,
@@ -144,7 +144,7 @@ def test_at_rest_nothing_moves() -> None:
         Stage.laboratory()
         .quiet()
         .with_effects(
-            bandwidth=Bandwidth(500.0, order=2), drift=None, periodic=None, delay=1.6, coupling={"axis2_V": 0.02}
+            bandwidth=BandwidthEffect(500.0, order=2), drift=None, periodic=None, delay=1.6, coupling={"axis2_V": 0.02}
         )
     )
     y_um = run(stage, np.full(500, 30.0), TS_S, aux={"axis2_V": np.full(500, 7.0)}).displacement_um

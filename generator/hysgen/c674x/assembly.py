@@ -37,7 +37,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class Memory:
+class MemoryOperand:
     """An address operand: base register plus or minus an offset, with optional update of the base.
 
     offset: a number or a register, in bytes, or in elements if `scaled`. sign: +1 or -1.
@@ -58,7 +58,7 @@ class Label:
     address: int
 
 
-Operand = Register | Pair | Memory | Label | int | str  # str: a form without a class, such as a control register
+Operand = Register | Pair | MemoryOperand | Label | int | str  # str: a form without a class, such as a control register
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def _operand(text: str) -> Operand:
     return _memory(text) or text
 
 
-def _memory(text: str) -> Memory | None:
+def _memory(text: str) -> MemoryOperand | None:
     match = _MEMORY.match(text)
     if match is None:
         return None
@@ -167,8 +167,8 @@ def _memory(text: str) -> Memory | None:
     offset = in_bytes or in_elements or "0"
     if _NUMBER.match(offset):
         # objdump prints constant offsets in bytes, except those of ldndw and stndw that the opcode encodes in elements.
-        return Memory(_register(base), int(offset), sign, in_elements is not None, step)
-    return Memory(_register(base), _register(offset), sign, in_elements is not None, step)
+        return MemoryOperand(_register(base), int(offset), sign, in_elements is not None, step)
+    return MemoryOperand(_register(base), _register(offset), sign, in_elements is not None, step)
 
 
 def _register(text: str) -> Register:

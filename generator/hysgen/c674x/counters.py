@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from hysgen.c674x.assembly import Instruction, Memory, Register
-from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source
+from hysgen.c674x.assembly import Instruction, MemoryOperand, Register
+from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source
 from hysgen.c674x.packets import Packet
 from hysgen.c674x.semantics import INTEGER, MASK, signed
 from hysgen.errors import TargetError
@@ -62,7 +62,7 @@ def decisive_registers(packets: Mapping[int, Packet], start: int) -> frozenset[i
     decisive = {
         instruction.predicate.register.index
         for instruction, action in every
-        if isinstance(action, Branch) and instruction.predicate and _goes_back(instruction, action)
+        if isinstance(action, Jump) and instruction.predicate and _goes_back(instruction, action)
     }
     size = -1
     while decisive and size != len(decisive):
@@ -109,7 +109,7 @@ def writes(action: Action, before: Mapping[int, CounterValue]) -> list[tuple[int
         results.append((action.destination.index, _computed(action, before), action.delay))
     elif isinstance(action, LoadAddress):
         results.append((action.destination.index, CounterValue(action.address), 0))
-    elif isinstance(action, Branch) and action.link is not None:
+    elif isinstance(action, Jump) and action.link is not None:
         results.append((action.link.index, None, 0))
     elif isinstance(action, Access):
         if action.memory.step:
@@ -119,7 +119,7 @@ def writes(action: Action, before: Mapping[int, CounterValue]) -> list[tuple[int
     return results
 
 
-def _moved(memory: Memory, size: int, before: Mapping[int, CounterValue]) -> CounterValue | None:
+def _moved(memory: MemoryOperand, size: int, before: Mapping[int, CounterValue]) -> CounterValue | None:
     base, offset = before.get(memory.base.index), _value(memory.offset, before)
     if base is None or offset is None or offset.base is not None:
         return None
@@ -158,7 +158,7 @@ def _value(source: Source, before: Mapping[int, CounterValue]) -> CounterValue |
     return before.get(source.index) if isinstance(source, Register) else CounterValue(source & MASK)
 
 
-def _goes_back(instruction: Instruction, action: Branch) -> bool:
+def _goes_back(instruction: Instruction, action: Jump) -> bool:
     return isinstance(action.target, int) and action.target <= instruction.address
 
 
@@ -172,5 +172,5 @@ def _reached(packets: Mapping[int, Packet], start: int) -> list[Packet]:
             continue
         reached[packet.address] = packet
         todo += [packet.next]
-        todo += [a.target for a in packet.actions if isinstance(a, Branch) and isinstance(a.target, int)]
+        todo += [a.target for a in packet.actions if isinstance(a, Jump) and isinstance(a.target, int)]
     return list(reached.values())

@@ -24,7 +24,7 @@ Figures = Mapping[str, Mapping[str, int]]
 
 
 @dataclass(frozen=True)
-class Change:
+class FigureChange:
     """A figure that differs from the budget by more than TOLERANCE; None: the figure is missing on that side."""
 
     model: str
@@ -66,7 +66,7 @@ def update(path: Path, model: str, figures: Figures, compiler: str) -> None:
     write_whole(path, json.dumps(content, indent=2) + "\n")
 
 
-def changes(model: str, budget: Figures, measured: Figures) -> list[Change]:
+def changes(model: str, budget: Figures, measured: Figures) -> list[FigureChange]:
     """Figures that differ from the budget by more than TOLERANCE, in the order of `measured`."""
     different = []
     for function in [*measured, *(name for name in budget if name not in measured)]:
@@ -74,7 +74,7 @@ def changes(model: str, budget: Figures, measured: Figures) -> list[Change]:
         for figure in [*new, *(name for name in old if name not in new)]:
             was, now = old.get(figure), new.get(figure)
             if was is None or now is None or abs(now - was) > TOLERANCE * was:
-                different.append(Change(model, function, figure, was, now))
+                different.append(FigureChange(model, function, figure, was, now))
     return different
 
 

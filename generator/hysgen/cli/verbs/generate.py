@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hysgen.c674x.cost import Cost, cost
-from hysgen.c674x.cost.budget_file import Change, changes, read, update
+from hysgen.c674x.cost.budget_file import FigureChange, changes, read, update
 from hysgen.c674x.footprint import footprint
 from hysgen.c674x.toolchain import version
 from hysgen.cli.console import Console
@@ -105,7 +105,7 @@ def run_cost(arguments: argparse.Namespace, console: Console) -> int:
     if taken:
         console.say(footprint_text(taken))
     answer = price.to_json() | ({"target": taken} if taken else {})
-    different: list[Change] = []
+    different: list[FigureChange] = []
     if arguments.update_budget:
         update(Path(arguments.budget), generated.model.name, taken, version())
         console.say(f"written: {arguments.budget}")

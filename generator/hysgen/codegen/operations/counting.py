@@ -12,7 +12,18 @@ from dataclasses import dataclass, field
 from pycparser import c_ast
 
 from hysgen.codegen.operations.counts import Counts, worse
-from hysgen.codegen.operations.types import FLOAT, INTEGER, Array, Pointer, Scalar, Struct, Type, Types, constant, words
+from hysgen.codegen.operations.types import (
+    FLOAT,
+    INTEGER,
+    Array,
+    Pointer,
+    Scalar,
+    StructType,
+    Type,
+    Types,
+    constant,
+    words,
+)
 from hysgen.errors import HysgenError
 
 _NOTHING = Counts()
@@ -187,7 +198,7 @@ class Program:
                 if node.type == "->":
                     assert isinstance(kind, Pointer)
                     kind = kind.to
-                assert isinstance(kind, Struct)
+                assert isinstance(kind, StructType)
                 return cost, Value(kind.members[node.field.name], base.in_memory)
             case c_ast.ArrayRef():
                 cost, base = self._place(node.name, scope)

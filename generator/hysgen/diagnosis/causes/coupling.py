@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Part, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, standard_errors
 from hysgen.model.terms.coupling import Coupling
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ class CouplingPart(Part):
     def added(self) -> int:
         return len(self.channels) * self.taps
 
-    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         lagged = [seen(run.aux[name]) for name in self.channels]
         return [
             np.concatenate([np.full(tap, one[0]), one[: len(one) - tap]]) for one in lagged for tap in range(self.taps)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, ShapeParameter, standard_errors
 from hysgen.model.terms.periodic import Periodic
 
 Floats = NDArray[np.float64]
@@ -29,7 +29,7 @@ LEAST_RATIO = 30.0
 """Least ratio of a line's power to the power of the residual around it, for evidence of the line."""
 
 
-LINE = Parameter("lines_Hz", "Hz", lambda e: (0.5 / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s)
+LINE = ShapeParameter("lines_Hz", "Hz", lambda e: (0.5 / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s)
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class PeriodicPart(Part):
     lines_Hz: tuple[float, ...]
 
     @property
-    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
         return tuple((f"periodic.{i}.f_Hz", LINE) for i, _ in enumerate(self.lines_Hz))
 
     @property
@@ -55,7 +55,7 @@ class PeriodicPart(Part):
     def added(self) -> int:
         return 2 * len(self.lines_Hz)
 
-    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
         return [wave(2 * np.pi * line_Hz * t_s) for line_Hz in self.lines_Hz for wave in (np.sin, np.cos)]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Mode, Parameter, Part, Scene, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, Scene, ShapeParameter, standard_errors
 from hysgen.model.terms.resonance import Resonance
 
 PER_DECADE = 45
@@ -24,9 +24,9 @@ MOST_DAMPING = 0.4
 """Largest damping ratio of a mode; the fit would use a mode with more damping in place of a delay."""
 
 MODE = (
-    Parameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True),
-    Parameter("zeta", "1", lambda e: (5e-4, MOST_DAMPING), logarithm=True),
-    Parameter("share", "1", lambda e: (-3.0, 3.0)),
+    ShapeParameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True),
+    ShapeParameter("zeta", "1", lambda e: (5e-4, MOST_DAMPING), logarithm=True),
+    ShapeParameter("share", "1", lambda e: (-3.0, 3.0)),
 )
 """Parameters of one mode."""
 
@@ -40,7 +40,7 @@ class ResonancePart(Part):
     modes: tuple[Mode, ...] = ()
 
     @property
-    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
         return tuple((f"resonance.{i}.{one.field}", one) for i, _ in enumerate(self.modes) for one in MODE)
 
     @property

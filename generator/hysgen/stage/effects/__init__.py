@@ -4,7 +4,7 @@ A new effect is one new file `effects/<name>.py`: a frozen dataclass that derive
 names it EFFECT. No other file of the stage or the bank changes:
 
     @dataclass(frozen=True)
-    class Echo(Effect):
+    class EchoEffect(Effect):
         "The voltage of the period before acts on the displacement:  y(k) += um_per_V u(k - 2)."
 
         um_per_V: float                                       # the effect's parameters, with units
@@ -31,7 +31,7 @@ names it EFFECT. No other file of the stage or the bank changes:
             past_V, self.past_V = self.past_V, u_V
             return self.um_per_V * past_V
 
-    EFFECT = Echo
+    EFFECT = EchoEffect
 
 `Action` acts in Python on the command or on the displacement; `constants` instead sets members of the compiled plant
 (plant.h). The other members of `Effect` have defaults, described there. A category that is new in the bank changes what

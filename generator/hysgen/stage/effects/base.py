@@ -33,10 +33,11 @@ def require(holds: bool, complaint: str) -> None:
 
 def require_finite(effect: object) -> None:
     """Raise StageError, naming effect and field, if a field of the dataclass `effect` is not a finite number."""
+    name = getattr(effect, "name", type(effect).__name__)
     for item in fields(effect):  # type: ignore[arg-type]
         value = getattr(effect, item.name)
         if not (isinstance(value, int | float | np.number) and math.isfinite(value)):
-            raise StageError(f"{type(effect).__name__}.{item.name}: {value} is not a finite number; give a real one")
+            raise StageError(f"{name}.{item.name}: {value} is not a finite number; give a real one")
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from hysgen.stage.description import Stage
 from hysgen.stage.effects import Effect, require
-from hysgen.stage.effects.creep import Creep
-from hysgen.stage.effects.delay import Delay
-from hysgen.stage.effects.noise import Noise
-from hysgen.stage.effects.periodic import Periodic
-from hysgen.stage.effects.resonance import Resonance
-from hysgen.stage.effects.saturation import NO_HIGH_V, NO_LOW_V, Saturation
+from hysgen.stage.effects.creep import CreepEffect
+from hysgen.stage.effects.delay import DelayEffect
+from hysgen.stage.effects.noise import NoiseEffect
+from hysgen.stage.effects.periodic import PeriodicEffect
+from hysgen.stage.effects.resonance import ResonanceEffect
+from hysgen.stage.effects.saturation import NO_HIGH_V, NO_LOW_V, SaturationEffect
 from hysgen.stage.families.base import Family, draw
 from hysgen.stage.families.bouc_wen import RisingBoucWen
 from hysgen.stage.families.commands import command
@@ -76,7 +76,7 @@ class Plant:
     @property
     def effects(self) -> tuple[str, ...]:
         """Names of all effects, hysteresis first; without the noise."""
-        return tuple(name for name in self.stage.active if name != Noise.name)
+        return tuple(name for name in self.stage.active if name != NoiseEffect.name)
 
 
 def plant(family: str, scenario: str, seed: int) -> Plant:
@@ -105,7 +105,7 @@ def plant(family: str, scenario: str, seed: int) -> Plant:
         history_V=(range_V[0], range_V[1], range_V[0]),
         zero_V=range_V[0],
         memory=hysteresis,
-        noise=Noise(noise_um),
+        noise=NoiseEffect(noise_um),
         others=tuple(DRAWN[name](rng, setting) for name in SCENARIOS[scenario]),
     )
     return Plant(family, scenario, seed, stage, Ts_s, range_V, stroke_um)
@@ -123,7 +123,7 @@ def records(hidden: Plant, rows: tuple[int, int] = (IDENTIFY, SCORE)) -> tuple[t
         rest_V = float(rng.uniform(*hidden.range_V))
         past_V = command(rng, PAST, *hidden.range_V, rest_V)
         u_V = command(rng, samples, *hidden.range_V, float(past_V[-1]))
-        lines = [_advanced(line, PAST * hidden.Ts_s) for line in hidden.stage.of(Periodic)]
+        lines = [_advanced(line, PAST * hidden.Ts_s) for line in hidden.stage.of(PeriodicEffect)]
         stage = hidden.stage.with_effects(periodic=lines)
         noise_seed = int(rng.integers(2**31))
         seen = run(stage, np.concatenate([past_V, u_V]), hidden.Ts_s, noise_seed, rest_V=rest_V)
@@ -143,17 +143,17 @@ def _creep(rng: np.random.Generator, setting: _Setting) -> Effect:
     """Creep of 0.5 to 3 % of a step per decade, from 10 to 300 samples on, up to 3 to 300 times the record."""
     begins_s = setting.Ts_s * 10 ** float(rng.uniform(1, 2.5))
     ends_s = IDENTIFY * setting.Ts_s * 10 ** float(rng.uniform(0.5, 2.5))
-    return Creep(float(np.exp(rng.uniform(np.log(0.005), np.log(0.03)))), begins_s, ends_s)
+    return CreepEffect(float(np.exp(rng.uniform(np.log(0.005), np.log(0.03)))), begins_s, ends_s)
 
 
 def _resonance(rng: np.random.Generator, setting: _Setting) -> Effect:
     """A mode from 50 Hz to a tenth of the sampling rate that carries 10 to 70 % of the motion."""
     f_Hz = float(np.exp(rng.uniform(np.log(50), np.log(max(0.1 / setting.Ts_s, 50)))))
-    return Resonance(f_Hz, float(np.exp(rng.uniform(np.log(0.01), np.log(0.1)))), float(rng.uniform(0.1, 0.7)))
+    return ResonanceEffect(f_Hz, float(np.exp(rng.uniform(np.log(0.01), np.log(0.1)))), float(rng.uniform(0.1, 0.7)))
 
 
 def _delay(rng: np.random.Generator, setting: _Setting) -> Effect:
-    return Delay(float(rng.uniform(0.3, 6.7)))
+    return DelayEffect(float(rng.uniform(0.3, 6.7)))
 
 
 def _saturation(rng: np.random.Generator, setting: _Setting) -> Effect:
@@ -161,7 +161,9 @@ def _saturation(rng: np.random.Generator, setting: _Setting) -> Effect:
     low_V, high_V = setting.range_V
     low_cut_V, high_cut_V = rng.uniform(0.05, 0.2, 2) * (high_V - low_V)
     side = int(rng.integers(3))
-    return Saturation(low_V + low_cut_V if side != 0 else NO_LOW_V, high_V - high_cut_V if side != 1 else NO_HIGH_V)
+    lowest_V = low_V + low_cut_V if side != 0 else NO_LOW_V
+    highest_V = high_V - high_cut_V if side != 1 else NO_HIGH_V
+    return SaturationEffect(lowest_V, highest_V)
 
 
 def _periodic(rng: np.random.Generator, setting: _Setting) -> Effect:
@@ -169,7 +171,7 @@ def _periodic(rng: np.random.Generator, setting: _Setting) -> Effect:
     slowest_Hz = 200 / (IDENTIFY * setting.Ts_s)
     f_Hz = float(np.exp(rng.uniform(np.log(slowest_Hz), np.log(0.1 / setting.Ts_s))))
     amplitude_um = setting.stroke_um * float(np.exp(rng.uniform(np.log(0.001), np.log(0.01))))
-    return Periodic(f_Hz, amplitude_um, float(rng.uniform(0, 2 * math.pi)))
+    return PeriodicEffect(f_Hz, amplitude_um, float(rng.uniform(0, 2 * math.pi)))
 
 
 DRAWN: Mapping[str, Callable[[np.random.Generator, _Setting], Effect]] = MappingProxyType(
@@ -183,9 +185,9 @@ DRAWN: Mapping[str, Callable[[np.random.Generator, _Setting], Effect]] = Mapping
 )
 
 
-def _advanced(line: Periodic, later_s: float) -> Periodic:
+def _advanced(line: PeriodicEffect, later_s: float) -> PeriodicEffect:
     """The line, later_s after which it has the phase that this line has at 0."""
-    return Periodic(line.f_Hz, line.amplitude_um, line.phase_rad - 2 * math.pi * line.f_Hz * later_s)
+    return PeriodicEffect(line.f_Hz, line.amplitude_um, line.phase_rad - 2 * math.pi * line.f_Hz * later_s)
 
 
 def _random(family: str, scenario: str, seed: int, purpose: int) -> np.random.Generator:
