@@ -24,6 +24,7 @@ from fixtures.c674x_mistakes import MISTAKES, RIGHT, WRONG_ACTIONS
 from fixtures.c674x_operations import accesses_give_the_known_answers, executed, specified
 from fixtures.c674x_operations import bench as bench_of_operations
 from fixtures.c674x_wrong_rules import LOOSE_LIMITS, WRONG_RULES, notices
+from fixtures.opcode_table import disagreements, opcode_table
 from hysgen.c674x import decode, latency, toolchain, translation
 from hysgen.c674x.assembly import Instruction
 from hysgen.c674x.decode import MODELLED, Action
@@ -198,7 +199,7 @@ def latency_checks(mnemonic: str, wrong: int, monkeypatch: pytest.MonkeyPatch) -
         bench.cache_clear()
         if arrival(mnemonic) != CYCLES[mnemonic]:
             yield "packets"
-        if has_compiler() and any(latency.disagreements(toolchain.opcode_table())):
+        if has_compiler() and any(disagreements(opcode_table())):
             yield "binutils"
         if used(mnemonic) and programs_differ():
             yield "programs"

@@ -6,8 +6,8 @@ import pytest
 
 from fixtures.c674x_arrivals import CYCLES, arrival
 from fixtures.c674x_compiler import need_compiler
-from hysgen.c674x import toolchain
-from hysgen.c674x.latency import DELAY_SLOTS, disagreements, write_cycles
+from fixtures.opcode_table import disagreements, opcode_table, write_cycles
+from hysgen.c674x.latency import DELAY_SLOTS
 
 
 def test_the_manual_and_the_table_name_the_same_instructions() -> None:
@@ -21,7 +21,7 @@ def test_results_arrive_when_the_manual_says(interpreted: bool) -> None:
 
 def test_binutils_names_the_same_cycles() -> None:
     need_compiler()
-    table = toolchain.opcode_table()
+    table = opcode_table()
     assert list(disagreements(table)) == []
     assert len(write_cycles(table)) > 200  # the whole table was understood, not a part of it
 

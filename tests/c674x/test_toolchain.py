@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import firmware, need_compiler
+from fixtures.opcode_table import opcode_table
 from hysgen.c674x import elf, toolchain
 from hysgen.checking.proof.warnings import BASIC
 from hysgen.errors import BuildError, TargetError
@@ -42,7 +43,7 @@ def test_a_compiler_made_elsewhere_lacks_only_the_opcode_table(monkeypatch: pyte
     monkeypatch.setenv("HYSGEN_C674X", str(tmp_path))
     assert "gcc" in toolchain.version()
     with pytest.raises(BuildError, match=r"tic6x-opcode-table\.h: missing"):
-        toolchain.opcode_table()
+        opcode_table()
 
 
 def test_the_compilers_complaint_is_one_line_with_file_and_row() -> None:

@@ -20,7 +20,7 @@ from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
 from hysgen.checking.proof.emulated.program import Emulated
 from hysgen.cli import main
 from hysgen.codegen import write
-from hysgen.errors import BuildError
+from hysgen.errors import BuildError, ModelError
 from hysgen.machine.native import Toolchain
 
 # `hysgen verify DIR --target emulated --samples 1000000` makes the long run; its table is in docs/target.md.
@@ -130,8 +130,8 @@ def test_the_guard_forbids_fusing_and_without_it_the_self_test_tells() -> None:
 
 
 def test_a_guard_that_has_gone_is_told() -> None:
-    with pytest.raises(BuildError, match="guard against fused multiply-adds was not found"):
-        unguarded("appendix_a", unguarded("appendix_a", texts("appendix_a")))
+    with pytest.raises(ModelError, match="hook `guard: contraction`"):
+        unguarded(model("appendix_a"), unguarded(model("appendix_a"), texts("appendix_a")))
 
 
 def test_a_missing_compiler_is_told_with_its_packages() -> None:

@@ -17,13 +17,13 @@ from fixtures.tools import need
 from hysgen.checking.proof.eva import calls, commit, learn
 from hysgen.checking.proof.eva.calls import prove_call, step
 from hysgen.checking.proof.eva.commit import prove_commit
-from hysgen.checking.proof.eva.contract import check_contract
+from hysgen.checking.proof.eva.contracts import check_contract
 from hysgen.checking.proof.eva.frama import Floats, analyse
 from hysgen.checking.proof.eva.guards import GUARDS, Guard, guards, without
-from hysgen.checking.proof.eva.hooked import hooked
-from hysgen.checking.proof.eva.learn import prove_update, update_step
+from hysgen.checking.proof.eva.learn import prove_update
 from hysgen.checking.proof.eva.report import prove, proved
 from hysgen.checking.proof.eva.splits import case_lines, splits
+from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen import Options, generate, marked_source
 from hysgen.codegen.hooks import HOOK
 from hysgen.errors import BuildError, ModelError
@@ -70,11 +70,11 @@ def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Float
     assert verdict.held == verdict.checks >= expected > 20
 
 
-@pytest.mark.parametrize("guard", guards("appendix_a", texts("appendix_a")), ids=lambda guard: guard.about)
+@pytest.mark.parametrize("guard", guards(model("appendix_a"), texts("appendix_a")), ids=lambda guard: guard.about)
 @pytest.mark.slow
 def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
     need("frama-c")
-    opened = without(guard, "appendix_a", texts("appendix_a"))
+    opened = without(guard, model("appendix_a"), texts("appendix_a"))
     verdict, _ = prove_call(model("appendix_a"), opened, guard.function, guard.inputs)
     assert verdict.alarms
 
@@ -85,7 +85,7 @@ def test_learn_without_a_guard_is_not_proved(about: str) -> None:
     need("frama-c")
     guard = next(guard for guard in GUARDS if guard.about.startswith(about))
     learner, generated = gains()
-    opened = without(guard, learner.name, generated)
+    opened = without(guard, learner, generated)
     assert proved(learner, opened, guard.function, guard.inputs)[0].alarms
 
 
@@ -117,7 +117,7 @@ def test_the_contract_of_beyond_holds_for_every_float_and_another_does_not() -> 
     need("gcc")
     assert not check_contract("everything", texts("everything")).alarms
     open_limit = next(guard for guard in GUARDS if guard.function == "beyond")
-    assert check_contract("everything", without(open_limit, "everything", texts("everything"))).alarms
+    assert check_contract("everything", without(open_limit, model("everything"), texts("everything"))).alarms
 
 
 @pytest.mark.slow
@@ -129,20 +129,21 @@ def test_commit_is_proved_and_a_check_point_too_many_is_missed() -> None:
     assert not verdict.alarms
     assert verdict.held == verdict.checks >= expected
     endless = next(guard for guard in GUARDS if guard.function == "commit")
-    assert prove_commit(learner, without(endless, "appendix_a", generated))[0].alarms
+    assert prove_commit(learner, without(endless, learner, generated))[0].alarms
 
 
 @pytest.mark.slow
 def test_a_ring_that_is_left_open_is_missed() -> None:
     need("frama-c")
     guard = next(guard for guard in GUARDS if guard.about == "the delay's ring is closed where it is read")
-    opened = without(guard, "everything", texts("everything"))
+    opened = without(guard, model("everything"), texts("everything"))
     verdict, _ = prove_call(model("everything"), opened, guard.function, guard.inputs)
     assert any("index" in alarm or "< 4" in alarm for alarm in verdict.alarms), verdict.alarms
 
 
-def test_every_guard_stands_in_one_of_two_models() -> None:
-    found = {guard for name in ("appendix_a", "everything") for guard in guards(name, texts(name))}
+def test_every_guard_stands_in_one_of_three_models() -> None:
+    names = ("appendix_a", "diagnosed", "everything")
+    found = {guard for name in names for guard in guards(model(name), texts(name))}
     assert found == set(GUARDS)
 
 
@@ -165,7 +166,10 @@ def test_the_proof_and_the_templates_name_the_same_hooks(monkeypatch: pytest.Mon
         monkeypatch.setattr(module, "hooked", recorded)
     calls.step(learner, generated, "inverse", "any")
     learn.learn_step(learner, generated, "learn")
+    learn.update_step(learner, generated)
     commit.commit_step(learner, generated)
+    named.update(f"guard: {guard.name}" for guard in guards(learner, generated))
+    named.update(("guard: inverse into blocks", "guard: contraction", "guard: contraction: end"))
     marked = marked_source(learner, inverse=True).splitlines()
     assert named == {line.removeprefix(HOOK) for line in marked if line.startswith(HOOK)}
 
@@ -179,12 +183,11 @@ def test_a_hook_whose_lines_are_gone_is_an_error() -> None:
         hooked(model("appendix_a"), {**texts("appendix_a"), "appendix_a.c": altered}, lines)
 
 
-def test_a_learner_whose_lines_are_gone_is_an_error() -> None:
-    generated = texts("learning")["learning.c"]
-    altered = generated.replace("self->theta[17] = sum17;", "self->theta[17] = (sum17);")
-    assert altered != generated
-    with pytest.raises(ModelError, match="step: its parameters"):
-        update_step(model("learning"), {**texts("learning"), "learning.c": altered})
+def test_a_guard_whose_line_is_gone_is_an_error() -> None:
+    guard = GUARDS[0]
+    opened = without(guard, model("appendix_a"), texts("appendix_a"))
+    with pytest.raises(ModelError, match="hook `guard: finite`"):
+        without(guard, model("appendix_a"), opened)
 
 
 def test_what_is_not_c_and_what_never_ends_is_refused() -> None:

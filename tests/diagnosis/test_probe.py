@@ -19,10 +19,10 @@ from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
+from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.probe import Chain, Mode, Operator, Scene, Trace, refine, standard_errors
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
-from hysgen.diagnosis.spikes import isolated
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, rate_limited
 
 Floats = NDArray[np.float64]
@@ -153,7 +153,7 @@ def test_isolated_finds_single_and_paired_corrupted_samples_and_no_steps() -> No
     fading_um = 2.0 * 0.9 ** np.arange(60)
     error_um[:60] += fading_um
     error_um[-60:] -= fading_um[::-1]
-    assert np.flatnonzero(isolated(error_um)).tolist() == wrong
+    assert np.flatnonzero(outlier_flags(error_um)).tolist() == wrong
 
 
 @pytest.mark.parametrize("u_V", [-10.0, 3.0, 40.0, 85.0])

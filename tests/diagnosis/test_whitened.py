@@ -30,7 +30,7 @@ from hysgen.diagnosis.search import present
 from hysgen.diagnosis.swaps import compare_likelihood, likeliest_slow_causes
 from hysgen.machine.kernels import innovation_gains, innovations
 from hysgen.record import Record
-from hysgen.stage import Density, Noise, Relays, Stage
+from hysgen.stage import Density, NoiseEffect, Relays, Stage
 from hysgen.stage import run as measure
 from hysgen.studies.bank.excitation import good
 
@@ -58,7 +58,7 @@ def test_creep_is_identified_from_plateaus_beside_a_coarse_hysteresis() -> None:
     plain, result = [], []
     for seed in range(6):
         hysteresis = Relays(Density(40.0, 55.0, 15.0, 65.0), 0.4, count=150)
-        stage = Stage(stroke_um=15.0, lag_s=8e-3, memory=hysteresis, noise=Noise(5e-4))
+        stage = Stage(stroke_um=15.0, lag_s=8e-3, memory=hysteresis, noise=NoiseEffect(5e-4))
         u_V = good(np.random.default_rng([seed, 77]), 7000, 0.0, 100.0)
         y_um = measure(stage.with_effects(creep=(0.006, 0.015, 7000.0)), u_V, 1e-3, seed).displacement_um
         seen = prepare(Record.from_arrays(u_V, y_um, 1e-3)).scene()

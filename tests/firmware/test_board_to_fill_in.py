@@ -9,7 +9,7 @@ import pytest
 
 from fixtures.firmware_bench import WARNINGS
 from hysgen.errors import BuildError
-from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
+from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, TARGET_BOARD, read_sources
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 
 C6X = """
@@ -44,7 +44,7 @@ void board_clear(board_t *board)
 
 def compiled(period_ns: int = 20_000) -> Library:
     """The board's library for a model of this sampling period."""
-    board = [(name, text) for name, text in read_sources(TARGET_BOARD) if name != "main.c"]
+    board = [(name, text) for name, text in read_sources(TARGET_BOARD) if name != "main.c"] + read_sources(*EMPTY_STORE)
     headers = [(name, text) for name, text in read_sources(CONTROLLER) if name in ("board.h", "number.h")]
     own = [("c6x.h", C6X), ("registers.c", REGISTERS), ("size.c", SIZE)]
     model = ("model.h", f"#define MODEL_PERIOD_NS {period_ns}u\n")

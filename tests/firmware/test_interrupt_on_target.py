@@ -20,7 +20,7 @@ from hysgen.c674x.machine import Machine
 from hysgen.c674x.processor import MEMORY_BASE, RETURN_ADDRESS, STACK_POINTER
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import State
-from hysgen.firmware.sources import CONTROLLER, SIMULATOR_BOARD, TARGET_BOARD, read_sources
+from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, read_sources
 
 CONTROL = ("amr", "fadcr", "fmcr", "istp")
 LINK = 32 + 3
@@ -62,8 +62,8 @@ def machine() -> Machine:
     need_compiler()
     generated = [(name, text) for name, text in firmware_model(model()).items() if name.endswith((".c", ".h"))]
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
-    own = [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *read_sources(TARGET_BOARD, "*.s")]
-    sources = [*own, *generated, ("victim.c", VICTIM), ("changing.s", changing())]
+    board = [*read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *read_sources(TARGET_BOARD, "*.s")]
+    sources = [*read_sources(CONTROLLER), *board, *generated, ("victim.c", VICTIM), ("changing.s", changing())]
     return toolchain.compile(sources, script=script).machine()
 
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fixtures.printed_models import PRINTED_CENTRES_UM, PRINTED_CONSEQUENTS, PRINTED_SIGMA_UM
 from hysgen.errors import ModelError
 from hysgen.model.file import load_model
 from hysgen.model.membership import membership_slopes, memberships, rule_regressors
 from hysgen.model.model import Grid, Model
 from hysgen.model.terms.memory import Memory
-from hysgen.studies.appendix import PRINTED_CENTRES_UM, PRINTED_CONSEQUENTS, PRINTED_SIGMA_UM
 
 GRIDS = st.builds(
     lambda low, span, rules: Grid(low, low + span, rules),

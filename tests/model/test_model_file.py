@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fixtures.printed_models import PRINTED_CENTRES_UM, appendix
 from fixtures.random_models import random_model
 from hysgen.certify.certificates import certify
 from hysgen.errors import ModelError
@@ -21,7 +22,6 @@ from hysgen.model.model import Model
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.memory import Memory
-from hysgen.studies.appendix import PRINTED_CENTRES_UM, appendix
 
 TERMS = (Memory.uniform(3, 40.0), Creep.log_spaced(2, 1e-3, 1.0))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -89,7 +90,9 @@ def records(draw: st.DrawFn) -> Record:
         series = st.lists(reals, min_size=n, max_size=n)
         aux = {name: draw(series) for name in names}
         start = draw(st.integers(0, 100)) * period
-        parts.append(Record.from_arrays(draw(series), draw(series), period, aux, start_s=start, accept=ACCEPTABLE))
+        made = Record.from_arrays(draw(series), draw(series), period, aux, accept=ACCEPTABLE)
+        moved = [dataclasses.replace(segment, start_s=start) for segment in made.segments]
+        parts.append(Record.from_segments(moved, period, made.source, made.warnings))
     return Record.joined(*parts)
 
 

@@ -12,7 +12,7 @@ RNG = np.random.default_rng(11)
 
 
 def record(samples: int, start_s: float = 0.0, Ts_s: float = 1e-3, **aux: np.ndarray) -> Record:
-    return Record.from_arrays(RNG.normal(size=samples), RNG.normal(size=samples), Ts_s, aux, start_s=start_s)
+    return Record.from_segments([Segment("0", RNG.normal(size=samples), RNG.normal(size=samples), aux, start_s)], Ts_s)
 
 
 def rows_of(*records: Record) -> np.ndarray:
@@ -66,7 +66,8 @@ def test_digest_changes_with_a_bit_a_cut_a_period_and_a_name_and_with_nothing_el
     ]
     assert len({base.digest, *(other.digest for other in others)}) == 7
     same = [
-        Record.from_arrays(u_V.tolist(), y_um.astype(">f8"), 1e-3, {"a": aux}, source="x.csv", name="up", start_s=3.0),
+        Record.from_arrays(u_V.tolist(), y_um.astype(">f8"), 1e-3, {"a": aux}, source="x.csv"),
+        Record.from_segments([Segment("up", u_V, y_um, {"a": aux}, start_s=3.0)], 1e-3),
         Record.from_arrays(np.repeat(u_V, 2)[::2], y_um, 1e-3, {"a": aux}),
     ]
     assert {base.digest} == {one.digest for one in same}

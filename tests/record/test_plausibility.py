@@ -15,7 +15,19 @@ from hysgen.errors import RecordError
 from hysgen.record import Record
 from hysgen.record.channels import Channels
 from hysgen.record.plausibility import at_end
-from hysgen.stage import BoucWen, Delay, Drift, Outliers, Periodic, Resonance, Saturation, Slew, Stage, StickSlip, run
+from hysgen.stage import (
+    BoucWen,
+    DelayEffect,
+    DriftEffect,
+    OutliersEffect,
+    PeriodicEffect,
+    ResonanceEffect,
+    SaturationEffect,
+    SlewEffect,
+    Stage,
+    StickSlipEffect,
+    run,
+)
 from hysgen.stage.signals import fig5, fig8, fig11_non_harmonic, plateaus
 
 TS_S = 20e-6
@@ -24,17 +36,19 @@ STAGES = {
     "laboratory": LAB,
     "no noise": LAB.quiet(),
     "Bouc-Wen": replace(LAB, memory=BoucWen()),
-    "amplifier clips": LAB.with_effects(saturation=Saturation(5.0, 45.0)),
-    "amplifier clips, no noise": LAB.with_effects(saturation=Saturation(5.0, 45.0)).quiet(),
-    "amplifier clips, no noise, no modes": Stage().with_effects(saturation=Saturation(5.0, 45.0)).quiet(),
-    "amplifier clips, sensor in steps": replace(Stage().with_effects(saturation=Saturation(5.0, 45.0)), noise=None),
-    "slew": LAB.with_effects(slew=Slew(2000.0)),
-    "soft mode": LAB.with_effects(resonance=(Resonance(150.0, 0.02),)),
-    "late": LAB.with_effects(delay=Delay(samples=7.0)),
-    "sticks": LAB.with_effects(stick_slip=StickSlip(0.05)),
-    "outliers": LAB.with_effects(outliers=Outliers(0.002, 1.0)),
-    "drifts": LAB.with_effects(drift=Drift(1.0, 0.5)),
-    "hum": LAB.with_effects(periodic=(Periodic(50.0, 0.3),)),
+    "amplifier clips": LAB.with_effects(saturation=SaturationEffect(5.0, 45.0)),
+    "amplifier clips, no noise": LAB.with_effects(saturation=SaturationEffect(5.0, 45.0)).quiet(),
+    "amplifier clips, no noise, no modes": Stage().with_effects(saturation=SaturationEffect(5.0, 45.0)).quiet(),
+    "amplifier clips, sensor in steps": replace(
+        Stage().with_effects(saturation=SaturationEffect(5.0, 45.0)), noise=None
+    ),
+    "slew": LAB.with_effects(slew=SlewEffect(2000.0)),
+    "soft mode": LAB.with_effects(resonance=(ResonanceEffect(150.0, 0.02),)),
+    "late": LAB.with_effects(delay=DelayEffect(samples=7.0)),
+    "sticks": LAB.with_effects(stick_slip=StickSlipEffect(0.05)),
+    "outliers": LAB.with_effects(outliers=OutliersEffect(0.002, 1.0)),
+    "drifts": LAB.with_effects(drift=DriftEffect(1.0, 0.5)),
+    "hum": LAB.with_effects(periodic=(PeriodicEffect(50.0, 0.3),)),
     "proportional": replace(Stage(), memory=None).quiet(),
 }
 DRIVES = {

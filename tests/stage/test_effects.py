@@ -9,7 +9,19 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import welch
 
-from hysgen.stage import Bandwidth, Creep, Delay, Drift, Noise, Periodic, Resonance, Stage, StageError, StickSlip, run
+from hysgen.stage import (
+    BandwidthEffect,
+    CreepEffect,
+    DelayEffect,
+    DriftEffect,
+    NoiseEffect,
+    PeriodicEffect,
+    ResonanceEffect,
+    Stage,
+    StageError,
+    StickSlipEffect,
+    run,
+)
 
 Floats = NDArray[np.float64]
 TS_S = 20e-6
@@ -30,7 +42,7 @@ def phasor(y: Floats, f_Hz: float, Ts_s: float = TS_S) -> complex:
 
 
 def test_creep_moves_on_after_a_step_along_its_closed_form() -> None:
-    creep = Creep(0.03)
+    creep = CreepEffect(0.03)
     Ts_s = 0.01
     u_V = np.full(2001, 60.0)
     y_um = run(BARE.with_effects(creep=creep), u_V, Ts_s, rest_V=0.0).displacement_um[1:]
@@ -87,7 +99,7 @@ def test_delay_is_late_by_its_fraction_of_a_sample(samples: float) -> None:
 
 def test_delay_in_seconds_is_the_same_at_every_rate() -> None:
     assert run(
-        BARE.with_effects(delay=Delay(seconds=3e-3)), np.full(9, 12.0), 1e-3, rest_V=0.0
+        BARE.with_effects(delay=DelayEffect(seconds=3e-3)), np.full(9, 12.0), 1e-3, rest_V=0.0
     ).displacement_um.tolist() == [
         *(0.0,) * 4,
         *(1.0,) * 5,
@@ -122,14 +134,14 @@ def test_bandwidth_of_first_order_is_its_exponential() -> None:
 
 
 def test_bandwidth_of_second_order_overshoots_as_its_damping_says() -> None:
-    stage = BARE.with_effects(bandwidth=Bandwidth(500.0, order=2, zeta=0.4))
+    stage = BARE.with_effects(bandwidth=BandwidthEffect(500.0, order=2, zeta=0.4))
     volts = run(stage, np.full(400, 10.0), TS_S, rest_V=0.0).truth.actuator_V
     # 100 samples to a period: the peak is missed by at most (pi/100)^2 / 2 of the overshoot.
     assert volts.max() / 10.0 - 1 == pytest.approx(math.exp(-math.pi * 0.4 / math.sqrt(1 - 0.16)), abs=2e-4)
 
 
 def test_drift_ramps_and_wanders_whatever_the_input() -> None:
-    stage = BARE.with_effects(drift=Drift(ramp_um_per_s=0.02, walk_um_per_rt_s=0.01))
+    stage = BARE.with_effects(drift=DriftEffect(ramp_um_per_s=0.02, walk_um_per_rt_s=0.01))
     n, Ts_s = 20_000, 1e-3
     still = run(stage, np.full(n, 20.0), Ts_s, seed=5)
     moved = run(stage, sine(3.0, n, Ts_s=Ts_s), Ts_s, seed=5)
@@ -143,7 +155,7 @@ def test_drift_ramps_and_wanders_whatever_the_input() -> None:
 
 
 def test_periodic_lines_have_their_frequency_and_amplitude() -> None:
-    stage = BARE.with_effects(periodic=[Periodic(49.7, 0.012, 0.3), Periodic(17.0, 0.004)])
+    stage = BARE.with_effects(periodic=[PeriodicEffect(49.7, 0.012, 0.3), PeriodicEffect(17.0, 0.004)])
     y_um = run(stage, np.full(10_000, 20.0), 1e-3).displacement_um - 20.0 * GAIN
     t_s = 1e-3 * np.arange(10_000)
     expected = 0.012 * np.sin(2 * np.pi * 49.7 * t_s + 0.3) + 0.004 * np.sin(2 * np.pi * 17.0 * t_s)
@@ -185,7 +197,7 @@ def test_coupling_bends_this_axis_through_the_same_lag() -> None:
 
 
 def test_stick_slip_sticks_and_jumps() -> None:
-    stage = BARE.with_effects(stick_slip=StickSlip(0.05, left=0.2, scatter=0.3))
+    stage = BARE.with_effects(stick_slip=StickSlipEffect(0.05, left=0.2, scatter=0.3))
     u_V = sine(1.0, 4000, 50.0, 20.0, 1e-3)
     y_um = run(stage, u_V, 1e-3, seed=3).displacement_um
     follows = GAIN * np.concatenate([u_V[:1], u_V[:-1]])
@@ -217,7 +229,7 @@ def test_sources_of_chance_are_independent() -> None:
 
 
 def test_flicker_noise_falls_by_ten_decibels_a_decade() -> None:
-    y_um = run(BARE.with_effects(noise=Noise(0.0, 0.002)), np.full(2**18, 20.0), TS_S, seed=2).displacement_um
+    y_um = run(BARE.with_effects(noise=NoiseEffect(0.0, 0.002)), np.full(2**18, 20.0), TS_S, seed=2).displacement_um
     f_Hz, density = welch(y_um, 1 / TS_S, nperseg=2**14)
     band = (f_Hz > 5.0) & (f_Hz < 2000.0)
     slope = np.polyfit(np.log10(f_Hz[band]), np.log10(density[band]), 1)[0]
@@ -257,14 +269,14 @@ EVERY: dict[str, object] = {
     ("effects", "complaint"),
     [
         ({"crep": 0.03}, "crep: no such effect; the stage knows memory, "),
-        ({"creep": "much"}, "Creep.per_decade: much is not a finite number"),
+        ({"creep": "much"}, "creep.per_decade: much is not a finite number"),
         ({"creep": (0.03, 1.0, 0.5)}, "tau_min_s < tau_max_s"),
-        ({"saturation": (5.0, 1.0)}, "Saturation: 5.0 .. 1.0 V is empty"),
-        ({"resonance": (780.0, 1.2)}, "Resonance.zeta: 1.2"),
-        ({"resonance": Resonance}, "resonance: .* makes no Resonance"),
+        ({"saturation": (5.0, 1.0)}, "saturation: 5.0 .. 1.0 V is empty"),
+        ({"resonance": (780.0, 1.2)}, "resonance.zeta: 1.2"),
+        ({"resonance": ResonanceEffect}, "resonance: .* makes no Resonance"),
         ({"delay": -0.5}, "cannot be early"),
-        ({"aging": (0.1, math.nan)}, "Aging.over_s: nan is not a finite number"),
-        ({"outliers": (1.5, 0.1)}, "Outliers.rate: 1.5"),
+        ({"aging": (0.1, math.nan)}, "aging.over_s: nan is not a finite number"),
+        ({"outliers": (1.5, 0.1)}, "outliers.rate: 1.5"),
         ({"coupling": {}}, "no channel named"),
         ({"memory": 3}, "memory: give Preisach"),
     ],

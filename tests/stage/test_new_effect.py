@@ -27,7 +27,7 @@ from hysgen.stage.effects.base import Action, Effect, Tolerance, require_finite
 
 
 @dataclass(frozen=True)
-class Echo(Effect):
+class EchoEffect(Effect):
     um_per_V: float
 
     name = "echo"
@@ -57,12 +57,12 @@ class _Echo(Action):
         return self.um_per_V * past_V
 
 
-EFFECT = Echo
+EFFECT = EchoEffect
 """
 
 BANK = """
 import numpy as np
-from hysgen.stage import run
+from hysgen.stage import effect_shares, run
 from hysgen.studies.bank import scenario
 from hysgen.studies.bank.judge_records import parameter_errors
 from hysgen.studies.bank.limits import PARAMETERS
@@ -70,10 +70,10 @@ from hysgen.studies.bank.limits import PARAMETERS
 hidden = scenario("echo", 3)
 assert hidden.planted == ("memory", "echo"), hidden.planted
 (um_per_V,) = (effect.um_per_V for effect in hidden.stage.others)
-measured = run(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux, shares=True)
+measured = run(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
 past_V = np.concatenate([hidden.u_V[:1], hidden.u_V[:1], hidden.u_V[:-2]])
 share_um = um_per_V * np.std(past_V)
-assert abs(measured.truth.shares_um["echo"] / share_um - 1.0) < 1e-6
+assert abs(effect_shares(measured)["echo"] / share_um - 1.0) < 1e-6
 assert PARAMETERS["echo.um_per_V"] == 0.1
 assert abs(parameter_errors(hidden, {"echo.um_per_V": 1.05 * um_per_V})["echo.um_per_V"] - 0.05) < 1e-12
 print(scenario("creep", 3).stage == scenario("creep", 3).stage, np.float64(scenario("creep", 3).u_V.sum()).hex())

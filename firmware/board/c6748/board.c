@@ -1,4 +1,4 @@
-/* board.c: the C6748's board, to be filled in where board_type.h says so. */
+/* board.c: the C6748's board, to be filled in where board_type.h says so. The store is ../empty_store.c. */
 
 #include "board.h"
 
@@ -182,31 +182,4 @@ uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *
     }
     board->line_out = out;
     return count;
-}
-
-/* Fill in: two sectors of flash. Without them nothing survives power off, and images are refused with IMAGE_NOT_STORED. */
-void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
-{
-    (void)board;
-    (void)slot;
-    (void)offset;
-    for (uint32_t i = 0u; i < count; ++i) {
-        bytes[i] = 0xFFu;
-    }
-}
-
-void board_store_erase(board_t *board, uint32_t slot)
-{
-    (void)board;
-    (void)slot;
-}
-
-uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
-{
-    (void)board;
-    (void)slot;
-    (void)offset;
-    (void)bytes;
-    (void)count;
-    return 0u;
 }

@@ -1,6 +1,6 @@
 /* board.c: the board of the simulated C674x, and the three calls by which its caller runs the image.
  *
- * There is no store: reading gives erased memory. The same file runs on the host, for the same bits. */
+ * The store is ../empty_store.c. The same file runs on the host, for the same bits. */
 
 #include "board.h"
 #include "firmware.h"
@@ -82,32 +82,6 @@ uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *
     (void)bytes;
     (void)room;
     *begin = 0u;
-    return 0u;
-}
-
-void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
-{
-    (void)board;
-    (void)slot;
-    (void)offset;
-    for (uint32_t i = 0u; i < count; ++i) {
-        bytes[i] = 0xFFu;
-    }
-}
-
-void board_store_erase(board_t *board, uint32_t slot)
-{
-    (void)board;
-    (void)slot;
-}
-
-uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
-{
-    (void)board;
-    (void)slot;
-    (void)offset;
-    (void)bytes;
-    (void)count;
     return 0u;
 }
 

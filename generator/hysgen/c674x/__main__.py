@@ -15,13 +15,13 @@ from hysgen.errors import HysgenError, TargetError
 def report(paths: list[Path]) -> str:
     """A table of code bytes and stall-free cycle bounds of every function in the files."""
     firmware = toolchain.compile([(path.name, path.read_text(encoding="utf-8")) for path in paths])
-    found = packets(instructions(firmware.listing))
+    decoded = packets(instructions(firmware.listing))
     lines = [f"{'function':32} {'code B':>8} {'cycles':>12}"]
     for symbol in sorted(firmware.image.symbols.values(), key=lambda each: each.address):
         if not symbol.function or symbol.name.startswith("__"):
             continue
         try:
-            cycles = bounds(firmware.image, found, symbol.name)
+            cycles = bounds(firmware.image, decoded, symbol.name)
             shown = str(cycles.best) if cycles.constant else f"{cycles.best} .. {cycles.worst}"
         except TargetError as refusal:
             shown = f"not bounded: {refusal}"

@@ -37,7 +37,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class Memory:
+class MemoryOperand:
     """An address operand: base register plus or minus an offset, with optional update of the base.
 
     offset: a number or a register, in bytes, or in elements if `scaled`. sign: +1 or -1.
@@ -58,7 +58,7 @@ class Label:
     address: int
 
 
-Operand = Register | Pair | Memory | Label | int | str  # str: a form without a class, such as a control register
+Operand = Register | Pair | MemoryOperand | Label | int | str  # str: a form without a class, such as a control register
 
 
 @dataclass(frozen=True)
@@ -119,20 +119,20 @@ def instructions(listing: str) -> Iterator[Instruction]:
     refuses the instruction when it is executed.
     """
     for line in listing.splitlines():
-        found = _LINE.match(line)
-        if found is None:
+        match = _LINE.match(line)
+        if match is None:
             continue
-        address, opcode, text = int(found[1], 16), found[2], found[3].strip()
+        address, opcode, text = int(match[1], 16), match[2], match[3].strip()
         if len(opcode) != 8:
             raise TargetError(f"{address:08x} {text}: a compact instruction; the simulator models 32-bit opcodes only")
         yield _instruction(address, text)
 
 
 def _instruction(address: int, text: str) -> Instruction:
-    found = _INSTRUCTION.match(text)
-    if found is None:
+    match = _INSTRUCTION.match(text)
+    if match is None:
         raise TargetError(f"{address:08x} {text}: not an instruction form that the simulator parses")
-    parallel, inverted, condition, mnemonic, kind, side, cross, path, rest = found.groups()
+    parallel, inverted, condition, mnemonic, kind, side, cross, path, rest = match.groups()
     return Instruction(
         address=address,
         parallel=parallel is not None,
@@ -157,18 +157,18 @@ def _operand(text: str) -> Operand:
     return _memory(text) or text
 
 
-def _memory(text: str) -> Memory | None:
-    found = _MEMORY.match(text)
-    if found is None:
+def _memory(text: str) -> MemoryOperand | None:
+    match = _MEMORY.match(text)
+    if match is None:
         return None
-    before, base, after, in_bytes, in_elements = found.groups()
+    before, base, after, in_bytes, in_elements = match.groups()
     step = "before" if before in ("++", "--") else "after" if after else ""
     sign = -1 if "-" in (before or "") + (after or "") else 1
     offset = in_bytes or in_elements or "0"
     if _NUMBER.match(offset):
         # objdump prints constant offsets in bytes, except those of ldndw and stndw that the opcode encodes in elements.
-        return Memory(_register(base), int(offset), sign, in_elements is not None, step)
-    return Memory(_register(base), _register(offset), sign, in_elements is not None, step)
+        return MemoryOperand(_register(base), int(offset), sign, in_elements is not None, step)
+    return MemoryOperand(_register(base), _register(offset), sign, in_elements is not None, step)
 
 
 def _register(text: str) -> Register:

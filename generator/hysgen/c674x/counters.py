@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from hysgen.c674x.assembly import Instruction, Memory, Register
-from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source
+from hysgen.c674x.assembly import Instruction, MemoryOperand, Register
+from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source
 from hysgen.c674x.packets import Packet
 from hysgen.c674x.semantics import INTEGER, MASK, signed
 from hysgen.errors import TargetError
@@ -59,18 +59,18 @@ def decisive_registers(packets: Mapping[int, Packet], start: int) -> frozenset[i
     """Registers that decide a backward branch reachable from `start`, and the registers they are computed from."""
     reached = _reached(packets, start)
     every = [pair for packet in reached for pair in zip(packet.instructions, packet.actions, strict=True)]
-    found = {
+    decisive = {
         instruction.predicate.register.index
         for instruction, action in every
-        if isinstance(action, Branch) and instruction.predicate and _goes_back(instruction, action)
+        if isinstance(action, Jump) and instruction.predicate and _goes_back(instruction, action)
     }
     size = -1
-    while found and size != len(found):
-        size = len(found)
+    while decisive and size != len(decisive):
+        size = len(decisive)
         for _, action in every:
-            if isinstance(action, Compute) and action.mnemonic in INTEGER and action.destination.index in found:
-                found |= {source.index for source in action.sources if isinstance(source, Register)}
-    return frozenset(found)
+            if isinstance(action, Compute) and action.mnemonic in INTEGER and action.destination.index in decisive:
+                decisive |= {source.index for source in action.sources if isinstance(source, Register)}
+    return frozenset(decisive)
 
 
 def entry_values(registers: frozenset[int]) -> KnownRegisters:
@@ -104,22 +104,22 @@ def after(known: KnownRegisters, packet: Packet, cycles: int, registers: frozens
 
 def writes(action: Action, before: Mapping[int, CounterValue]) -> list[tuple[int, CounterValue | None, int]]:
     """(register, value or None, delay slots) of each result, given the values `before`."""
-    found: list[tuple[int, CounterValue | None, int]] = []
+    results: list[tuple[int, CounterValue | None, int]] = []
     if isinstance(action, Compute):
-        found.append((action.destination.index, _computed(action, before), action.delay))
+        results.append((action.destination.index, _computed(action, before), action.delay))
     elif isinstance(action, LoadAddress):
-        found.append((action.destination.index, CounterValue(action.address), 0))
-    elif isinstance(action, Branch) and action.link is not None:
-        found.append((action.link.index, None, 0))
+        results.append((action.destination.index, CounterValue(action.address), 0))
+    elif isinstance(action, Jump) and action.link is not None:
+        results.append((action.link.index, None, 0))
     elif isinstance(action, Access):
         if action.memory.step:
-            found.append((action.memory.base.index, _moved(action.memory, action.size, before), 0))
+            results.append((action.memory.base.index, _moved(action.memory, action.size, before), 0))
         if isinstance(action, Load):
-            found += [(register.index, None, action.delay) for register in action.registers]
-    return found
+            results += [(register.index, None, action.delay) for register in action.registers]
+    return results
 
 
-def _moved(memory: Memory, size: int, before: Mapping[int, CounterValue]) -> CounterValue | None:
+def _moved(memory: MemoryOperand, size: int, before: Mapping[int, CounterValue]) -> CounterValue | None:
     base, offset = before.get(memory.base.index), _value(memory.offset, before)
     if base is None or offset is None or offset.base is not None:
         return None
@@ -158,19 +158,19 @@ def _value(source: Source, before: Mapping[int, CounterValue]) -> CounterValue |
     return before.get(source.index) if isinstance(source, Register) else CounterValue(source & MASK)
 
 
-def _goes_back(instruction: Instruction, action: Branch) -> bool:
+def _goes_back(instruction: Instruction, action: Jump) -> bool:
     return isinstance(action.target, int) and action.target <= instruction.address
 
 
 def _reached(packets: Mapping[int, Packet], start: int) -> list[Packet]:
     """Every packet reachable from `start`, through calls and returns as well."""
-    found: dict[int, Packet] = {}
+    reached: dict[int, Packet] = {}
     todo = [start]
     while todo:
         packet = packets.get(todo.pop())
-        if packet is None or packet.refusal or packet.address in found:
+        if packet is None or packet.refusal or packet.address in reached:
             continue
-        found[packet.address] = packet
+        reached[packet.address] = packet
         todo += [packet.next]
-        todo += [a.target for a in packet.actions if isinstance(a, Branch) and isinstance(a.target, int)]
-    return list(found.values())
+        todo += [a.target for a in packet.actions if isinstance(a, Jump) and isinstance(a.target, int)]
+    return list(reached.values())

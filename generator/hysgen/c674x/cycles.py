@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 
 from hysgen.c674x import counters
 from hysgen.c674x.assembly import Register
-from hysgen.c674x.decode import Branch, LoadAddress
+from hysgen.c674x.decode import Jump, LoadAddress
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
@@ -164,7 +164,7 @@ class _Walk:
         for instruction, action in zip(packet.instructions, packet.actions, strict=True):
             if isinstance(action, LoadAddress) and action.destination == _LINK:
                 link = action.address
-            if not isinstance(action, Branch):
+            if not isinstance(action, Jump):
                 continue
             if action.link is not None:
                 link = packet.next
@@ -189,7 +189,7 @@ class _Walk:
     def _may_be_taken(self, branch: int, path: _Place) -> bool:
         return branch not in self.limits or path.taken[self.bounded.index(branch)] < self.limits[branch]
 
-    def _branched(self, branch: int, action: Branch, path: _Place) -> _Place:
+    def _branched(self, branch: int, action: Jump, path: _Place) -> _Place:
         target = action.target
         if isinstance(target, Register) and target != _LINK and self._in_library(branch):
             raise TargetError(

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from hysgen.c674x.assembly import Instruction, Label, Memory, Operand, Pair, Register
+from hysgen.c674x.assembly import Instruction, Label, MemoryOperand, Operand, Pair, Register
 from hysgen.c674x.latency import DELAY_SLOTS
 from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, READS_DESTINATION
 from hysgen.errors import TargetError
@@ -33,7 +33,7 @@ class Access:
     registers: the register of the low word, then, for 64 bits, the register of the high word.
     """
 
-    memory: Memory
+    memory: MemoryOperand
     size: int
     alignment: int
     registers: tuple[Register, ...]
@@ -53,7 +53,7 @@ class Store(Access):
 
 
 @dataclass(frozen=True)
-class Branch:
+class Jump:
     """Jump to `target` after the delay slots. link: register for the address of the next packet, in a call.
 
     idle: cycles without instructions after the packet.
@@ -80,7 +80,7 @@ class Idle:
     cycles: int
 
 
-Action = Compute | Load | Store | Branch | LoadAddress | Idle
+Action = Compute | Load | Store | Jump | LoadAddress | Idle
 
 # mnemonic -> bytes, alignment, sign extension
 _LOADS = {
@@ -103,12 +103,12 @@ def action(instruction: Instruction) -> Action:
     Raises TargetError with address and text if the instruction, or this form of it, is not modelled.
     """
     try:
-        found = _action(instruction)
+        decoded = _action(instruction)
     except (ValueError, IndexError):
-        found = None
-    if found is None:
+        decoded = None
+    if decoded is None:
         raise TargetError(f"{instruction}: not modelled by the simulator; change the C, or use the host")
-    return found
+    return decoded
 
 
 def _action(instruction: Instruction) -> Action | None:
@@ -166,9 +166,9 @@ def _target(operand: Operand) -> Register | int:
 
 
 _CONTROL: Mapping[str, Callable[[tuple[Operand, ...]], Action]] = {
-    "b": lambda operands: Branch(_target(operands[0]), None, 0),
-    "bnop": lambda operands: Branch(_target(operands[0]), None, _constant(operands[1])),
-    "callp": lambda operands: Branch(_target(operands[0]), _register(operands[1]), 5),
+    "b": lambda operands: Jump(_target(operands[0]), None, 0),
+    "bnop": lambda operands: Jump(_target(operands[0]), None, _constant(operands[1])),
+    "callp": lambda operands: Jump(_target(operands[0]), _register(operands[1]), 5),
     "addkpc": lambda operands: LoadAddress(_register(operands[1]), _label(operands[0]), _constant(operands[2])),
     "nop": lambda operands: Idle((_constant(operands[0]) if operands else 1) - 1),
 }
@@ -177,8 +177,8 @@ MODELLED = frozenset({*INTEGER, *FLOAT, *_LOADS, *_STORES, *_CONTROL})
 """Mnemonics of all modelled instructions; every other instruction is refused."""
 
 
-def _memory(operand: Operand) -> Memory:
-    if not isinstance(operand, Memory):
+def _memory(operand: Operand) -> MemoryOperand:
+    if not isinstance(operand, MemoryOperand):
         raise ValueError(operand)
     return operand
 

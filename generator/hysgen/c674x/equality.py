@@ -186,13 +186,13 @@ def _compare(setup: _Setup, task: Task, samples: int) -> TargetRun:
     differing, done, first, cycles = 0, 0, None, CycleRange()
     for columns in chunks(setup.model, task.style, quantities, samples, setup.seed, CHUNK):
         expected = _Steps(*host.run(task.function, struct, columns, first=0, words=size), np.zeros(0, np.int64))
-        found = _simulated_steps(setup, task, address, size, columns)
-        wrong = (found.states != expected.states).any(axis=1) | ((found.results != expected.results) & returns)
+        simulated = _simulated_steps(setup, task, address, size, columns)
+        wrong = (simulated.states != expected.states).any(axis=1) | ((simulated.results != expected.results) & returns)
         if first is None and wrong.any():
             k = int(np.argmax(wrong))
-            first = f"sample {done + k}: {_described(host, task, k, expected, found)}"
+            first = f"sample {done + k}: {_described(host, task, k, expected, simulated)}"
         differing, done = differing + int(wrong.sum()), done + columns[0].size
-        cycles.add(found.cycles)
+        cycles.add(simulated.cycles)
     return TargetRun(task.function, task.style, done, size + int(returns), differing, cycles.range, first)
 
 
@@ -214,12 +214,12 @@ def _simulated_steps(setup: _Setup, task: Task, address: int, size: int, columns
     return steps
 
 
-def _described(host: Host, task: Task, k: int, expected: _Steps, found: _Steps) -> str:
+def _described(host: Host, task: Task, k: int, expected: _Steps, simulated: _Steps) -> str:
     """The first word that differs in step k, with both bit patterns."""
-    places = np.flatnonzero(found.states[k] != expected.states[k])
+    places = np.flatnonzero(simulated.states[k] != expected.states[k])
     if places.size == 0:
-        return f"result is 0x{found.results[k]:08x}, the host's is 0x{expected.results[k]:08x}"
+        return f"result is 0x{simulated.results[k]:08x}, the host's is 0x{expected.results[k]:08x}"
     layout = host.layout(f"{host.name}_{task.compared.type_suffix}")
     path = next(name for name, place in layout.items() if place == places[0])
-    got, wanted = found.states[k][places[0]], expected.states[k][places[0]]
+    got, wanted = simulated.states[k][places[0]], expected.states[k][places[0]]
     return f"{path} is 0x{got:08x}, the host's is 0x{wanted:08x}"

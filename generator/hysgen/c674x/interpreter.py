@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from hysgen.c674x.assembly import Instruction, Register
-from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source, Store
+from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source, Store
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
 from hysgen.c674x.processor import (
@@ -136,7 +136,7 @@ def _start(instruction: Instruction, action: Action, packet: Packet, registers: 
             address = _address(action, registers, state)
             value = sum(registers[register.index] << 32 * word for word, register in enumerate(action.registers))
             _store(state.processor, address, action.size, value)
-        case Branch(target=target, link=link):
+        case Jump(target=target, link=link):
             lands = state.cycle + BRANCH_DELAY + 1
             if lands in state.branches:
                 raise _FaultError(ProcessorFault.BRANCH_CLASH)

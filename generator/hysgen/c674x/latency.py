@@ -7,8 +7,7 @@ Source: SPRUFE8, section 4 (pipeline phases per instruction type).
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 BRANCH_DELAY = 5
 LOAD_DELAY = 4
@@ -27,31 +26,3 @@ DELAY_SLOTS: Mapping[str, int] = {
     **dict.fromkeys(_FOUR_CYCLE.split(), 3),
     **dict.fromkeys(_LOADS.split(), LOAD_DELAY),
 }
-
-_ENTRY = re.compile(r"^INSNE?\s*\((.*?)(?=^INSNE?\s*\(|^#|\Z)", re.S | re.M)
-_WRITTEN = re.compile(r"\bOW(?:D|T)?REG[DL]?(\d)\b")
-_READ_AND_WRITTEN = re.compile(r"\bORWREG(\d)\b")
-
-
-def write_cycles(opcode_table: str) -> dict[str, frozenset[int]]:
-    """For each mnemonic, the pipeline cycles (1 = E1) of the write to its destination, according to binutils.
-
-    opcode_table: text of binutils' include/opcode/tic6x-opcode-table.h; the digit of its operand macros, such as
-    OWREG4, is the cycle. Forms with 40-bit results and 16-bit opcodes are included.
-    """
-    found: dict[str, set[int]] = {}
-    for entry in _ENTRY.finditer(opcode_table):
-        body = entry[1]
-        cycles = {int(digit) for digit in (*_WRITTEN.findall(body), *_READ_AND_WRITTEN.findall(body))}
-        found.setdefault(body.split(",")[0].strip(), set()).update(cycles)
-    return {mnemonic: frozenset(cycles) for mnemonic, cycles in found.items()}
-
-
-def disagreements(opcode_table: str, delay_slots: Mapping[str, int] = DELAY_SLOTS) -> Iterator[str]:
-    """One line for each mnemonic whose delay slots differ from the write cycles in binutils' opcode table."""
-    written = write_cycles(opcode_table)
-    for mnemonic, delay in sorted(delay_slots.items()):
-        cycles = written.get(mnemonic, frozenset())
-        if cycles != {delay + 1}:
-            cycles_text = " or ".join(f"E{cycle}" for cycle in sorted(cycles)) or "nothing"
-            yield f"{mnemonic}: {delay} delay slots here, written in {cycles_text} by binutils"

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from hysgen.c674x.assembly import Instruction, Register
-from hysgen.c674x.decode import Access, Action, Branch, Compute, Idle, LoadAddress, Store, action
+from hysgen.c674x.decode import Access, Action, Compute, Idle, Jump, LoadAddress, Store, action
 from hysgen.c674x.semantics import READS_DESTINATION
 from hysgen.errors import TargetError
 
@@ -102,7 +102,7 @@ def _idle(each: Action) -> int:
     match each:
         case Idle(cycles=cycles):
             return cycles
-        case Branch(idle=cycles) | LoadAddress(idle=cycles):
+        case Jump(idle=cycles) | LoadAddress(idle=cycles):
             return cycles
     return 0
 
@@ -127,7 +127,7 @@ def _reads(each: Action) -> Iterator[Register]:
                 yield memory.offset
             if isinstance(each, Store):
                 yield from each.registers
-        case Branch(target=Register() as target):
+        case Jump(target=Register() as target):
             yield target
 
 

@@ -73,12 +73,12 @@ class Processor:
 
     def packet(self, address: int) -> Packet:
         """The packet at `address`. Raises TargetError if none starts there, or if it is not modelled."""
-        found = self.packets.get(address)
-        if found is None:
+        packet = self.packets.get(address)
+        if packet is None:
             raise TargetError(f"{address:08x}: no execute packet starts here; a jump into data or into a packet")
-        if found.refusal:
-            raise TargetError(found.refusal)
-        return found
+        if packet.refusal:
+            raise TargetError(packet.refusal)
+        return packet
 
     def fault(self, kind: ProcessorFault, address: int, detail: int) -> TargetError:
         """The error for a fault in the packet at `address`; `detail` is an address, a register or a cycle limit."""

@@ -40,7 +40,6 @@ FLAGS = (
 )
 
 _PREFIX = "tic6x-elf-"
-_OPCODE_TABLE = Path("share/hysgen/tic6x-opcode-table.h")
 
 
 @dataclass(frozen=True)
@@ -74,17 +73,6 @@ def folder() -> Path:
             "or point HYSGEN_C674X at one"
         )
     return chosen
-
-
-def opcode_table() -> str:
-    """Text of the assembler's opcode table, which the build script stores beside the compiler.
-
-    Raises BuildError if the table is missing.
-    """
-    path = folder() / _OPCODE_TABLE
-    if not path.exists():
-        raise BuildError(f"{path}: missing; make the toolchain with firmware/toolchain/build_c674x.sh")
-    return path.read_text(encoding="utf-8")
 
 
 def version() -> str:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib import resources
 
 from hysgen.c674x.assembly import Instruction, Register
-from hysgen.c674x.decode import Access, Action, Branch, Compute, Load, LoadAddress, Source, Store
+from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source, Store
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
 from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, Processor, ProcessorFault, RunCounts
@@ -111,7 +111,7 @@ def _statements(instruction: Instruction, action: Action, packet: Packet) -> Ite
             yield _later(delay, destination, _computed(action), _port(instruction))
         case Access():
             yield from _access(action)
-        case Branch(target=target, link=link):
+        case Jump(target=target, link=link):
             yield f"branch(m, {BRANCH_DELAY}, {_value(target)});"
             if link is not None:
                 yield _later(0, link, _value(packet.next))

@@ -236,4 +236,4 @@ def _peak(series: Series, half: Floats, absolute: bool) -> tuple[Floats, Floats,
 
 def _polynomial(coefficients: Floats, t: Floats) -> Floats:
     """sum_k c_k t^k, (n,), of coefficients (n, K), rising powers."""
-    return functools.reduce(lambda found, c: found * t + c, coefficients.T[::-1], np.zeros_like(t))
+    return functools.reduce(lambda value, c: value * t + c, coefficients.T[::-1], np.zeros_like(t))

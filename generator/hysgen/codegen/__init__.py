@@ -78,11 +78,11 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
         "chains": chains(model, inverse=chosen.inverse),
     }
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
-    found = figures(model.name, _firmware(model.name, facts, {}, {}))
-    cycles = cycles_of(found.operations, chosen.cycles)
+    counted = figures(model.name, _firmware(model.name, facts, {}, {}))
+    cycles = cycles_of(counted.operations, chosen.cycles)
     require_budget(model, cycles, chosen.clock_Hz)
-    costs = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in found.operations.items()}
-    texts = _firmware(model.name, facts, costs, found.struct_bytes)
+    costs = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in counted.operations.items()}
+    texts = _firmware(model.name, facts, costs, counted.struct_bytes)
     texts[model_file(model)] = dump_model(model)
     summary = {
         "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz},
@@ -92,7 +92,7 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
             "inverse_V": rounded_up(errors.inverse_V, ERROR_DIGITS),
             "samples": errors.samples,
         },
-        "cost": _cost(model, found, cycles, chosen.clock_Hz),
+        "cost": _cost(model, counted, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}
 
@@ -151,12 +151,12 @@ def _firmware(name: str, facts: Mapping[str, Any], cost: Mapping[str, str], size
     }
 
 
-def _cost(model: Model, found: Figures, cycles: Mapping[str, Cycles], clock_Hz: float) -> dict[str, Any]:
+def _cost(model: Model, counted: Figures, cycles: Mapping[str, Cycles], clock_Hz: float) -> dict[str, Any]:
     """Operations, cycles and bytes for the manifest, as JSON values."""
     whole = per_sample(cycles)
     return {
-        "operations": {name: counts.to_json() for name, counts in found.operations.items()},
+        "operations": {name: counts.to_json() for name, counts in counted.operations.items()},
         "cycles": {name: {"value": c.value, "measured": c.measured} for name, c in cycles.items()},
         "per_sample": {"value": whole.value, "measured": whole.measured, "budget": budget(model.Ts_s, clock_Hz)},
-        "bytes": {"structs": dict(found.struct_bytes), "constants": found.constant_bytes},
+        "bytes": {"structs": dict(counted.struct_bytes), "constants": counted.constant_bytes},
     }

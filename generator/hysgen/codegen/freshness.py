@@ -21,16 +21,16 @@ class Stale:
 
 def stale(texts: Mapping[str, str], folder: Path) -> list[Stale]:
     """The files of `texts` (text by file name) that are missing or different in `folder`, sorted by name."""
-    found = []
+    differences = []
     for name in sorted(texts):
         try:
             data = (folder / name).read_bytes()
         except OSError:
-            found.append(Stale(name, "missing"))
+            differences.append(Stale(name, "missing"))
             continue
         if data != texts[name].encode():
-            found.append(Stale(name, "differs", _first_difference(data, texts[name].encode())))
-    return found
+            differences.append(Stale(name, "differs", _first_difference(data, texts[name].encode())))
+    return differences
 
 
 def _first_difference(one: bytes, other: bytes) -> int:

@@ -1,7 +1,8 @@
-"""Named places in the templates where the proof inserts annotations.
+"""Named places in the templates where the proof inserts annotations or takes lines out.
 
 `{% hook "finite: bits" %}`, alone on its line, renders to nothing in generated C. In the text for the proof it renders
-to a line that holds HOOK and the name.
+to a line that holds HOOK and the name. A hook `guard: ...` stands before a line that the proof replaces; a second hook
+whose name ends in END stands behind the last line, where there are several.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ from jinja2.parser import Parser
 
 HOOK: Final = "//hook "
 """Start of the line of a hook; the rest of the line is the name."""
+
+END: Final = ": end"
+"""End of the name of a hook behind the last of several lines."""
 
 
 class Hook(Extension):

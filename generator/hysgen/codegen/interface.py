@@ -82,23 +82,23 @@ def interface(model: Model, *, inverse: bool) -> Interface:
     name, channels = model.name, len(channels_of(model.terms))
     self_t, learner = f"{name}_t *self", f"{name}_learner_t *self"
     aux = f"const float aux[{name.upper()}_CHANNELS]"
-    found = [
+    functions = [
         Function("init", "void", (self_t, "float y_um", "float u_V")),
         Function("predict", "float", (self_t, "float y_um", "float u_V")),
         Function("simulate", "float", (self_t, "float u_V")),
     ]
     if channels:
-        found.append(Function("aux", "void", (self_t, aux)))
+        functions.append(Function("aux", "void", (self_t, aux)))
     if inverse:
-        found.append(Function("inverse", "float", (self_t, "float y_um", "float y_next_um")))
+        functions.append(Function("inverse", "float", (self_t, "float y_um", "float y_next_um")))
     if model.learner:
-        found.append(Function("learn_init", "void", (learner, f"const {name}_t *model")))
-        found.append(Function("learn", "void", (learner, "float y_um", "float u_V")))
+        functions.append(Function("learn_init", "void", (learner, f"const {name}_t *model")))
+        functions.append(Function("learn", "void", (learner, "float y_um", "float u_V")))
         if channels:
-            found.append(Function("learn_aux", "void", (learner, aux)))
-        found.append(Function("commit", "uint32_t", (self_t, f"{name}_learner_t *learner")))
-    found.append(Function("selftest", "uint32_t", ()))
-    return Interface(name, structs(model), tuple(found), channels)
+            functions.append(Function("learn_aux", "void", (learner, aux)))
+        functions.append(Function("commit", "uint32_t", (self_t, f"{name}_learner_t *learner")))
+    functions.append(Function("selftest", "uint32_t", ()))
+    return Interface(name, structs(model), tuple(functions), channels)
 
 
 def interface_of(name: str, texts: Mapping[str, str]) -> Interface:

@@ -32,13 +32,13 @@ def squares(count: int) -> list[Step]:
     >>> [f"{step.name} = {step.text}" for step in squares(6)]
     ['r2 = r * r', 'r4 = r2 * r2']
     """
-    found: list[Step] = []
+    steps: list[Step] = []
     exponent = 2
     while exponent < count:
         half = _power(exponent // 2)
-        found.append(Step(_power(exponent), f"{half} * {half}"))
+        steps.append(Step(_power(exponent), f"{half} * {half}"))
         exponent *= 2
-    return found
+    return steps
 
 
 def powers(count: int) -> list[Step]:

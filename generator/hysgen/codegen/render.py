@@ -39,23 +39,11 @@ class Feature:
 
 
 @dataclass(frozen=True)
-class TermText:
-    """The data of a term's template.
+class StateText:
+    """The struct of the state of a term or an input block as C, and the prefix of its functions and constants."""
 
-    struct: the struct of its state; prefix: of its functions and constants; first: index of its first regressor.
-    corrects: whether the innovation corrects its state; channels: indices of its channels in aux[].
-    """
-
-    term: Term
     struct: Struct
     prefix: str
-    first: int
-    corrects: bool
-    channels: tuple[int, ...]
-
-    @property
-    def kind(self) -> str:
-        return self.term.kind
 
     @property
     def type(self) -> str:
@@ -66,6 +54,24 @@ class TermText:
     def rows(self) -> list[str]:
         """The members of its struct as C."""
         return rows(self.struct.members)
+
+
+@dataclass(frozen=True)
+class TermText(StateText):
+    """The data of a term's template.
+
+    first: index of its first regressor. corrects: whether the innovation corrects its state. channels: indices of its
+    channels in aux[].
+    """
+
+    term: Term
+    first: int
+    corrects: bool
+    channels: tuple[int, ...]
+
+    @property
+    def kind(self) -> str:
+        return self.term.kind
 
     @property
     def size(self) -> int:
@@ -89,26 +95,14 @@ class PartText:
 
 
 @dataclass(frozen=True)
-class BlockText:
-    """The data of an input block's template; struct: of its state; prefix: of its functions and constants."""
+class BlockText(StateText):
+    """The data of an input block's template."""
 
     block: InputBlock
-    struct: Struct
-    prefix: str
 
     @property
     def kind(self) -> str:
         return self.block.kind
-
-    @property
-    def type(self) -> str:
-        """Name of its struct."""
-        return self.struct.name
-
-    @property
-    def rows(self) -> list[str]:
-        """The members of its struct as C."""
-        return rows(self.struct.members)
 
     @property
     def stateful(self) -> bool:
@@ -134,7 +128,7 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
         mirror = type(term.mirror(numbers.rest_V.reshape(1), model.Ts_s))
         channels = tuple(channels_of(model.terms).index(name) for name in term.channels)
         texts.append(
-            TermText(term, part_struct(model, term), prefix, first, mirror.correct is not Mirror.correct, channels)
+            TermText(part_struct(model, term), prefix, term, first, mirror.correct is not Mirror.correct, channels)
         )
         first += term.size
     return texts
@@ -142,7 +136,7 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
 
 def block_texts(model: Model) -> list[BlockText]:
     """The model's input blocks in order."""
-    return [BlockText(block, part_struct(model, block), f"{model.name}_{block.kind}") for block in model.blocks]
+    return [BlockText(part_struct(model, block), f"{model.name}_{block.kind}", block) for block in model.blocks]
 
 
 def context(model: Model, numbers: Coefficients) -> dict[str, Any]:

@@ -21,7 +21,7 @@ SEED: Final = 20120321
 
 
 @dataclass(frozen=True)
-class Chain:
+class CallSequence:
     """Successive calls of one function after `_init`.
 
     start: bit patterns of the arguments of `_init`. rows: bit patterns of arguments, channels and result of each call;
@@ -41,13 +41,13 @@ class Chain:
         return len(self.rows[0][0]) + len(self.rows[0][1]) + 1
 
 
-def chains(model: Model, *, inverse: bool) -> list[Chain]:
+def chains(model: Model, *, inverse: bool) -> list[CallSequence]:
     """One chain per function, with arguments in range, at its limits, outside, tiny, huge and not finite."""
     functions = ["predict", "simulate", *(["inverse"] if inverse else [])]
     return [_chain(model, function, seed) for seed, function in enumerate(functions, SEED)]
 
 
-def _chain(model: Model, function: str, seed: int) -> Chain:
+def _chain(model: Model, function: str, seed: int) -> CallSequence:
     rng = np.random.default_rng(seed)
     y0, u0 = np.float32(0.5 * (model.grid.y_min_um + model.grid.y_max_um)), np.float32(0.0)
     lane = Instance(model, np.full(1, y0), np.full(1, u0))
@@ -65,7 +65,7 @@ def _chain(model: Model, function: str, seed: int) -> Chain:
             rows.append((_bits(arguments, k), _bits(channels, k), int(result.view(np.uint32)[0])))
             inputs = ", ".join(f"{column[k]:.6g}" for column in (*arguments, *channels))
             comments.append(f"{inputs} -> {result[0]:.6g}")
-    return Chain(
+    return CallSequence(
         function=function,
         start=(int(y0.view(np.uint32)), int(u0.view(np.uint32))),
         rows=rows,

@@ -19,13 +19,13 @@ from hysgen.model.terms import Term
 def structs(model: Model) -> tuple[Struct, ...]:
     """Every struct of the generated header in the order of its definitions: a member's struct precedes its owner."""
     numbers = coefficients(model)
-    found = [part_struct(model, block) for block in model.blocks if block.members()]
-    found += [inputs_struct(model)] if model.blocks else []
-    found += [part_struct(model, term) for term in model.terms]
-    found += [terms_struct(model)] if model.terms else []
-    found += [bank_struct(model, numbers), instance_struct(model, numbers)]
-    found += [candidate_struct(model, numbers), learner_struct(model, numbers)] if model.learner else []
-    return tuple(found)
+    declared = [part_struct(model, block) for block in model.blocks if block.members()]
+    declared += [inputs_struct(model)] if model.blocks else []
+    declared += [part_struct(model, term) for term in model.terms]
+    declared += [terms_struct(model)] if model.terms else []
+    declared += [bank_struct(model, numbers), instance_struct(model, numbers)]
+    declared += [candidate_struct(model, numbers), learner_struct(model, numbers)] if model.learner else []
+    return tuple(declared)
 
 
 def part_struct(model: Model, part: Term | InputBlock) -> Struct:
@@ -100,23 +100,23 @@ def learner_struct(model: Model, numbers: Coefficients) -> Struct:
 def _members(words: type[StructWords], model: Model, learned: int = 0) -> list[Member]:
     """The C members of the attributes of `words`; input blocks, terms and U are omitted if the model has none."""
     upper = model.name.upper()
-    found = []
+    members = []
     for member in words.described():
         meaning = member.meaning.format(NAME=upper)
         match member.holds:
             case Holds.VECTOR:
-                found.append(Member(member.name, member.type, meaning, (learned,), (f"{upper}_LEARNED",)))
+                members.append(Member(member.name, member.type, meaning, (learned,), (f"{upper}_LEARNED",)))
             case Holds.MATRIX if factors(learned):
-                found.append(Member(member.name, member.type, meaning, (factors(learned),), (f"{upper}_FACTORS",)))
+                members.append(Member(member.name, member.type, meaning, (factors(learned),), (f"{upper}_FACTORS",)))
             case Holds.NUMBER | Holds.INTEGER | Holds.FLAG:
-                found.append(Member(member.name, member.type, meaning))
+                members.append(Member(member.name, member.type, meaning))
             case Holds.COUNTERS:
-                found += [Member(name, "uint32_t", counter.meaning) for name, counter in words.COUNTERS.items()]
+                members += [Member(name, "uint32_t", counter.meaning) for name, counter in words.COUNTERS.items()]
             case Holds.INPUTS if model.blocks:
-                found.append(Member(member.name, inputs_struct(model), meaning))
+                members.append(Member(member.name, inputs_struct(model), meaning))
             case Holds.TERMS if model.terms:
-                found.append(Member(member.name, terms_struct(model), meaning))
-    return found
+                members.append(Member(member.name, terms_struct(model), meaning))
+    return members
 
 
 def rows(members: Sequence[Member]) -> list[str]:

@@ -10,7 +10,7 @@ from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.search import SearchResult
 from hysgen.record.noise import NoiseFloor
-from hysgen.record.series import plateaus
+from hysgen.record.series import MEDIAN_TO_DEVIATION, plateaus
 
 Floats = NDArray[np.float64]
 
@@ -27,10 +27,10 @@ JUMP = 8.0
 """Size of a jump in robust standard deviations of the residual's steps."""
 
 
-def unexplained_structure(prepared: Prepared, found: SearchResult, noise: NoiseFloor) -> str | None:
+def unexplained_structure(prepared: Prepared, result: SearchResult, noise: NoiseFloor) -> str | None:
     """The structure in the residual of the probe's fit, in words; None if the residual is noise or negligible."""
-    rows = found.scene.rows
-    residual = found.fit.error[rows]
+    rows = result.scene.rows
+    residual = result.fit.error[rows]
     level, span = rms(residual), float(np.ptp(prepared.y_um[: prepared.cut]))
     if level < UNKNOWN_ABOVE * span or level < OVER_NOISE * noise.rms_um:
         return None
@@ -42,7 +42,7 @@ def residual_in_words(residual: Floats, prepared: Prepared, rows: NDArray[np.int
     """Jumps, slow or fast, dependence on displacement and direction of a residual, (m,), in um on the given rows."""
     words = []
     steps = np.diff(residual)
-    typical = 1.4826 * float(np.median(np.abs(steps))) + 1e-300
+    typical = MEDIAN_TO_DEVIATION * float(np.median(np.abs(steps))) + 1e-300
     jumps = int(np.count_nonzero(np.abs(steps) > JUMP * typical))
     if jumps > 5:
         words.append(f"{jumps} jumps")

@@ -67,18 +67,18 @@ class Study(Displayed):
 
     def summary(self) -> Summary:
         """The ladder, the evidence of each cause, and the certificates that the extended model lacks."""
-        found = self.diagnosis
+        diagnosis = self.diagnosis
         named = ", ".join(self.names) or "no cause"
-        notes = [f"{cause.name}: {cause.evidence}" for cause in found.causes]
+        notes = [f"{cause.name}: {cause.evidence}" for cause in diagnosis.causes]
         notes += [
             f"{cause.name} is not extended: the extension does not pay with the certificates kept"
-            for cause in found.causes
+            for cause in diagnosis.causes
             if not cause.extended
         ]
-        if found.missing_certificates:
-            notes.append(f"not certified in the extended model: {', '.join(found.missing_certificates)}")
-        notes += [f"unknown: {found.unknown}"] if found.unknown else []
-        notes += [f"next experiment: {found.next_experiment}"] if found.next_experiment else []
+        if diagnosis.missing_certificates:
+            notes.append(f"not certified in the extended model: {', '.join(diagnosis.missing_certificates)}")
+        notes += [f"unknown: {diagnosis.unknown}"] if diagnosis.unknown else []
+        notes += [f"next experiment: {diagnosis.next_experiment}"] if diagnosis.next_experiment else []
         return Summary(f"Diagnosis of {self.record.source}: {named}", LADDER, self.ladder(), notes)
 
     def ladder(self) -> list[list[str]]:
@@ -86,8 +86,8 @@ class Study(Displayed):
 
         The free-run errors are held out. Shown by the terminal, by notebooks and by the report.
         """
-        found = self.diagnosis
-        rows = [["paper's model", *self._size(found.base_rms_um), *[""] * 5]]
+        diagnosis = self.diagnosis
+        rows = [["paper's model", *self._size(diagnosis.base_rms_um), *[""] * 5]]
         for cause in self.extended:
             price = cause.price
             rows.append(
@@ -101,7 +101,7 @@ class Study(Displayed):
                     confidence_text(cause),
                 ]
             )
-        return [*rows, ["noise floor", *self._size(found.noise.rms_um), *[""] * 5]]
+        return [*rows, ["noise floor", *self._size(diagnosis.noise.rms_um), *[""] * 5]]
 
     @property
     def improved(self) -> bool:

@@ -19,8 +19,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.outlier_detection import EDGE
 from hysgen.diagnosis.probe import Operator, Scene, Trace
-from hysgen.diagnosis.spikes import EDGE
 from hysgen.errors import RecordError
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import lag_states, play_operators

@@ -17,10 +17,10 @@ from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder
+from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.search import SearchResult, search, without
-from hysgen.diagnosis.spikes import isolated
 from hysgen.fitting import FitSettings
 from hysgen.machine.threads import in_threads, one_blas_thread
 from hysgen.model.model import Model
@@ -272,7 +272,7 @@ def _scored(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagno
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
     held = prepared.held_rows
     gated = {name for name in made if naming.extensions[name].gate}
-    clean = held[~isolated(rungs[-1].error_um)[held]] if gated else held
+    clean = held[~outlier_flags(rungs[-1].error_um)[held]] if gated else held
     levels = [rms(rung.error_um[clean if gated & set(rung.causes) else held]) for rung in rungs]
     above = levels[0] ** 2 - noise.rms_um**2
     span_s = naming.found.scene.span_s

@@ -33,8 +33,8 @@ from hysgen.diagnosis.comparison import (
     ratio_above_noise,
     refined,
 )
+from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
-from hysgen.diagnosis.spikes import isolated
 from hysgen.diagnosis.swaps import (
     compare_likelihood,
     likeliest_slow_causes,
@@ -112,16 +112,18 @@ def _slow_error_growth(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: R
     if supported == slow:
         return {}
     chain = chain_without(fit.chain, [name for name in slow if name not in supported])
-    alone = refine(part, chain, rounds=8)
+    reduced = refine(part, chain, rounds=8)
     others = refined(part, [causes()[name].without(chain) for name in supported])
-    return {name: 1.0 / ratio_above_noise(alone, other, checked) for name, other in zip(supported, others, strict=True)}
+    return {
+        name: 1.0 / ratio_above_noise(reduced, other, checked) for name, other in zip(supported, others, strict=True)
+    }
 
 
-def without(found: SearchResult, names: Sequence[str]) -> Fit:
+def without(result: SearchResult, names: Sequence[str]) -> Fit:
     """The fit of the chain without the named causes to all usable rows, with all other parameters refined again."""
     if not names:
-        return found.fit
-    return refine(thinned(found.scene), chain_without(found.fit.chain, names), rounds=8)
+        return result.fit
+    return refine(thinned(result.scene), chain_without(result.fit.chain, names), rounds=8)
 
 
 def present(chain: Chain) -> list[str]:
@@ -218,7 +220,7 @@ def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]
     edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
     valid = np.delete(np.arange(scene.samples), scene.lost)
     error = np.interp(np.arange(scene.samples), valid, fit.error[valid])
-    corrupted = np.concatenate([isolated(error[a:b]) for a, b in itertools.pairwise(edges)])
+    corrupted = np.concatenate([outlier_flags(error[a:b]) for a, b in itertools.pairwise(edges)])
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
 
 

@@ -57,8 +57,10 @@ def swap_slow_causes(part: Scene, fit: Fit, checked: Rows) -> Fit:
         residual, bare_residual = Residual(part, fit), Residual(part, bare)
         if causes()[old].signature(residual, bare).holds:
             continue
-        beside = [causes()[name] for name in slow_causes() if name != old and causes()[name].present(fit.chain)]
-        if any(not one.signature(residual, bare).holds and one.signature(bare_residual, bare).holds for one in beside):
+        companions = [causes()[name] for name in slow_causes() if name != old and causes()[name].present(fit.chain)]
+        if any(
+            not one.signature(residual, bare).holds and one.signature(bare_residual, bare).holds for one in companions
+        ):
             fit = bare
             continue
         others = [name for name in slow_causes() if name != old and not causes()[name].present(fit.chain)]
@@ -90,10 +92,10 @@ def likeliest_slow_causes(scene: Scene, fit: Fit) -> Chain:
     fits = {bare: linear_fit(scene, chain_without(fit.chain, present)), present: refine(scene, fit.chain)}
     for size in (1, 2) if len(present) > 1 or not supported else (1,):
         for names in itertools.combinations(slow_causes(), size):
-            beside = fits.get(names[:-1])
-            other = best_with(scene, beside, names[-1]) if beside is not None and names != present else None
-            if other is not None:
-                fits[names] = other
+            smaller = fits.get(names[:-1])
+            larger = best_with(scene, smaller, names[-1]) if smaller is not None and names != present else None
+            if larger is not None:
+                fits[names] = larger
     del fits[bare]
     white = WhitenedScene.of(scene, min(fits.values(), key=lambda one: one.rms_um))
     criterion = {names: schwarz(white, refine(white, one.chain)) for names, one in fits.items()}
@@ -135,5 +137,5 @@ def best_with(part: Scene, bare: Fit, name: str) -> Fit | None:
     """The best fit of `bare` with the cause `name` added; None if the cause proposes no chain."""
     cause = causes()[name]
     candidates = cause.select_starts(fitted(part, cause.proposals(Residual(part, bare))))
-    found = refined(part, [candidate.chain for candidate in candidates], rounds=FINAL_ROUNDS)
-    return min(found, key=lambda candidate: candidate.rms_um, default=None)
+    fits = refined(part, [candidate.chain for candidate in candidates], rounds=FINAL_ROUNDS)
+    return min(fits, key=lambda candidate: candidate.rms_um, default=None)

@@ -21,7 +21,7 @@ from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.errors import TargetError
 from hysgen.firmware.host import State
-from hysgen.firmware.sources import CONTROLLER, SIMULATOR_BOARD, read_sources
+from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, read_sources
 from hysgen.machine.native import build
 from hysgen.model.model import Model
 
@@ -109,11 +109,11 @@ def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | 
 
     None for a function with an instruction that is not modelled.
     """
-    found = packets(instructions(compiled.listing))
+    decoded = packets(instructions(compiled.listing))
     cycles: dict[str, tuple[int, int] | None] = {}
     for symbol in ("firmware_interrupt", f"{name}_inverse", f"{name}_learn", f"{name}_commit"):
         try:
-            bound = bounds(compiled.image, found, symbol)
+            bound = bounds(compiled.image, decoded, symbol)
         except TargetError:
             cycles[symbol] = None
         else:
@@ -130,4 +130,4 @@ def _stage(model: Model) -> tuple[Host, Any]:
 
 def _sources(texts: Mapping[str, str]) -> list[tuple[str, str]]:
     generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
-    return [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *generated]
+    return [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *generated]

@@ -52,9 +52,9 @@ def minimax(
         bounds=[(None, None)] * (count + 1),
         method="highs",
     )
-    found = np.asarray(programme.x)
-    coefficients = (start + unit * found[:-1]) / reach ** np.arange(first, len(guess))
-    return coefficients, unit * float(found[-1])
+    solution = np.asarray(programme.x)
+    coefficients = (start + unit * solution[:-1]) / reach ** np.arange(first, len(guess))
+    return coefficients, unit * float(solution[-1])
 
 
 def _taylor(degree: int) -> list[float]:

@@ -101,21 +101,21 @@ class StructWords:
     @functools.cache
     def described(cls) -> tuple[Described, ...]:
         """The members in the order of the struct."""
-        found = []
+        described = []
         for name, hint in get_type_hints(cls, include_extras=True).items():
             members = [each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Described)]
-            found += [dataclasses.replace(member, name=name) for member in members]
-        return tuple(found)
+            described += [dataclasses.replace(member, name=name) for member in members]
+        return tuple(described)
 
     @classmethod
     def written_by(cls, function: str) -> tuple[str, ...]:
         """Names of the members that functions of kind `function` write, in the order of the struct."""
-        found: list[str] = []
+        names: list[str] = []
         for member in cls.described():
-            found += [member.name] if function in member.written_by else []
+            names += [member.name] if function in member.written_by else []
             if member.holds is Holds.COUNTERS:
-                found += [name for name, counter in cls.COUNTERS.items() if function in counter.written_by]
-        return tuple(found)
+                names += [name for name, counter in cls.COUNTERS.items() if function in counter.written_by]
+        return tuple(names)
 
     def words(self) -> Mapping[str, Words]:
         """The bit patterns of all words by C path, in the order of the struct, (lanes,) each.
@@ -145,31 +145,31 @@ class StructWords:
 
     def restore(self, words: Sequence[Words]) -> None:
         """Set the state from `words` in the order of `words()`, (lanes,) each; the number of lanes may change."""
-        left = iter(words)
+        remaining = iter(words)
         lanes = words[0].size
         for member in self.described():
             name = member.name
             match member.holds:
                 case Holds.VECTOR:
-                    rows = [next(left) for _ in range(len(getattr(self, name)))]
+                    rows = [next(remaining) for _ in range(len(getattr(self, name)))]
                     setattr(self, name, np.stack(rows).view(np.float32))
                 case Holds.MATRIX:
                     size = len(getattr(self, name))
                     elements: Floats32 = np.zeros((size, size, lanes), np.float32)
                     for i, j in self.stored():
-                        elements[i, j] = next(left).view(np.float32)
+                        elements[i, j] = next(remaining).view(np.float32)
                     setattr(self, name, elements)
                 case Holds.NUMBER:
-                    setattr(self, name, next(left).view(np.float32))
+                    setattr(self, name, next(remaining).view(np.float32))
                 case Holds.INTEGER | Holds.FLAG:
-                    setattr(self, name, next(left))
+                    setattr(self, name, next(remaining))
                 case Holds.COUNTERS:
-                    setattr(self, name, {counter: next(left) for counter in getattr(self, name)})
+                    setattr(self, name, {counter: next(remaining) for counter in getattr(self, name)})
                 case Holds.INPUTS | Holds.TERMS:
                     value = getattr(self, name)
                     mirrors: list[ChainMirror | Mirror] = [value] if member.holds is Holds.INPUTS else value
                     for mirror in mirrors:
-                        mirror.restore([next(left) for _ in mirror.state()])
+                        mirror.restore([next(remaining) for _ in mirror.state()])
 
     def stored(self) -> list[tuple[int, int]]:
         """(i, j) of every matrix element that the C struct stores, in the order of the struct."""

@@ -66,11 +66,11 @@ def sine(x: float) -> float:
     """sin of one angle in rad, |x| <= 4, correctly rounded."""
     with localcontext(Context(prec=DIGITS)):
         angle = Decimal(x)
-        square, term, found, k = -angle * angle, angle, angle, 1
+        square, term, value, k = -angle * angle, angle, angle, 1
         while abs(term) > Decimal(10) ** (-DIGITS) * abs(angle):
             term *= square / ((k + 1) * (k + 2))
-            found, k = found + term, k + 2
-        return float(found)
+            value, k = value + term, k + 2
+        return float(value)
 
 
 def power(base: float, exponent: int) -> float:

@@ -119,8 +119,8 @@ def key_of(arrays: Mapping[str, Array], name: str) -> str | None:
 
 
 def _cut_selection(text: str) -> tuple[str, str | None]:
-    found = re.fullmatch(r"(.+?)\s*\[([^\[\]]*)\]\s*", text)
-    return (found.group(1), found.group(2)) if found else (text, None)
+    match = re.fullmatch(r"(.+?)\s*\[([^\[\]]*)\]\s*", text)
+    return (match.group(1), match.group(2)) if match else (text, None)
 
 
 def _series(source: str, name: str, array: Array, index: str) -> Iterator[tuple[str, Array]]:
@@ -134,13 +134,13 @@ def _series(source: str, name: str, array: Array, index: str) -> Iterator[tuple[
     ranges = []
     for axis, part in enumerate(parts):
         length = array.shape[axis]
-        found = re.fullmatch(r"(-?\d+)|(\d*):(\d*)", part)
-        if found is None:
+        match = re.fullmatch(r"(-?\d+)|(\d*):(\d*)", part)
+        if match is None:
             raise RecordError(f"{source}: '{part}' in '{name}[{index}]' is no index; write a number, ':' or 'a:b'")
-        if found.group(1) is None:
-            ranges.append(range(length)[slice(*(int(end) if end else None for end in found.group(2, 3)))])
+        if match.group(1) is None:
+            ranges.append(range(length)[slice(*(int(end) if end else None for end in match.group(2, 3)))])
             continue
-        if not -length <= (pick := int(found.group(1))) < length:
+        if not -length <= (pick := int(match.group(1))) < length:
             raise RecordError(
                 f"{source}: index {pick} in '{name}[{index}]' is outside axis {axis} of length {length}; count from 0"
             )

@@ -115,11 +115,9 @@ class Record(Displayed):
         Ts_s: float,
         aux: Mapping[str, ArrayLike] | None = None,
         source: str = "arrays",
-        name: str = "0",
-        start_s: float = 0.0,
         accept: Collection[str] = (),
     ) -> Record:
-        """A record of one segment from arrays, after the same checks of values as for files.
+        """A record of one segment "0" from arrays, after the same checks of values as for files.
 
         u_V, y_um: (n,) in V and um. aux: further channels, each (n,).
         accept: names of refusals ("constant", "saturation", "swapped") that become warnings.
@@ -129,7 +127,7 @@ class Record(Displayed):
             raise RecordError(f"{source}: sampling period Ts_s = {Ts_s:g} s; give a positive number of seconds")
         channels = Channels.of_arrays(source, u_V, y_um, aux or {})
         warnings = check_values([channels], accept)
-        segment = Segment(name, channels.u_V, channels.y_um, channels.aux, start_s)
+        segment = Segment("0", channels.u_V, channels.y_um, channels.aux)
         return cls.from_segments([segment], Ts_s, source, warnings)
 
     @staticmethod

@@ -4,7 +4,7 @@ Of a record alone, by the first method that it allows:
 
     periods      the input is periodic: half the variance of y(k + P) - y(k) about a straight line
     plateaus     the input is constant: variance about a parabola over the last three quarters of each plateau
-    differences  sum (D^m y)^2 / C(2m, m), m = 6: white noise on a displacement that is smooth over m samples
+    differences  mean (D^m y)^2 / C(2m, m), m = 6: white noise on a displacement that is smooth over m samples
 
 Given the residual e of a model, so that an error with a cause, such as hum on a plateau, does not count as noise:
 
@@ -13,7 +13,7 @@ Given the residual e of a model, so that an error with a cause, such as hum on a
     innovation   second differences of e, see `series.residual_noise`
 
 "differences" and "innovation" assume white noise, the others noise of any colour that is faster than the period or the
-plateau. Source: P. Hall, J. W. Kay and D. M. Titterington, Biometrika 77 (1990) 521-528, on difference-based variance.
+plateau; both are `series.white_noise`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.record.data import Record, Segment
-from hysgen.record.series import SHORTEST_PLATEAU, period_of, plateaus, residual_noise
+from hysgen.record.series import SHORTEST_PLATEAU, period_of, plateaus, residual_noise, white_noise
 
 Floats = NDArray[np.float64]
 Method = Literal["periods", "plateaus", "differences", "innovation"]
@@ -129,9 +129,9 @@ def _plateaus(segment: Segment) -> Iterator[tuple[float, float]]:
 
 
 def _differences(segment: Segment) -> Iterator[tuple[float, float]]:
-    difference = np.diff(segment.y_um, ORDER)
-    if difference.size:
-        yield float(difference @ difference) / math.comb(2 * ORDER, ORDER), float(difference.size)
+    count = segment.samples - ORDER
+    if count >= ORDER:
+        yield count * white_noise(segment.y_um, ORDER, "rms") ** 2, float(count)
 
 
 def _about_polynomial(values: Floats, degree: int) -> float:

@@ -120,6 +120,6 @@ def _runs(path: Path, columns: Columns) -> tuple[list[RawRun], tuple[str, ...], 
 
 def _named_after(record: Record, stem: str) -> Record:
     """The record with its segments named after the file, for messages about several files."""
-    alone = len(record.segments) == 1
-    segments = (replace(one, name=stem if alone else f"{stem}:{one.name}") for one in record.segments)
+    single = len(record.segments) == 1
+    segments = (replace(one, name=stem if single else f"{stem}:{one.name}") for one in record.segments)
     return replace(record, segments=tuple(segments))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Scale = Literal["median", "trimmed", "rms"]
 
 SHORTEST_PLATEAU = 40
 """Samples that a plateau needs to distinguish noise from creep and lag."""
@@ -18,6 +20,9 @@ REPEATS_WITHIN = 1e-3
 
 MANY_DIFFERENCES = 8000
 """Up to this number of differences, `residual_noise` uses their median: the search is calibrated with the median."""
+
+MEDIAN_TO_DEVIATION = 1.4826
+"""Standard deviation of a normal variable over the median of its magnitude."""
 
 KEPT, KEPT_POWER = 0.9, 0.62302
 """Share of differences left after trimming the largest, and their mean square in Gaussian noise of variance 1."""
@@ -72,31 +77,40 @@ def period_of(u_V: Floats) -> int | None:
     return None
 
 
-def white_noise(values: Floats) -> float:
-    """Standard deviation of the white noise on a smooth signal, (n,), from its sixth differences; 0 below 12 samples.
+def white_noise(values: Floats, order: int = 6, scale: Scale = "median") -> float:
+    """Standard deviation of the white noise on a smooth series, (n,), from its differences of order m; 0 if n < 2m.
 
-        median |D^6 x| / (0.6745 sqrt(924)),    924 = binomial(12, 6)
+        s(D^m x) / sqrt(C(2m, m))
 
-    The sixth difference of white noise has 924 times its variance, that of a smooth signal is near 0, and 0.6745 is the
-    median of |x| for a standard normal x.
+    The m-th difference of white noise has C(2m, m) times its variance, that of a smooth series is near 0. Differences
+    that are NaN are left out. The estimate s of the standard deviation of D^m x:
+
+        median     1.4826 median |D^m x|; outliers do not matter
+        trimmed    rms of the smaller KEPT of |D^m x|, divided by that of a standard normal variable; for a sensor whose
+                   resolution is no finer than its noise, where the median can only take a few values
+        rms        rms of D^m x; the smallest variance, but outliers matter
+
+    Source: P. Hall, J. W. Kay and D. M. Titterington, Biometrika 77 (1990) 521-528.
     """
-    if values.size < 12:
+    differences = np.diff(values, order)
+    differences = differences[np.isfinite(differences)]
+    if differences.size < order:
         return 0.0
-    return float(np.median(np.abs(np.diff(values, 6)))) / (0.6745 * float(np.sqrt(924.0)))
+    if scale == "median":
+        deviation = MEDIAN_TO_DEVIATION * float(np.median(np.abs(differences)))
+    elif scale == "trimmed":
+        small = np.sort(np.abs(differences))[: int(KEPT * differences.size)]
+        deviation = math.sqrt(float(np.mean(small * small)) / KEPT_POWER)
+    else:
+        deviation = math.sqrt(float(differences @ differences) / differences.size)
+    return deviation / math.sqrt(math.comb(2 * order, order))
 
 
 def residual_noise(residual: Floats) -> float:
-    """Standard deviation of the white part of a residual of consecutive samples, (n,), from its second differences.
+    """Standard deviation of the white part of a residual of consecutive samples, (n,), by `white_noise` of order 2.
 
-        1.4826 median |e(k+1) - 2 e(k) + e(k-1)| / sqrt(6)
-
-    Slow parts of e cancel; between samples that are not neighbours they would not. NaN samples are left out. Of more
-    than MANY_DIFFERENCES the rms of the smaller KEPT replaces the median, which behind a sensor whose resolution is no
-    finer than its noise can only take a few values.
+    Slow parts of the residual cancel; between samples that are not neighbours they would not. NaN samples are left out.
+    Above MANY_DIFFERENCES differences the scale is "trimmed".
     """
-    second = residual[2:] - 2.0 * residual[1:-1] + residual[:-2]
-    second = second[np.isfinite(second)]
-    if len(second) <= MANY_DIFFERENCES:
-        return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0))
-    small = np.sort(np.abs(second))[: int(KEPT * len(second))]
-    return float(np.sqrt(np.mean(small * small) / (KEPT_POWER * 6.0)))
+    count = int(np.isfinite(np.diff(residual, 2)).sum())
+    return white_noise(residual, 2, "median" if count <= MANY_DIFFERENCES else "trimmed")

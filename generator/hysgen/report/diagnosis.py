@@ -60,14 +60,14 @@ def file_names(source: str) -> str:
 
 def key_figures(study: Study, report: Report | None, price: Cost | None) -> list[KeyFigure]:
     """Free-run errors, noise floor, price and equality of bits, for the top of the page."""
-    found = study.diagnosis
+    diagnosis = study.diagnosis
     figures = [
-        KeyFigure("free run, paper's model", f"{found.base_rms_um:.3g} µm", f"{_span(study, found.base_rms_um)}"),
+        KeyFigure("free run, paper's model", f"{diagnosis.base_rms_um:.3g} µm", _span(study, diagnosis.base_rms_um)),
     ]
     if study.improved:
-        extended = found.extended_rms_um
+        extended = diagnosis.extended_rms_um
         figures.append(KeyFigure("free run, extended", f"{extended:.3g} µm", _span(study, extended)))
-    figures.append(KeyFigure("noise floor", f"{found.noise.rms_um:.2g} µm", f"from {found.noise.source}"))
+    figures.append(KeyFigure("noise floor", f"{diagnosis.noise.rms_um:.2g} µm", f"from {diagnosis.noise.source}"))
     total = total_price(study)
     if total is not None:
         note = f"+{total.bytes} bytes" + (f"; {100 * price.share:.2g} % of a sample in all" if price else "")
@@ -104,8 +104,8 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
 
 
 def _causes(study: Study) -> PageSection:
-    found = study.diagnosis
-    ranked = sorted(found.causes, key=lambda cause: -cause.share)
+    diagnosis = study.diagnosis
+    ranked = sorted(diagnosis.causes, key=lambda cause: -cause.share)
     rows = [
         [
             cause.name,
@@ -116,12 +116,12 @@ def _causes(study: Study) -> PageSection:
         ]
         for cause in ranked
     ]
-    left_out = len(found.causes) > len(study.extended)
-    if found.unknown:
-        rows.append(["unknown", f"{100 * found.unexplained_fraction:.1f} %", "", found.unknown, ""])
+    left_out = len(diagnosis.causes) > len(study.extended)
+    if diagnosis.unknown:
+        rows.append(["unknown", f"{100 * diagnosis.unexplained_fraction:.1f} %", "", diagnosis.unknown, ""])
     tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
-    if found.refused:
-        refused = [[item.name, item.why] for item in found.refused]
+    if diagnosis.refused:
+        refused = [[item.name, item.why] for item in diagnosis.refused]
         tables.append(PageTable(["cause", "why not"], refused, "Examined and not named", left=2))
     return PageSection(
         "Causes and their evidence",
@@ -131,22 +131,22 @@ def _causes(study: Study) -> PageSection:
             *(["Not extended: its extension does not pay with the certificates kept."] if left_out else []),
             "A cause is named only if a signature of its own and the gain on data left out of the fit agree.",
             *([f"{CONFIDENCE[0].upper()}{CONFIDENCE[1:]}."] if rows else []),
-            *([f"Next experiment: {found.next_experiment}."] if found.next_experiment else []),
+            *([f"Next experiment: {diagnosis.next_experiment}."] if diagnosis.next_experiment else []),
         ],
     )
 
 
 def _ladder(drawn: dict[str, Picture], study: Study) -> PageSection:
-    found = study.diagnosis
+    diagnosis = study.diagnosis
     return PageSection(
         "What each extension gains, and its price",
         pictures=[drawn["ladder"]],
         tables=[PageTable(LADDER, study.ladder())],
         notes=[
-            f"Free run over the held-out part; noise floor from {found.noise.source}. Gain: fall of the rms, 95 % "
+            f"Free run over the held-out part; noise floor from {diagnosis.noise.source}. Gain: fall of the rms, 95 % "
             "interval by block bootstrap. Of the error: share of its power above the noise. Cycles: estimated, of the "
             "dearest of predict, simulate and inverse.",
-            f"Not explained: {100 * found.unexplained_fraction:.1f} % of the base error's power above the noise.",
+            f"Not explained: {100 * diagnosis.unexplained_fraction:.1f} % of the base error's power above the noise.",
         ],
     )
 

@@ -40,10 +40,10 @@ class ScoredModels:
 
     def rows(self) -> list[tuple[str, Score]]:
         """(label, score): every model in free run, every model one step ahead, persistence, the rivals."""
-        found = [(f"{name}, free run", s.free_run) for name, s in self.scores.items()]
-        found += [(f"{name}, one step", s.one_step) for name, s in self.scores.items()]
-        found.append(("persistence, one step", next(iter(self.scores.values())).persistence))
-        return found + [(f"{name}, free run", score) for name, score in self.rivals]
+        rows = [(f"{name}, free run", s.free_run) for name, s in self.scores.items()]
+        rows += [(f"{name}, one step", s.one_step) for name, s in self.scores.items()]
+        rows.append(("persistence, one step", next(iter(self.scores.values())).persistence))
+        return rows + [(f"{name}, free run", score) for name, score in self.rivals]
 
 
 def model_page(title: str, scored: ScoredModels, report: Report | None = None, price: Cost | None = None) -> Page:
@@ -95,22 +95,22 @@ def _pictures(scored: ScoredModels) -> list[Picture]:
     record, scores = scored.record, scored.scores
     runs = {name: free_run(model, record)[0].y_um for name, model in scored.models.items()}
     colours = dict(zip(scored.models, COLOURS, strict=False))
-    found: list[Picture] = []
+    pictures: list[Picture] = []
     for name, y_um in runs.items():
         alt = f"Displacement over voltage: {name} misses the loops by {scores[name].free_run.e_rms_um:.3g} µm rms."
         figure = loops(record, {name: y_um}, "", colours)
-        found.append(Picture(f"loops-{len(found)}", f"Measured loops, model: {name}", alt, figure))
+        pictures.append(Picture(f"loops-{len(pictures)}", f"Measured loops, model: {name}", alt, figure))
     errors = ", ".join(f"{name} at most {s.free_run.largest_um:.3g} µm" for name, s in scores.items())
     drawn = validation(record, runs, "", colours)
-    found.append(Picture("time", "Free run in time", f"Error of the free run: {errors}.", drawn))
+    pictures.append(Picture("time", "Free run in time", f"Error of the free run: {errors}.", drawn))
     curves = {name: s.horizon for name, s in scores.items()}
     levels = {"noise floor": scored.noise.rms_um}
     ends = ", ".join(f"{name} {c.rms_um[0]:.2g} to {c.rms_um[-1]:.2g} µm" for name, c in curves.items())
     alt = f"Error rms from one step to the longest horizon: {ends}."
-    found.append(
+    pictures.append(
         Picture("horizon", "Error against the horizon", alt, horizon(curves, levels, record.Ts_s, "", colours))
     )
-    return found
+    return pictures
 
 
 def _cycles(price: Cost) -> str:

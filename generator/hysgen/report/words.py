@@ -43,23 +43,24 @@ CONFIDENCE = (
 
 def diagnosis_text(study: Study) -> str:
     """A diagnosis for the terminal: verdict, ladder, evidence, error profiles, certificates, next experiment."""
-    found, record = study.diagnosis, study.record
+    diagnosis, record = study.diagnosis, study.record
     blocks = [
         f"{record.source}: {study.cut} rows to identify; scores are of the {record.samples - study.cut} held out",
         "\n".join(verdict(study)),
-        table(LADDER, study.ladder()) + f"\nnoise floor from {found.noise.source}"
+        table(LADDER, study.ladder()) + f"\nnoise floor from {diagnosis.noise.source}"
         "; gain: fall of the rms, block bootstrap; of the error: share of its power above the noise"
         + (f"\n{CONFIDENCE}" if study.extended else ""),
     ]
-    evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in found.causes]
-    evidence += [f"not named: {refused.name}: {refused.why}" for refused in found.refused]
+    evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in diagnosis.causes]
+    evidence += [f"not named: {refused.name}: {refused.why}" for refused in diagnosis.refused]
     if evidence:
         blocks.append("\n".join(evidence))
     header = ["error rms by", "paper's model", *(["extended"] if study.improved else [])]
     blocks.append(table(header, where_rows(study), left=3))
-    blocks.append("\n".join([f"model of {len(found.model.parameters)} parameters", *certify(found.model).lines()]))
-    if found.next_experiment:
-        blocks.append(f"next experiment: {found.next_experiment}")
+    model = diagnosis.model
+    blocks.append("\n".join([f"model of {len(model.parameters)} parameters", *certify(model).lines()]))
+    if diagnosis.next_experiment:
+        blocks.append(f"next experiment: {diagnosis.next_experiment}")
     return "\n\n".join(blocks)
 
 
@@ -79,27 +80,27 @@ def price_of(model: Model) -> Price | None:
         texts = generate(model, Options(inverse=certify(model).inverse_holds))
     except (BudgetError, CertificateError):
         return None
-    found = figures(model.name, texts)
-    cycles = per_sample(cycles_of(found.operations))
-    held = sum(found.struct_bytes.get(f"{model.name}_{struct}", 0) for struct in ("t", "learner_t"))
-    return Price(cycles.value, held + found.constant_bytes)
+    counted = figures(model.name, texts)
+    cycles = per_sample(cycles_of(counted.operations))
+    held = sum(counted.struct_bytes.get(f"{model.name}_{struct}", 0) for struct in ("t", "learner_t"))
+    return Price(cycles.value, held + counted.constant_bytes)
 
 
 def verdict(study: Study) -> list[str]:
     """The answer, one sentence per line: size of the error, shares of the causes, gain and price of extensions."""
-    found = study.diagnosis
+    diagnosis = study.diagnosis
     wrong = (
-        f"The simulation is wrong by {_percent(study.percent(found.base_rms_um))} of the stroke: "
-        f"{found.base_rms_um:.3g} um rms in free run, held out; the noise is {found.noise.rms_um:.2g} um."
+        f"The simulation is wrong by {_percent(study.percent(diagnosis.base_rms_um))} of the stroke: "
+        f"{diagnosis.base_rms_um:.3g} um rms in free run, held out; the noise is {diagnosis.noise.rms_um:.2g} um."
     )
-    if not found.causes:
-        if found.unknown:
-            return [wrong, f"Something stands behind it that none of the known causes explains: {found.unknown}."]
+    if not diagnosis.causes:
+        if diagnosis.unknown:
+            return [wrong, f"Something stands behind it that none of the known causes explains: {diagnosis.unknown}."]
         return [wrong, "No cause stands out: it is what the paper's model leaves of plain hysteresis, and noise."]
-    left_out = [cause.name for cause in found.causes if not cause.extended]
+    left_out = [cause.name for cause in diagnosis.causes if not cause.extended]
     also = f"{', '.join(left_out)}: seen in the record, but not extended, for that does not pay with certificates kept."
     if not study.extended:
-        return [wrong, f"Named: {also}", *_left(found.unknown)]
+        return [wrong, f"Named: {also}", *_left(diagnosis.unknown)]
     shares = [(cause.name, cause.share) for cause in study.extended if cause.share >= SMALLEST_SHARE]
     parts = [f"{name} is {100.0 * share:.0f} %" for name, share in sorted(shares, key=lambda item: -item[1])]
     small = [cause.name for cause in study.extended if abs(cause.share) < SMALLEST_SHARE]
@@ -110,13 +111,14 @@ def verdict(study: Study) -> list[str]:
     lines = [wrong, f"Of that error (of its power above the noise) {_listed(parts)}."]
     with_all = {1: "With it", 2: "With both"}.get(len(study.extended), "With all of them")
     gained = (
-        f"{with_all} in the model: {_percent(study.percent(found.extended_rms_um))}, {found.extended_rms_um:.3g} um, "
-        f"{found.base_rms_um / max(found.extended_rms_um, 1e-300):.3g} times less"
+        f"{with_all} in the model: {_percent(study.percent(diagnosis.extended_rms_um))}, "
+        f"{diagnosis.extended_rms_um:.3g} um, "
+        f"{diagnosis.base_rms_um / max(diagnosis.extended_rms_um, 1e-300):.3g} times less"
     )
     total = total_price(study)
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
-    return [*lines, *([f"Also named: {also}"] if left_out else []), *_left(found.unknown)]
+    return [*lines, *([f"Also named: {also}"] if left_out else []), *_left(diagnosis.unknown)]
 
 
 def _left(unknown: str | None) -> list[str]:

@@ -6,49 +6,50 @@ It shares no equation and no constant with the models that are fitted to its rec
 
 from hysgen.stage.description import Stage
 from hysgen.stage.effects import Effect, StageError, effects
-from hysgen.stage.effects.aging import Aging
-from hysgen.stage.effects.bandwidth import Bandwidth
-from hysgen.stage.effects.coupling import Coupling
-from hysgen.stage.effects.creep import Creep
-from hysgen.stage.effects.delay import Delay
-from hysgen.stage.effects.drift import Drift
+from hysgen.stage.effects.aging import AgingEffect
+from hysgen.stage.effects.bandwidth import BandwidthEffect
+from hysgen.stage.effects.coupling import CouplingEffect
+from hysgen.stage.effects.creep import CreepEffect
+from hysgen.stage.effects.delay import DelayEffect
+from hysgen.stage.effects.drift import DriftEffect
 from hysgen.stage.effects.memory import BoucWen, Curve, Density, Hysteresis, Preisach, Relays
-from hysgen.stage.effects.noise import Noise
-from hysgen.stage.effects.outliers import Outliers
-from hysgen.stage.effects.periodic import Periodic
-from hysgen.stage.effects.resonance import Resonance
-from hysgen.stage.effects.saturation import Saturation
-from hysgen.stage.effects.slew import Slew
-from hysgen.stage.effects.stick_slip import StickSlip
-from hysgen.stage.measure import Measurement, Truth, run, static_loop, without
+from hysgen.stage.effects.noise import NoiseEffect
+from hysgen.stage.effects.outliers import OutliersEffect
+from hysgen.stage.effects.periodic import PeriodicEffect
+from hysgen.stage.effects.resonance import ResonanceEffect
+from hysgen.stage.effects.saturation import SaturationEffect
+from hysgen.stage.effects.slew import SlewEffect
+from hysgen.stage.effects.stick_slip import StickSlipEffect
+from hysgen.stage.measure import Measurement, Truth, effect_shares, run, static_loop, without
 from hysgen.stage.state import StageState, static_path
 
 __all__ = [
-    "Aging",
-    "Bandwidth",
+    "AgingEffect",
+    "BandwidthEffect",
     "BoucWen",
-    "Coupling",
-    "Creep",
+    "CouplingEffect",
+    "CreepEffect",
     "Curve",
-    "Delay",
+    "DelayEffect",
     "Density",
-    "Drift",
+    "DriftEffect",
     "Effect",
     "Hysteresis",
     "Measurement",
-    "Noise",
-    "Outliers",
-    "Periodic",
+    "NoiseEffect",
+    "OutliersEffect",
+    "PeriodicEffect",
     "Preisach",
     "Relays",
-    "Resonance",
-    "Saturation",
-    "Slew",
+    "ResonanceEffect",
+    "SaturationEffect",
+    "SlewEffect",
     "Stage",
     "StageError",
     "StageState",
-    "StickSlip",
+    "StickSlipEffect",
     "Truth",
+    "effect_shares",
     "effects",
     "run",
     "static_loop",

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from hysgen.stage.effects import Effect, StageError, effects, require
 from hysgen.stage.effects.memory import Hysteresis, Preisach
-from hysgen.stage.effects.noise import Noise
+from hysgen.stage.effects.noise import NoiseEffect
 
 E = TypeVar("E", bound=Effect)
 
@@ -38,7 +38,7 @@ class Stage:
     history_V: tuple[float, ...] = (-20.0, 120.0, 0.0)
     zero_V: float = 0.0
     memory: Hysteresis | None = field(default_factory=Preisach)
-    noise: Noise | None = field(default_factory=Noise)
+    noise: NoiseEffect | None = field(default_factory=NoiseEffect)
     others: tuple[Effect, ...] = ()
 
     def __post_init__(self) -> None:
@@ -84,7 +84,7 @@ class Stage:
         others = self.others
         for name, value in values.items():
             given = _given(name, value)
-            if name in (Hysteresis.name, Noise.name):
+            if name in (Hysteresis.name, NoiseEffect.name):
                 parts[name] = given[0] if given else None
             else:
                 others = (*(effect for effect in others if effect.name != name), *given)

@@ -1,4 +1,5 @@
 /* Hysteresis as a path functional: Preisach by its Everett function, Preisach by relays, Bouc-Wen, a plain curve.
+ * Further kinds: preisach_mesh.c, jiles_atherton.c, thermal.c.
  *
  * Preisach, relay density a(alpha) b(beta) on alpha >= beta:
  *     Everett:  E(M, m) = integral over m <= beta <= alpha <= M of a(alpha) b(beta)
@@ -25,6 +26,8 @@ static double curve_value(const hysteresis_t *self, double u_V)
 /* G, H and K at u by cubic Hermite interpolation: their derivatives are known exactly at the nodes. */
 static void everett_functions(const hysteresis_t *self, double u_V, double *point)
 {
+    point[TURN_U] = u_V;
+    if (self->kind == KIND_MESH) return;
     double place = (u_V - self->grid_low_V) / self->grid_step_V;
     double whole = floor(place);
     if (whole < 0.0) whole = 0.0;
@@ -37,7 +40,6 @@ static void everett_functions(const hysteresis_t *self, double u_V, double *poin
     const double from_right = t * t * (3.0 - 2.0 * t);
     const double bend_left = t * r * r * self->grid_step_V;
     const double bend_right = -t * t * r * self->grid_step_V;
-    point[TURN_U] = u_V;
     point[TURN_G] = from_left * left[COL_G] + from_right * right[COL_G]
                   + bend_left * left[COL_G + 1] + bend_right * right[COL_G + 1];
     point[TURN_H] = from_left * left[COL_H] + from_right * right[COL_H]
@@ -46,8 +48,9 @@ static void everett_functions(const hysteresis_t *self, double u_V, double *poin
                   + bend_left * left[COL_K + 1] + bend_right * right[COL_K + 1];
 }
 
-static double everett_piece(const double *high, const double *low)
+static double everett_piece(const hysteresis_t *self, const double *high, const double *low)
 {
+    if (self->kind == KIND_MESH) return mesh_everett(self, high[TURN_U], low[TURN_U]);
     return high[TURN_G] * (high[TURN_H] - low[TURN_H]) - (high[TURN_K] - low[TURN_K]);
 }
 
@@ -55,7 +58,7 @@ static double everett_sum(const hysteresis_t *self, const double *here)
 {
     const double *turn = self->turns + TURN_COLUMNS * (self->depth - 1);
     const int rising = self->depth % 2 == 1;
-    return turn[TURN_SUM] + (rising ? everett_piece(here, turn) : -everett_piece(turn, here));
+    return turn[TURN_SUM] + (rising ? everett_piece(self, here, turn) : -everett_piece(self, turn, here));
 }
 
 static double everett_move(hysteresis_t *self, double u_V)
@@ -135,15 +138,25 @@ static double bouc_wen_move(hysteresis_t *self, double u_V)
 
 double hysteresis_move(hysteresis_t *self, double u_V)
 {
-    if (u_V == self->u_V) return self->w_um;
+    if (u_V == self->u_V && self->kind != KIND_THERMAL) return self->w_um;
     double w_um;
     switch (self->kind) {
-    case KIND_EVERETT: w_um = everett_move(self, u_V); break;
+    case KIND_EVERETT:
+    case KIND_MESH: w_um = everett_move(self, u_V); break;
     case KIND_RELAYS: w_um = relays_move(self, u_V); break;
     case KIND_BOUC_WEN: w_um = bouc_wen_move(self, u_V); break;
+    case KIND_JILES_ATHERTON: w_um = jiles_atherton_move(self, u_V); break;
+    case KIND_THERMAL: w_um = thermal_hold(self, u_V, self->dwell_s); break;
     default: w_um = curve_value(self, u_V) + self->slope_um_per_V * u_V; self->u_V = u_V; break;
     }
     return self->w_um = w_um - self->offset_um;
+}
+
+/* u held for h_s from now on: hysteresis_move where time has no part. */
+double hysteresis_hold(hysteresis_t *self, double u_V, double h_s)
+{
+    if (self->kind != KIND_THERMAL) return hysteresis_move(self, u_V);
+    return self->w_um = thermal_hold(self, u_V, h_s) - self->offset_um;
 }
 
 /* Every relay off, no history: the state below the lowest voltage of the table. */
@@ -151,12 +164,13 @@ void hysteresis_clear(hysteresis_t *self)
 {
     self->failed = 0;
     self->u_V = self->grid_low_V;
-    self->z_um = 0.0;
+    self->z_um = self->magnetisation = self->pinned = 0.0;
     self->below_up = self->below_down = 0;
     for (int i = 0; i < self->relays; i++) self->on[i] = 0;
+    for (int i = 0; i < self->hysterons; i++) self->up[i] = 0.0;
     self->w_um = self->slope_um_per_V * self->u_V - self->offset_um;
     if (self->kind == KIND_CURVE) self->w_um += curve_value(self, self->u_V);
-    if (self->kind == KIND_EVERETT) {
+    if (self->kind == KIND_EVERETT || self->kind == KIND_MESH) {
         self->depth = 1;
         everett_functions(self, self->u_V, self->turns);
         self->turns[TURN_SUM] = 0.0;

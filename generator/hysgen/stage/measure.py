@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,6 @@ class Truth:
 
     true_um: displacement without sensor noise, outliers and quantisation. actuator_V: voltage across the ceramic.
     drift_um: movement independent of the input. outlier: whether a reading is corrupted.
-    shares_um: if asked for, by effect: rms of the difference of the readings with and without it, less its mean.
     """
 
     stage: Stage
@@ -31,7 +30,6 @@ class Truth:
     actuator_V: Floats
     drift_um: Floats
     outlier: NDArray[np.bool_]
-    shares_um: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,6 @@ def run(
     seed: int = 0,
     aux: Mapping[str, Floats] | None = None,
     rest_V: float | None = None,
-    shares: bool = False,
 ) -> Measurement:
     """Drive the stage with u_V (n,) at sampling period Ts_s and log what its A/D reads.
 
@@ -69,9 +66,30 @@ def run(
         require(bool(np.isfinite(values).all()), f"aux {name}: holds values that are not finite; give real ones")
     start_V = float(command_V[0]) if rest_V is None else rest_V
     trace = _drive(stage, command_V, Ts_s, seed, channels, start_V)
-    apart = _shares(stage, command_V, Ts_s, seed, channels, start_V) if shares else {}
-    truth = Truth(stage, seed, trace.true_um, trace.actuator_V, trace.drift_um, trace.outlier, apart)
+    truth = Truth(stage, seed, trace.true_um, trace.actuator_V, trace.drift_um, trace.outlier)
     return Measurement(np.arange(len(command_V), dtype=np.float64) * Ts_s, command_V, trace.reading_um, channels, truth)
+
+
+def effect_shares(measurement: Measurement) -> dict[str, float]:
+    """Rms in um of the change of the noise-free readings without each active effect, less the change's mean.
+
+    A constant change belongs to the sensor's zero and is no error. The stage starts at rest at the first voltage; at
+    least two samples are needed.
+    """
+    stage = measurement.truth.stage
+    quiet = stage.quiet()
+    Ts_s = float(measurement.time_s[1])
+    u_V, seed, aux = measurement.voltage_V, measurement.truth.seed, measurement.aux
+    rest_V = float(u_V[0])
+    whole = _drive(quiet, u_V, Ts_s, seed, aux, rest_V)
+    low_V, high_V = float(whole.actuator_V.min()), float(whole.actuator_V.max())
+    rms: dict[str, float] = {}
+    for effect in stage.active:
+        if effect == Hysteresis.name and not low_V < high_V:
+            continue
+        part = _drive(without(quiet, effect, low_V, high_V), u_V, Ts_s, seed, aux, rest_V)
+        rms[effect] = float(np.std(whole.reading_um - part.reading_um))
+    return rms
 
 
 def static_loop(stage: Stage, low_V: float, high_V: float, points: int = 401) -> tuple[Floats, Floats, Floats]:
@@ -99,22 +117,3 @@ def _drive(
     require(not missing, f"aux: the stage couples to {', '.join(missing)}, which is not given; pass it in aux")
     others = np.stack([channels[name] for name in names], axis=1) if names else np.zeros((len(u_V), 0))
     return StageState(stage, Ts_s, seed, rest_V, tuple(others[0])).advance(u_V, others)
-
-
-def _shares(
-    stage: Stage, u_V: Floats, Ts_s: float, seed: int, channels: Mapping[str, Floats], rest_V: float
-) -> dict[str, float]:
-    """Rms in um of the change of the noise-free readings without each active effect, less the change's mean.
-
-    A constant change belongs to the sensor's zero and is no error.
-    """
-    quiet = stage.quiet()
-    whole = _drive(quiet, u_V, Ts_s, seed, channels, rest_V)
-    low_V, high_V = float(whole.actuator_V.min()), float(whole.actuator_V.max())
-    rms: dict[str, float] = {}
-    for effect in stage.active:
-        if effect == Hysteresis.name and not low_V < high_V:
-            continue
-        part = _drive(without(quiet, effect, low_V, high_V), u_V, Ts_s, seed, channels, rest_V)
-        rms[effect] = float(np.std(whole.reading_um - part.reading_um))
-    return rms

@@ -186,7 +186,7 @@ double plant_step(plant_t *self, double u_V)
     double t_s = (double)self->k * self->Ts_s;
     double ramp_V = limiter ? self->ramp_V : target_V;
     double volts = self->amplifier.n ? linear_output(&self->amplifier, ramp_V) : ramp_V;
-    double w_um = hysteresis_move(&self->hysteresis, volts) * aged(self, t_s);
+    double w_um = hysteresis_hold(&self->hysteresis, volts, 0.0) * aged(self, t_s);
     double force_um = slipped(self, w_um + self->crept_um + other_um);
     double tapped_um = 0.0;
 
@@ -195,7 +195,7 @@ double plant_step(plant_t *self, double u_V)
         const double next_V = limiter ? ramp_V + limited(target_V - ramp_V, -way_V, way_V) : target_V;
         volts = self->amplifier.n ? linear_step(&self->amplifier, i, ramp_V, next_V) : next_V;
         t_s += self->h_s[i];
-        const double next_w_um = hysteresis_move(&self->hysteresis, volts) * aged(self, t_s);
+        const double next_w_um = hysteresis_hold(&self->hysteresis, volts, self->h_s[i]) * aged(self, t_s);
         const double crept_um = self->creeps ? creep_step(self, i, w_um, next_w_um) : 0.0;
         const double next_um = slipped(self, next_w_um + crept_um + other_um);
         const double moved_um = linear_step(&self->mechanics, i, force_um, next_um);

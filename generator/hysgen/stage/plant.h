@@ -12,6 +12,9 @@
 #define KIND_EVERETT 1
 #define KIND_RELAYS 2
 #define KIND_BOUC_WEN 3
+#define KIND_MESH 4
+#define KIND_JILES_ATHERTON 5
+#define KIND_THERMAL 6
 
 #define TABLE_COLUMNS 6
 #define TURN_COLUMNS 5
@@ -20,7 +23,7 @@
 #define MOST_LINES 16
 #define FLICKER_STATES 8
 
-/* Rate-independent hysteresis: displacement w [um] from the path of the voltage u [V]. */
+/* Hysteresis: displacement w [um] from the path of the voltage u [V]; only KIND_THERMAL depends on the rate. */
 typedef struct {
     int kind;
     int failed;               /* 1: more nested turning points than `capacity` */
@@ -45,6 +48,18 @@ typedef struct {
 
     /* Bouc-Wen: dz/du = a - beta s |z|^(n-1) z - gamma |z|^n,  s = sign(du),  w = slope u - z */
     double bw_a, bw_beta, bw_gamma, bw_n, z_um;
+
+    /* mesh: C at the nodes, (grid_n, grid_n), and D at the nodes, (grid_n,); see preisach_mesh.c */
+    const double *corner, *diagonal;
+
+    /* Jiles-Atherton: field u - ja_centre_V; magnetisation of full scale ja_height_um, and its irreversible part */
+    double ja_centre_V, ja_shape_V, ja_coupling_V, ja_pinning_V, ja_reversible, ja_height_um, magnetisation, pinned;
+
+    /* thermally activated hysterons: (hysterons,) each; `up`: share of each that is switched on */
+    int hysterons;
+    const double *bias_V, *per_coercive_V, *barrier, *part_um;
+    double *up;
+    double attempt_per_s, dwell_s;    /* dwell: how long each voltage of a path without time is held */
 } hysteresis_t;
 
 /* x' = A x + B v, y = c x + d v; exact over each substep for v that changes linearly over it. */
@@ -107,7 +122,12 @@ typedef struct {
     int outlier;
 } plant_t;
 
+double mesh_everett(const hysteresis_t *self, double high_V, double low_V);
+double jiles_atherton_move(hysteresis_t *self, double u_V);
+double thermal_hold(hysteresis_t *self, double u_V, double h_s);
+
 double hysteresis_move(hysteresis_t *self, double u_V);
+double hysteresis_hold(hysteresis_t *self, double u_V, double h_s);
 void hysteresis_clear(hysteresis_t *self);
 void hysteresis_path(hysteresis_t *self, long n, const double *u_V, double *w_um);
 

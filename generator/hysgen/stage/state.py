@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from hysgen.machine import native
 from hysgen.stage.description import Stage
 from hysgen.stage.effects import Action, Period, StageError, effects, require
-from hysgen.stage.effects.memory import GRID_LOW_V, GRID_STEP_V, KIND_EVERETT, straight
+from hysgen.stage.effects.memory import GRID_LOW_V, GRID_STEP_V, KIND_EVERETT, KIND_MESH, straight
 from hysgen.stage.linear import Linear
 from hysgen.stage.mesh import Mesh, mesh
 
 Floats = NDArray[np.float64]
 
-SOURCES = ("plant.h", "hysteresis.c", "plant.c")
+SOURCES = ("plant.h", "hysteresis.c", "preisach_mesh.c", "jiles_atherton.c", "thermal.c", "plant.c")
 TURNS = 65536  # capacity for nested turning points
 OUT_OF_MEMORY = f"voltage: more than {TURNS} nested turning points; shorten the record or stop its amplitude's decay"
 
@@ -210,7 +210,7 @@ def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, kept: li
     for name, array in form.arrays.items():
         setattr(place, name, _kept_pointer(library, kept, array))
     place.capacity = TURNS
-    if form.kind == KIND_EVERETT:
+    if form.kind in (KIND_EVERETT, KIND_MESH):
         place.turns = _kept_pointer(library, kept, np.empty((TURNS, 5)))
     lib, here = library.lib, library.ffi.addressof(place)
     lib.hysteresis_clear(here)

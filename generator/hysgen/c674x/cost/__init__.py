@@ -131,17 +131,17 @@ def cost_of_texts(
     clock_Hz: float = CLOCK_HZ,
 ) -> Cost:
     """`cost` for generated texts in memory."""
-    found = figures(model.name, texts)
-    known = cycles_of(found.operations, cycles)
+    counted = figures(model.name, texts)
+    known = cycles_of(counted.operations, cycles)
     toolchain = default_toolchain() if timed else None
     host_ns = _nanoseconds(Host(model.name, texts, toolchain), model) if timed else {}
     return Cost(
         model=model.name,
         functions=[
-            FunctionCost(name, counts, known[name], host_ns.get(name)) for name, counts in found.operations.items()
+            FunctionCost(name, counts, known[name], host_ns.get(name)) for name, counts in counted.operations.items()
         ],
-        struct_bytes=found.struct_bytes,
-        constant_bytes=found.constant_bytes,
+        struct_bytes=counted.struct_bytes,
+        constant_bytes=counted.constant_bytes,
         per_sample=per_sample(known),
         budget=budget(model.Ts_s, clock_Hz),
         clock_Hz=clock_Hz,
@@ -152,7 +152,7 @@ def cost_of_texts(
 
 def _nanoseconds(host: Host, model: Model) -> Mapping[str, float]:
     """Time per sample of each step function, in ns: the median of REPEATS runs over smooth inputs."""
-    found = {}
+    nanoseconds = {}
     for compared in COMPARED_STRUCTS:
         for function in compared.functions:
             if function not in host.entries or function == "init":
@@ -164,8 +164,8 @@ def _nanoseconds(host: Host, model: Model) -> Mapping[str, float]:
                 started = time.perf_counter_ns()
                 host.run(function, struct, columns)
                 times.append((time.perf_counter_ns() - started) / SAMPLES)
-            found[function] = float(np.median(times))
-    return found
+            nanoseconds[function] = float(np.median(times))
+    return nanoseconds
 
 
 def _row(f: FunctionCost) -> list[str]:

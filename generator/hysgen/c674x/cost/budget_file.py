@@ -24,7 +24,7 @@ Figures = Mapping[str, Mapping[str, int]]
 
 
 @dataclass(frozen=True)
-class Change:
+class FigureChange:
     """A figure that differs from the budget by more than TOLERANCE; None: the figure is missing on that side."""
 
     model: str
@@ -54,8 +54,8 @@ def read(path: Path, model: str) -> Figures:
     models = _models(path)
     if model not in models:
         raise HysgenError(f"{path}: no budget for {model}; write it with --update-budget")
-    found: Figures = models[model]
-    return found
+    budget: Figures = models[model]
+    return budget
 
 
 def update(path: Path, model: str, figures: Figures, compiler: str) -> None:
@@ -66,15 +66,15 @@ def update(path: Path, model: str, figures: Figures, compiler: str) -> None:
     write_whole(path, json.dumps(content, indent=2) + "\n")
 
 
-def changes(model: str, budget: Figures, found: Figures) -> list[Change]:
-    """Figures that differ from the budget by more than TOLERANCE, in the order of `found`."""
+def changes(model: str, budget: Figures, measured: Figures) -> list[FigureChange]:
+    """Figures that differ from the budget by more than TOLERANCE, in the order of `measured`."""
     different = []
-    for function in [*found, *(name for name in budget if name not in found)]:
-        old, new = budget.get(function, {}), found.get(function, {})
+    for function in [*measured, *(name for name in budget if name not in measured)]:
+        old, new = budget.get(function, {}), measured.get(function, {})
         for figure in [*new, *(name for name in old if name not in new)]:
             was, now = old.get(figure), new.get(figure)
             if was is None or now is None or abs(now - was) > TOLERANCE * was:
-                different.append(Change(model, function, figure, was, now))
+                different.append(FigureChange(model, function, figure, was, now))
     return different
 
 

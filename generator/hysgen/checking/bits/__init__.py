@@ -74,7 +74,7 @@ def verify_texts(
     started = time.monotonic()
     chosen = settings or VerifySettings()
     seed = chosen.seed
-    found, skipped = toolchains(chosen.compilers, chosen.levels)
+    installed, skipped = toolchains(chosen.compilers, chosen.levels)
     drawn = [perturbed_model(model, seed), low_gain_model(), complete_model(seed)]
     drawn += [random_model(seed + k) for k in range(chosen.other_models)]
     others = drawn[: chosen.other_models]
@@ -85,7 +85,7 @@ def verify_texts(
     for current, current_texts, share in todo:
         if progress is not None:
             progress(done / total, f"compiling {current.name}")
-        builds, unavailable = compiled(current.name, current_texts, found)
+        builds, unavailable = compiled(current.name, current_texts, installed)
         skipped += [reason for reason in unavailable if reason not in skipped]
 
         def advance(compared: int, name: str = current.name) -> None:
@@ -98,7 +98,7 @@ def verify_texts(
             runs.append(run)
             mismatches.extend(wrong)
     seconds = time.monotonic() - started
-    labels = (*versions(found), "with and without flush to zero" if not any("flush" in s for s in skipped) else "")
+    labels = (*versions(installed), "with and without flush to zero" if not any("flush" in s for s in skipped) else "")
     return Report(
         model.name, tuple(filter(None, labels)), tuple(skipped), altered, tuple(runs), tuple(mismatches), seconds
     )

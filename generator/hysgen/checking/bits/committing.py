@@ -56,13 +56,13 @@ def compare_commit(model: Model, builds: Sequence[Build], seed: int) -> tuple[Co
     committer = committer_of(model)
     shadows = _shadows(committer, seed)
     paths, expected = _reference_trace(committer, shadows)
-    found: list[Mismatch] = []
+    mismatches: list[Mismatch] = []
     for build in builds:
         got = _compiled_trace(build, shadows, paths)
         wrong = np.argwhere(got != expected)
         if wrong.size:
             call, lane, word = wrong[0]
-            found.append(
+            mismatches.append(
                 Mismatch(
                     model=model.name,
                     function=COMMIT,
@@ -75,7 +75,7 @@ def compare_commit(model: Model, builds: Sequence[Build], seed: int) -> tuple[Co
                     inputs=(),
                 )
             )
-    return ComparedRun(model.name, COMMIT, "shadows", shadows.calls * SHADOWS, len(builds)), found
+    return ComparedRun(model.name, COMMIT, "shadows", shadows.calls * SHADOWS, len(builds)), mismatches
 
 
 def committer_of(model: Model, lanes: int = SHADOWS) -> Committer:

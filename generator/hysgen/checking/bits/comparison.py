@@ -94,12 +94,12 @@ def compare(
 
 def compare_selftest(model: Model, builds: Sequence[Build]) -> tuple[ComparedRun, list[Mismatch]]:
     """The generated self-test, once per build; it returns the number of its mismatches."""
-    found = []
+    mismatches = []
     for build in builds:
         result = int(build.host.call("selftest"))
         if result != 0:
-            found.append(Mismatch(model.name, "selftest", "fixed", str(build), 0, "result", result, 0, ()))
-    return ComparedRun(model.name, "selftest", "fixed", 1, len(builds)), found
+            mismatches.append(Mismatch(model.name, "selftest", "fixed", str(build), 0, "result", result, 0, ()))
+    return ComparedRun(model.name, "selftest", "fixed", 1, len(builds)), mismatches
 
 
 def compare_task(
@@ -108,7 +108,7 @@ def compare_task(
     """One chain of `samples` in every build. A build that differs is reported once and then left out."""
     lanes = task.compared.reference(model)
     chains = [_chain(build, task, lanes) for build in builds]
-    found: list[Mismatch] = []
+    mismatches: list[Mismatch] = []
     done = 0
     arguments = len(task.compared.functions[task.function])
     quantities = task.compared.quantities(task.function, builds[0].host)
@@ -123,13 +123,13 @@ def compare_task(
             if difference is None:
                 proved = trace
             else:
-                found.append(_mismatch(model, task, chain.build, difference, columns, done))
+                mismatches.append(_mismatch(model, task, chain.build, difference, columns, done))
                 chains.remove(chain)
         done += columns[0].size
         progress(columns[0].size)
         if not chains:
             break
-    return ComparedRun(model.name, task.function, task.style, samples, len(builds)), found
+    return ComparedRun(model.name, task.function, task.style, samples, len(builds)), mismatches
 
 
 def _chain(build: Build, task: Task, lanes: Lanes) -> SampleChain:

@@ -59,16 +59,16 @@ def first_difference(lanes: Lanes, function: str, trace: CallTrace) -> Differenc
             lanes.aux([column.view(np.float32) for column in trace.aux])  # type: ignore[attr-defined]
         result = getattr(lanes, function)(*(column.view(np.float32) for column in trace.inputs))
     expected = np.zeros_like(trace.results) if result is None else result.view(np.uint32)
-    found = _earlier(None, None, trace.results, expected)
+    difference = _earlier(None, None, trace.results, expected)
     for place, word in enumerate(lanes.words().values()):
-        found = _earlier(found, place, trace.after[:, place], word)
-    return found
+        difference = _earlier(difference, place, trace.after[:, place], word)
+    return difference
 
 
-def _earlier(found: Difference | None, place: int | None, got: Words, expected: Words) -> Difference | None:
-    """`found`, or the first difference of this word if it comes at an earlier sample."""
+def _earlier(difference: Difference | None, place: int | None, got: Words, expected: Words) -> Difference | None:
+    """`difference`, or the first difference of this word if it comes at an earlier sample."""
     wrong = np.flatnonzero(got != expected)
-    if not wrong.size or (found is not None and found.sample <= wrong[0]):
-        return found
+    if not wrong.size or (difference is not None and difference.sample <= wrong[0]):
+        return difference
     sample = int(wrong[0])
     return Difference(sample, place, int(got[sample]), int(expected[sample]))

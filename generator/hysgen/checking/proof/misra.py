@@ -122,12 +122,12 @@ class Misra:
         """Plain JSON values."""
         reasons = {deviation.rule: dataclasses.asdict(deviation) for deviation in DEVIATIONS}
         told = [reasons[rule] | {"findings": count} for rule, count in sorted(self.deviating.items())]
-        found = [dataclasses.asdict(finding) for finding in self.findings]
+        findings = [dataclasses.asdict(finding) for finding in self.findings]
         return {
             "model": self.model,
             "tool": self.tool,
             "required": self.required,
-            "findings": found,
+            "findings": findings,
             "deviations": told,
         }
 
@@ -148,18 +148,18 @@ def misra(name: str, texts: Mapping[str, str], *, progress: Callable[[float, str
     """Check every C file of model `name`. Raises BuildError if cppcheck or its add-on is not installed, or fails."""
     addon = _addon()
     sources = sorted(file for file in texts if file.endswith(".c"))
-    found: list[Finding] = []
+    findings: list[Finding] = []
     with folder_of(texts) as scratch:
         for place, source in enumerate(sources):
             if progress is not None:
                 progress(place / len(sources), f"MISRA rules in {source}")
             _run(["cppcheck", "--dump", *CONFIGURATION, "--quiet", source], scratch)
             output = _run([sys.executable, str(addon), "--no-summary", f"{source}.dump"], scratch)
-            found += _findings(output)
+            findings += _findings(output)
     listed = {deviation.rule for deviation in DEVIATIONS}
     version = _run(["cppcheck", "--version"], Path()).strip()
     # A header is read with each source that includes it; what it holds is told once.
-    unique = list(dict.fromkeys(found))
+    unique = list(dict.fromkeys(findings))
     rest = tuple(finding for finding in unique if finding.rule not in listed)
     return Misra(name, version, rest, dict(Counter(finding.rule for finding in unique if finding.rule in listed)))
 

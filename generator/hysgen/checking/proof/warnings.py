@@ -93,14 +93,14 @@ def wall(
         raise BuildError(f"none of {', '.join(compilers)} is installed; install one to check warnings with")
     skipped = tuple(f"{compiler}: not installed" for compiler in compilers if compiler not in installed)
     sources = sorted(file for file in texts if file.endswith(".c"))
-    found = []
+    runs = []
     with folder_of(texts) as scratch:
         for place, compiler in enumerate(installed):
             if progress is not None:
                 progress(place / len(installed), f"warnings of {compiler}")
-            found += [_compile(compiler, file, scratch) for file in sources]
+            runs += [_compile(compiler, file, scratch) for file in sources]
     flags = dict.fromkeys(flag for compiler in installed for flag in wall_flags(compiler))
-    return Wall(name, tuple(flags), tuple(map(compiler_version, installed)), skipped, tuple(found))
+    return Wall(name, tuple(flags), tuple(map(compiler_version, installed)), skipped, tuple(runs))
 
 
 def _compile(compiler: str, file: str, folder: Path) -> Walled:

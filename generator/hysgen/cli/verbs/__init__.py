@@ -44,5 +44,5 @@ class Verb:
 
 def verb(name: str) -> Verb:
     """The verb of this name; imports its module."""
-    found: Verb = importlib.import_module(f"{__name__}.{MODULES[name]}").VERBS[name]
-    return found
+    chosen: Verb = importlib.import_module(f"{__name__}.{MODULES[name]}").VERBS[name]
+    return chosen

@@ -50,36 +50,36 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
             settings = dataclasses.replace(settings, identify=(stop - start) / (record.samples - start))
             stop = record.samples
         record = record.rows(start, stop)
-    found = diagnose_and_evaluate(record, holdout, settings, console.progress)
-    console.say(diagnosis_text(found) + "\n")
+    study = diagnose_and_evaluate(record, holdout, settings, console.progress)
+    console.say(diagnosis_text(study) + "\n")
     if arguments.output:
-        save_model(scored(found), Path(arguments.output))
+        save_model(scored(study), Path(arguments.output))
         console.say(f"written: {arguments.output}")
     if arguments.plots:
-        for path in write_pictures(found, Path(arguments.plots)):
+        for path in write_pictures(study, Path(arguments.plots)):
             console.say(f"written: {path}")
     if arguments.report:
         from hysgen.report.diagnosis import diagnosis_page
 
-        write_whole(Path(arguments.report), diagnosis_page(found).html())
+        write_whole(Path(arguments.report), diagnosis_page(study).html())
         console.say(f"written: {arguments.report}")
-    return console.finish(found.to_json())
+    return console.finish(study.to_json())
 
 
-def scored(found: Study) -> Model:
+def scored(study: Study) -> Model:
     """The extended model with its scores on the identification rows; `hysgen refit` compares its own with them."""
-    model = found.diagnosis.model
+    model = study.diagnosis.model
     return dataclasses.replace(
-        model, scores={"identification": score(model, found.record.rows(0, found.cut)).to_json()}
+        model, scores={"identification": score(model, study.record.rows(0, study.cut)).to_json()}
     )
 
 
-def write_pictures(found: Study, folder: Path) -> list[Path]:
+def write_pictures(study: Study, folder: Path) -> list[Path]:
     """Write every picture of the diagnosis as PNG. Returns their paths."""
     from hysgen.report.plots import style
     from hysgen.report.plots.diagnosis import pictures
 
-    return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in pictures(found)]
+    return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in pictures(study)]
 
 
 VERBS = {

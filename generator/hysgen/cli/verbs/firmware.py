@@ -60,14 +60,14 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
     cycles = static_bounds(model.name, compiled)
     rows = [[name, f"{c[0]} .. {c[1]}" if c else "not bounded"] for name, c in cycles.items()]
     console.say("\n" + table(["static bounds, stall-free", "cycles"], rows))
-    found: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles, "simulated": None}
+    result: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles, "simulated": None}
     try:
         run = simulate(model, texts, compiled, arguments.samples)
         console.say(cycles_table(run))
-        found["simulated"] = run.to_json()
+        result["simulated"] = run.to_json()
     except TargetError as refusal:
         console.warn(f"cycles are missing: {refusal}")
-    return console.finish(found)
+    return console.finish(result)
 
 
 def sections_table(built: LinkedImage) -> str:

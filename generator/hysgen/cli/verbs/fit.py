@@ -192,19 +192,19 @@ def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
     """Diagnose the new record and list the causes that the old model has no part for. Returns the diagnosis as JSON."""
     settings = DiagnoseSettings(fit=FitSettings(name=old.name, rules=old.grid.rules), price=price_of)
     try:
-        found = diagnose_and_evaluate(record, settings=settings, progress=console.progress)
+        study = diagnose_and_evaluate(record, settings=settings, progress=console.progress)
     except HysgenError as fault:
         console.say(f"diagnosis: {fault}")
         return {"error": str(fault)}
     present = {*(term.kind for term in old.terms), *(block.kind for block in old.blocks)}
-    lacking = [name for name in found.diagnosis.names if name not in present]
-    console.say("\ndiagnosis of the new record\n" + "\n".join(verdict(found)))
+    lacking = [name for name in study.diagnosis.names if name not in present]
+    console.say("\ndiagnosis of the new record\n" + "\n".join(verdict(study)))
     console.say(
         f"the model does not have: {', '.join(lacking)}; hysgen diagnose -o writes a model that has"
         if lacking
         else "the model has a part for each of these causes, but with other shapes; hysgen diagnose -o finds them again"
     )
-    return found.diagnosis.to_json() | {"lacking": lacking}
+    return study.diagnosis.to_json() | {"lacking": lacking}
 
 
 def as_before(model: Model, folder: Path) -> tuple[Model, Options]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hysgen.c674x.cost import Cost, cost
-from hysgen.c674x.cost.budget_file import Change, changes, read, update
+from hysgen.c674x.cost.budget_file import FigureChange, changes, read, update
 from hysgen.c674x.footprint import footprint
 from hysgen.c674x.toolchain import version
 from hysgen.cli.console import Console
@@ -75,15 +75,16 @@ def restricted(model: Model, arguments: argparse.Namespace) -> Model:
 
 def check(texts: Mapping[str, str], folder: Path, console: Console) -> int:
     """Compare the folder with the generated texts and list stale files. Returns 0 if there are none, else 1."""
-    found = stale(texts, folder)
-    for item in found:
+    differences = stale(texts, folder)
+    for item in differences:
         console.say(f"stale: {folder / item.name}: {str(item).partition(': ')[2]}")
     console.say(
-        f"{folder}: {len(found)} of {len(texts)} files are stale; generate them again"
-        if found
+        f"{folder}: {len(differences)} of {len(texts)} files are stale; generate them again"
+        if differences
         else f"{folder}: all {len(texts)} files are up to date"
     )
-    return console.finish({"up_to_date": not found, "stale": [vars(item) for item in found]}, not found)
+    answer = {"up_to_date": not differences, "stale": [vars(item) for item in differences]}
+    return console.finish(answer, not differences)
 
 
 def cost_arguments(parser: argparse.ArgumentParser) -> None:
@@ -104,7 +105,7 @@ def run_cost(arguments: argparse.Namespace, console: Console) -> int:
     if taken:
         console.say(footprint_text(taken))
     answer = price.to_json() | ({"target": taken} if taken else {})
-    different: list[Change] = []
+    different: list[FigureChange] = []
     if arguments.update_budget:
         update(Path(arguments.budget), generated.model.name, taken, version())
         console.say(f"written: {arguments.budget}")

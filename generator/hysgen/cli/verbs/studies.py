@@ -181,15 +181,15 @@ def run_bank(arguments: argparse.Namespace, console: Console) -> int:
 
     log = Path(arguments.log) if arguments.log else None
     result = judge_bank(parse_seeds(arguments.seeds), arguments.categories, arguments.jobs, report, log)
-    found = limits(result)
+    comparison = limits(result)
     console.say(result.table())
     console.say()
-    console.say(limits_table(found))
-    console.write_json(result.to_json() | {"limits": [dataclasses.asdict(limit) for limit in found]})
+    console.say(limits_table(comparison))
+    console.write_json(result.to_json() | {"limits": [dataclasses.asdict(limit) for limit in comparison]})
     if not result.complete:
         console.warn(f"interrupted: {len(result.judgements)} of {result.asked} records")
         return 130
-    return int(any(limit.holds is False for limit in found))
+    return int(any(limit.holds is False for limit in comparison))
 
 
 def parse_seeds(text: str) -> range:

@@ -59,24 +59,24 @@ Checked = tuple[Answer, bool]
 
 
 def _warnings(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
-    found = wall(folder.model.name, folder.texts, progress=console.progress)
-    return found, found.clean
+    report = wall(folder.model.name, folder.texts, progress=console.progress)
+    return report, report.clean
 
 
 def _misra(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
-    found = misra(folder.model.name, folder.texts, progress=console.progress)
-    return found, found.clean
+    report = misra(folder.model.name, folder.texts, progress=console.progress)
+    return report, report.clean
 
 
 def _sanitize(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
-    found = sanitize(folder.model, folder.texts, samples=arguments.samples, progress=console.progress)
-    return found, found.equal
+    report = sanitize(folder.model, folder.texts, samples=arguments.samples, progress=console.progress)
+    return report, report.equal
 
 
 def _eva(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
     calls = [function for function in arguments.calls.split(",") if function]
-    found = prove(folder.model, folder.texts, calls=calls, take_out=arguments.take_out, progress=console.progress)
-    return found, found.holds
+    proofs = prove(folder.model, folder.texts, calls=calls, take_out=arguments.take_out, progress=console.progress)
+    return proofs, proofs.holds
 
 
 CHECKS: Final[dict[str, Callable[[Folder, argparse.Namespace, Console], Checked]]] = {
@@ -172,18 +172,18 @@ def run_emulated(arguments: argparse.Namespace, console: Console) -> int:
 def run_fused(arguments: argparse.Namespace, console: Console) -> int:
     """Count the bits that fused multiply-add changes, with the guard of the generated C and without it."""
     generated = read_folder(Path(arguments.folder))
-    found = contraction(
+    results = contraction(
         generated.model,
         generated.texts,
         samples=EMULATED_SAMPLES if arguments.samples is None else arguments.samples,
         platforms=chosen(arguments.machine),
         progress=console.progress,
     )
-    header, rows = contraction_rows(found)
+    header, rows = contraction_rows(results)
     console.say(table(header, rows, left=3))
     return console.finish(
-        {"fused": [row.to_json() for row in found]},
-        bool(found) and all(row.differing == 0 and row.selftest == 0 for row in found if row.guarded),
+        {"fused": [row.to_json() for row in results]},
+        bool(results) and all(row.differing == 0 and row.selftest == 0 for row in results if row.guarded),
     )
 
 

@@ -12,7 +12,18 @@ from dataclasses import dataclass, field
 from pycparser import c_ast
 
 from hysgen.codegen.operations.counts import Counts, worse
-from hysgen.codegen.operations.types import FLOAT, INTEGER, Array, Pointer, Scalar, Struct, Type, Types, constant, words
+from hysgen.codegen.operations.types import (
+    FLOAT,
+    INTEGER,
+    Array,
+    Pointer,
+    Scalar,
+    StructType,
+    Type,
+    Types,
+    constant,
+    words,
+)
 from hysgen.errors import HysgenError
 
 _NOTHING = Counts()
@@ -187,7 +198,7 @@ class Program:
                 if node.type == "->":
                     assert isinstance(kind, Pointer)
                     kind = kind.to
-                assert isinstance(kind, Struct)
+                assert isinstance(kind, StructType)
                 return cost, Value(kind.members[node.field.name], base.in_memory)
             case c_ast.ArrayRef():
                 cost, base = self._place(node.name, scope)
@@ -233,10 +244,10 @@ class Program:
 
     def _assignment(self, node: c_ast.Assignment, scope: Scope) -> tuple[Counts, Value]:
         cost, value = self._expression(node.rvalue, scope)
-        found, place = self._place(node.lvalue, scope)
+        address, place = self._place(node.lvalue, scope)
         if isinstance(place.type, Pointer) and isinstance(node.lvalue, c_ast.ID):
             scope.names[node.lvalue.name] = Value(place.type, value.in_memory)
-        cost += found + _moved(place, _STORE)
+        cost += address + _moved(place, _STORE)
         if node.op == "=":
             return cost, place
         operation = Counts(multiply=1) if node.op == "*=" else Counts(add=1)

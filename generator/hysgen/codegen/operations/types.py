@@ -30,13 +30,13 @@ class Array:
 
 
 @dataclass(frozen=True)
-class Struct:
+class StructType:
     """Types of the members by name, in order of declaration; also a union, whose size is not used."""
 
     members: Mapping[str, Type]
 
 
-Type: TypeAlias = Scalar | Pointer | Array | Struct
+Type: TypeAlias = Scalar | Pointer | Array | StructType
 
 FLOAT = Scalar(True)
 INTEGER = Scalar(False)
@@ -55,7 +55,7 @@ class Types:
     @property
     def structs(self) -> list[str]:
         """Names of the structs, in the order of their definition."""
-        return [name for name, kind in self._named.items() if isinstance(kind, Struct)]
+        return [name for name, kind in self._named.items() if isinstance(kind, StructType)]
 
     def __getitem__(self, name: str) -> Type:
         return self._named[name]
@@ -70,7 +70,7 @@ class Types:
             case c_ast.ArrayDecl():
                 return Array(self.of(node.type), constant(node.dim))
             case c_ast.Struct() | c_ast.Union():
-                return Struct({member.name: self.of(member.type) for member in node.decls or []})
+                return StructType({member.name: self.of(member.type) for member in node.decls or []})
             case c_ast.IdentifierType():
                 name = node.names[-1]
                 return self._named[name] if name in self._named else Scalar(name == "float")
@@ -82,7 +82,7 @@ def words(kind: Type) -> int:
     match kind:
         case Array():
             return kind.length * words(kind.of)
-        case Struct():
+        case StructType():
             return sum(words(member) for member in kind.members.values())
     return 1
 

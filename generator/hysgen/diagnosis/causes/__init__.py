@@ -32,15 +32,15 @@ UNKNOWN = "unknown"
 @functools.lru_cache(maxsize=1)
 def causes() -> Mapping[str, Cause]:
     """Every cause by its name. Raises ValueError if two causes have the same name or rank."""
-    found: dict[str, Cause] = {}
+    registry: dict[str, Cause] = {}
     for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
         cause: Cause | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "CAUSE", None)
         if cause is None:
             continue
-        if cause.name in found or cause.rank in {other.rank for other in found.values()}:
+        if cause.name in registry or cause.rank in {other.rank for other in registry.values()}:
             raise ValueError(f"{module.name}: name {cause.name!r} or rank {cause.rank} belongs to another cause")
-        found[cause.name] = cause
-    return found
+        registry[cause.name] = cause
+    return registry
 
 
 def in_ladder_order(names: Iterable[str]) -> list[str]:

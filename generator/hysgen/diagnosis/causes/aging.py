@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Correction, Extension
-from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, standard_errors, whitened_fit
+from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors, whitened_fit
 from hysgen.diagnosis.probe.part import STEP
 
 Floats = NDArray[np.float64]
@@ -36,8 +36,8 @@ class AgingPart(Part):
 
     cause: ClassVar[str] = "aging"
     order: ClassVar[int] = 50
-    table: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("per_s", "1/s", lambda e: (-0.9 / e.span_s, 9.0 / e.span_s), step=lambda e: STEP / e.span_s),
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter("per_s", "1/s", lambda e: (-0.9 / e.span_s, 9.0 / e.span_s), step=lambda e: STEP / e.span_s),
     )
     per_s: float
 

@@ -45,8 +45,8 @@ class Residual:
     def amount(self, column: Floats) -> float:
         """Least-squares weight of `column`, (n,), for the residual, fitted jointly with all columns of the chain."""
         rows = self.scene.rows
-        alone = self.projector.rest(column[rows])
-        return float(alone @ self.fit.error[rows] / (alone @ alone + 1e-300))
+        orthogonal = self.projector.rest(column[rows])
+        return float(orthogonal @ self.fit.error[rows] / (orthogonal @ orthogonal + 1e-300))
 
     def responses(self, chain: Chain) -> list[Floats]:
         """Response of the linear part of `chain` to the fitted hysteresis, (n_i,) for each run."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Part, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, standard_errors
 from hysgen.model.terms.coupling import Coupling
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ class CouplingPart(Part):
     def added(self) -> int:
         return len(self.channels) * self.taps
 
-    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         lagged = [seen(run.aux[name]) for name in self.channels]
         return [
             np.concatenate([np.full(tap, one[0]), one[: len(one) - tap]]) for one in lagged for tap in range(self.taps)
@@ -53,7 +53,7 @@ class CouplingCause(Cause):
         part = chain.of(CouplingPart)
         names = part.channels
         fewer = [names[:i] + names[i + 1 :] for i in range(len(names))]
-        less = [chain.having(CouplingPart(left, part.taps)) if left else self.without(chain) for left in fewer]
+        less = [chain.having(CouplingPart(kept, part.taps)) if kept else self.without(chain) for kept in fewer]
         return less if part.taps == 1 else [*less, chain.having(dataclasses.replace(part, taps=1))]
 
     def supported(self, residual: Residual) -> Chain:
@@ -67,12 +67,12 @@ class CouplingCause(Cause):
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
         part = chain.get(CouplingPart) or CouplingPart(())
-        left = [name for name in residual.scene.runs[0].aux if name not in part.channels and _moves(residual, name)]
-        alone = [chain.having(CouplingPart((*part.channels, name), part.taps)) for name in left]
+        further = [name for name in residual.scene.runs[0].aux if name not in part.channels and _moves(residual, name)]
+        chains = [chain.having(CouplingPart((*part.channels, name), part.taps)) for name in further]
         # A channel that acts through the dynamics of the stage needs several taps.
-        if part.taps == 1 and (left or part.channels):
-            alone.append(chain.having(CouplingPart((*part.channels, *left), TAPS)))
-        return alone
+        if part.taps == 1 and (further or part.channels):
+            chains.append(chain.having(CouplingPart((*part.channels, *further), TAPS)))
+        return chains
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The gain of each channel divided by its standard error, beside all columns of the own input.
@@ -82,9 +82,9 @@ class CouplingCause(Cause):
         """
         scene, chain = residual.scene, residual.fit.chain
         part = chain.of(CouplingPart)
-        first, beside = scene.column_of(chain, CouplingPart), chain.first_column(CouplingPart)
+        first, added = scene.column_of(chain, CouplingPart), chain.first_column(CouplingPart)
         weights = residual.fit.weights[first : first + part.added].reshape(-1, part.taps)
-        errors = standard_errors(scene, residual.fit).added[beside : beside + part.added].reshape(-1, part.taps)
+        errors = standard_errors(scene, residual.fit).added[added : added + part.added].reshape(-1, part.taps)
         z = np.sqrt(np.mean((weights / np.maximum(errors, 1e-15)) ** 2, axis=1))
         gains, gain_errors = weights.sum(axis=1), np.sqrt((errors**2).sum(axis=1))
         listed = ", ".join(

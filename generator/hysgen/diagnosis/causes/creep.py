@@ -14,11 +14,11 @@ from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Known, Residua
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
     Chain,
-    Drive,
     Extent,
     Fit,
-    Parameter,
     Part,
+    RunSignals,
+    ShapeParameter,
     SlowStates,
     standard_errors,
     whitened_fit,
@@ -47,9 +47,9 @@ class CreepPart(Part):
 
     cause: ClassVar[str] = "creep"
     order: ClassVar[int] = 30
-    table: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("per_decade", "1", lambda e: (-1.0, 1.0)),
-        Parameter("from_s", "s", lambda e: (2 * e.Ts_s, 0.2 * e.span_s), logarithm=True),
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter("per_decade", "1", lambda e: (-1.0, 1.0)),
+        ShapeParameter("from_s", "s", lambda e: (2 * e.Ts_s, 0.2 * e.span_s), logarithm=True),
     )
     per_decade: float
     from_s: float
@@ -61,7 +61,7 @@ class CreepPart(Part):
     def added(self) -> int:
         return len(PAST_DECAYS) + 1
 
-    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
         fading = [np.exp(-t_s / (share * extent.span_s)) for share in PAST_DECAYS]
         return [*fading, crept_step(len(t_s), extent.Ts_s, self.from_s)]

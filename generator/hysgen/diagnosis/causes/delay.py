@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
 from hysgen.model.path.delay import Delay
 
 
@@ -18,8 +18,8 @@ class DelayPart(Part):
 
     cause: ClassVar[str] = "delay"
     order: ClassVar[int] = 0
-    table: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("samples", "samples", lambda e: (-3.0, 200.0), step=lambda e: 1e-3),
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter("samples", "samples", lambda e: (-3.0, 200.0), step=lambda e: 1e-3),
     )
     samples: float
 

@@ -15,7 +15,17 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Correction, Extension
-from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, Scene, standard_errors, whitened_fit
+from hysgen.diagnosis.probe import (
+    Chain,
+    Extent,
+    Fit,
+    Part,
+    RunSignals,
+    Scene,
+    ShapeParameter,
+    standard_errors,
+    whitened_fit,
+)
 from hysgen.model.model import Model
 from hysgen.model.terms.drift import Drift
 
@@ -75,8 +85,8 @@ class DriftPart(Part):
 
     cause: ClassVar[str] = "drift"
     order: ClassVar[int] = 60
-    table: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("since_s", "s", lambda e: (SOONEST * e.span_s, e.span_s), logarithm=True),
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter("since_s", "s", lambda e: (SOONEST * e.span_s, e.span_s), logarithm=True),
     )
     since_s: float | None = None
 
@@ -84,7 +94,7 @@ class DriftPart(Part):
     def added(self) -> int:
         return 1
 
-    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
         return [trend_course(t_s, self.since_s) / trend_course(extent.span_s, self.since_s)]
 

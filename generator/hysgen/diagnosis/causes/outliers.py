@@ -1,7 +1,7 @@
 """Outliers: single readings far from both neighbours.
 
-The probe's chain has no part for outliers: the search excludes them from every fit (`spikes`), the fit of the model has
-weights of 0 for them, and the learner gets a gate.
+The probe's chain has no part for outliers: the search excludes them from every fit (`outlier_detection`), the fit of
+the model has weights of 0 for them, and the learner gets a gate.
 """
 
 from __future__ import annotations
@@ -10,8 +10,9 @@ import numpy as np
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.outlier_detection import local_scatter
 from hysgen.diagnosis.probe import Fit
-from hysgen.diagnosis.spikes import local_scatter
+from hysgen.record.series import MEDIAN_TO_DEVIATION
 
 FEWEST = 3
 """Least number of corrupted samples for evidence."""
@@ -35,7 +36,7 @@ class OutliersCause(Cause):
         deviation = np.concatenate([local_scatter(part) for part in np.split(error, edges)])
         size_um = float(np.sqrt(np.mean(deviation[hit] ** 2)))
         rate = len(hit) / len(deviation)
-        scatter = 1.4826 * float(np.median(np.abs(deviation)))
+        scatter = MEDIAN_TO_DEVIATION * float(np.median(np.abs(deviation)))
         return Signature(
             holds=len(hit) >= FEWEST and size_um * np.sqrt(rate) > residual.fit.rms_um,
             z=size_um / max(scatter, 1e-300),

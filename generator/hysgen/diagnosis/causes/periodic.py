@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Drive, Extent, Fit, Parameter, Part, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, ShapeParameter, standard_errors
 from hysgen.model.terms.periodic import Periodic
 
 Floats = NDArray[np.float64]
@@ -29,7 +29,7 @@ LEAST_RATIO = 30.0
 """Least ratio of a line's power to the power of the residual around it, for evidence of the line."""
 
 
-LINE = Parameter("lines_Hz", "Hz", lambda e: (0.5 / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s)
+LINE = ShapeParameter("lines_Hz", "Hz", lambda e: (0.5 / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s)
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class PeriodicPart(Part):
     lines_Hz: tuple[float, ...]
 
     @property
-    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
         return tuple((f"periodic.{i}.f_Hz", LINE) for i, _ in enumerate(self.lines_Hz))
 
     @property
@@ -55,7 +55,7 @@ class PeriodicPart(Part):
     def added(self) -> int:
         return 2 * len(self.lines_Hz)
 
-    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
         return [wave(2 * np.pi * line_Hz * t_s) for line_Hz in self.lines_Hz for wave in (np.sin, np.cos)]
 
@@ -68,7 +68,7 @@ class PeriodicCause(Cause):
     def without_one_part(self, chain: Chain) -> list[Chain]:
         lines = _lines_Hz(chain)
         fewer = [lines[:i] + lines[i + 1 :] for i in range(len(lines))]
-        return [chain.having(PeriodicPart(left)) if left else self.without(chain) for left in fewer]
+        return [chain.having(PeriodicPart(lines_kept)) if lines_kept else self.without(chain) for lines_kept in fewer]
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
@@ -116,12 +116,12 @@ def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
     """For each line: amplitude in um, ratio of its power to the local background, and whether its phase is constant."""
     chain, scene, weights = residual.fit.chain, residual.scene, residual.fit.weights
     first = scene.column_of(chain, PeriodicPart)
-    found = []
+    evidence = []
     for i, line_Hz in enumerate(_lines_Hz(chain)):
         sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
         ratio, steady = _line_significance(residual, line_Hz, sine, cosine)
-        found.append((math.hypot(sine, cosine), ratio, bool(steady)))
-    return found
+        evidence.append((math.hypot(sine, cosine), ratio, bool(steady)))
+    return evidence
 
 
 def _peaks(residual: Residual, count: int) -> list[float]:

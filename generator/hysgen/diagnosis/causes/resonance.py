@@ -11,7 +11,7 @@ import numpy as np
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Mode, Parameter, Part, Scene, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, Scene, ShapeParameter, standard_errors
 from hysgen.model.path.modes import Modes
 
 PER_DECADE = 45
@@ -24,9 +24,9 @@ MOST_DAMPING = 0.4
 """Largest damping ratio of a mode; the fit would use a mode with more damping in place of a delay."""
 
 MODE = (
-    Parameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True),
-    Parameter("zeta", "1", lambda e: (5e-4, MOST_DAMPING), logarithm=True),
-    Parameter("share", "1", lambda e: (-3.0, 3.0)),
+    ShapeParameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True),
+    ShapeParameter("zeta", "1", lambda e: (5e-4, MOST_DAMPING), logarithm=True),
+    ShapeParameter("share", "1", lambda e: (-3.0, 3.0)),
 )
 """Parameters of one mode."""
 
@@ -40,7 +40,7 @@ class ResonancePart(Part):
     modes: tuple[Mode, ...] = ()
 
     @property
-    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
         return tuple((f"resonance.{i}.{one.field}", one) for i, _ in enumerate(self.modes) for one in MODE)
 
     @property
@@ -60,7 +60,7 @@ class ResonanceCause(Cause):
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
         fewer = [modes[:i] + modes[i + 1 :] for i in range(len(modes))]
-        return [chain.having(ResonancePart(left)) if left else self.without(chain) for left in fewer]
+        return [chain.having(ResonancePart(modes_kept)) if modes_kept else self.without(chain) for modes_kept in fewer]
 
     def admissible(self, scene: Scene, chain: Chain) -> bool:
         """Damping ratios inside the bounds: a mode at the lower bound is a line, a mode at the upper bound a delay."""
@@ -82,22 +82,24 @@ class ResonanceCause(Cause):
         error = residual.projector.rest(residual.fit.error[scene.rows])
         still = self.without(chain)
         bare = residual.responses(still)
-        found = []
+        candidates = []
         count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
         for zeta in DAMPINGS:
             grid_Hz = np.geomspace(low_Hz, high_Hz, count).tolist()
             rings = np.empty((count, len(scene.rows)))
             for i, f_Hz in enumerate(grid_Hz):
-                alone = chain.having(ResonancePart((Mode(f_Hz, zeta, 1.0),)))
-                ring = [seen - stiff for seen, stiff in zip(residual.responses(alone), bare, strict=True)]
+                single = chain.having(ResonancePart((Mode(f_Hz, zeta, 1.0),)))
+                ring = [seen - stiff for seen, stiff in zip(residual.responses(single), bare, strict=True)]
                 rings[i] = np.concatenate(ring)[scene.rows]
             rings = residual.projector.rest(rings)
             powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
             shares = rings @ error / powers
-            found += list(zip((shares**2 * powers).tolist(), grid_Hz, [zeta] * count, shares.tolist(), strict=True))
-        found.sort(reverse=True)
+            candidates += list(
+                zip((shares**2 * powers).tolist(), grid_Hz, [zeta] * count, shares.tolist(), strict=True)
+            )
+        candidates.sort(reverse=True)
         chosen: list[Mode] = []
-        for _, f_Hz, zeta, share in found:
+        for _, f_Hz, zeta, share in candidates:
             if all(zeta != mode.zeta or abs(math.log(f_Hz / mode.f_Hz)) > 0.25 for mode in chosen):
                 chosen.append(Mode(f_Hz, zeta, float(np.clip(share, -1.0, 1.0))))
             if len(chosen) == 6:
@@ -139,13 +141,13 @@ def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None)
     """Each mode, whether it has evidence, and its share in standard errors. errors: standard errors by name."""
     chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
     errors = errors or standard_errors(residual.scene, residual.fit).coordinates
-    found = []
+    evidence = []
     for i, mode in enumerate(chain.modes):
         z = abs(mode.share) / max(errors[f"resonance.{i}.share"], 1e-15)
         known = errors[f"resonance.{i}.f_Hz"] < 0.05 and errors[f"resonance.{i}.zeta"] < 0.5
         inside = mode.zeta > LEAST_DAMPING and mode.f_Hz * Ts_s < 0.45
-        found.append((mode, bool(known and inside and z > 5.0), z))
-    return found
+        evidence.append((mode, bool(known and inside and z > 5.0), z))
+    return evidence
 
 
 CAUSE = ResonanceCause()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, Scene, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
 from hysgen.model.path.saturation import Saturation
 
 Floats = NDArray[np.float64]
@@ -37,9 +37,9 @@ class SaturationPart(Part):
     cause: ClassVar[str] = "saturation"
     order: ClassVar[int] = 10
     amplifies: ClassVar[bool] = True
-    table: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("low_V", "V", lambda e: (e.low_V, e.middle_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
-        Parameter("high_V", "V", lambda e: (e.middle_V, e.high_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter("low_V", "V", lambda e: (e.low_V, e.middle_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
+        ShapeParameter("high_V", "V", lambda e: (e.middle_V, e.high_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
     )
     low_V: float | None = None
     high_V: float | None = None

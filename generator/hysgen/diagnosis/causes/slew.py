@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Parameter, Part, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
 from hysgen.machine.kernels import rate_limited
 from hysgen.model.path.slew import Slew
 
@@ -28,8 +28,8 @@ class SlewPart(Part):
     cause: ClassVar[str] = "slew"
     order: ClassVar[int] = 20
     amplifies: ClassVar[bool] = True
-    table: ClassVar[tuple[Parameter, ...]] = (
-        Parameter(
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter(
             "rate_V_per_s",
             "V/s",
             lambda e: (0.1 * e.half_V / e.span_s, 4 * e.half_V / e.Ts_s),

@@ -5,7 +5,7 @@ followed by a linear chain. If the residual is only noise, every needed part of 
 """
 
 from hysgen.diagnosis.probe.chain import Chain
-from hysgen.diagnosis.probe.part import Drive, Extent, Mode, Parameter, Part, SlowStates
+from hysgen.diagnosis.probe.part import Extent, Mode, Part, RunSignals, ShapeParameter, SlowStates
 from hysgen.diagnosis.probe.scene import Scene, Trace
 from hysgen.diagnosis.probe.solve import Fit, Projector, linear_fit, refine, rms
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
@@ -14,15 +14,15 @@ from hysgen.fitting.operator import Operator
 
 __all__ = [
     "Chain",
-    "Drive",
     "Extent",
     "Fit",
     "Mode",
     "Operator",
-    "Parameter",
     "Part",
     "Projector",
+    "RunSignals",
     "Scene",
+    "ShapeParameter",
     "SlowStates",
     "StandardErrors",
     "Trace",

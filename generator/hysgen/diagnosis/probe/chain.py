@@ -17,12 +17,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.part import Extent, Mode, Parameter, Part, SlowStates
+from hysgen.diagnosis.probe.part import Extent, Mode, Part, ShapeParameter, SlowStates
 
 Floats = NDArray[np.float64]
 P = TypeVar("P", bound=Part)
 
-LAG = Parameter("lag_s", "s", lambda extent: (0.02 * extent.Ts_s, 0.3 * extent.span_s), logarithm=True)
+LAG = ShapeParameter("lag_s", "s", lambda extent: (0.02 * extent.Ts_s, 0.3 * extent.span_s), logarithm=True)
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Chain:
         return dataclasses.replace(self, parts=tuple(part for part in self.parts if not isinstance(part, kind)))
 
     @property
-    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
         """Name and table entry of every free shape parameter: the lag's, then those of the parts in their order."""
         return (("lag_s", LAG), *(named for part in self.parts for named in part.parameters))
 
@@ -73,7 +73,7 @@ class Chain:
         return tuple(name for name, _ in self.parameters)
 
     def coordinates(self) -> Floats:
-        """Coordinates of the free shape parameters: ln(value) if `Parameter.logarithm`, otherwise the value."""
+        """Coordinates of the free shape parameters: ln(value) if `ShapeParameter.logarithm`, otherwise the value."""
         values = (self.lag_s, *(value for part in self.parts for value in part.values))
         return np.array([one.coordinate(value) for (_, one), value in zip(self.parameters, values, strict=True)])
 
@@ -112,8 +112,8 @@ class Chain:
 
     def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
         """The slow states behind the hysteresis; with no states if no part has them."""
-        found = [part.slow_states(samples, Ts_s) for part in self.parts]
-        return next((states for states in found if states is not None), SlowStates(0.0, np.zeros(0)))
+        candidates = [part.slow_states(samples, Ts_s) for part in self.parts]
+        return next((states for states in candidates if states is not None), SlowStates(0.0, np.zeros(0)))
 
     @property
     def modes(self) -> tuple[Mode, ...]:

@@ -43,7 +43,7 @@ class Extent:
 
 
 @dataclass(frozen=True)
-class Parameter:
+class ShapeParameter:
     """One shape parameter of a part.
 
     field: attribute of the part; unit: its unit; bounds: lowest and highest value for an extent, in that unit.
@@ -87,7 +87,7 @@ class SlowStates:
     keep: Floats
 
 
-class Drive(Protocol):
+class RunSignals(Protocol):
     """Signals of one run for an added column: the command and the auxiliary channels, (n,) each."""
 
     @property
@@ -109,14 +109,14 @@ class Part:
 
     cause: ClassVar[str]
     order: ClassVar[int]
-    table: ClassVar[tuple[Parameter, ...]] = ()
+    table: ClassVar[tuple[ShapeParameter, ...]] = ()
     amplifies: ClassVar[bool] = False
 
     @property
-    def parameters(self) -> tuple[tuple[str, Parameter], ...]:
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
         """Name "cause.field" and table entry of each fitted parameter."""
-        found = (one for one in self.table if getattr(self, one.field) is not None)
-        return tuple((f"{self.cause}.{one.field}", one) for one in found)
+        fitted = (one for one in self.table if getattr(self, one.field) is not None)
+        return tuple((f"{self.cause}.{one.field}", one) for one in fitted)
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -170,7 +170,7 @@ class Part:
         """Number of added columns."""
         return 0
 
-    def columns(self, run: Drive, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         """`added` columns of one run, (n,) each. seen: applies the chain's lag and delay to a signal, (n,)."""
         return []
 

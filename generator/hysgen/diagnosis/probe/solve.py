@@ -94,9 +94,9 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
         before = best.rms_um
         for _ in range(5):
             step = np.linalg.solve(gram + damping * np.eye(len(norm)), slope) / norm
-            trial, beside = _solved(scene, best.chain.bounded(best.chain.coordinates() + step, scene.extent))
+            trial, trial_projector = _solved(scene, best.chain.bounded(best.chain.coordinates() + step, scene.extent))
             if trial.rms_um < best.rms_um:
-                best, projector, damping = trial, beside, damping * 0.2
+                best, projector, damping = trial, trial_projector, damping * 0.2
                 break
             damping *= 10.0
         if best.rms_um > before * (1.0 - 1e-4):

@@ -107,8 +107,8 @@ def _maximum_likelihood(scene: Scene, fit: Fit) -> Whitening:
         return float(z @ z + np.log(trial.variance[scene.rows]).sum())
 
     start = np.log([CORRELATION_LENGTH, level_um, 0.3 * level_um])
-    found = minimize(deviance, start, method="Nelder-Mead", options={"maxfev": 100, "xatol": 0.02, "fatol": 0.1})
-    return whitening(found.x)
+    optimum = minimize(deviance, start, method="Nelder-Mead", options={"maxfev": 100, "xatol": 0.02, "fatol": 0.1})
+    return whitening(optimum.x)
 
 
 def _travelled(scene: Scene, chain: Chain) -> Floats:

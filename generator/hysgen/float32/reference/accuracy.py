@@ -129,11 +129,11 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=4_000_000)
     arguments = parser.parse_args()
     for name in arguments.models:
-        found = accuracy(load_model(name), arguments.samples)
+        errors = accuracy(load_model(name), arguments.samples)
         print(
-            f"{name}: {found.samples} samples, float32 against float64: predict {found.predict_um:.3g} um, "
-            f"inverse {found.inverse_V:.3g} V; inverse(predict) {found.inverse_of_predict_V:.3g} V, "
-            f"predict(inverse) {found.predict_of_inverse_um:.3g} um"
+            f"{name}: {errors.samples} samples, float32 against float64: predict {errors.predict_um:.3g} um, "
+            f"inverse {errors.inverse_V:.3g} V; inverse(predict) {errors.inverse_of_predict_V:.3g} V, "
+            f"predict(inverse) {errors.predict_of_inverse_um:.3g} um"
         )
 
 

@@ -69,10 +69,10 @@ def strengths(numbers: Coefficients, y_um: Floats32) -> list[Floats32]:
 
 def powers(r: Floats32, count: int) -> list[Floats32]:
     """r^0 .. r^(count-1) by r^k = r^(k//2) r^(k - k//2), the fewest multiplications in sequence."""
-    found = [np.full_like(r, _ONE), r]
+    values = [np.full_like(r, _ONE), r]
     for k in range(2, count):
-        found.append(found[k // 2] * found[k - k // 2])
-    return found[:count]
+        values.append(values[k // 2] * values[k - k // 2])
+    return values[:count]
 
 
 def polynomial(c: Floats32, r: Floats32) -> Floats32:

@@ -50,15 +50,15 @@ def loop_pictures(study: Study) -> list[Picture]:
     if study.improved:
         runs.append(("loops-after", EXTENDED, held.extended_um, study.after))
     stride = max(1, -(-held.u_V.size // LOOP_POINTS))
-    found = []
+    panels = []
     for name, label, simulated_um, error in runs:
         fig, axis = _figure("voltage [V]", "displacement [µm]")
         axis.plot(held.u_V[::stride], held.measured_um[::stride], color="#777777", linewidth=2.2, label="measured")
         axis.plot(held.u_V[::stride], simulated_um[::stride], linewidth=1.0, label=label, **LINES[label])
         axis.legend(loc="upper left")
         alt = f"Displacement over voltage, held out: the {label} misses the loops by {error.rms_um:.3g} µm rms."
-        found.append(Picture(name, f"Measured loops and the {label}", alt, fig))
-    return found
+        panels.append(Picture(name, f"Measured loops and the {label}", alt, fig))
+    return panels
 
 
 def horizon_picture(shown: list[tuple[str, ErrorMap]], study: Study) -> Picture:

@@ -4,7 +4,7 @@ A new effect is one new file `effects/<name>.py`: a frozen dataclass that derive
 names it EFFECT. No other file of the stage or the bank changes:
 
     @dataclass(frozen=True)
-    class Echo(Effect):
+    class EchoEffect(Effect):
         "The voltage of the period before acts on the displacement:  y(k) += um_per_V u(k - 2)."
 
         um_per_V: float                                       # the effect's parameters, with units
@@ -31,7 +31,7 @@ names it EFFECT. No other file of the stage or the bank changes:
             past_V, self.past_V = self.past_V, u_V
             return self.um_per_V * past_V
 
-    EFFECT = Echo
+    EFFECT = EchoEffect
 
 `Action` acts in Python on the command or on the displacement; `constants` instead sets members of the compiled plant
 (plant.h). The other members of `Effect` have defaults, described there. A category that is new in the bank changes what
@@ -77,9 +77,9 @@ __all__ = [
 @functools.lru_cache(maxsize=1)
 def effects() -> Mapping[str, type[Effect]]:
     """Class of every effect by its name, in the order of their ranks."""
-    found: list[type[Effect]] = []
+    classes: list[type[Effect]] = []
     for module in pkgutil.iter_modules(__path__):
         kind = getattr(importlib.import_module(f"{__name__}.{module.name}"), "EFFECT", None)
         if kind is not None:
-            found.append(kind)
-    return MappingProxyType({kind.name: kind for kind in sorted(found, key=lambda kind: (kind.rank, kind.name))})
+            classes.append(kind)
+    return MappingProxyType({kind.name: kind for kind in sorted(classes, key=lambda kind: (kind.rank, kind.name))})

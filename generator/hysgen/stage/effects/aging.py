@@ -12,7 +12,7 @@ from hysgen.stage.effects.base import Constants, Effect, Period, Setting, requir
 
 
 @dataclass(frozen=True)
-class Aging(Effect):
+class AgingEffect(Effect):
     """The ceramic's gain goes linearly from 1 to 1 + fraction in the first `over_s` of the record, then stays."""
 
     fraction: float
@@ -24,11 +24,11 @@ class Aging(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.over_s > 0, f"Aging.over_s: {self.over_s} s is no time; give a span above 0")
+        require(self.over_s > 0, f"aging.over_s: {self.over_s} s is no time; give a span above 0")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
-        aging = present[0] if present else Aging(0.0, 1.0)
+        aging = present[0] if present else AgingEffect(0.0, 1.0)
         return {"age_fraction": aging.fraction, "age_s": aging.over_s}
 
     @classmethod
@@ -40,4 +40,4 @@ class Aging(Effect):
         return {"aging.per_s": self.fraction / self.over_s}
 
 
-EFFECT = Aging
+EFFECT = AgingEffect

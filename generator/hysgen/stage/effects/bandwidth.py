@@ -14,7 +14,7 @@ from hysgen.stage.linear import Floats, Linear, exact_steps, oscillator
 
 
 @dataclass(frozen=True)
-class Bandwidth(Effect):
+class BandwidthEffect(Effect):
     """The amplifier's small-signal response, before the hysteresis: order 1, or 2 with damping ratio `zeta`.
 
     1 / (1 + s/w)   or   1 / (1 + 2 zeta s/w + s^2/w^2),   w = 2 pi f_Hz
@@ -32,9 +32,9 @@ class Bandwidth(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.f_Hz > 0, f"Bandwidth.f_Hz: {self.f_Hz} Hz passes nothing; give a frequency above 0")
-        require(self.order in (1, 2), f"Bandwidth.order: {self.order} is not built; choose 1 or 2")
-        require(self.zeta > 0, f"Bandwidth.zeta: {self.zeta} is not stable; give a damping ratio above 0")
+        require(self.f_Hz > 0, f"bandwidth.f_Hz: {self.f_Hz} Hz passes nothing; give a frequency above 0")
+        require(self.order in (1, 2), f"bandwidth.order: {self.order} is not built; choose 1 or 2")
+        require(self.zeta > 0, f"bandwidth.zeta: {self.zeta} is not stable; give a damping ratio above 0")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
@@ -51,4 +51,4 @@ class Bandwidth(Effect):
         return exact_steps(A, B, np.array([1.0, 0.0]), 0.0, h_s)
 
 
-EFFECT = Bandwidth
+EFFECT = BandwidthEffect

@@ -33,10 +33,11 @@ def require(holds: bool, complaint: str) -> None:
 
 def require_finite(effect: object) -> None:
     """Raise StageError, naming effect and field, if a field of the dataclass `effect` is not a finite number."""
+    name = getattr(effect, "name", type(effect).__name__)
     for item in fields(effect):  # type: ignore[arg-type]
         value = getattr(effect, item.name)
         if not (isinstance(value, int | float | np.number) and math.isfinite(value)):
-            raise StageError(f"{type(effect).__name__}.{item.name}: {value} is not a finite number; give a real one")
+            raise StageError(f"{name}.{item.name}: {value} is not a finite number; give a real one")
 
 
 @dataclass(frozen=True)
@@ -50,10 +51,10 @@ class Tolerance:
     limit: float | None = None
     kind: Literal["relative", "absolute", "input range"] = "relative"
 
-    def error(self, found: float, truth: float, range_V: float) -> float:
-        """Signed error of the value found, in the measure that `kind` names."""
+    def error(self, estimate: float, truth: float, range_V: float) -> float:
+        """Signed error of an estimate, in the measure that `kind` names."""
         unit = {"relative": truth, "absolute": 1.0, "input range": range_V}[self.kind]
-        return (found - truth) / unit
+        return (estimate - truth) / unit
 
 
 @dataclass(frozen=True, eq=False)

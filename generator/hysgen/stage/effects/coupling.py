@@ -17,7 +17,7 @@ BANK_RANGE = 30.0
 
 
 @dataclass(frozen=True)
-class Coupling(Effect):
+class CouplingEffect(Effect):
     """Other measured channels bend this axis, through the same mechanics: um per unit of each named channel."""
 
     um_per_unit: Mapping[str, float]
@@ -28,9 +28,9 @@ class Coupling(Effect):
     needs_channel = True
 
     def __post_init__(self) -> None:
-        require(len(self.um_per_unit) > 0, "Coupling: no channel named; give a mapping such as {'axis2_V': 0.004}")
+        require(len(self.um_per_unit) > 0, "coupling: no channel named; give a mapping such as {'axis2_V': 0.004}")
         for name, gain in self.um_per_unit.items():
-            require(math.isfinite(gain), f"Coupling: gain {gain} of channel {name} is not finite; give a real number")
+            require(math.isfinite(gain), f"coupling: gain {gain} of channel {name} is not finite; give a real number")
         object.__setattr__(self, "um_per_unit", MappingProxyType(dict(self.um_per_unit)))
 
     def __hash__(self) -> int:
@@ -54,4 +54,4 @@ class Coupling(Effect):
         return {f"coupling.{name}_um_per_unit": gain for name, gain in self.um_per_unit.items()}
 
 
-EFFECT = Coupling
+EFFECT = CouplingEffect

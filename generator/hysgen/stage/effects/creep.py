@@ -17,7 +17,7 @@ NODES_PER_DECADE = 6  # quadrature of the spectrum: error below 1e-7 of the cree
 
 
 @dataclass(frozen=True)
-class Creep(Effect):
+class CreepEffect(Effect):
     """Logarithmic creep: a continuous, flat spectrum of relaxation times in ln(tau) between two cut-offs.
 
         moved(t) = (per_decade / ln 10) * integral from tau_min to tau_max of (1 - exp(-t/tau)) dtau/tau
@@ -40,7 +40,7 @@ class Creep(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(0 < self.tau_min_s < self.tau_max_s, "Creep: 0 < tau_min_s < tau_max_s must hold; widen the spectrum")
+        require(0 < self.tau_min_s < self.tau_max_s, "creep: 0 < tau_min_s < tau_max_s must hold; widen the spectrum")
 
     @property
     def decades(self) -> float:
@@ -84,4 +84,4 @@ class Creep(Effect):
         return {"creep.per_decade": self.per_decade, "creep.from_s": self.tau_min_s}
 
 
-EFFECT = Creep
+EFFECT = CreepEffect

@@ -11,7 +11,7 @@ from hysgen.stage.effects.base import Effect, Setting, Tolerance, require, requi
 
 
 @dataclass(frozen=True)
-class Delay(Effect):
+class DelayEffect(Effect):
     """The reading is late by `samples` (whole or fractional) sampling periods plus `seconds`."""
 
     samples: float = 0.0
@@ -24,7 +24,7 @@ class Delay(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.samples >= 0 and self.seconds >= 0, "Delay: a reading cannot be early; give numbers from 0 up")
+        require(self.samples >= 0 and self.seconds >= 0, "delay: a reading cannot be early; give numbers from 0 up")
 
     def late_s(self, Ts_s: float) -> float:
         return self.samples * Ts_s + self.seconds
@@ -37,4 +37,4 @@ class Delay(Effect):
         return {"delay.delay_samples": self.samples}
 
 
-EFFECT = Delay
+EFFECT = DelayEffect

@@ -12,7 +12,7 @@ from hysgen.stage.effects.base import Constants, Effect, Period, Setting, requir
 
 
 @dataclass(frozen=True)
-class Drift(Effect):
+class DriftEffect(Effect):
     """A ramp and a random walk (with the temperature, for example), independent of the input."""
 
     ramp_um_per_s: float = 0.0
@@ -24,11 +24,14 @@ class Drift(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.walk_um_per_rt_s >= 0, "Drift.walk_um_per_rt_s: a spread is not negative; give a number from 0 up")
+        require(
+            self.walk_um_per_rt_s >= 0,
+            "drift.walk_um_per_rt_s: a spread is not negative; give a number from 0 up",
+        )
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
-        drift = present[0] if present else Drift()
+        drift = present[0] if present else DriftEffect()
         return {"drift_um_per_s": drift.ramp_um_per_s, "walk_um_per_rt_s": drift.walk_um_per_rt_s}
 
     @classmethod
@@ -40,4 +43,4 @@ class Drift(Effect):
         return {"drift.ramp_um_per_s": self.ramp_um_per_s}
 
 
-EFFECT = Drift
+EFFECT = DriftEffect

@@ -21,7 +21,7 @@ GRID_LOW_V, GRID_HIGH_V, GRID_STEP_V = -60.0, 160.0, 0.05
 GAUSS_POINTS = 5  # per cell of 0.05 V: exact to rounding for densities that vary over tens of volts
 
 # The kinds of plant.h.
-KIND_CURVE, KIND_EVERETT, KIND_RELAYS, KIND_BOUC_WEN = range(4)
+KIND_CURVE, KIND_EVERETT, KIND_RELAYS, KIND_BOUC_WEN, KIND_MESH, KIND_JILES_ATHERTON, KIND_THERMAL = range(7)
 
 
 @dataclass(frozen=True)

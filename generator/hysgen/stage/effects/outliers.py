@@ -12,7 +12,7 @@ from hysgen.stage.effects.base import Constants, Effect, Period, Setting, requir
 
 
 @dataclass(frozen=True)
-class Outliers(Effect):
+class OutliersEffect(Effect):
     """Single corrupted samples: at `rate` per sample a reading jumps by 0.5 to 1.5 times `size_um`, up or down."""
 
     rate: float
@@ -24,11 +24,11 @@ class Outliers(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(0 <= self.rate < 1, f"Outliers.rate: {self.rate} is no probability; choose from 0 to below 1")
+        require(0 <= self.rate < 1, f"outliers.rate: {self.rate} is no probability; choose from 0 to below 1")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
-        outliers = present[0] if present else Outliers(0.0, 0.0)
+        outliers = present[0] if present else OutliersEffect(0.0, 0.0)
         return {"outlier_rate": outliers.rate, "outlier_um": outliers.size_um}
 
     @classmethod
@@ -36,4 +36,4 @@ class Outliers(Effect):
         return cls(float(rng.uniform(1e-3, 5e-3)), 8.0 * setting.share * setting.span_um)
 
 
-EFFECT = Outliers
+EFFECT = OutliersEffect

@@ -12,7 +12,7 @@ from hysgen.stage.effects.base import Constants, Effect, Period, Setting, Tolera
 
 
 @dataclass(frozen=True)
-class Periodic(Effect):
+class PeriodicEffect(Effect):
     """A disturbance A sin(2 pi f t + phase): mains (near 50 Hz, rarely exactly), a pump, the floor."""
 
     f_Hz: float
@@ -27,7 +27,7 @@ class Periodic(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.f_Hz > 0, f"Periodic.f_Hz: {self.f_Hz} Hz does not repeat; give a frequency above 0")
+        require(self.f_Hz > 0, f"periodic.f_Hz: {self.f_Hz} Hz does not repeat; give a frequency above 0")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
@@ -48,4 +48,4 @@ class Periodic(Effect):
         return {"periodic.f_Hz": self.f_Hz, "periodic.amplitude_um": self.amplitude_um}
 
 
-EFFECT = Periodic
+EFFECT = PeriodicEffect

@@ -13,7 +13,7 @@ from hysgen.stage.linear import Linear, exact_steps, oscillator
 
 
 @dataclass(frozen=True)
-class Resonance(Effect):
+class ResonanceEffect(Effect):
     """A lightly damped structural mode that carries `share` of the motion.
 
     share / (1 + 2 zeta s/w + s^2/w^2),   w = 2 pi f_Hz;  what no mode carries follows stiffly
@@ -31,8 +31,8 @@ class Resonance(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.f_Hz > 0, f"Resonance.f_Hz: {self.f_Hz} Hz is no mode; give a frequency above 0")
-        require(0 < self.zeta < 1, f"Resonance.zeta: {self.zeta} is no light damping; choose between 0 and 1")
+        require(self.f_Hz > 0, f"resonance.f_Hz: {self.f_Hz} Hz is no mode; give a frequency above 0")
+        require(0 < self.zeta < 1, f"resonance.zeta: {self.zeta} is no light damping; choose between 0 and 1")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
@@ -48,7 +48,7 @@ class Resonance(Effect):
         return {"resonance.f_Hz": self.f_Hz, "resonance.zeta": self.zeta}
 
 
-def modes_and_lag(modes: Sequence[Resonance], period: Period) -> Linear:
+def modes_and_lag(modes: Sequence[ResonanceEffect], period: Period) -> Linear:
     """Modes in parallel, then the lag:
 
     (sum_i share_i / (1 + 2 zeta_i s/w_i + s^2/w_i^2) + 1 - sum_i share_i) / (1 + lag s)
@@ -72,4 +72,4 @@ def modes_and_lag(modes: Sequence[Resonance], period: Period) -> Linear:
     return exact_steps(A, B, out, 0.0, period.h_s)
 
 
-EFFECT = Resonance
+EFFECT = ResonanceEffect

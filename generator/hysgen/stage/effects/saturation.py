@@ -16,7 +16,7 @@ NO_LOW_V, NO_HIGH_V = -60.0, 160.0
 
 
 @dataclass(frozen=True)
-class Saturation(Effect):
+class SaturationEffect(Effect):
     """The amplifier's output stays in [low_V, high_V], whatever is commanded."""
 
     low_V: float
@@ -32,7 +32,7 @@ class Saturation(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.low_V < self.high_V, f"Saturation: {self.low_V} .. {self.high_V} V is empty; low must be below")
+        require(self.low_V < self.high_V, f"saturation: {self.low_V} .. {self.high_V} V is empty; low must be below")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
@@ -54,4 +54,4 @@ class Saturation(Effect):
         return {"saturation.low_V": self.low_V, "saturation.high_V": self.high_V}
 
 
-EFFECT = Saturation
+EFFECT = SaturationEffect

@@ -12,7 +12,7 @@ from hysgen.stage.effects.base import Constants, Effect, Period, Setting, Tolera
 
 
 @dataclass(frozen=True)
-class Slew(Effect):
+class SlewEffect(Effect):
     """|du/dt| <= V_per_s: the rate at which the amplifier's current limit charges the ceramic."""
 
     V_per_s: float
@@ -26,7 +26,7 @@ class Slew(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.V_per_s > 0, f"Slew.V_per_s: {self.V_per_s} V/s does not move; give a rate above 0")
+        require(self.V_per_s > 0, f"slew.V_per_s: {self.V_per_s} V/s does not move; give a rate above 0")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
@@ -42,4 +42,4 @@ class Slew(Effect):
         return {"slew.rate_V_per_s": self.V_per_s}
 
 
-EFFECT = Slew
+EFFECT = SlewEffect

@@ -12,7 +12,7 @@ from hysgen.stage.effects.base import Constants, Effect, Period, Setting, requir
 
 
 @dataclass(frozen=True)
-class StickSlip(Effect):
+class StickSlipEffect(Effect):
     """Friction: the table sticks until pulled by about `breakaway_um`, then jumps and sticks again.
 
     left: share of the pull that remains after a jump. scatter: relative spread of the breakaway from jump to jump.
@@ -30,8 +30,8 @@ class StickSlip(Effect):
 
     def __post_init__(self) -> None:
         require_finite(self)
-        require(self.breakaway_um > 0, "StickSlip.breakaway_um: nothing sticks; give a displacement above 0")
-        require(0 <= self.left < 1 and 0 <= self.scatter < 1, "StickSlip: left and scatter must lie from 0 to below 1")
+        require(self.breakaway_um > 0, "stick_slip.breakaway_um: nothing sticks; give a displacement above 0")
+        require(0 <= self.left < 1 and 0 <= self.scatter < 1, "stick_slip: left and scatter must lie from 0 to below 1")
 
     @classmethod
     def constants(cls, present: Sequence[Self], period: Period) -> Constants:
@@ -46,4 +46,4 @@ class StickSlip(Effect):
         return cls(float(rng.uniform(0.02, 0.06)) * setting.span_um)
 
 
-EFFECT = StickSlip
+EFFECT = StickSlipEffect

@@ -21,7 +21,7 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.procedure import Naming, name_causes
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.record import Record
-from hysgen.stage import Preisach, Relays, effects
+from hysgen.stage import Preisach, Relays, effect_shares, effects
 from hysgen.stage import run as measure
 from hysgen.stage.effects import UNKNOWN, Tolerance
 from hysgen.stage.effects.memory import Hysteresis
@@ -76,23 +76,23 @@ def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Judgement]:
 
 def judge(hidden: Scenario) -> Judgement:
     """Measure a scenario, diagnose its record, and compare the causes named with the causes planted."""
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux, shares=True)
+    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
     record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED)
-    left_um = left_by_memory(hidden)
+    memory_rms_um = memory_model_rms(hidden)
     begun = time.perf_counter()
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
     fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier)
-    shares = {effects()[name].cause(): share for name, share in measured.truth.shares_um.items()}
+    shares = {effects()[name].cause(): share for name, share in effect_shares(measured).items()}
     return Judgement(
         category=hidden.category,
         seed=hidden.seed,
         rate_Hz=1.0 / hidden.Ts_s,
         excitation=hidden.excitation,
         planted=hidden.planted,
-        required=tuple(name for name in hidden.planted if shares[name] > left_um),
+        required=tuple(name for name in hidden.planted if shares[name] > memory_rms_um),
         named=naming.names,
-        relative={name: shares[name] / left_um for name in hidden.planted},
+        relative={name: shares[name] / memory_rms_um for name in hidden.planted},
         errors=parameter_errors(hidden, naming.parameters),
         seconds=seconds,
         experiment=naming.next_experiment,
@@ -117,7 +117,7 @@ def _error_ratios(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]
     return fall, math.nan if UNKNOWN in hidden.planted else extended / error_with_truth_known(hidden)
 
 
-def left_by_memory(hidden: Scenario) -> float:
+def memory_model_rms(hidden: Scenario) -> float:
     """Free-run rms in um of the model with the usual memory extension, on the stage without effects but hysteresis."""
     bare = memory_only(hidden)
     measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
@@ -127,7 +127,7 @@ def left_by_memory(hidden: Scenario) -> float:
     return rms(rung.error_um[prepared.held_rows])
 
 
-def parameter_errors(hidden: Scenario, found: dict[str, float]) -> dict[str, float]:
+def parameter_errors(hidden: Scenario, parameters: dict[str, float]) -> dict[str, float]:
     """Signed errors of the parameters found, by "cause.parameter", each in the measure of its `Tolerance`.
 
     Of several effects of one kind, the first is compared.
@@ -137,8 +137,8 @@ def parameter_errors(hidden: Scenario, found: dict[str, float]) -> dict[str, flo
     for effect in hidden.stage.effects:
         for key, truth in effect.true_parameters().items():
             tolerance = effect.tolerances.get(key, Tolerance())
-            if tolerance is not None and key in found and key not in errors and math.isfinite(truth):
-                errors[key] = tolerance.error(found[key], truth, range_V)
+            if tolerance is not None and key in parameters and key not in errors and math.isfinite(truth):
+                errors[key] = tolerance.error(parameters[key], truth, range_V)
     return errors
 
 

@@ -132,10 +132,10 @@ def _truth_limit(judged: list[Judgement]) -> Limit:
     )
 
 
-def limits_table(found: tuple[Limit, ...]) -> str:
+def limits_table(comparisons: tuple[Limit, ...]) -> str:
     """The limits as text; below each limit the records that exceed it."""
     lines = [f"{'limit':38}{'wanted':26}{'measured':26}"]
-    for limit in found:
+    for limit in comparisons:
         lines.append(f"{limit.name:38}{limit.wanted:26}{limit.measured:26}{limit.mark}")
         lines.extend(f"    {record}" for record in limit.beyond)
     return "\n".join(lines)

@@ -15,9 +15,9 @@ from hysgen.stage import Hysteresis
 
 @dataclass(frozen=True)
 class Judgement:
-    """One record: the causes planted, required (share above `left_by_memory`) and named.
+    """One record: the causes planted, required (share above `memory_model_rms`) and named.
 
-    relative: share of each planted effect over `left_by_memory`. errors: of each parameter, see `parameter_errors`.
+    relative: share of each planted effect over `memory_model_rms`. errors: of each parameter, see `parameter_errors`.
     fall: free-run error of the paper's model over that of the extended one, where only Preisach memory is hidden.
     over_truth: error of the extended model over that of the same family fitted with the truth known, where every
     planted cause is extended. Either is nan elsewhere.
@@ -111,7 +111,7 @@ class BankResult:
                 if name in judgement.relative
             )
             for i, (strength, _) in enumerate(seen):
-                if _share([found for _, found in seen[i:]]) >= share:
+                if _share([named for _, named in seen[i:]]) >= share:
                     levels[name] = strength
                     break
         return levels

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.stage import Noise, Stage, effects
+from hysgen.stage import NoiseEffect, Stage, effects
 from hysgen.stage.effects import UNKNOWN, Effect, Setting
 from hysgen.stage.effects.memory import Hysteresis, draw_curve, draw_hysteresis
 from hysgen.studies.bank.excitation import POOR, good, poor, random_levels
@@ -77,7 +77,7 @@ def scenario(category: str, seed: int) -> Scenario:
         adc_low_um=-0.8 * stroke_um,
         adc_high_um=2.0 * stroke_um,
         memory=_hysteresis(rng, category, stroke_um),
-        noise=Noise(stroke_um * float(np.exp(rng.uniform(np.log(2e-5), np.log(5e-4))))),
+        noise=NoiseEffect(stroke_um * float(np.exp(rng.uniform(np.log(2e-5), np.log(5e-4))))),
     )
     names: tuple[str, ...] = ()
     if category in EFFECTS:

@@ -21,7 +21,7 @@ from hysgen.studies.bank.scenario import ACCEPTED, Scenario
 
 def error_with_truth_known(hidden: Scenario) -> float:
     """Free-run rms in um on the held-out rows of the model with every planted cause extended by the plant's numbers."""
-    treated = [name for name, found in _extensions(hidden).items() if found is None]
+    treated = [name for name, extension in _extensions(hidden).items() if extension is None]
     stage = hidden.stage.with_effects(**dict.fromkeys(treated))
     y_um = measure(stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
     prepared = prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED))

@@ -39,7 +39,7 @@ class PaperResults:
         return {
             "modelling": [outcome.to_json() for outcome in self.modelling],
             "tracking": [tracked.to_json() for tracked in self.tracking],
-            "learning": [agreed.to_json() for agreed in self.learning],
+            "learning": [comparison.to_json() for comparison in self.learning],
             "changes": [change.to_json() for change in self.changes],
         }
 

@@ -8,7 +8,6 @@ guard no bit may change; without it, the changed results and the mismatches of t
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -21,13 +20,13 @@ from hysgen.checking.bits.inputs import chunks
 from hysgen.checking.host import Host
 from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
 from hysgen.checking.proof.emulated.program import Emulated
+from hysgen.checking.proof.hooked import replaced
 from hysgen.errors import BuildError
 from hysgen.model.model import Model
 
 Words = NDArray[np.uint32]
 
 FUSING: Final = ("-O2", "-ffp-contract=fast")
-_GUARD: Final = re.compile(r"^#if defined\(__clang__\)\n#pragma STDC FP_CONTRACT OFF\n.*?^#endif\n", re.M | re.S)
 
 
 @dataclass(frozen=True)
@@ -61,11 +60,11 @@ def contraction(
 ) -> list[Fused]:
     """Compile and run every installed platform with fusing enabled, with the guard and without it.
 
-    Raises BuildError if the guard is not found, or no platform is installed.
+    Raises ModelError if the guard is not that of the templates, BuildError if no platform is installed.
     """
     expected, inputs = _expected(model, texts, samples)
-    bare = unguarded(model.name, texts)
-    found = []
+    bare = unguarded(model, texts)
+    results = []
     installed = [platform for platform in platforms if not platform.missing]
     if not installed:
         raise BuildError("no other instruction set is installed: qemu-user-static and a cross gcc are needed")
@@ -80,11 +79,11 @@ def contraction(
             selftest = int(program.call("selftest")) if program.selftested else 0
             differing = int(np.count_nonzero(out != expected))
             largest = float(difference.max())
-            found.append(Fused(platform.name, " ".join(flags), guarded, samples, differing, largest, selftest))
-    return found
+            results.append(Fused(platform.name, " ".join(flags), guarded, samples, differing, largest, selftest))
+    return results
 
 
-def contraction_rows(found: Sequence[Fused]) -> tuple[list[str], list[list[str]]]:
+def contraction_rows(results: Sequence[Fused]) -> tuple[list[str], list[list[str]]]:
     """Column heads and rows of a table."""
     header = ["machine", "flags", "guard", "predictions", "differ", "largest, um", "self-test"]
     rows = [
@@ -97,17 +96,14 @@ def contraction_rows(found: Sequence[Fused]) -> tuple[list[str], list[list[str]]
             f"{row.largest_um:.3g}",
             f"{row.selftest} mismatches",
         ]
-        for row in found
+        for row in results
     ]
     return header, rows
 
 
-def unguarded(name: str, texts: Mapping[str, str]) -> dict[str, str]:
-    """The same texts without the guard against fusing. Raises BuildError if it is not found exactly once."""
-    bare, count = _GUARD.subn("", texts[f"{name}.c"])
-    if count != 1:
-        raise BuildError(f"{name}.c: the guard against fused multiply-adds was not found; adapt the proof")
-    return {**texts, f"{name}.c": bare}
+def unguarded(model: Model, texts: Mapping[str, str]) -> dict[str, str]:
+    """`texts` without the guard against fusing. Raises ModelError if its lines are not those of the templates."""
+    return replaced(model, texts, "guard: contraction", [])
 
 
 def _expected(model: Model, texts: Mapping[str, str], samples: int) -> tuple[Words, list[Words]]:

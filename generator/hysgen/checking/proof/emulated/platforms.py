@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 STRICT: Final = ("-O2", "-ffp-contract=off")
@@ -37,25 +37,16 @@ class Platform:
         return tuple(filter(None, (self.compiler, self.emulator)))
 
 
-def _platform(
-    name: str,
-    triplet: str,
-    emulator: str,
-    order: Literal["<", ">"],
-    debian: str,
-    *,
-    flags: tuple[str, ...] = (),
-    fused: tuple[str, ...] = (),
-) -> Platform:
+def _platform(name: str, triplet: str, emulator: str, order: Literal["<", ">"], debian: str) -> Platform:
     packages = (f"gcc-{triplet}", f"libc6-dev-{debian}-cross", "qemu-user-static")
-    return Platform(name, f"{triplet}-gcc", f"qemu-{emulator}-static", order, packages, ("-static", *flags), fused)
+    return Platform(name, f"{triplet}-gcc", f"qemu-{emulator}-static", order, packages, ("-static",))
 
 
 PLATFORMS: Final = (
-    _platform("armhf", "arm-linux-gnueabihf", "arm", "<", "armhf", fused=("-mfpu=neon-vfpv4",)),
+    replace(_platform("armhf", "arm-linux-gnueabihf", "arm", "<", "armhf"), fused=("-mfpu=neon-vfpv4",)),
     _platform("aarch64", "aarch64-linux-gnu", "aarch64", "<", "arm64"),
     _platform("riscv64", "riscv64-linux-gnu", "riscv64", "<", "riscv64"),
     _platform("powerpc", "powerpc-linux-gnu", "ppc", ">", "powerpc"),
     # With -std=c99 alone gcc evaluates float as double on s390x, for an old ABI; the generated C rejects that.
-    _platform("s390x", "s390x-linux-gnu", "s390x", ">", "s390x", flags=("-fexcess-precision=fast",)),
+    replace(_platform("s390x", "s390x-linux-gnu", "s390x", ">", "s390x"), flags=("-static", "-fexcess-precision=fast")),
 )

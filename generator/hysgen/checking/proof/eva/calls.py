@@ -8,9 +8,9 @@ from typing import Final
 from hysgen.checking.proof.eva.banks import told_gain
 from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.frama import Floats, Verdict, analyse
-from hysgen.checking.proof.eva.hooked import hooked
 from hysgen.checking.proof.eva.splits import case_lines, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, bank_words, between, instance_words
+from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
 from hysgen.model.intervals import ANY

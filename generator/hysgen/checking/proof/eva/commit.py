@@ -10,10 +10,10 @@ from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.calls import ENTRY
 from hysgen.checking.proof.eva.contracts import beyond_contract
 from hysgen.checking.proof.eva.frama import Verdict, analyse
-from hysgen.checking.proof.eva.hooked import hooked
 from hysgen.checking.proof.eva.learner_box import PARAMETERS, REMAINDERS
 from hysgen.checking.proof.eva.splits import Split, case_lines, signs, splits
 from hysgen.checking.proof.eva.states import float_word, integer_word
+from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers
@@ -44,8 +44,8 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     known += [integer_word("learner", "age")]
     facts = {"name": name, "words": known, "points": points}
     # Asked where commit returns, case by case: afterwards the cases are taken together.
-    left = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
-    lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [left]}
+    unfinished = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
+    lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [unfinished]}
     source = hooked(model, texts, lines | beyond_contract(name))
     checks = sum(word.demanded != "" for word in known) + 1
     return {**texts, f"{name}.c": source, ENTRY: render("proof/commit.c.j2", facts)}, checks

@@ -1,19 +1,23 @@
 """Functions that the proof of a learner takes at a contract instead of their text, and the contracts as ACSL.
 
-`beyond` is held against its contract by running it on every float (`contract.py`). What one update does to the shadow
-(`project`, `factor`, `clear`, `step`) is analysed once, from any bits the learner may hold, which shows two things:
-what a call writes, and that `step` answers 0 only if every parameter that it leaves is finite and inside its limit.
+`check_contract` runs `beyond` on every float. What one update does to the shadow (`project`, `factor`, `clear`, `step`)
+is analysed once, from any bits the learner may hold, which shows two things: what a call writes, and that `step`
+answers 0 only if every parameter that it leaves is finite and inside its limit.
 """
 
 from __future__ import annotations
 
-import re
+import subprocess
+import time
 from collections.abc import Mapping
 from typing import Final
 
-from hysgen.checking.proof.eva.hooked import hook_names
+from hysgen.checking.proof.eva.frama import Verdict
+from hysgen.checking.proof.hooked import hook_names
+from hysgen.checking.proof.sources import folder_of
 from hysgen.codegen.interface import interface_of
-from hysgen.errors import ModelError
+from hysgen.codegen.render import render
+from hysgen.errors import BuildError
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.model.model import Model
 
@@ -25,6 +29,8 @@ WRITES: Final[Mapping[str, tuple[str, ...]]] = {
 _RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
 
 _CLAUSE: Final = "\n    "
+_STORED: Final = "step: theta "
+"""Start of the name of a hook behind the lines that store parameters; their indices follow, separated by spaces."""
 
 LOOKED_AT: Final = "looked_at"
 """Parameter whose cases are distinguished: a number of the analysis, not of the generated C."""
@@ -32,8 +38,8 @@ LOOKED_AT: Final = "looked_at"
 
 def update_functions(model: Model, texts: Mapping[str, str]) -> dict[str, str]:
     """Name without prefix -> which of WRITES, of every function of an update with a contract, in the text's order."""
-    found = [name.removeprefix("contract: ") for name in hook_names(model, texts) if name.startswith("contract: ")]
-    return {function: kind for function in found if (kind := function.split("_")[0]) in WRITES}
+    functions = [name.removeprefix("contract: ") for name in hook_names(model, texts) if name.startswith("contract: ")]
+    return {function: kind for function in functions if (kind := function.split("_")[0]) in WRITES}
 
 
 def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
@@ -44,44 +50,30 @@ def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[s
         written = [f"self->{_whole(name, texts, word)}" for word in WRITES[kind]]
         clauses = [f"assigns {', '.join([*written, *_RESULT[kind]])} \\from \\nothing;"]
         if kind == "step":
-            kept = " && ".join(within(name, f"self->theta[{j}]") for j in range(_parameters(name, texts)))
+            kept = " && ".join(within(name, f"self->theta[{j}]") for j in range(parameters(name, texts)))
             clauses += ["ensures self->phase == 0;", rf"ensures \result == 1 || (\result == 0 && {kept});"]
         lines[f"contract: {function}"] = [f"/*@ {_CLAUSE.join(clauses)} */"]
     return lines
 
 
-def with_checks(name: str, texts: Mapping[str, str], source: str) -> str:
-    """`source` with checks of what `update_contracts` promises of `step`, for the parameter that is looked at.
-
-    Raises ModelError if its lines are not found: then the generated text has changed under the proof.
-    """
+def update_checks(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
+    """Checks of what `update_contracts` promises of `step`, by hook, for the parameter that is looked at."""
+    name = model.name
     limit = f"{name.upper()}_LEARN_LIMIT_UM"
-
-    def looked_at(match: re.Match[str]) -> str:
-        cases = [
-            f"    /*@ ghost if ({LOOKED_AT} == {j}u) {{ /@ split \\is_NaN({x}); @/"
-            f" if ({x} < {limit}) {{ if ({x} <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
-            for j, x in re.findall(r"self->theta\[(\d+)\] = (sum\d+);", match[0])
-        ]
-        return "\n".join([match[0], *cases])
-
-    start = source.index(f" {name}_step({name}_learner_t *self)\n{{")
-    end = source.index("\n}\n", start)
-    lines = r"^ +self->theta\[\d+\] = sum\d+;(?:\s+self->theta\[\d+\] = sum\d+;)*$"
-    body = re.sub(lines, looked_at, source[start:end], flags=re.MULTILINE)
-    ending = re.search(r"\n    return ([^;\n]*);$", body)
-    if ending is None or body.count("/*@ ghost") != _parameters(name, texts):
-        raise ModelError(
-            f"{name}_step: its parameters are not where the proof looks for them; adapt proof/eva/contracts.py"
-        )
-    answer = ending[1]
-    checks = [f"answer: {answer} <= 1", "phase: self->phase == 0"]
+    lines: dict[str, list[str]] = {}
+    for hook in hook_names(model, texts):
+        if hook.startswith(_STORED):
+            lines[hook] = [
+                f"    /*@ ghost if ({LOOKED_AT} == {j}u) {{ /@ split \\is_NaN(sum{j}); @/"
+                f" if (sum{j} < {limit}) {{ if (sum{j} <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
+                for j in hook.removeprefix(_STORED).split()
+            ]
+    checks = ["answer: beyond <= 1", "phase: self->phase == 0"]
     checks += [
-        f"kept_{j}: {LOOKED_AT} == {j} && {answer} == 0 ==> {within(name, f'self->theta[{j}]')}"
-        for j in range(_parameters(name, texts))
+        f"kept_{j}: {LOOKED_AT} == {j} && beyond == 0 ==> {within(name, f'self->theta[{j}]')}"
+        for j in range(parameters(name, texts))
     ]
-    asked = "".join(f"\n    //@ check {check};" for check in checks)
-    return source[:start] + body[: ending.start()] + asked + ending[0] + source[end:]
+    return lines | {"step: return": [f"    //@ check {check};" for check in checks]}
 
 
 def beyond_contract(name: str) -> dict[str, list[str]]:
@@ -96,13 +88,34 @@ def beyond_contract(name: str) -> dict[str, list[str]]:
     return {"contract: beyond": [f"/*@ {_CLAUSE.join(clauses)} */"]}
 
 
+def check_contract(name: str, texts: Mapping[str, str]) -> Verdict:
+    """Whether `<name>_beyond` keeps its contract, by running it on all 2^32 floats.
+
+    Raises BuildError if gcc is not installed or refuses the C.
+    """
+    started = time.monotonic()
+    program = render("proof/contract.c.j2", {"name": name, "NAME": name.upper()})
+    with folder_of({**texts, "contract.c": program}) as scratch:
+        call = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "-o", "contract", "contract.c"]
+        try:
+            built = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
+        except FileNotFoundError as fault:
+            raise BuildError("gcc: not installed; apt-get install gcc") from fault
+        if built.returncode != 0:
+            raise BuildError(f"gcc: contract.c: {(built.stderr.strip().splitlines() or ['refused'])[0]}")
+        run = subprocess.run([str(scratch / "contract")], capture_output=True, text=True, check=False)
+    alarms = () if run.returncode == 0 else (f"contract does not hold: {run.stdout.strip() or run.returncode}",)
+    return Verdict(alarms, 1 - len(alarms), 1, time.monotonic() - started)
+
+
 def within(name: str, theta: str) -> str:
     """That a parameter is finite and inside its limit, as ACSL."""
     limit = f"{name.upper()}_LEARN_LIMIT_UM"
     return rf"\is_finite({theta}) && -{limit} < {theta} < {limit}"
 
 
-def _parameters(name: str, texts: Mapping[str, str]) -> int:
+def parameters(name: str, texts: Mapping[str, str]) -> int:
+    """Number of parameters that the learner of model `name` has."""
     return sum(word.path.startswith("theta[") for word in interface_of(name, texts).struct(f"{name}_learner_t").words())
 
 

@@ -16,16 +16,17 @@ from hysgen.checking.proof.eva.contracts import (
     LOOKED_AT,
     WRITES,
     beyond_contract,
+    parameters,
+    update_checks,
     update_contracts,
     update_functions,
-    with_checks,
 )
 from hysgen.checking.proof.eva.frama import Verdict, analyse
-from hysgen.checking.proof.eva.hooked import hooked
 from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.checking.proof.eva.learner_box import WILD, LearnerBox, learner_box
 from hysgen.checking.proof.eva.splits import Join, Split, case_lines, displacements, signs, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, assumed, bank_words, float_word, instance_words
+from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
@@ -79,15 +80,15 @@ def update_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     """The C that Eva analyses for what one update does to the shadow, and the number of its checks."""
     name = model.name
     functions = update_functions(model, texts)
-    source = with_checks(name, texts, hooked(model, texts, beyond_contract(name)))
-    parameters = source.count(f"ghost if ({LOOKED_AT} ==")
+    source = hooked(model, texts, beyond_contract(name) | update_checks(model, texts))
+    count = parameters(name, texts)
     facts = {
         "name": name,
         "looked_at": LOOKED_AT,
         "functions": [f"{name}_{function}" for function, kind in functions.items() if kind != "step"],
-        "parameters": parameters,
+        "parameters": count,
     }
-    return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, parameters + 2
+    return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, count + 2
 
 
 def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from hysgen.checking.proof.eva.calls import functions, prove_call
 from hysgen.checking.proof.eva.commit import prove_commit
-from hysgen.checking.proof.eva.contract import check_contract
+from hysgen.checking.proof.eva.contracts import check_contract
 from hysgen.checking.proof.eva.frama import Floats, Verdict, version
 from hysgen.checking.proof.eva.guards import guards, without
 from hysgen.checking.proof.eva.learn import prove_learn, prove_update
@@ -111,21 +111,21 @@ def prove(
         both: tuple[Floats, ...] = ("finite", "any")
         tasks += [(function, inputs) for inputs in ([LEARNER[function]] if function in LEARNER else both)]
     chosen = {function for function, _ in tasks}
-    outs = [guard for guard in guards(model.name, texts) if take_out and guard.function in chosen]
+    outs = [guard for guard in guards(model, texts) if take_out and guard.function in chosen]
     done, total = 0, len(tasks) + len(outs)
-    found: list[Proof] = []
+    proofs: list[Proof] = []
     taken: list[TakenOut] = []
     for function, inputs in tasks:
         _tell(progress, done / total, f"proving {model.name}_{function}, {inputs} inputs")
         verdict, expected = proved(model, texts, function, inputs)
-        found.append(Proof(function, inputs, verdict.alarms, verdict.held, verdict.checks, expected, verdict.seconds))
+        proofs.append(Proof(function, inputs, verdict.alarms, verdict.held, verdict.checks, expected, verdict.seconds))
         done += 1
     for guard in outs:
         _tell(progress, done / total, f"without: that {guard.about}")
-        verdict, _ = proved(model, without(guard, model.name, texts), guard.function, guard.inputs)
+        verdict, _ = proved(model, without(guard, model, texts), guard.function, guard.inputs)
         taken.append(TakenOut(guard.about, guard.function, len(verdict.alarms)))
         done += 1
-    return Proofs(model.name, tool, tuple(found), tuple(taken))
+    return Proofs(model.name, tool, tuple(proofs), tuple(taken))
 
 
 def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:

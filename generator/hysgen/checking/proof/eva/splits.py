@@ -49,7 +49,7 @@ def splits(model: Model, kept: float) -> list[Split]:
     """
     numbers = coefficients(model)
     least, limit = (_bits(size) for size in (float(LEAST), kept))
-    found = [
+    cases = [
         *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited")),
         Split("finite: bits", _magnitudes(least, INFINITY_BITS)),
         Split("finite", signs("held")),
@@ -70,8 +70,8 @@ def splits(model: Model, kept: float) -> list[Split]:
         Split("coupling_channel: inside", _around("inside", f"{model.name}_coupling_middle[c]")),
     ]
     for function in ("predict", "simulate", "inverse"):
-        found.append(Split(f"{function}: y", displacements(numbers)))
-    return found
+        cases.append(Split(f"{function}: y", displacements(numbers)))
+    return cases
 
 
 @dataclass(frozen=True)

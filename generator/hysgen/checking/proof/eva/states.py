@@ -36,10 +36,10 @@ class Assumed:
 def instance_words(model: Model, texts: Mapping[str, str]) -> list[Assumed]:
     """Every word of `<name>_t` but the banks: those are of `bank_words`, or as init wrote them."""
     struct = f"{model.name}_t"
-    found = [
+    words = [
         word for word in interface_of(model.name, texts).struct(struct).words() if not word.path.startswith("bank[")
     ]
-    return assumed("self", struct, found, state_box(model), {"active": 1, **parts_box(model).integers})
+    return assumed("self", struct, words, state_box(model), {"active": 1, **parts_box(model).integers})
 
 
 def bank_words(model: Model) -> list[Assumed]:
@@ -48,12 +48,12 @@ def bank_words(model: Model) -> list[Assumed]:
     Not looked at afterwards: no call but commit writes a bank.
     """
     boxes = bank_box(model) if model.learner else {}
-    found = [float_word("self", f"bank[{b}].{path}", box) for b in range(2) for path, box in boxes.items()]
-    return [dataclasses.replace(word, demanded="") for word in found]
+    words = [float_word("self", f"bank[{b}].{path}", box) for b in range(2) for path, box in boxes.items()]
+    return [dataclasses.replace(word, demanded="") for word in words]
 
 
 def assumed(
-    name: str, struct: str, found: Sequence[Word], boxes: Mapping[str, Interval], largest: Mapping[str, int]
+    name: str, struct: str, words: Sequence[Word], boxes: Mapping[str, Interval], largest: Mapping[str, int]
 ) -> list[Assumed]:
     """Words of the C object `name`, of type `struct`: each float in its box, each integer up to its largest value.
 
@@ -61,7 +61,7 @@ def assumed(
     any 32 bits, of which nothing is demanded afterwards, would make the proof say nothing of that float.
     """
     known: list[Assumed] = []
-    for word in found:
+    for word in words:
         if word.type == "float":
             if word.path not in boxes:
                 raise ModelError(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.record.series import MEDIAN_TO_DEVIATION
+
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
@@ -18,7 +20,7 @@ EDGE = 2
 """Samples at either end of a run that are never marked, because they have no neighbours on one side."""
 
 
-def isolated(error_um: Floats) -> Flags:
+def outlier_flags(error_um: Floats) -> Flags:
     """Flags, (n,), of the corrupted samples of one run: single samples or two side by side.
 
         s(k) = e(k) - median(e(k-2), e(k-1), e(k+1), e(k+2)),    |s(k)| > 8 * 1.4826 median |s|
@@ -31,34 +33,34 @@ def isolated(error_um: Floats) -> Flags:
     corrupted sample.
     error_um: (n,) residual of a model, so that the motion of the stage is not counted as scatter.
     """
-    found = np.zeros(len(error_um), dtype=bool)
+    flags = np.zeros(len(error_um), dtype=bool)
     if len(error_um) < 6:
-        return found
-    left = error_um
+        return flags
+    bridged_um = error_um
     for _ in range(MOST_PASSES):
-        more = _deviating(left) & ~found
+        more = _deviating(bridged_um) & ~flags
         more[:EDGE] = more[-EDGE:] = False
         if not more.any():
             break
-        found |= more
-        left = error_um.copy()
-        left[found] = np.interp(np.flatnonzero(found), np.flatnonzero(~found), error_um[~found])
-    return found
+        flags |= more
+        bridged_um = error_um.copy()
+        bridged_um[flags] = np.interp(np.flatnonzero(flags), np.flatnonzero(~flags), error_um[~flags])
+    return flags
 
 
 def _deviating(error_um: Floats) -> Flags:
-    """Flags, (n,), of one pass of `isolated`."""
+    """Flags, (n,), of one pass of `outlier_flags`."""
     n = len(error_um)
     deviation = np.abs(local_scatter(error_um))
-    scale = 1.4826 * float(np.median(deviation)) + 1e-300
+    scale = MEDIAN_TO_DEVIATION * float(np.median(deviation)) + 1e-300
     neighbours = np.maximum(np.append(deviation[1:], 0.0), np.append(0.0, deviation[:-1]))
-    alone = (deviation > LEAST_DEVIATION * scale) & (deviation > 2.0 * neighbours)
+    single = (deviation > LEAST_DEVIATION * scale) & (deviation > 2.0 * neighbours)
     # Two samples k and k + 1 against the two samples before and the two after, which agree with each other.
     padded = np.pad(error_um, 2, mode="edge")
     outer = np.stack([padded[i : i + n - 1] for i in (0, 1, 4, 5)])
     off = np.abs(np.stack([error_um[:-1], error_um[1:]]) - np.median(outer, axis=0)).min(axis=0)
     first = (off > LEAST_DEVIATION * scale) & (off > 2.0 * np.ptp(outer, axis=0))
-    return np.asarray(alone | np.append(first, False) | np.append(False, first))
+    return np.asarray(single | np.append(first, False) | np.append(False, first))
 
 
 def local_scatter(error_um: Floats) -> Floats:

@@ -1,0 +1,32 @@
+/* empty_store.c: a parameter store without memory, of the simulator's board and of the C6748's until it is replaced.
+ *
+ * On your board: two sectors of flash. Without them nothing survives power off, and images are refused with
+ * IMAGE_NOT_STORED; reading gives erased memory. */
+
+#include "board.h"
+
+void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+{
+    (void)board;
+    (void)slot;
+    (void)offset;
+    for (uint32_t i = 0u; i < count; ++i) {
+        bytes[i] = 0xFFu;
+    }
+}
+
+void board_store_erase(board_t *board, uint32_t slot)
+{
+    (void)board;
+    (void)slot;
+}
+
+uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+{
+    (void)board;
+    (void)slot;
+    (void)offset;
+    (void)bytes;
+    (void)count;
+    return 0u;
+}
