@@ -23,7 +23,7 @@ from hysgen.diagnosis.causes import in_ladder_order
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
-from hysgen.fitting import CURVE, FitSettings, PathTask, fit, fit_path, partition, path_model
+from hysgen.fitting import CURVE, FitSettings, PathTask, estimate_starts, fit, fit_path, partition, path_model
 from hysgen.float32.learner_numbers import MOST_PARAMETERS
 from hysgen.float32.update_schedule import update_schedule
 from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
@@ -89,13 +89,13 @@ def fit_ladder(
         # A cross-validation compares paths: the rules behind them stay one lag.
         task = _path_task(part, chosen, extended, weights)
         model = path_model(task) if skip is not None else fit_path(task, extended)
-        return _rung(names, model, level)
+        return _rung(names, model, level, prepared.unscored)
     try:
         model = fit(part, extended, trust=weights)
     except FitError:
         # If the certified fit fails, an uncertified fit still measures the gain of the extension.
         model = fit(part, dataclasses.replace(extended, certified=False), trust=weights)
-    return _rung(names, model, level)
+    return _rung(names, model, level, prepared.unscored)
 
 
 def _path_task(part: Record, chosen: Sequence[Extension], settings: FitSettings, trust: list[Floats]) -> PathTask:
@@ -115,9 +115,12 @@ def _path_task(part: Record, chosen: Sequence[Extension], settings: FitSettings,
     )
 
 
-def _rung(names: Sequence[str], model: Model, level: Record) -> Rung:
-    """The rung of a model, with its free-run error over all rows of the record without slow changes."""
-    runs = free_run(model, level)
+def _rung(names: Sequence[str], model: Model, level: Record, unscored: Sequence[int]) -> Rung:
+    """The rung of a model, with its free-run error over all rows of the record without slow changes.
+
+    unscored: rows of each segment from which its initial state is estimated (`estimate_starts`).
+    """
+    runs = free_run(model, level, estimate_starts(model, level, unscored))
     error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
     return Rung(tuple(in_ladder_order(names)), model, error)
 

@@ -10,6 +10,7 @@ the lag forgets it exponentially after that.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -109,6 +110,12 @@ class Prepared:
     def held_rows(self) -> Rows:
         """Rows of the held-out part that are scored."""
         return self.cut + np.flatnonzero(self.use[self.cut :] >= Use.MODEL)
+
+    @cached_property
+    def unscored(self) -> list[int]:
+        """Rows of each segment before the first that is fitted or scored: they show what the stage remembers."""
+        ends = np.cumsum([0, *(segment.samples for segment in self.record.segments)])
+        return [int(np.argmax(self.use[a:b] >= Use.MODEL)) for a, b in itertools.pairwise(ends)]
 
     @property
     def y_um(self) -> Floats:

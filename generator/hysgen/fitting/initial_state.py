@@ -1,64 +1,75 @@
-"""Initial states of the terms of each segment, estimated from the measured displacement.
+"""What a stage remembers from before a record, estimated from the first rows of each segment, which are not scored.
 
-The state of play operators before sample 0 depends on inputs before the record. It is described by one number per
-segment, the last turning point c of the input in V (see `Memory.state_after`). The estimate of c minimises the free-run
-error over the segment; a score that uses it therefore has one parameter fitted to the scored segment.
+The slow states of creep remember for their time constants, and the sensor's zero for ever; plays forget once the input
+has covered its range. With the free-run error e of the model at rest under the first input, on the later half of the
+rows before the first scored one,
+
+    min over d  ||e - C d||^2 / s^2 + ||d||^2 / p^2
+
+C: responses of the model to a deviation of 1 um of each slow state, or of the offset. s: rms of e without its mean.
+p: half the range of w, a wide prior that only decides what these rows leave open.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol, runtime_checkable
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
-from hysgen.machine import kernels
-from hysgen.machine.kernels import Rules
+from hysgen.machine.kernels import lag_states
 from hysgen.model.model import Model
-from hysgen.model.regression import Starts, drive_of, structure_of, term_output
-from hysgen.model.terms import Term
+from hysgen.model.path import InputBlock, state_key
+from hysgen.model.path.creep import Creep
+from hysgen.model.regression import OFFSET, Starts, drive_of, structure_of
+from hysgen.model.simulate import free_run
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
 
-CANDIDATES = 41
-"""Voltages on the coarse grid, over three times the record's range: the error has several local minima in c."""
+FEWEST = 20
+"""Rows that the estimate needs; with less, a segment starts at rest."""
 
 
-@runtime_checkable
-class TurningPointState(Protocol):
-    """A term whose state is a function of the past turning points of the input."""
+def estimate_starts(model: Model, record: Record, unscored: Sequence[int]) -> Starts:
+    """Initial states of each segment, by `state_key` and OFFSET; {} for a model without a response in its path.
 
-    def state_after(self, past_V: Sequence[float], u_V: float) -> Floats:
-        """State after an input with the turning points past_V that ended at u_V."""
-        ...
+    unscored: number of rows of each segment before the first that is scored.
+    """
+    if not any(block.responds for block in model.blocks):
+        return [{} for _ in record.segments]
+    runs = free_run(model, record)
+    return [
+        _start(model, record, segment, segment.y_um - run.y_um, count)
+        for segment, run, count in zip(record.segments, runs, unscored, strict=True)
+    ]
 
 
-def estimate_starts(model: Model, record: Record) -> Starts:
-    """For each segment the initial states of least free-run error, by kind; empty without `TurningPointState` terms."""
-    terms = [term for term in model.terms if isinstance(term, TurningPointState)]
-    return [_best(model, record, segment, terms) if terms else {} for segment in record.segments]
+def _start(model: Model, record: Record, segment: Segment, error_um: Floats, count: int) -> dict[str, Floats]:
+    rows = np.arange(count // 2, count)
+    if rows.size < FEWEST:
+        return {}
+    slow = next((block for block in model.blocks if isinstance(block, Creep)), None)
+    columns = _columns(model, slow, count)[:, rows]
+    noise = max(float(np.std(error_um[rows])), 1e-12)
+    ridge = (noise / (0.5 * model.w_range.width)) ** 2 * np.eye(len(columns))
+    deviation = np.linalg.solve(columns @ columns.T + ridge, columns @ error_um[rows])
+    if slow is None:
+        return {OFFSET: np.asarray(deviation)}
+    return {state_key(slow): slow.start(_first_input(model, record, segment, slow)) + deviation}
 
 
-def _best(model: Model, record: Record, segment: Segment, terms: Sequence[Term]) -> Mapping[str, Floats]:
-    first_V = float(drive_of(segment, record.Ts_s, structure_of(model)).u_V[0])
-    rules = Rules(structure_of(model).range_um, model.consequents)
+def _columns(model: Model, slow: Creep | None, count: int) -> Floats:
+    """(d, count) responses in um to a deviation of 1 um of each slow state, or of the offset."""
+    if slow is None:
+        return np.ones((1, count))
+    rate = np.array([1.0 - float(np.mean(model.consequents[:, 0]))])
+    kept = 1.0 - slow.rates(model.Ts_s)
+    fading = [slow.amount * keep ** np.arange(float(count)) for keep in kept]
+    return np.stack([lag_states(column, rate, np.zeros(1))[:, 0] for column in fading])
 
-    def states(c_V: float) -> dict[str, Floats]:
-        return {term.kind: term.state_after([c_V], first_V) for term in terms if isinstance(term, TurningPointState)}
 
-    def error(c_V: float) -> float:
-        drive = drive_of(segment, record.Ts_s, structure_of(model), states(c_V))
-        y_um, _ = kernels.free_run(rules, drive.u_V, term_output(model, drive), float(segment.y_um[0]))
-        away = y_um - segment.y_um
-        return float(away @ away)
-
-    low, high = float(segment.u_V.min()), float(segment.u_V.max())
-    voltages = np.linspace(low - (high - low), high + (high - low), CANDIDATES)
-    errors = [error(float(c_V)) for c_V in voltages]
-    best = int(np.argmin(errors))
-    bracket = (voltages[max(best - 1, 0)], voltages[min(best + 1, CANDIDATES - 1)])
-    refined = minimize_scalar(error, bounds=bracket, method="bounded", options={"xatol": 1e-3 * (high - low)})
-    return states(float(refined.x) if refined.fun < errors[best] else float(voltages[best]))
+def _first_input(model: Model, record: Record, segment: Segment, slow: InputBlock) -> float:
+    """Input of a block at the first sample of a segment."""
+    before = structure_of(model).before(slow)
+    return float(drive_of(segment, record.Ts_s, before).u_V[0])
