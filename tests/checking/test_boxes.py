@@ -233,7 +233,7 @@ def test_a_kind_without_a_box_and_one_with_too_few_regressors_are_refused() -> N
 
 def test_a_saturation_beyond_the_range_holds_the_input_at_its_level() -> None:
     box = Saturation(130.0, 140.0).box(Interval(-20.0, 120.0), 1.0)
-    assert box.through_V == Interval(130.0, 130.0)
+    assert box.through == Interval(130.0, 130.0)
 
 
 @pytest.mark.slow

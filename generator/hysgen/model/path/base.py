@@ -35,14 +35,14 @@ class BlockBox:
     """What the C struct and the results of an input block never leave, as `InputBlock.box` gives it.
 
     floats: the interval of every float of the struct, by the C path of the float inside the struct (`ring[2]`).
-    through_V: what the block lets through. commands_V: what the inverse commands for any v in through_V; of a limiter,
-    which the inverse does not ask, through_V. integers: the largest value of every integer that must not exceed a
+    through: range of the output. solved: range of the input that the inverse finds, by `command` or `solve`; of a
+    limiter, through. integers: the largest value of every integer that must not exceed a
     value, such as an index; an integer that is not named may have any value.
     """
 
     floats: Mapping[str, Interval]
-    through_V: Interval
-    commands_V: Interval
+    through: Interval
+    solved: Interval
     integers: Mapping[str, int] = field(default_factory=dict)
 
 
@@ -53,10 +53,24 @@ class BlockMirror(MirroredStruct, abc.ABC):
     def apply(self, u_V: Floats32) -> Floats32:
         """v(k) of the command u(k), (lanes,); moves the state by one sample."""
 
+    @abc.abstractmethod
+    def rest(self) -> Floats32:
+        """Output at rest, (lanes,), as `_init` returns it: the input under which the next block rests.
+
+        Valid until the first sample.
+        """
+
+    def solve(self, wanted: Floats32) -> Floats32:
+        """Input, (lanes,), for which `apply` would return `wanted`; does not move the state.
+
+        Called for responses of the stage only (`InputBlock.responds`).
+        """
+        raise NotImplementedError
+
     def command(self, v_V: Floats32) -> Floats32:
         """The command for which v arrives `preview` samples later, (lanes,); moves the state by one sample.
 
-        Not called for limiters.
+        Called for delays only.
         """
         return v_V
 
@@ -74,6 +88,10 @@ class InputBlock(ModelPart):
     """Whether the block is a limiter: its own output passes it unchanged, and the inverse applies it to v(k)."""
     responds: ClassVar[bool] = False
     """Whether the block is a response of the stage (hysteresis, creep, modes): the inverse solves it for its input."""
+
+    def solves(self, Ts_s: float) -> bool:
+        """Whether a response has a stable inverse (`BlockMirror.solve`); the inverse of the model omits it if not."""
+        return True
 
     @property
     def preview(self) -> int:
@@ -95,7 +113,7 @@ class InputBlock(ModelPart):
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
         """What the struct of the generated C never leaves while the input of the block stays in u_V:
 
-            x(k) in box, u(k) in u_V   =>   x(k+1) in box,   v(k) in through_V
+            x(k) in box, u(k) in u_V   =>   x(k+1) in box,   v(k) in through
 
         in float32, for the state `_init` leaves under any u in u_V and after every later call. The proof of the
         generated C assumes the box before a call and demands the box after the call, and uses an interval of every

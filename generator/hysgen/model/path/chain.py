@@ -25,8 +25,7 @@ class ChainMirror:
             mirror = block.mirror(v, Ts_s)
             self._blocks.append(mirror)
             (self._limiters if block.limits else self._others).append(mirror)
-            # After a block without a state, the next block rests under its output and not under the command.
-            v = v if mirror.state() else mirror.apply(v)
+            v = mirror.rest()
         self.v_V = v
 
     def apply(self, u_V: Floats32) -> Floats32:

@@ -131,6 +131,9 @@ class DelayMirror(BlockMirror):
         super().restore(words)
         self.ring = np.array(self.ring)
 
+    def rest(self) -> Floats32:
+        return self._past(0)
+
     def _push(self, u_V: Floats32) -> None:
         self.newest = (self.newest + np.uint32(1)) % np.uint32(len(self.ring))
         self.ring[self.newest, np.arange(u_V.size)] = u_V

@@ -65,7 +65,7 @@ class Saturation(InputBlock):
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> ClipMirror:
         levels = self.constants(Ts_s)
-        return ClipMirror(levels["low"][0], levels["high"][0])
+        return ClipMirror(levels["low"][0], levels["high"][0], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {"low": np.array([self.low_V], dtype=np.float32), "high": np.array([self.high_V], dtype=np.float32)}
@@ -78,8 +78,12 @@ class Saturation(InputBlock):
 class ClipMirror(BlockMirror):
     """Float32 clipping over lanes; no state."""
 
-    def __init__(self, low: np.float32, high: np.float32) -> None:
+    def __init__(self, low: np.float32, high: np.float32, u_V: Floats32) -> None:
         self._low, self._high = low, high
+        self._rest = self.apply(u_V)
+
+    def rest(self) -> Floats32:
+        return self._rest
 
     def apply(self, u_V: Floats32) -> Floats32:
         return limited(u_V, self._low, self._high)

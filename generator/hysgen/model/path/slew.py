@@ -84,6 +84,9 @@ class SlewMirror(BlockMirror):
         self._rise, self._fall = rise, fall
         self.last_V = u_V.copy()
 
+    def rest(self) -> Floats32:
+        return self.last_V
+
     def apply(self, u_V: Floats32) -> Floats32:
         self.last_V = limited(u_V, self.last_V - self._fall, self.last_V + self._rise)
         return self.last_V

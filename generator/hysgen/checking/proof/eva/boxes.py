@@ -73,7 +73,7 @@ def parts_box(model: Model) -> PartsBox:
         passed = block.box(applied, model.Ts_s)
         floats |= {f"inputs.{block.kind}.{path}": interval for path, interval in passed.floats.items()}
         integers |= {f"inputs.{block.kind}.{path}": largest for path, largest in passed.integers.items()}
-        applied, command = passed.through_V, command.hull(passed.commands_V)
+        applied, command = passed.through, command.hull(passed.solved)
     if model.blocks:
         floats["inputs.v_V"] = applied
     regressors: list[tuple[float, ...]] = []
