@@ -23,7 +23,18 @@ from hysgen.diagnosis.causes import in_ladder_order
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
-from hysgen.fitting import CURVE, FitSettings, PathTask, estimate_starts, fit, fit_path, partition, path_model
+from hysgen.fitting import (
+    CURVE,
+    FitSettings,
+    PathColumns,
+    PathTask,
+    estimate_starts,
+    fit,
+    fit_path,
+    partition,
+    path_columns,
+    path_model,
+)
 from hysgen.float32.learner_numbers import MOST_PARAMETERS
 from hysgen.float32.update_schedule import update_schedule
 from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
@@ -86,9 +97,9 @@ def fit_ladder(
     )
     weights = _by_segment(trust, [s.samples for s in part.segments])
     if any(extension.on_path for extension in chosen):
+        problem = _path_problem(prepared, chosen, extended, level)
         # A cross-validation compares paths: the rules behind them stay one lag.
-        task = _path_task(part, chosen, extended, weights)
-        model = path_model(task) if skip is not None else fit_path(task, extended)
+        model = path_model(problem, weights) if skip is not None else fit_path(problem, extended, weights)
         return _rung(names, model, level, prepared.unscored)
     try:
         model = fit(part, extended, trust=weights)
@@ -98,21 +109,25 @@ def fit_ladder(
     return _rung(names, model, level, prepared.unscored)
 
 
-def _path_task(part: Record, chosen: Sequence[Extension], settings: FitSettings, trust: list[Floats]) -> PathTask:
-    """The path with the blocks of the chosen extensions; without memory its hysteresis is a curve."""
+def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: FitSettings, level: Record) -> PathColumns:
+    """The path with the blocks of the chosen extensions over the identification part; a curve without memory."""
     lags_s = [extension.lag_s for extension in chosen if extension.lag_s is not None]
-    return PathTask(
+    part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
+    task = PathTask(
         record=part,
+        whole=level,
         grid=partition(part, settings.rules, settings.margin, settings.displacement_range_um),
         input_range_V=settings.input_range_V or part.u_range_V,
         blocks=settings.blocks,
         terms=settings.terms,
         lag_s=lags_s[0] if lags_s else part.Ts_s,
         size=next((extension.size for extension in chosen if extension.size is not None), CURVE),
-        trust=trust,
         searched=True,
         name=settings.name,
     )
+    content = tuple(extension.content for extension in chosen)
+    trust = _by_segment(prepared.trust, [s.samples for s in part.segments])
+    return prepared.paths.get(content, lambda: path_columns(task, trust))
 
 
 def _rung(names: Sequence[str], model: Model, level: Record, unscored: Sequence[int]) -> Rung:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.outlier_detection import EDGE
 from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
+from hysgen.fitting.path import PathColumns
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import lag_states, play_operators
 from hysgen.record import Record, Segment
@@ -48,6 +49,10 @@ MODEL_LAGS, PROBE_LAGS, MOST_LAGS = 3.0, 8.0, 0.03
 """Burn-in of the lag in time constants: for a model, which has to learn the end of the range from the first stroke, and
 for the probe (exp(-8) = 1/3000 of a stroke, the noise of a good sensor). Both are at most this share of a segment."""
 
+REMEMBERED = 0.1
+"""Share of a held-out segment from which its initial state is estimated, and which is not scored: creep from before the
+segment fades over decades of time, and a tenth of the segment shows all but the last."""
+
 FADING_TRUST = 0.3
 """Weight of a fading row in the fit of a model: no other row may lie as near to the end of the range."""
 
@@ -56,6 +61,9 @@ LAGS = 0.3 * 1.5 ** np.arange(18.0)
 
 HALF_WIDTHS = np.array([0.15, 0.4, 0.8])
 """Plays of the quasi-static fit in half ranges: for small, medium and full strokes."""
+
+MOST_PATHS = 4
+"""Cached columns of paths: some 50 for every sample."""
 
 MOST_CHECKED = 100
 """Cached cross-validation errors; a diagnosis needs about 50."""
@@ -80,13 +88,15 @@ class Use(IntEnum):
 class Prepared:
     """A record, or several joined, with the use of each row; the rows before `cut` are the identification part.
 
-    use: (n,) one `Use` per row, all segments in order. checked: cache of cross-validation errors by terms and settings.
+    use: (n,) one `Use` per row, all segments in order. checked: cache of cross-validation
+    errors by terms and settings; paths: cache of the columns of paths by extensions.
     """
 
     record: Record
     cut: int
     use: NDArray[np.int8]
     checked: LruCache[tuple[Rows, Floats]] = field(default_factory=lambda: LruCache(MOST_CHECKED))
+    paths: LruCache[PathColumns] = field(default_factory=lambda: LruCache(MOST_PATHS))
 
     @cached_property
     def training_rows(self) -> Rows:
@@ -217,10 +227,22 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
     use = np.where(known_past, Use.FADING, Use.UNKNOWN_PAST).astype(np.int8)
     for lags, reached in ((MODEL_LAGS, Use.MODEL), (PROBE_LAGS, Use.PROBE)):
         use[_rows_from(joined, np.add(covered, np.minimum(math.ceil(lags * lag), most)))] = reached
+    use[_rows_of_remembrance(joined, cut)] = Use.UNKNOWN_PAST
     # A record may be accepted with its sensor at the end of its range; these samples are no displacement of the stage.
     runs = [Channels.of_arrays(one.name, one.u_V, one.y_um, {}) for one in joined.segments]
     use[np.concatenate(at_end(runs))] = Use.LOST
     return Prepared(joined, cut, use)
+
+
+def _rows_of_remembrance(record: Record, cut: int) -> NDArray[np.bool_]:
+    """(n,) the first rows of segments that are only scored: from them, the state before the segment is estimated."""
+    firsts = np.cumsum([0, *(segment.samples for segment in record.segments)])[:-1]
+    return np.concatenate(
+        [
+            (np.arange(one.samples) < REMEMBERED * one.samples) & (first >= cut)
+            for first, one in zip(firsts, record.segments, strict=True)
+        ]
+    )
 
 
 def _rows_from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:

@@ -2,7 +2,7 @@
 
 from hysgen.fitting.identify import fit, fit_path, partition
 from hysgen.fitting.initial_state import estimate_starts
-from hysgen.fitting.path import CURVE, PathSize, PathTask, path_model
+from hysgen.fitting.path import CURVE, PathColumns, PathSize, PathTask, path_columns, path_model
 from hysgen.fitting.settings import FitSettings, Method
 from hysgen.fitting.shape import ShapeFit, fit_shape
 
@@ -10,6 +10,7 @@ __all__ = [
     "CURVE",
     "FitSettings",
     "Method",
+    "PathColumns",
     "PathSize",
     "PathTask",
     "ShapeFit",
@@ -18,5 +19,6 @@ __all__ = [
     "fit_path",
     "fit_shape",
     "partition",
+    "path_columns",
     "path_model",
 ]

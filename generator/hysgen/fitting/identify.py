@@ -14,7 +14,7 @@ from hysgen.errors import FitError
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fitting.free_run import free_run_error
 from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
-from hysgen.fitting.path import PathTask, path_model
+from hysgen.fitting.path import PathColumns, path_model
 from hysgen.fitting.refine import Progress, refine
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine.threads import one_blas_thread
@@ -66,45 +66,44 @@ CHECKED_BLOCKS = 12
 
 
 @one_blas_thread()
-def fit_path(task: PathTask, settings: FitSettings, starts: Starts | None = None) -> Model:
+def fit_path(problem: PathColumns, settings: FitSettings, trust: Trust) -> Model:
     """Fit a physical path and the rules behind it: `path_model`, then the rules by the free-run error.
 
     The rules are refined from one lag on. They stay that lag unless refined rules have a smaller error on blocks of
     rows that were left out. Raises FitError, ModelError or RecordError with one line.
     """
-    start = path_model(task)
-    rows = np.flatnonzero(np.concatenate(list(task.trust)) > 0.0)
-    checked = rows[np.arange(rows.size) * CHECKED_BLOCKS // max(rows.size, 1) % 3 == 1]
-    lengths = np.cumsum([segment.samples for segment in task.record.segments])[:-1]
+    record, model = problem.task.record, path_model(problem, trust)
     outcome: dict[str, object] = {"rules": "one lag"}
-    model = start
     if settings.method == "refined":
-        joined = np.concatenate(list(task.trust))
-        joined[checked] = 0.0
-        trial = _refined_rules(task, settings, start, np.split(joined, lengths), starts)
-        before, after = (_rms_on(task.record, one, checked, starts) for one in (start, trial))
+        weight = np.concatenate(list(trust))
+        rows = np.flatnonzero(weight > 0.0)
+        checked = rows[np.arange(rows.size) * CHECKED_BLOCKS // max(rows.size, 1) % 3 == 1]
+        weight[checked] = 0.0
+        parts = np.split(weight, np.cumsum([segment.samples for segment in record.segments])[:-1])
+        trial = _refined_rules(record, settings, model, parts)
+        before, after = (_rms_on(record, one, checked) for one in (model, trial))
         if after < before:
-            model = _refined_rules(task, settings, start, task.trust, starts)
+            model = _refined_rules(record, settings, model, trust)
             outcome = {"rules": "refined"}
-        outcome["left_out_rms_um"] = {"one_lag": float(before), "refined": float(after)}
-    return _with_history(model, task.record, settings, outcome)
+        outcome["left_out_rms_um"] = {"one_lag": before, "refined": after}
+    return _with_history(model, record, settings, outcome)
 
 
-def _refined_rules(task: PathTask, settings: FitSettings, start: Model, trust: Trust, starts: Starts | None) -> Model:
+def _refined_rules(record: Record, settings: FitSettings, start: Model, trust: Trust) -> Model:
     """`start` with the linear parameters of least free-run error inside the certified set."""
     structure = structure_of(start)
-    one_step = information(task.record, structure, settings.weighting(trust, starts))
+    one_step = information(record, structure, settings.weighting(trust, None))
     lag, gain = float(start.consequents[0, 0]), float(start.consequents[0, 1])
     # A slow lag sampled fast has a slope next to 1; the rules may use half of what is left.
     limit = max(settings.slope_limit, 0.5 * (1.0 + lag))
-    allowed = certified_set(structure, task.record.Ts_s, gain, limit, math.inf)
-    error = free_run_error(task.record, structure, settings.settle, trust, starts).penalised(start, one_step)
+    allowed = certified_set(structure, record.Ts_s, gain, limit, math.inf)
+    error = free_run_error(record, structure, settings.settle, trust).penalised(start, one_step)
     return refine(start, error, allowed, settings.iterations).model
 
 
-def _rms_on(record: Record, model: Model, rows: NDArray[np.intp], starts: Starts | None) -> float:
+def _rms_on(record: Record, model: Model, rows: NDArray[np.intp]) -> float:
     """rms error of the free run in um on `rows` of the joined segments."""
-    runs = free_run(model, record, starts)
+    runs = free_run(model, record)
     error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, record.segments, strict=True)])
     return float(np.sqrt(np.mean(error[rows] ** 2)))
 

@@ -33,7 +33,7 @@ from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.modes import Modes
-from hysgen.model.regression import Trust
+from hysgen.model.regression import Trust, drives_of, structure_of
 from hysgen.model.terms import Drive, Term
 from hysgen.record import Record, Segment
 
@@ -85,39 +85,56 @@ CURVE = PathSize(plays=0, states=0)
 class PathTask:
     """What a path is fitted to.
 
-    blocks: all blocks but the hysteresis. lag_s: time constant of the rules. trust: weight of each sample, by segment.
-    searched: whether the lag is fitted too, from lag_s on.
+    blocks: all blocks but the hysteresis. lag_s: time constant of the rules. searched: whether the lag is fitted too,
+    from lag_s on. whole: record of all commands that are known in advance; the grid covers the response to them.
     """
 
     record: Record
+    whole: Record
     grid: Grid
     input_range_V: tuple[float, float]
     blocks: tuple[InputBlock, ...]
     terms: tuple[Term, ...]
     lag_s: float
     size: PathSize
-    trust: Trust
     searched: bool = False
     name: str = "stage"
 
 
-def path_model(task: PathTask) -> Model:
-    """The model with the path of least error whose rules are one lag. Raises FitError if no path is found."""
+@dataclass(frozen=True, eq=False)
+class PathColumns:
+    """The linear problem of a path over a record, whatever rows count: columns behind the lag `lag_s`, (p, n)."""
+
+    task: PathTask
+    lag_s: float
+    columns: Floats
+
+
+def path_columns(task: PathTask, trust: Trust) -> PathColumns:
+    """The columns of a path, with the lag of least error on the rows of `trust` if the task asks for one."""
+    behind = [_behind(task, segment) for segment in task.record.segments]
     lag_s = task.lag_s
-    kept = _Kept.of(task)
-    held = [_behind(task, segment) for segment in task.record.segments]
     if task.searched and not any(isinstance(block, Modes) for block in task.blocks):
-        lag_s = _searched_lag(task, kept, held)
+        lag_s = _searched_lag(task, _Kept.of(task, trust), behind)
+    return PathColumns(task, lag_s, np.hstack([_lagged(task, *columns, lag_s) for columns in behind]))
+
+
+def path_model(problem: PathColumns, trust: Trust) -> Model:
+    """The model with the path of least error whose rules are one lag.
+
+    trust: weight of each sample, by segment. Raises FitError if no rising hysteresis is found.
+    """
+    task, lag_s = problem.task, problem.lag_s
+    kept = _Kept.of(task, trust)
     operator = task.size.operator(*_passed_V(task))
-    columns = np.hstack([_lagged(task, columns, extra, lag_s) for columns, extra in held])[:, kept.rows]
-    weights = _solved(task, operator, columns, kept)
+    weights = _solved(task, operator, problem.columns[:, kept.rows], kept)
     size = operator.size
     a_left = 1.0 - exp(-task.record.Ts_s / lag_s)
     dc = 1.0 + sum(block.amount * len(block.tau_s) for block in task.blocks if isinstance(block, Creep))
     block = operator.block(weights[:size], float(weights[size]) / dc)
     parts = tuple(dataclasses.replace(part, lag_s=lag_s) if isinstance(part, Modes) else part for part in task.blocks)
     theta = weights[size + 1 : size + 1 + sum(term.size for term in task.terms)]
-    return Model(
+    model = Model(
         name=task.name,
         Ts_s=task.record.Ts_s,
         grid=task.grid,
@@ -128,6 +145,15 @@ def path_model(task: PathTask) -> Model:
         weights=np.asarray(theta),
         blocks=tuple(sorted((*parts, block), key=lambda part: part.place)),
     )
+    return dataclasses.replace(model, grid=_covering(model, task.whole))
+
+
+def _covering(model: Model, whole: Record) -> Grid:
+    """The grid of a model, extended to the response of its path to a record: a mode rings beyond the static range."""
+    w_um = [drive.u_V for drive in drives_of(whole, structure_of(model))]
+    low, high = min(w.min() for w in w_um), max(w.max() for w in w_um)
+    grid = model.grid
+    return Grid(min(grid.y_min_um, float(low)), max(grid.y_max_um, float(high)), grid.rules)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,13 +165,13 @@ class _Kept:
     y_um: Floats
 
     @classmethod
-    def of(cls, task: PathTask) -> _Kept:
-        trust = np.concatenate(list(task.trust))
-        rows = np.flatnonzero(trust > 0.0)
+    def of(cls, task: PathTask, trust: Trust) -> _Kept:
+        weight = np.concatenate(list(trust))
+        rows = np.flatnonzero(weight > 0.0)
         if rows.size > MOST_ROWS:
             rows = np.sort(np.random.default_rng(0).choice(rows, MOST_ROWS, replace=False))
         y_um = np.concatenate([segment.y_um for segment in task.record.segments])
-        return cls(rows, np.sqrt(trust[rows]), y_um[rows])
+        return cls(rows, np.sqrt(weight[rows]), y_um[rows])
 
 
 def _passed_V(task: PathTask) -> tuple[float, float]:
@@ -167,7 +193,9 @@ def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
     columns = task.size.operator(*_passed_V(task)).columns(u_V)
     for block in task.blocks:
         if block.responds:
-            columns = np.stack([block.apply(column, Ts_s) for column in columns])
+            # Slow states start where a past like the record leaves them.
+            starts = [block.start(float(np.mean(x))) if isinstance(block, Creep) else None for x in columns]
+            columns = np.stack([block.apply(x, Ts_s, start) for x, start in zip(columns, starts, strict=True)])
     drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
     extra = [np.ones(segment.samples)]
     extra += [column for term in task.terms for column in term.regressors(drive).T]

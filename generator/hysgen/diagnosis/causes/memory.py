@@ -22,6 +22,7 @@ SIZES = (
     PathSize(plays=8, degree=3, states=0),
     PathSize(),
     PathSize(plays=12, degree=5),
+    PathSize(plays=24, degree=5),
 )
 """Sizes of the hysteresis in rising cost: a short or noisy record does not determine the larger ones."""
 
