@@ -12,9 +12,9 @@ import numpy as np
 
 from hysgen.float32.coefficients import Bank, Coefficients, coefficients
 from hysgen.float32.instance_words import InstanceWords
-from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, reciprocal
 from hysgen.float32.reference.rules import RuleSums, rule_sums
-from hysgen.float32.reference.safety import finite, flushed, limited
+from hysgen.float32.reference.safety import finite, limited
+from hysgen.model.float32_arithmetic import Floats32, Words, bits_of, flushed, reciprocal
 from hysgen.model.model import Model
 from hysgen.model.path.chain import ChainMirror
 from hysgen.model.status import Status

@@ -13,7 +13,6 @@ import itertools
 import numpy as np
 
 from hysgen.float32.learner_numbers import FAST, LEAST_VARIANCE, REGRESSOR_GRID, SLOW
-from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, float_of, reciprocal
 from hysgen.float32.reference.factorised import (
     add_compensated,
     denominators,
@@ -26,8 +25,9 @@ from hysgen.float32.reference.factorised import (
 )
 from hysgen.float32.reference.learner_state import LAST, LearnerState, Mask
 from hysgen.float32.reference.rules import polynomial, powers, ratio, rule_sums
-from hysgen.float32.reference.safety import finite, flushed, limited
+from hysgen.float32.reference.safety import finite, limited
 from hysgen.float32.update_schedule import WRITTEN_OUT
+from hysgen.model.float32_arithmetic import Floats32, Words, bits_of, float_of, flushed, reciprocal
 from hysgen.model.float32_constants import MAGNITUDE_BITS
 
 _ONE, _TWO, _FOUR, _ZERO = np.float32(1.0), np.float32(2.0), np.float32(4.0), np.float32(0.0)
