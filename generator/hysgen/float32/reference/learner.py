@@ -44,7 +44,7 @@ class Learner(LearnerState):
         y, y_lost = finite(y_um, self.y_um)
         u, u_lost = finite(u_V, self.u_V)
         u, _ = limited(u, self.model_numbers.u_min_V, self.model_numbers.u_max_V)
-        v = self.inputs.apply(u)
+        w = self.inputs.apply(u)
         usable = (y_lost == 0) & ~((y < numbers.y_low_um) | (y > numbers.y_high_um))
         away = u - self.mean_u_V
         self.count_event("rejected", ~usable | (u_lost != 0))
@@ -56,12 +56,12 @@ class Learner(LearnerState):
         self._continue_update()
         self._continue_restart(before)
         keeping = (self.phase == 0) & usable & (u_lost == 0)
-        self._store_regressors(keeping, y, v)
+        self._store_regressors(keeping, y, w)
         self.rested = (magnitude(away) < numbers.rest_V).astype(np.uint32)
         self.mean_u_V = flushed(self.mean_u_V + _FAST * away)
         self.u_V = u
         for term in self.terms:
-            term.advance(v)
+            term.advance(w)
 
     def _evaluate_reading(self, where: Mask, y: Floats32) -> Floats32:
         """Innovation e = y - x' theta - fixed_um [um], (lanes,); restarts the shadow or begins an update with e."""
