@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, hard_inputs, model_with
+from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, RESPONSES, TERMS, hard_inputs, model_with
 from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
@@ -60,7 +60,8 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
         [Delay(2.0)],
         [Delay(0.7)],
         [BLOCKS[0], BLOCKS[2]],
-        BLOCKS,
+        *([block] for block in RESPONSES),
+        [*BLOCKS, *RESPONSES],
         [Modes((730.0,), (0.05,), (1.0,), 4e-4)],
         [Delay(0.7), Modes((50.0, 730.0), (0.01, 0.3), (0.2, 0.9), 4e-4)],
     ],

@@ -150,8 +150,3 @@ def limited(value: Floats32, low: Floats32 | np.float32, high: Floats32 | np.flo
 def singles(values: Floats) -> Floats32:
     """`values` as float32; magnitudes below LEAST become zero, so that no product with a state is denormal."""
     return np.where(np.abs(values) < LEAST, 0.0, values).astype(np.float32)
-
-
-def flushed(value: Floats32) -> Floats32:
-    """`value` with magnitudes below LEAST replaced by +0, as the generated `<name>_flushed`."""
-    return np.where(np.abs(value) < LEAST, np.float32(0.0), value)

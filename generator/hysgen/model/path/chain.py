@@ -19,8 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.model.float32_arithmetic import flushed
 from hysgen.model.part import Words
-from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock, flushed, limited
+from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock, limited
 
 Flags = NDArray[np.bool_]
 
