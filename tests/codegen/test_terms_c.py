@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, hard_inputs, model_with
+from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, RESPONSES, TERMS, hard_inputs, model_with
 from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
@@ -16,6 +16,7 @@ from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
 from hysgen.model.terms import Term, channels_of
 from hysgen.model.terms.coupling import Coupling
 from hysgen.model.terms.creep import Creep
@@ -53,7 +54,17 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize(
     "blocks",
-    [*([block] for block in BLOCKS), [Delay(0.0)], [Delay(2.0)], [Delay(0.7)], [BLOCKS[0], BLOCKS[2]]],
+    [
+        *([block] for block in BLOCKS),
+        [Delay(0.0)],
+        [Delay(2.0)],
+        [Delay(0.7)],
+        [BLOCKS[0], BLOCKS[2]],
+        *([block] for block in RESPONSES),
+        [*BLOCKS, *RESPONSES],
+        [Modes((730.0,), (0.05,), (1.0,), 4e-4)],
+        [Delay(0.7), Modes((50.0, 730.0), (0.01, 0.3), (0.2, 0.9), 4e-4)],
+    ],
     ids=lambda blocks: "+".join(f"{block.kind}{getattr(block, 'samples', '')}" for block in blocks),
 )
 @pytest.mark.slow

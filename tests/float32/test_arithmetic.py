@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from hysgen.codegen.render import context, render
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.minimax import power_coefficients
-from hysgen.float32.reference.arithmetic import power_of_two, reciprocal
 from hysgen.machine.native import Library, Toolchain, build
 from hysgen.model import float32_constants as arithmetic
 from hysgen.model.file import load_model
+from hysgen.model.float32_arithmetic import power_of_two, reciprocal
 
 # Runs over bit patterns first, first + stride, ... below last, for either sign, and keeps the worst relative error.
 _SWEEP = """

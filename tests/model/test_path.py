@@ -15,10 +15,13 @@ from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.errors import ModelError
 from hysgen.model.file import dump_model, load_model, parse_model
+from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, applied, block_from_json, kinds, preview
-from hysgen.model.path.chain import ChainMirror
+from hysgen.model.path.chain import ChainMirror, PathLimits
+from hysgen.model.path.creep import Creep as CreepBlock
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
 from hysgen.model.simulate import simulate
@@ -29,7 +32,10 @@ from hysgen.model.terms.resonance import Resonance
 
 TS_S = 2e-5
 LAST_BIT = 2.0**-24
-BLOCKS: list[InputBlock] = [Saturation(-5.0, 95.0), Slew(1.2e5, 0.9e5), Delay(3.4)]
+LIMITERS: list[InputBlock] = [Saturation(-5.0, 95.0), Slew(1.2e5, 0.9e5)]
+RESPONSES: list[InputBlock] = [CreepBlock(0.01, (1e-3, 0.1, 10.0)), Modes((730.0,), (0.05,), (0.3,), 4e-4)]
+ORDER = "saturation, slew, delay, hysteresis, creep, modes"
+BLOCKS: list[InputBlock] = [*LIMITERS, Delay(3.4), *RESPONSES]
 by_kind = pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.kind)
 
 
@@ -41,8 +47,14 @@ def commands(samples: int, seed: int = 4) -> NDArray[np.float64]:
     return np.where(k % 1000 < 500, steps, 50 + 69 * np.sin(k / 30)).astype(np.float32).astype(np.float64)
 
 
+def limits(low: float = -20.0, high: float = 120.0) -> PathLimits:
+    """Commands within -20 .. 120 V, w within low .. high."""
+    return PathLimits(*(np.float32(x) for x in (-20.0, 120.0, low, high, 2.0**-20 * (high - low))))
+
+
 def test_every_kind_is_in_this_list() -> None:
-    assert sorted(kinds()) == sorted(block.kind for block in BLOCKS)
+    """The hysteresis has a file of its own."""
+    assert sorted(kinds()) == sorted([*(block.kind for block in BLOCKS), "hysteresis"])
     assert all(isinstance(block, InputBlock) for block in BLOCKS)
 
 
@@ -51,14 +63,19 @@ def test_mirror_agrees_with_float64(block: InputBlock) -> None:
     u = commands(5000)
     mirror = block.mirror(u[:1].astype(np.float32), TS_S)
     single = np.array([float(mirror.apply(np.array([value], dtype=np.float32))[0]) for value in u])
-    # The slew limit adds a rounded step and rounds the sum, up to 60 times in a row from one step of u to the next.
-    bits = {"saturation": 1, "slew": 60, "delay": 3}
+    # The slew limit adds a rounded step and rounds the sum, up to 60 times in a row from one step of u to the next. The
+    # modes' three products and their sums are rounded in each sample, at up to 1.6 times the input.
+    bits = {"saturation": 1, "slew": 60, "delay": 3, "creep": 2, "modes": 8}
     assert np.abs(single - block.apply(u, TS_S)).max() < bits[block.kind] * LAST_BIT * 120
 
 
 @by_kind
 def test_rest_under_a_constant_command_stays(block: InputBlock) -> None:
-    assert np.array_equal(block.apply(np.full(100, 30.0), TS_S), np.full(100, 30.0))
+    gain = 1.0 + 3 * 0.01 if block.kind == "creep" else 1.0
+    assert block.apply(np.full(100, 30.0), TS_S) == pytest.approx(np.full(100, 30.0 * gain), rel=1e-15)
+    mirror = block.mirror(np.full(1, 30.0, np.float32), TS_S)
+    rest = mirror.rest()
+    assert all(mirror.apply(np.full(1, 30.0, np.float32)) == rest for _ in range(100))
 
 
 @by_kind
@@ -73,15 +90,16 @@ def test_json_round_trip_is_exact_and_reaches_the_model_file(block: InputBlock) 
 def test_shape_parameters_come_back_and_lie_within_their_bounds(block: InputBlock) -> None:
     shape = block.shape()
     assert np.allclose(block.with_shape(shape).shape(), shape, rtol=0, atol=1e-12)
+    if block.responds:
+        return
     low, high = block.shape_bounds(commands(5000), TS_S)
     assert (low < high).all()
     assert block.with_shape(low).kind == block.with_shape(high).kind == block.kind
 
 
 def test_a_limiter_passes_its_own_output_unchanged() -> None:
-    limiters = BLOCKS[:2]
     u = commands(4000).astype(np.float32)
-    first, second = (ChainMirror(limiters, u[:1], TS_S) for _ in range(2))
+    first, second = (ChainMirror(LIMITERS, u[:1], TS_S, limits()) for _ in range(2))
     for value in u:
         passed = first.apply(np.array([value]))
         again = second.apply(passed)
@@ -121,7 +139,9 @@ def test_command_arrives_after_the_preview(samples: float) -> None:
     block = Delay(samples)
     wanted = (50 + 40 * np.sin(2 * np.pi * np.arange(2000) / 500)).astype(np.float32)
     ahead, plant = (block.mirror(wanted[:1], TS_S) for _ in range(2))
-    arrived = np.array([plant.apply(ahead.command(wanted[k : k + 1]))[0] for k in range(wanted.size)])
+    pairs = [wanted[max(k - 1, 0) :][:1] for k in range(wanted.size)]
+    commanded = [ahead.command(before, wanted[k : k + 1]) for k, before in enumerate(pairs)]
+    arrived = np.array([plant.apply(u)[0] for u in commanded])
     late = arrived[block.preview + 1 :] - wanted[1 : wanted.size - block.preview]
     mu, w = samples % 1, 2 * np.pi / 500
     # Two interpolations, each loses mu (1 - mu) w^2 / 2 of the 40 V; the rest is float32 rounding.
@@ -131,14 +151,17 @@ def test_command_arrives_after_the_preview(samples: float) -> None:
 def test_blocks_out_of_order_or_twice_are_refused() -> None:
     base = load_model("appendix_a")
     for blocks in ((BLOCKS[1], BLOCKS[0]), (BLOCKS[2], BLOCKS[2])):
-        with pytest.raises(ModelError, match="each may stand once, in the order saturation, slew, delay"):
+        with pytest.raises(ModelError, match=f"each may stand once, in the order {ORDER}"):
             dataclasses.replace(base, blocks=blocks)
 
 
 @pytest.mark.parametrize(
     ("data", "complaint"),
     [
-        ({"kind": "echo"}, "blocks: kind 'echo' is unknown; this hysgen knows delay, saturation, slew"),
+        (
+            {"kind": "echo"},
+            f"blocks: kind 'echo' is unknown; this hysgen knows {', '.join(sorted(ORDER.split(', ')))}",
+        ),
         ({"kind": "saturation", "low_V": 1.0, "high_V": 1.0}, "blocks: saturation: low_V must lie below high_V"),
         ({"kind": "slew", "rise_V_s": -1.0, "fall_V_s": 1.0}, "blocks: slew: rise_V_s and fall_V_s must be positive"),
         ({"kind": "delay", "samples": -0.5}, "blocks: delay: samples must be 0 to 1000"),
@@ -166,7 +189,7 @@ def test_simulation_passes_the_input_through_the_blocks() -> None:
     blocks = (Saturation(20.0, 60.0), Slew(1e5, 1e5), Delay(2.6))
     u = 40 + 30 * np.sin(2 * np.pi * np.arange(4000) / 500)
     through = simulate(extended(*blocks), Drive(u, TS_S), 2.0)
-    before = simulate(extended(), Drive(applied(blocks, u, TS_S), TS_S), 2.0)
+    before = simulate(extended(), Drive(applied(blocks, u, TS_S, Interval(-20.0, 120.0)), TS_S), 2.0)
     assert np.array_equal(through.y_um, before.y_um)
 
 

@@ -57,8 +57,13 @@ class Section:
     tables: Sequence[Table] = ()
 
 
-def range_section(numbers: Coefficients) -> Section:
-    """Limits of the inputs, and the replacements of non-finite initial values."""
+def range_section(numbers: Coefficients, *, responds: bool) -> Section:
+    """Limits of the inputs, and the replacements of non-finite initial values; responds: whether u and w differ."""
+    path = [
+        Constant("W_MIN", numbers.w_min),
+        Constant("W_MAX", numbers.w_max),
+        Constant("W_TOLERANCE", numbers.w_tolerance),
+    ]
     return Section(
         "Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value.",
         [
@@ -70,6 +75,7 @@ def range_section(numbers: Coefficients) -> Section:
             Constant("U_REST_V", numbers.rest_V),
             Constant("REFERENCE_MIN_UM", numbers.reference_min_um),
             Constant("REFERENCE_MAX_UM", numbers.reference_max_um),
+            *(path if responds else []),
         ],
     )
 

@@ -17,9 +17,10 @@ from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, 
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.installed import data_folder, version
 from hysgen.model import float32_constants as arithmetic
+from hysgen.model import twofloat
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
-from hysgen.model.status import COUNTERS, MEANINGS
+from hysgen.model.status import COUNTERS, MEANINGS, Status
 from hysgen.model.structs import Struct
 from hysgen.model.terms import Term, channels_of, part_facts
 from hysgen.model.terms.base import Mirror
@@ -96,13 +97,19 @@ class PartText:
 
 @dataclass(frozen=True)
 class BlockText(StateText):
-    """The data of an input block's template."""
+    """The data of an input block's template; solves: whether the inverse solves it for its input."""
 
     block: InputBlock
+    solves: bool
 
     @property
     def kind(self) -> str:
         return self.block.kind
+
+    @property
+    def responds(self) -> bool:
+        """Whether the block is a response of the stage."""
+        return self.block.responds
 
     @property
     def stateful(self) -> bool:
@@ -136,12 +143,23 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
 
 def block_texts(model: Model) -> list[BlockText]:
     """The model's input blocks in order."""
-    return [BlockText(part_struct(model, block), f"{model.name}_{block.kind}", block) for block in model.blocks]
+    return [
+        BlockText(
+            part_struct(model, block),
+            f"{model.name}_{block.kind}",
+            block,
+            block.responds and block.solves(model.Ts_s),
+        )
+        for block in model.blocks
+    ]
 
 
 def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
     """The variables of every template, by name; the templates themselves compute nothing."""
     terms = term_texts(model, numbers)
+    blocks = block_texts(model)
+    responses = [block for block in blocks if block.responds]
+    late = next((block for block in blocks if block.block.interpolates), None)
     return {
         "name": model.name,
         "NAME": model.name.upper(),
@@ -159,12 +177,17 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "terms": terms,
         "weights": sum(term.size for term in model.terms),
         "corrected": any(term.corrects for term in terms),
-        "bounded": any("twofloat" in term.parts for term in model.terms),
+        "two_words": twofloat.FACTS if any(part.two_words for part in (*model.terms, *model.blocks)) else None,
         "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
         "channels": channels_of(model.terms),
-        "blocks": block_texts(model),
+        "blocks": blocks,
+        "responses": responses,
+        "omitted": next((block.kind for block in responses if not block.solves), ""),
+        "delay": late,
+        "ahead": late is not None and bool(responses),
+        "input": "w" if responses else "v" if blocks else "u",
         "preview": preview(model.blocks),
-        "status_rows": _status_rows(model.name.upper()),
+        "status_rows": _status_rows(model.name.upper(), bool(responses)),
         "squares": squares(numbers.rules),
         "powers": powers(WINDOW),
         "sums": _window_sums() if numbers.windowed else _dense_sums(model.name, numbers.rules),
@@ -228,12 +251,13 @@ def hexes(row: tuple[Sequence[int], Sequence[int], int]) -> str:
     return ", ".join(f"0x{word:08x}u" for word in (*arguments, *channels, result))
 
 
-def _status_rows(upper: str) -> list[str]:
-    names = [f"{upper}_STATUS_{flag.name}" for flag in MEANINGS]
+def _status_rows(upper: str, responds: bool) -> list[str]:
+    meanings = {flag: text for flag, text in MEANINGS.items() if responds or flag is not Status.INVERSE_RESIDUAL}
+    names = [f"{upper}_STATUS_{flag.name}" for flag in meanings]
     wide = max(len(name) for name in names)
     return [
         f"#define {name:<{wide}}  0x{int(flag):02x}u  /**< {meaning} */"
-        for name, (flag, meaning) in zip(names, MEANINGS.items(), strict=True)
+        for name, (flag, meaning) in zip(names, meanings.items(), strict=True)
     ]
 
 

@@ -32,6 +32,8 @@ MOST_DENSE_RULES: Final = 12
 OCTAVES_PER_STEP: Final = 1.4426950408889634
 WINDOW_REACH: Final = 5
 WINDOW: Final = 2 * WINDOW_REACH + 1
+TOLERANCE: Final = 2.0**-20
+"""Tolerance of the inverse of the path, as a share of the range of w: 1e-5 um of 10 um, 20 roundings of w."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,8 @@ class Coefficients:
     per_step: log2(e)/h, octaves per um (dense), or 1/h, steps per um (windowed).
     reference_min_um, reference_max_um: limits of y(k+1) in the inverse, the displacement range extended by its own
     width at either end.
+    w_min, w_max: range of w, the input of the rules (`Model.w_range`); that of u without responses of the stage.
+    w_tolerance: largest |w' - w| that the inverse leaves unflagged, TOLERANCE of that range.
     rest_um, rest_V: replacements of a non-finite initial displacement and input.
     """
 
@@ -64,6 +68,9 @@ class Coefficients:
     y_max_um: np.float32
     u_min_V: np.float32
     u_max_V: np.float32
+    w_min: np.float32
+    w_max: np.float32
+    w_tolerance: np.float32
     reference_min_um: np.float32
     reference_max_um: np.float32
     rest_um: np.float32
@@ -93,6 +100,7 @@ def coefficients(model: Model) -> Coefficients:
     fold = ones if windowed else strength
     span = grid.y_max_um - grid.y_min_um
     first, last = grid.ends_um
+    w = model.w_range
     return Coefficients(
         windowed=windowed,
         rules=grid.rules,
@@ -100,6 +108,9 @@ def coefficients(model: Model) -> Coefficients:
         y_max_um=single(grid.y_max_um),
         u_min_V=single(model.u_min_V),
         u_max_V=single(model.u_max_V),
+        w_min=single(w.low),
+        w_max=single(w.high),
+        w_tolerance=single(TOLERANCE * w.width),
         reference_min_um=single(grid.y_min_um - span),
         reference_max_um=single(grid.y_max_um + span),
         rest_um=single(0.5 * (grid.y_min_um + grid.y_max_um)),

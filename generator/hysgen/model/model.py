@@ -177,6 +177,11 @@ class Model(Displayed):
         return dataclasses.replace(self, grid=grid, u_min_V=low_V, u_max_V=high_V, scores={}, certificates={})
 
     @property
+    def responds(self) -> bool:
+        """Whether the path holds a response of the stage (hysteresis, creep, modes)."""
+        return any(block.responds for block in self.blocks)
+
+    @property
     def w_range(self) -> Interval:
         """Range of w, the input of the rules behind all blocks, see `path_range`."""
         return path_range(self.blocks, Interval(self.u_min_V, self.u_max_V))

@@ -20,6 +20,8 @@ class ModelPart(abc.ABC):
     """A part of a model: parameters and, in C, a struct of its own. The defaults are those of a part without any."""
 
     kind: ClassVar[str]
+    two_words: ClassVar[bool] = False
+    """Whether its states are sums of two words (module `twofloat`)."""
 
     def shape(self) -> Floats:
         """The parameters for an optimiser: positive ones as logarithms; (0,) if there are none."""

@@ -18,6 +18,7 @@ class Status(enum.IntFlag):
     UNREACHABLE = 32
     AUX_CLAMPED = 64
     AUX_REJECTED = 128
+    INVERSE_RESIDUAL = 256
 
 
 MEANINGS = {
@@ -29,6 +30,7 @@ MEANINGS = {
     Status.UNREACHABLE: "the input that would reach the reference lay beyond what can be applied",
     Status.AUX_CLAMPED: "an auxiliary channel lay outside its range and was limited to it",
     Status.AUX_REJECTED: "an auxiliary channel was not finite; its last good sample was used",
+    Status.INVERSE_RESIDUAL: "the voltage leaves more than the stated tolerance of the input of the rules",
 }
 
 COUNTERS = {

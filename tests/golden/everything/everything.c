@@ -214,6 +214,18 @@ EVERYTHING_INLINE everything_sums_t everything_rule_sums(const everything_bank_t
     return sums;
 }
 
+/* (high, low) + delta: `low` keeps what the rounding of `high` loses, for states that move by less than their last bit.
+ * Adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word ever becomes denormal. */
+EVERYTHING_INLINE void everything_accumulate(float *high, float *low, float delta)
+{
+    const float step = (delta + 1.09139364e-11f) - 1.09139364e-11f;
+    const float t = *low + step;
+    const float sum = *high + t;
+
+    *low = t - (sum - *high);
+    *high = everything_inside(sum, 1048576.0f);
+}
+
 /* ---- Input blocks ---------------------------------------------------------------------------------------------- */
 
 /* v = min(max(u, low), high) */
@@ -224,9 +236,10 @@ EVERYTHING_INLINE float everything_saturation_apply(float u)
     return everything_limited(u, everything_saturation_low[0], everything_saturation_high[0], &clipped);
 }
 
-static void everything_slew_init(everything_slew_t *self, float u)
+static float everything_slew_init(everything_slew_t *self, float u)
 {
     self->last_V = u;
+    return u;
 }
 
 /* v(k) = min(max(u(k), v(k-1) - fall), v(k-1) + rise) */
@@ -240,12 +253,13 @@ EVERYTHING_INLINE float everything_slew_apply(everything_slew_t *self, float u)
     return self->last_V;
 }
 
-static void everything_delay_init(everything_delay_t *self, float u)
+static float everything_delay_init(everything_delay_t *self, float u)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
         self->ring[i] = u;
     }
     self->newest = 0u;
+    return u;
 }
 
 EVERYTHING_INLINE void everything_delay_push(everything_delay_t *self, float u)
@@ -272,26 +286,27 @@ EVERYTHING_INLINE float everything_delay_apply(everything_delay_t *self, float u
 }
 
 /* u(k) = v(k+n-1) + mu (v(k+n) - v(k+n-1)),  n the preview */
-EVERYTHING_INLINE float everything_delay_command(everything_delay_t *self, float v)
+EVERYTHING_INLINE float everything_delay_command(everything_delay_t *self, float before, float v)
 {
-    const float before = everything_delay_past(self, 0u);
+    const float u = before + everything_delay_part[0] * (v - before);
 
-    everything_delay_push(self, v);
-    return before + everything_delay_part[0] * (v - before);
+    everything_delay_push(self, u);
+    return u;
 }
 
-/* At rest under the command u. */
-static void everything_inputs_init(everything_inputs_t *inputs, float u)
+/* At rest under the command u; returns v at rest. */
+static float everything_inputs_init(everything_inputs_t *inputs, float u)
 {
     float v = u;
 
     v = everything_saturation_apply(v);
-    everything_slew_init(&inputs->slew, v);
-    everything_delay_init(&inputs->delay, v);
+    v = everything_slew_init(&inputs->slew, v);
+    v = everything_delay_init(&inputs->delay, v);
     inputs->v_V = v;
+    return v;
 }
 
-/* What reaches the stage of the command u. */
+/* v of the command u. */
 EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, float u)
 {
     float v = u;
@@ -303,39 +318,29 @@ EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, flo
     return v;
 }
 
-/* The nearest to v that can be made to reach the stage: the limiters hold it back. */
-EVERYTHING_INLINE float everything_inputs_reach(everything_inputs_t *inputs, float v)
+/** What the inverse of the input blocks finds besides the command. */
+typedef struct {
+    float v;               /**< input of the rules that follows from the command */
+    uint32_t u_clamped;    /**< 1: the voltage lay outside the input range */
+    uint32_t unreachable;  /**< 1: a limit keeps the stage from the wanted input */
+} everything_found_t;
+
+/* The command for which `solved` reaches the stage, or the nearest voltage to it. */
+EVERYTHING_INLINE float everything_inputs_invert(everything_inputs_t *inputs, float solved, everything_found_t *found)
 {
-    float reached = v;
+    const float allowed = everything_limited(solved, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &found->u_clamped);
+    float u = allowed;
 
-    reached = everything_saturation_apply(reached);
-    reached = everything_slew_apply(&inputs->slew, reached);
-    inputs->v_V = reached;
-    return reached;
-}
-
-/* What to command so that v reaches the stage. */
-EVERYTHING_INLINE float everything_inputs_command(everything_inputs_t *inputs, float v)
-{
-    float u = v;
-
-    u = everything_delay_command(&inputs->delay, u);
+    u = everything_saturation_apply(u);
+    u = everything_slew_apply(&inputs->slew, u);
+    found->v = u;
+    found->unreachable = found->u_clamped | (uint32_t)(everything_bits(u) != everything_bits(allowed));
+    u = everything_delay_command(&inputs->delay, inputs->v_V, u);
+    inputs->v_V = found->v;
     return u;
 }
 
 /* ---- Terms ----------------------------------------------------------------------------------------------------- */
-
-/* (high, low) + delta: `low` keeps what the rounding of `high` loses, for states that move by less than their last bit.
- * Adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word ever becomes denormal. */
-EVERYTHING_INLINE void everything_accumulate(float *high, float *low, float delta)
-{
-    const float step = (delta + 1.09139364e-11f) - 1.09139364e-11f;
-    const float t = *low + step;
-    const float sum = *high + t;
-
-    *low = t - (sum - *high);
-    *high = everything_inside(sum, 1048576.0f);
-}
 
 /* Cosine and sine of 2 pi phase / 2^32, worst error 1.9e-7. The nearest quadrant is taken off in integers; what is left,
  * r in quarters of a turn, |r| <= 1/2, is exact: its bits are the significand of a float in [1, 2), less 1.5. */
@@ -636,8 +641,7 @@ void everything_init(everything_t *self, float y_um, float u_V)
     self->y_um = everything_checked_y(self, y_um, &events);
     self->u_V = everything_checked_u(self, u_V, &events);
     everything_count_events(self, &events);
-    everything_inputs_init(&self->inputs, self->u_V);
-    everything_terms_init(&self->terms, self->inputs.v_V);
+    everything_terms_init(&self->terms, everything_inputs_init(&self->inputs, self->u_V));
 }
 
 void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS])
@@ -720,15 +724,15 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     const float per_gain = everything_reciprocal(sums.gain);
     const float per_weight = everything_reciprocal(sums.weight);
     const float exact = everything_flushed(numerator * per_gain);
-    const float inside = everything_limited(exact, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &events.u_clamped);
-    const float v = everything_inputs_reach(&self->inputs, inside);
-    const float u = everything_inputs_command(&self->inputs, v);
-    const uint32_t unreachable = events.u_clamped | (uint32_t)(everything_bits(v) != everything_bits(inside));
+    everything_found_t found;
+    const float u = everything_inputs_invert(&self->inputs, exact, &found);
+    const uint32_t unreachable = found.unreachable;
 
     self->status |= (clamped * EVERYTHING_STATUS_REFERENCE_CLAMPED) | (unreachable * EVERYTHING_STATUS_UNREACHABLE);
+    events.u_clamped = found.u_clamped;
     events.y_rejected |= rejected;
     everything_count_events(self, &events);
     self->u_V = u;
-    (void)everything_apply(self, base, sums.gain, per_weight, extra, v);
+    (void)everything_apply(self, base, sums.gain, per_weight, extra, found.v);
     return u;
 }

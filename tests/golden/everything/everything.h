@@ -179,8 +179,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
  * Worst error against float64 over these ranges: EVERYTHING_INVERSE_ERROR_V in everything_params.h.
- * 110 float +-, 80 float *, 18 float comparisons, 155 integer, 111 loads, 29 stores.
- * C674x: about 437 cycles (estimate). */
+ * 110 float +-, 80 float *, 18 float comparisons, 153 integer, 110 loads, 29 stores.
+ * C674x: about 435 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 #endif

@@ -21,10 +21,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.float32.reference.arithmetic import Floats32
 from hysgen.float32.reference.instance import Instance
 from hysgen.machine.reproducible import drawn, product
 from hysgen.model.file import load_model
+from hysgen.model.float32_arithmetic import Floats32
 from hysgen.model.membership import memberships
 from hysgen.model.model import Model
 

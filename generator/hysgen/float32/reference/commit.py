@@ -9,10 +9,10 @@ import numpy as np
 
 from hysgen.float32.commit_numbers import CommitNumbers
 from hysgen.float32.learner_status import Commit
-from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of
 from hysgen.float32.reference.factorised import magnitude
 from hysgen.float32.reference.learner import Learner
 from hysgen.float32.reference.learner_state import Mask
+from hysgen.model.float32_arithmetic import Floats32, Words, bits_of
 
 _HALF = np.float32(0.5)
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from hysgen.float32.learner_numbers import FACTOR_GRID, GAIN_GRID, STEP_GRID
-from hysgen.float32.reference.arithmetic import Floats32, bits_of, float_of, reciprocal
+from hysgen.model.float32_arithmetic import Floats32, bits_of, float_of, reciprocal
 from hysgen.model.float32_constants import MAGNITUDE_BITS, ROUNDING
 
 

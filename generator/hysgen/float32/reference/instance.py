@@ -1,7 +1,9 @@
 """The generated functions over lanes: each lane is one `<name>_t`; a call advances every lane by one sample.
 
-y(k+1) = (y S + O + u G) / W + sum_j theta_j phi_j         predict (y measured), simulate (y the last output)
-u(k)   = ((y(k+1) - sum_j theta_j phi_j) W - (y S + O)) / G        inverse, Eq. (11)
+y(k+1) = (y S + O + w G) / W + sum_j theta_j phi_j         predict (y measured), simulate (y the last output)
+w(k)   = ((y(k+1) - sum_j theta_j phi_j) W - (y S + O)) / G        inverse, Eq. (11)
+
+w is the command u behind the path (`ChainMirror`), u without one.
 """
 
 from __future__ import annotations
@@ -12,11 +14,11 @@ import numpy as np
 
 from hysgen.float32.coefficients import Bank, Coefficients, coefficients
 from hysgen.float32.instance_words import InstanceWords
-from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, reciprocal
 from hysgen.float32.reference.rules import RuleSums, rule_sums
-from hysgen.float32.reference.safety import finite, flushed, limited
+from hysgen.float32.reference.safety import finite, limited
+from hysgen.model.float32_arithmetic import Floats32, Words, flushed, reciprocal
 from hysgen.model.model import Model
-from hysgen.model.path.chain import ChainMirror
+from hysgen.model.path.chain import ChainMirror, PathLimits
 from hysgen.model.status import Status
 from hysgen.model.terms import channels_of
 
@@ -44,8 +46,8 @@ class Instance(InstanceWords):
         self.y_um = np.full(lanes, self.numbers.rest_um)
         self.u_V = np.full(lanes, self.numbers.rest_V)
         self.y_um, self.u_V = self._checked_y(y_um), self._checked_u(u_V)
-        self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s)
-        self.terms = [term.mirror(self.inputs.v_V, self._model.Ts_s) for term in self._model.terms]
+        self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s, self._limits())
+        self.terms = [term.mirror(self.inputs.rest, self._model.Ts_s) for term in self._model.terms]
 
     def aux(self, values: Sequence[Floats32]) -> None:
         """Set the auxiliary channels of the next sample, (lanes,) each, in the order of `channels`."""
@@ -85,26 +87,28 @@ class Instance(InstanceWords):
         sums, extra = rule_sums(numbers, self.bank, y), self._extra()
         wanted = reference if extra is None else reference - extra
         numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
-        u = flushed(numerator * reciprocal(sums.gain))
-        u, clamped = limited(u, numbers.u_min_V, numbers.u_max_V)
-        v = self.inputs.reach(u)
-        held_back = (bits_of(v) != bits_of(u)).astype(np.uint32)
-        self.u_V = self.inputs.command(v)
-        self._count_event(Status.U_CLAMPED, clamped)
-        self._count_event(Status.UNREACHABLE, clamped | held_back)
-        self._apply(sums, extra, y, v)
+        found = self.inputs.invert(flushed(numerator * reciprocal(sums.gain)))
+        self.u_V = found.u_V
+        self._count_event(Status.U_CLAMPED, found.u_clamped.astype(np.uint32))
+        self._count_event(Status.UNREACHABLE, found.unreachable.astype(np.uint32))
+        self._count_event(Status.INVERSE_RESIDUAL, found.residual.astype(np.uint32))
+        self._apply(sums, extra, y, found.w)
         return self.u_V
 
     def _forward(self, y: Floats32, u: Floats32) -> Floats32:
         self.u_V = u
-        v = self.inputs.apply(u)
-        return self._apply(rule_sums(self.numbers, self.bank, y), self._extra(), y, v)
+        w = self.inputs.apply(u)
+        return self._apply(rule_sums(self.numbers, self.bank, y), self._extra(), y, w)
 
-    def _apply(self, sums: RuleSums, extra: Floats32 | None, y: Floats32, v: Floats32) -> Floats32:
-        rules = ((y * sums.slope + sums.offset) + v * sums.gain) * reciprocal(sums.weight)
+    def _limits(self) -> PathLimits:
+        numbers = self.numbers
+        return PathLimits(numbers.u_min_V, numbers.u_max_V, numbers.w_min, numbers.w_max, numbers.w_tolerance)
+
+    def _apply(self, sums: RuleSums, extra: Floats32 | None, y: Floats32, w: Floats32) -> Floats32:
+        rules = ((y * sums.slope + sums.offset) + w * sums.gain) * reciprocal(sums.weight)
         self.y_um = flushed(rules if extra is None else rules + extra)
         for term in self.terms:
-            term.advance(v)
+            term.advance(w)
         return self.y_um
 
     def _extra(self) -> Floats32 | None:

@@ -13,7 +13,6 @@ import itertools
 import numpy as np
 
 from hysgen.float32.learner_numbers import FAST, LEAST_VARIANCE, REGRESSOR_GRID, SLOW
-from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, float_of, reciprocal
 from hysgen.float32.reference.factorised import (
     add_compensated,
     denominators,
@@ -26,8 +25,9 @@ from hysgen.float32.reference.factorised import (
 )
 from hysgen.float32.reference.learner_state import LAST, LearnerState, Mask
 from hysgen.float32.reference.rules import polynomial, powers, ratio, rule_sums
-from hysgen.float32.reference.safety import finite, flushed, limited
+from hysgen.float32.reference.safety import finite, limited
 from hysgen.float32.update_schedule import WRITTEN_OUT
+from hysgen.model.float32_arithmetic import Floats32, Words, bits_of, float_of, flushed, reciprocal
 from hysgen.model.float32_constants import MAGNITUDE_BITS
 
 _ONE, _TWO, _FOUR, _ZERO = np.float32(1.0), np.float32(2.0), np.float32(4.0), np.float32(0.0)
@@ -44,7 +44,7 @@ class Learner(LearnerState):
         y, y_lost = finite(y_um, self.y_um)
         u, u_lost = finite(u_V, self.u_V)
         u, _ = limited(u, self.model_numbers.u_min_V, self.model_numbers.u_max_V)
-        v = self.inputs.apply(u)
+        w = self.inputs.apply(u)
         usable = (y_lost == 0) & ~((y < numbers.y_low_um) | (y > numbers.y_high_um))
         away = u - self.mean_u_V
         self.count_event("rejected", ~usable | (u_lost != 0))
@@ -56,12 +56,12 @@ class Learner(LearnerState):
         self._continue_update()
         self._continue_restart(before)
         keeping = (self.phase == 0) & usable & (u_lost == 0)
-        self._store_regressors(keeping, y, v)
+        self._store_regressors(keeping, y, w)
         self.rested = (magnitude(away) < numbers.rest_V).astype(np.uint32)
         self.mean_u_V = flushed(self.mean_u_V + _FAST * away)
         self.u_V = u
         for term in self.terms:
-            term.advance(v)
+            term.advance(w)
 
     def _evaluate_reading(self, where: Mask, y: Floats32) -> Floats32:
         """Innovation e = y - x' theta - fixed_um [um], (lanes,); restarts the shadow or begins an update with e."""

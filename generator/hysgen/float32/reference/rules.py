@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Bank, Coefficients
-from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, power_of_two
+from hysgen.model.float32_arithmetic import Floats32, Words, bits_of, power_of_two
 from hysgen.model.float32_constants import ROUNDING
 
 _ONE = np.float32(1.0)

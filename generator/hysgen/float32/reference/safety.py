@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysgen.float32.reference.arithmetic import Floats32, Words, bits_of, float_of
-from hysgen.model.float32_constants import INFINITY_BITS, LEAST, MAGNITUDE_BITS
-
-_LEAST_BITS = int(LEAST.view(np.uint32))
+from hysgen.model.float32_arithmetic import LEAST_BITS, Floats32, Words, bits_of, float_of
+from hysgen.model.float32_constants import INFINITY_BITS, MAGNITUDE_BITS
 
 
 def finite(x: Floats32, held: Floats32) -> tuple[Floats32, Words]:
@@ -18,14 +16,8 @@ def finite(x: Floats32, held: Floats32) -> tuple[Floats32, Words]:
     """
     magnitude = bits_of(x) & np.uint32(MAGNITUDE_BITS)
     rejected = magnitude >= np.uint32(INFINITY_BITS)
-    chosen = np.where(magnitude < np.uint32(_LEAST_BITS), np.uint32(0), bits_of(x))
+    chosen = np.where(magnitude < LEAST_BITS, np.uint32(0), bits_of(x))
     return float_of(np.where(rejected, bits_of(held), chosen)), rejected.astype(np.uint32)
-
-
-def flushed(x: Floats32) -> Floats32:
-    """`x` with magnitudes below 2^-40 replaced by +0, applied to every result before it is returned or stored."""
-    bits = bits_of(x)
-    return float_of(np.where((bits & np.uint32(MAGNITUDE_BITS)) < np.uint32(_LEAST_BITS), np.uint32(0), bits))
 
 
 def limited(x: Floats32, low: np.float32, high: np.float32) -> tuple[Floats32, Words]:

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
+from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.part import ModelPart
 from hysgen.model.structs import MirroredStruct
@@ -67,12 +68,16 @@ class BlockMirror(MirroredStruct, abc.ABC):
         """
         raise NotImplementedError
 
-    def command(self, v_V: Floats32) -> Floats32:
+    def command(self, before_V: Floats32, v_V: Floats32) -> Floats32:
         """The command for which v arrives `preview` samples later, (lanes,); moves the state by one sample.
 
-        Called for delays only.
+        before_V: v of the call before. Called for delays only.
         """
-        return v_V
+        raise NotImplementedError
+
+    def arrived(self) -> Floats32:
+        """What arrives one sample before v of the last `command`, (lanes,). Called where a block `interpolates`."""
+        raise NotImplementedError
 
 
 class InputBlock(ModelPart):
@@ -97,6 +102,11 @@ class InputBlock(ModelPart):
     def preview(self) -> int:
         """Samples of preview that the inverse needs for this block."""
         return 0
+
+    @property
+    def interpolates(self) -> bool:
+        """Whether v(k + preview) depends on the command u(k + 1) too, which `command` cannot know at sample k."""
+        return False
 
     @abc.abstractmethod
     def describe(self) -> str:
@@ -135,3 +145,8 @@ class InputBlock(ModelPart):
 def limited(value: Floats32, low: Floats32 | np.float32, high: Floats32 | np.float32) -> Floats32:
     """`value` between low and high over lanes."""
     return np.where(value < low, low, np.where(value > high, high, value))
+
+
+def singles(values: Floats) -> Floats32:
+    """`values` as float32; magnitudes below LEAST become zero, so that no product with a state is denormal."""
+    return np.where(np.abs(values) < LEAST, 0.0, values).astype(np.float32)

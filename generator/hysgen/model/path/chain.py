@@ -1,52 +1,118 @@
-"""The float32 mirror of a model's input blocks in series: the generated `<name>_inputs_...` functions."""
+"""The float32 mirror of the path: the blocks of a model in series, the generated `<name>_inputs_...` functions.
+
+    forward    v(k) = limiters and delay of u(k),   w(k) = responses of v(k), limited to the range of the rules
+    inverse    w(k+n) of Eq. (11) -> limited -> responses solved, last to first -> limited to the range of the command
+               -> limiters -> v(k+n), the command u(k) -> responses advanced by v -> w(k+n), which the rules take
+
+n is the preview. The responses advance by the voltage that reaches the stage, and so the inverse does not accumulate
+what limits or rounding leave. A fractional delay makes the voltage that arrives at k+n depend on the next command:
+the stored responses are then one sample behind, advanced by what u(k) makes arrive at k+n-1, and the inverse solves
+from a copy of them that is advanced by the v of the call before.
+"""
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from hysgen.model.float32_arithmetic import flushed
 from hysgen.model.part import Words
-from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock
+from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock, limited
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class PathLimits:
+    """Ranges of the command u and of the input w of the rules, and the tolerance of |w' - w| in the inverse."""
+
+    u_min_V: np.float32
+    u_max_V: np.float32
+    w_min: np.float32
+    w_max: np.float32
+    w_tolerance: np.float32
+
+
+@dataclass(frozen=True)
+class PathInverse:
+    """What the inverse of the path finds, (lanes,) each.
+
+    u_V: command. w: input of the rules that follows. u_clamped: v lay outside the range of the command. unreachable: w
+    lay outside its range, or a limit kept the stage from it. residual: w is missed by more than the tolerance although
+    no limit acted.
+    """
+
+    u_V: Floats32
+    w: Floats32
+    u_clamped: Flags
+    unreachable: Flags
+    residual: Flags
 
 
 class ChainMirror:
-    """The blocks in series over lanes, at rest under the commands u_V (lanes,); without blocks, v = u.
+    """The blocks in series over lanes, at rest under the commands u_V (lanes,); without blocks, w = v = u.
 
-    v_V: the last input of the stage.
+    v_V: the last voltage that reached the stage. rest: w at rest.
     """
 
-    def __init__(self, blocks: Sequence[InputBlock], u_V: Floats32, Ts_s: float) -> None:
+    def __init__(self, blocks: Sequence[InputBlock], u_V: Floats32, Ts_s: float, limits: PathLimits) -> None:
+        self._limits = limits
         self._blocks: list[BlockMirror] = []
         self._limiters: list[BlockMirror] = []
-        self._others: list[BlockMirror] = []
-        v = u_V
+        self._delays: list[BlockMirror] = []
+        self._responses: list[BlockMirror] = []
+        self._solves = [block.solves(Ts_s) for block in blocks if block.responds]
+        self._interpolates = any(block.interpolates for block in blocks)
+        self.v_V = v = u_V
         for block in blocks:
             mirror = block.mirror(v, Ts_s)
             self._blocks.append(mirror)
-            (self._limiters if block.limits else self._others).append(mirror)
-            v = mirror.rest()
-        self.v_V = v
+            group = self._responses if block.responds else self._limiters if block.limits else self._delays
+            group.append(mirror)
+            v = flushed(mirror.rest()) if block.responds else mirror.rest()
+            self.v_V = self.v_V if block.responds else v
+        self.rest = self._inside(v)
 
     def apply(self, u_V: Floats32) -> Floats32:
-        """The input of the stage, (lanes,), for the commands u(k), (lanes,)."""
-        for block in self._blocks:
-            u_V = block.apply(u_V)
-        self.v_V = u_V
-        return u_V
+        """w(k), (lanes,), of the commands u(k), (lanes,)."""
+        v = u_V
+        for block in (*self._limiters, *self._delays):
+            v = block.apply(v)
+        self.v_V = v
+        return self._respond(self._responses, v)[0]
 
-    def reach(self, v_V: Floats32) -> Floats32:
-        """v, (lanes,), after the limiters: the nearest input that can reach the stage."""
+    def invert(self, w: Floats32) -> PathInverse:
+        """The command for which w, (lanes,), is the input of the rules `preview` samples later."""
+        limits = self._limits
+        responses = copy.deepcopy(self._responses) if self._interpolates else self._responses
+        if self._interpolates:
+            self._respond(responses, self.v_V)
+        wanted = self._inside(w) if responses else w
+        solved, target = wanted, wanted
+        for mirror, solves in zip(reversed(responses), reversed(self._solves), strict=True):
+            solved = flushed(mirror.solve(solved)) if solves else solved
+            target = target if solves else solved
+        allowed = limited(solved, limits.u_min_V, limits.u_max_V)
+        v = allowed
         for block in self._limiters:
-            v_V = block.apply(v_V)
-        self.v_V = v_V
-        return v_V
-
-    def command(self, v_V: Floats32) -> Floats32:
-        """The command, (lanes,), for which v reaches the stage."""
-        for block in self._others:
-            v_V = block.command(v_V)
-        return v_V
+            v = block.apply(v)
+        u = v
+        for block in self._delays:
+            u = block.command(self.v_V, u)
+        self.v_V = v
+        reached, met = self._respond(responses, v)
+        if self._interpolates and responses:
+            self._respond(self._responses, self._delays[0].arrived())
+        clamped = allowed != solved
+        held = clamped | (wanted != w) | (v.view(np.uint32) != allowed.view(np.uint32))
+        missed = (met - target > limits.w_tolerance) | (target - met > limits.w_tolerance)
+        at_end = (v <= limits.u_min_V) | (v >= limits.u_max_V)
+        missed &= bool(responses)
+        return PathInverse(u, reached, clamped, held | (missed & at_end), missed & ~(held | at_end))
 
     def state(self) -> list[Words]:
         """Every 32-bit word of the C struct of the inputs, in its order; empty without blocks."""
@@ -63,3 +129,15 @@ class ChainMirror:
             count = len(block.state())
             block.restore(words[first : first + count])
             first += count
+
+    def _respond(self, responses: Sequence[BlockMirror], v_V: Floats32) -> tuple[Floats32, Floats32]:
+        """w of the voltage v, and the output that the inverse aims at: before the first response that it omits."""
+        w, met = v_V, None
+        for mirror, solves in zip(responses, self._solves, strict=True):
+            met = w if met is None and not solves else met
+            w = flushed(mirror.apply(w))
+        w = self._inside(w) if responses else w
+        return w, (w if met is None else met)
+
+    def _inside(self, w: Floats32) -> Floats32:
+        return limited(w, self._limits.w_min, self._limits.w_max)

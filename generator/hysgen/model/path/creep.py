@@ -11,16 +11,20 @@ Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
 
+from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockMirror, Floats, Floats32, InputBlock
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
+from hysgen.model.structs import Member
+from hysgen.model.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,7 @@ class Creep(InputBlock):
     place: ClassVar[int] = 4
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
+    two_words: ClassVar[bool] = True
 
     amount: float
     tau_s: tuple[float, ...]
@@ -65,16 +70,82 @@ class Creep(InputBlock):
         """x + amount sum s_i with x and every s_i anywhere in the range of x."""
         return spread(u_V, len(self.tau_s) * self.amount)
 
-    def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:
-        raise NotImplementedError
+    def zero(self, Ts_s: float) -> float:
+        """Largest |eigenvalue| of the inverse, s(k+1) = s(k) + a (y(k) - amount sum_i s_i(k) - s(k))."""
+        return _zero(self, Ts_s)
+
+    def solves(self, Ts_s: float) -> bool:
+        return self.zero(Ts_s) < 1.0
+
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        """|high_i|, |low_i| < LIMIT of `twofloat`, in the unit of x, and with them
+
+            |y - x|, |x - y| <= m |amount| LIMIT        of `apply` and of `solve`, times 1.01 for the roundings
+
+        That every s_i stays in the range of x is a relation between s_i and x, which intervals do not describe.
+        """
+        m = len(self.tau_s)
+        floats = {f"{word}[{i}]": KEPT for word in ("high", "low") for i in range(m)}
+        away = 1.01 * m * abs(float(self.constants(Ts_s)["amount"][0])) * KEPT.high
+        return BlockBox(floats, u_V.outwards(away), u_V.outwards(2.0 * away))
+
+    def members(self) -> tuple[Member, ...]:
+        states = (len(self.tau_s),)
+        return (
+            Member("high", "float", "slow states, in the unit of the block's input", states),
+            Member("low", "float", "rounding error of `high`, carried along", states),
+        )
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> CreepMirror:
+        constants = self.constants(Ts_s)
+        return CreepMirror(self, constants["rate"], constants["amount"][0], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        return {"rate": self.rates(Ts_s).astype(np.float32), "amount": np.array([self.amount], np.float32)}
+        return {"rate": singles(self.rates(Ts_s)), "amount": singles(np.array([self.amount]))}
 
     @classmethod
     def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
         tau = np.geomspace(1e-3, 10.0, 4) * rng.uniform(0.7, 1.3)
         return (cls(float(rng.uniform(0.005, 0.03)), tuple(tau.tolist())),)
+
+
+@functools.lru_cache(maxsize=64)
+def _zero(block: Creep, Ts_s: float) -> float:
+    rates = block.rates(Ts_s)
+    return spectral_radius(np.diag(1.0 - rates) - block.amount * rates[:, None])
+
+
+class CreepMirror(BlockMirror):
+    """Float32 slow states over lanes, each a sum of two words; y takes the higher words."""
+
+    def __init__(self, block: Creep, rate: Floats32, amount: np.float32, u_V: Floats32) -> None:
+        self.members = block.members()
+        self._rate, self._amount, self._rest = rate, amount, u_V
+        self.high: list[Floats32] = [u_V.copy() for _ in rate]
+        self.low: list[Floats32] = [np.zeros_like(u_V) for _ in rate]
+
+    def rest(self) -> Floats32:
+        return self._rest + self._slow()
+
+    def apply(self, u_V: Floats32) -> Floats32:
+        y = u_V + self._slow()
+        # The difference omits the low word, which is below the last bit of the high word.
+        sums = [
+            accumulate(high, low, a * (u_V - high))
+            for high, low, a in zip(self.high, self.low, self._rate, strict=True)
+        ]
+        self.high, self.low = [high for high, _ in sums], [low for _, low in sums]
+        return y
+
+    def solve(self, wanted: Floats32) -> Floats32:
+        return wanted - self._slow()
+
+    def _slow(self) -> Floats32:
+        """amount sum_i s_i."""
+        total = self.high[0]
+        for state in self.high[1:]:
+            total = total + state
+        return np.asarray(self._amount * total)
 
 
 def spread(x: Interval, share: float) -> Interval:

@@ -8,7 +8,8 @@ amplitude (at mu = 1/2), 2e-4 at f = fs/150. With a preview of n = ceil(samples)
     u(k) = v(k+n-1) + mu (v(k+n) - v(k+n-1))          (v(k+n) if mu = 0)
 
 an interpolation again: stable for every mu, inside the range of v, and off by the same second-order loss. The exact
-inverse would be a recursion with a pole at -mu/(1-mu), unstable beyond half a sample.
+inverse would be a recursion with a pole at -mu/(1-mu), unstable beyond half a sample. What arrives at sample k+n-1 is
+fixed by u(k) and u(k-1); what arrives at k+n depends on the next command too.
 """
 
 from __future__ import annotations
@@ -56,6 +57,10 @@ class Delay(InputBlock):
     @property
     def preview(self) -> int:
         return math.ceil(self.samples)
+
+    @property
+    def interpolates(self) -> bool:
+        return self.part > 0.0
 
     @property
     def ring(self) -> int:
@@ -119,13 +124,15 @@ class DelayMirror(BlockMirror):
 
     def apply(self, u_V: Floats32) -> Floats32:
         self._push(u_V)
-        late, later = self._past(self._whole), self._past(self._whole + 1)
-        return late + self._part * (later - late)
+        return self._between(self._whole)
 
-    def command(self, v_V: Floats32) -> Floats32:
-        self._push(v_V)
-        before = self._past(1)
-        return v_V if self._part == 0 else before + self._part * (v_V - before)
+    def command(self, before_V: Floats32, v_V: Floats32) -> Floats32:
+        u = v_V if self._part == 0 else before_V + self._part * (v_V - before_V)
+        self._push(u)
+        return u
+
+    def arrived(self) -> Floats32:
+        return self._between(0)
 
     def restore(self, words: Sequence[Bits]) -> None:
         super().restore(words)
@@ -137,6 +144,11 @@ class DelayMirror(BlockMirror):
     def _push(self, u_V: Floats32) -> None:
         self.newest = (self.newest + np.uint32(1)) % np.uint32(len(self.ring))
         self.ring[self.newest, np.arange(u_V.size)] = u_V
+
+    def _between(self, samples: int) -> Floats32:
+        """The input of `samples` + mu samples ago."""
+        late, later = self._past(samples), self._past(samples + 1)
+        return late + self._part * (later - late)
 
     def _past(self, samples: int) -> Floats32:
         place = (self.newest - np.uint32(samples)) % np.uint32(len(self.ring))

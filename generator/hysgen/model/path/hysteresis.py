@@ -16,6 +16,7 @@ path, and the inverse is a root of a rising, piecewise smooth function.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -24,8 +25,17 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
-from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockMirror, Floats, Floats32, InputBlock
+from hysgen.model.intervals import Interval, symmetric
+from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock
+from hysgen.model.path.hysteresis_mirror import GROUP, HysteresisMirror, Numbers
+from hysgen.model.structs import Member
+
+LEAST_HALF_WIDTH = 2.0**-12
+"""Smallest half-width of a play: a play then stands at 0 or at least 2^-40 away from it, see `hysteresis_mirror`."""
+
+LEAST_REACH, LEAST_LAST_REACH = 0.3607, 0.0451
+"""Over the whole range, 2 half ranges, the first state decays by 2^(-2 log2(e) / reach), at least 2^-8, the limit of
+the float32 power of two, and the last one by at least 2^-64, whose square is still a normal number."""
 
 PLACES = 257
 """Points of a polynomial at which its range is read; `Chain` clamps the input of the rules, so the range need not be
@@ -61,12 +71,17 @@ class Hysteresis(InputBlock):
         if len(self.curve_um) < 2:
             raise ValueError("curve_um must have at least two coefficients")
         widths = self.half_widths
-        if any(not 0.0 < r < 1.0 for r in widths) or list(widths) != sorted(set(widths)):
-            raise ValueError("half_widths must rise and lie between 0 and 1")
+        if any(not LEAST_HALF_WIDTH <= r < 1.0 for r in widths) or list(widths) != sorted(set(widths)):
+            raise ValueError("half_widths must rise and lie between 2^-12 and 1")
         if len(self.plays_um) != self.degree * len(widths) or bool(widths) != bool(self.plays_um):
             raise ValueError("plays_um must have the same number of coefficients for every play")
         if not 0.0 < self.reach < np.inf or len(self.duhem_um) % 2:
             raise ValueError("reach must be positive, and duhem_um must have two coefficients for each state")
+        if self.states and (self.reach < LEAST_REACH or self.reaches[-1] < LEAST_LAST_REACH):
+            raise ValueError(
+                f"reach must be at least {LEAST_REACH} half ranges, and that of the last Duhem state "
+                f"{LEAST_LAST_REACH}: over the whole range a state decays by a float32 power of two"
+            )
         if not np.isfinite([*self.curve_um, *self.plays_um, *self.duhem_um]).all():
             raise ValueError("the coefficients must be finite")
 
@@ -100,6 +115,11 @@ class Hysteresis(InputBlock):
             np.array(self.reaches),
             np.array(self.duhem_um).reshape(self.states, 2),
         )
+
+    @property
+    def numbers(self) -> Numbers:
+        """The float32 constants. Raises ModelError if h does not change over the input range."""
+        return _numbers(self)
 
     def describe(self) -> str:
         if not self.plays and not self.states:
@@ -151,11 +171,85 @@ class Hysteresis(InputBlock):
             low, high = low + float(moved.min()), high + float(moved.max())
         return low, high
 
-    def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:
-        raise NotImplementedError
+    @property
+    def mean_slope(self) -> float:
+        """Mean dh/dx over the input range where every play has been taken along, um per half range."""
+        rise = chebyshev.chebval(1.0, self.series.curve) - chebyshev.chebval(-1.0, self.series.curve)
+        for r, row in zip(self.half_widths, self.series.plays, strict=True):
+            moved = np.array([0.0, *row])
+            rise += chebyshev.chebval(1.0 - r, moved) - chebyshev.chebval(r - 1.0, moved)
+        return 0.5 * float(rise)
+
+    @property
+    def curve_degree(self) -> int:
+        """C: degree of the curve."""
+        return len(self.curve_um) - 1
+
+    @property
+    def group(self) -> int:
+        """Plays that the C computes side by side."""
+        return GROUP
+
+    @property
+    def rows(self) -> int:
+        """Plays in the C: a whole number of groups."""
+        return -(-self.plays // GROUP) * GROUP
+
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        """Normalised inputs lie in [-1, 1], a play in [r - 1, 1 - r], as far as it is taken along; with e <= 1,
+
+            left in [0, 2],   d = 1 - left e in [-1, 1],   back = 1 + d in [0, 2]
+
+        and the output, as intervals of each operation make it, within the sum of the magnitudes
+
+            |h - c_0| <= sum_m |c_m| + sum_j sum_m |c_jm| (1 - r_j)^m + sum_i (|b_i| + |c_i|)
+
+        times 1.001 for the roundings. solve: the ends of the input range.
+        """
+        number = self.numbers
+        ways = [symmetric(float(np.float32(1.0) - row[0])) for row in number.play]
+        size = float(np.abs(number.curve[1:]).sum()) + float(np.abs(number.duhem[:, :2]).sum())
+        for way, row in zip(ways, number.play, strict=True):
+            size += sum(abs(float(c)) * way.high ** (m + 1) for m, c in enumerate(row[1:]))
+        middle = float(number.curve[0])
+        h = Interval(middle, middle).outwards(1.001 * size + 1e-6 * abs(middle))
+        floats = {f"play[{j}]": way for j, way in enumerate(ways)}
+        if self.states:
+            lacked = Interval(0.0, 2.0)
+            floats |= {f"{name}[{i}]": lacked for name in ("left", "back") for i in range(self.states)}
+            floats["turn"] = symmetric(1.0)
+        floats |= {"last": symmetric(1.0), "h_um": h}
+        half = float(number.half)
+        return BlockBox(floats, h, Interval(float(number.middle) - half, float(number.middle) + half).outwards())
+
+    def members(self) -> tuple[Member, ...]:
+        plays = (Member("play", "float", "plays z_j [half ranges]", (self.rows,)),)
+        duhem = (
+            Member("left", "float", "1 - d_i at the last turn of the input", (self.states,)),
+            Member("back", "float", "1 - d_i if the input turned now", (self.states,)),
+            Member("turn", "float", "input at the last turn [half ranges]"),
+        )
+        last = (
+            Member("last", "float", "last input [half ranges]"),
+            Member("h_um", "float", "last output [um]"),
+        )
+        return (*plays[: self.plays], *(duhem if self.states else ()), *last)
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> HysteresisMirror:
+        return HysteresisMirror(self.numbers, self.members(), u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        return {}
+        number = self.numbers
+        found = {
+            "range": np.array([number.middle, number.half, number.per_half, *number.slope]),
+            "curve": np.concatenate([number.curve, number.curve_slope]),
+        }
+        if self.plays:
+            found["play"] = number.play.ravel()
+        if self.states:
+            found["rate"] = np.array([number.rate])
+            found["duhem"] = number.duhem.ravel()
+        return found
 
     @classmethod
     def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
@@ -168,6 +262,13 @@ class Hysteresis(InputBlock):
             cls(-20.0, 120.0, curve, r, tuple(plays.ravel().tolist()), 0.8, duhem),
             cls(-20.0, 120.0, curve),
         )
+
+
+@functools.lru_cache(maxsize=16)
+def _numbers(block: Hysteresis) -> Numbers:
+    return Numbers.of(
+        block.series, Interval(block.low_V, block.high_V), Interval(*block.slope_range()), block.mean_slope
+    )
 
 
 def _range(coefficients: Floats, low: float, high: float) -> tuple[float, float]:

@@ -16,6 +16,7 @@ Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digit
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -24,12 +25,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
+from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.kernels import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine
-from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockMirror, Floats, Floats32, InputBlock
+from hysgen.model.intervals import Interval, symmetric
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
+from hysgen.model.structs import Member
+from hysgen.model.twofloat import KEPT, accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
+
+LEAST_DIRECT = 1e-3
+"""Share of x(k) in w(k) below which the inverse would amplify rounding errors of w a thousandfold."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +50,7 @@ class Modes(InputBlock):
     place: ClassVar[int] = 5
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
+    two_words: ClassVar[bool] = True
 
     f_Hz: tuple[float, ...]
     zeta: tuple[float, ...]
@@ -126,11 +134,66 @@ class Modes(InputBlock):
         """The range of the input, wider by half its width at each end: more is not believed of a mode."""
         return Interval(u_V.low - 0.5 * u_V.width, u_V.high + 0.5 * u_V.width)
 
-    def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:
-        raise NotImplementedError
+    def zero(self, Ts_s: float) -> float:
+        """Largest |eigenvalue| of the inverse, A - B C / direct with the state (position, velocity) of every mode.
+
+        Infinite if w(k) does not depend on x(k).
+        """
+        return _zero(self, Ts_s)
+
+    def solves(self, Ts_s: float) -> bool:
+        return abs(self.direct(Ts_s)) >= LEAST_DIRECT and self.zero(Ts_s) < 1.0
+
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        """Each of the four words of a mode stays below LIMIT of `twofloat`, in the unit of x, and with them
+
+            |w - direct x| <= sum_j |q_j| (|Re M_j| + |Im M_j|) LIMIT        times 1.01 for the roundings
+
+        and `solve` divides by direct. That |c| decays is a relation between its parts, which intervals do not describe.
+        """
+        numbers = self.constants(Ts_s)
+        words = ("position", "position_low", "velocity", "velocity_low")
+        floats = {f"{word}[{j}]": KEPT for word in words for j in range(len(self.f_Hz))}
+        state = 1.01 * float(np.abs([*numbers["of_position"], *numbers["of_velocity"]]).sum()) * KEPT.high
+        through = symmetric(1.01 * abs(float(numbers["direct"][0])) * u_V.magnitude + state).outwards()
+        if not self.solves(Ts_s):
+            return BlockBox(floats, through, through)
+        solved = 1.01 * abs(float(numbers["per_direct"][0])) * (through.magnitude + state)
+        return BlockBox(floats, through, symmetric(solved).outwards())
+
+    def members(self) -> tuple[Member, ...]:
+        modes = (len(self.f_Hz),)
+        return (
+            Member("position", "float", "position of each mode, in the unit of the block's input", modes),
+            Member("position_low", "float", "rounding error of `position`, carried along", modes),
+            Member("velocity", "float", "the same of the velocity, over the angular frequency", modes),
+            Member("velocity_low", "float", "rounding error of `velocity`, carried along", modes),
+        )
+
+    def mirror(self, u_V: Floats32, Ts_s: float) -> ModesMirror:
+        return ModesMirror(self, self.constants(Ts_s), u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        return {}
+        """Parts of s, shares q Re M and -q Im M, direct and, if the inverse is stable, 1/direct.
+
+        Raises ModelError if a pole, rounded to float32, would not decay.
+        """
+        steps = self.steps(Ts_s)
+        real, imag = steps.real.astype(np.float32), steps.imag.astype(np.float32)
+        left, turn = 1.0 - real.astype(np.float64), imag.astype(np.float64)
+        if not (left * left + turn * turn < 1.0).all():
+            raise ModelError("modes: a mode this slow and light does not decay in float32; raise its damping")
+        share, (position, velocity) = np.array(self.share), self.outputs(Ts_s)
+        direct = self.direct(Ts_s)
+        inverse = {"per_direct": singles(np.array([1.0 / direct]))} if self.solves(Ts_s) else {}
+        return {
+            "real": real,
+            "imag": imag,
+            "of_position": singles(share * position),
+            "of_velocity": singles(share * velocity),
+            "direct": singles(np.array([direct])),
+            **inverse,
+        }
 
     @classmethod
     def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
@@ -142,6 +205,63 @@ class Modes(InputBlock):
                 float(rng.uniform(1e-4, 1e-3)),
             ),
         )
+
+
+@functools.lru_cache(maxsize=64)
+def _zero(block: Modes, Ts_s: float) -> float:
+    direct = block.direct(Ts_s)
+    if direct == 0.0:
+        return float("inf")
+    m = 2 * len(block.f_Hz)
+    A, B, C = np.eye(m), np.zeros(m), np.zeros(m)
+    outputs = zip(block.steps(Ts_s), block.share, *block.outputs(Ts_s), strict=True)
+    for j, (step, share, position, velocity) in enumerate(outputs):
+        at = slice(2 * j, 2 * j + 2)
+        A[at, at] += [[-step.real, step.imag], [-step.imag, -step.real]]
+        B[at], C[at] = (step.real, step.imag), (share * position, share * velocity)
+    return spectral_radius(A - B[:, None] * (C / direct))
+
+
+class ModesMirror(BlockMirror):
+    """Float32 modes over lanes, position and velocity each a sum of two words; w takes the higher words."""
+
+    def __init__(self, block: Modes, constants: Mapping[str, Floats32], u_V: Floats32) -> None:
+        self.members = block.members()
+        self._steps = list(zip(constants["real"], constants["imag"], strict=True))
+        self._outputs = list(zip(constants["of_position"], constants["of_velocity"], strict=True))
+        self._direct, self._rest = constants["direct"][0], u_V
+        self._per_direct = constants["per_direct"][0] if "per_direct" in constants else None
+        self.position: list[Floats32] = [u_V.copy() for _ in self._steps]
+        self.velocity: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
+        self.position_low: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
+        self.velocity_low: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
+
+    def rest(self) -> Floats32:
+        return np.asarray(self._direct * self._rest + self._moving())
+
+    def apply(self, u_V: Floats32) -> Floats32:
+        w = np.asarray(self._direct * u_V + self._moving())
+        for j, (real, imag) in enumerate(self._steps):
+            position, velocity = self.position[j], self.velocity[j]
+            away = u_V - position
+            forward, turn = real * away + imag * velocity, imag * away - real * velocity
+            self.position[j], self.position_low[j] = accumulate(position, self.position_low[j], forward)
+            self.velocity[j], self.velocity_low[j] = accumulate(velocity, self.velocity_low[j], turn)
+        return w
+
+    def solve(self, wanted: Floats32) -> Floats32:
+        return wanted if self._per_direct is None else (wanted - self._moving()) * self._per_direct
+
+    def _moving(self) -> Floats32:
+        """sum_j q_j (Re M_j position_j - Im M_j velocity_j)."""
+        total: Floats32 | None = None
+        for (of_position, of_velocity), position, velocity in zip(
+            self._outputs, self.position, self.velocity, strict=True
+        ):
+            mode = of_position * position + of_velocity * velocity
+            total = mode if total is None else total + mode
+        assert total is not None
+        return total
 
 
 BLOCK = Modes

@@ -25,7 +25,7 @@ from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member
 from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
-from hysgen.model.terms.twofloat import KEPT, accumulate
+from hysgen.model.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Creep(Term):
     """
 
     kind: ClassVar[str] = "creep"
-    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
+    two_words: ClassVar[bool] = True
     tau_s: tuple[float, ...]
     shared: bool = False
 

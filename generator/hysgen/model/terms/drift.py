@@ -26,7 +26,7 @@ from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.structs import Member
 from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
-from hysgen.model.terms.twofloat import KEPT, accumulate
+from hysgen.model.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Drift(Term):
 
     kind: ClassVar[str] = "drift"
     follows_measurements: ClassVar[bool] = True
-    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
+    two_words: ClassVar[bool] = True
     tau_s: float
     limit_um: float
 

@@ -26,7 +26,7 @@ from hysgen.machine.reproducible import exp, expm1, sine
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member
 from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
-from hysgen.model.terms.twofloat import KEPT, accumulate
+from hysgen.model.twofloat import KEPT, accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
 
@@ -39,7 +39,7 @@ class Resonance(Term):
     """
 
     kind: ClassVar[str] = "resonance"
-    parts: ClassVar[tuple[str, ...]] = ("twofloat",)
+    two_words: ClassVar[bool] = True
     f_Hz: tuple[float, ...]
     zeta: tuple[float, ...]
 

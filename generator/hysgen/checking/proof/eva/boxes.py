@@ -22,7 +22,7 @@ from hysgen.float32.coefficients import coefficients
 from hysgen.model import terms
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
-from hysgen.model.terms.twofloat import LIMIT
+from hysgen.model.twofloat import LIMIT
 
 WIDENED: Final = 0.5
 """By this part of its width the interval of a sum over the rules is widened on either side."""

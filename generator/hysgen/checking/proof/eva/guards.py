@@ -82,8 +82,15 @@ GUARDS: Final = (
         "inverse",
         "finite",
         "inverse into blocks",
-        ("const float inside = exact;",),
+        ("const float allowed = solved;", "found->u_clamped = 0u;"),
         unless="saturation",
+    ),
+    Guard(
+        "the input of the rules is limited behind the path",
+        "predict",
+        "finite",
+        "path",
+        ("outside = 0u;", "return w;"),
     ),
     Guard(
         "saturation limits what reaches the stage",

@@ -50,7 +50,7 @@ def splits(model: Model, kept: float) -> list[Split]:
     numbers = coefficients(model)
     least, limit = (_bits(size) for size in (float(LEAST), kept))
     cases = [
-        *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited")),
+        *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited", "magnitude")),
         Split("finite: bits", _magnitudes(least, INFINITY_BITS)),
         Split("finite", signs("held")),
         Split("flushed: bits", _magnitudes(least)),

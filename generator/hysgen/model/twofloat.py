@@ -18,9 +18,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.model.intervals import Interval, symmetric
-from hysgen.model.terms.base import Floats32
+
+Floats32 = NDArray[np.float32]
 
 FLOOR: Final = np.float32(1.5 * 2.0**-37)
 LIMIT: Final = np.float32(2.0**20)

@@ -1,4 +1,4 @@
-"""Float32 2^x, 1/x and bit patterns over lanes; coefficients and error bounds: hysgen.model.float32_constants."""
+"""Float32 2^x, 1/x, flush to zero and bit patterns over lanes; coefficients: hysgen.model.float32_constants."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from hysgen.model import float32_constants as number
 
 Floats32 = NDArray[np.float32]
 Words = NDArray[np.uint32]
+
+LEAST_BITS = number.LEAST.view(np.uint32)
 
 _ONE = np.float32(1.0)
 _TWO = np.float32(2.0)
@@ -51,3 +53,9 @@ def reciprocal(x: Floats32) -> Floats32:
     for _ in range(number.NEWTON_STEPS):
         y = y * (_TWO - x * y)
     return y
+
+
+def flushed(x: Floats32) -> Floats32:
+    """`x` with magnitudes below 2^-40 replaced by +0, applied to every result before it is returned or stored."""
+    bits = bits_of(x)
+    return float_of(np.where((bits & np.uint32(number.MAGNITUDE_BITS)) < LEAST_BITS, np.uint32(0), bits))
