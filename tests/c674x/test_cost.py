@@ -14,12 +14,10 @@ from fixtures.generated_models import everything, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.c674x import toolchain
-from hysgen.c674x.assembly import instructions
 from hysgen.c674x.cost import cost, cost_of_texts
 from hysgen.c674x.cost.budget_file import changes, read
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.footprint import footprint
-from hysgen.c674x.packets import packets
 from hysgen.checking.host import Host
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
@@ -158,7 +156,7 @@ def test_estimate_is_within_the_stated_factor_of_the_targets_code(model: Model) 
     texts = generate(model)
     sources = [(name, text) for name, text in texts.items() if name.endswith((".c", ".h")) and "selftest" not in name]
     firmware = toolchain.compile(sources)
-    code = packets(instructions(firmware.listing))
+    code = firmware.packets
     for function in FUNCTIONS:
         found = bounds(firmware.image, code, f"{model.name}_{function}")
         guess = estimated(figures(model.name, texts).operations[function]).value
