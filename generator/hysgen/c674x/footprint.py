@@ -1,4 +1,4 @@
-"""What the generated C of a model takes on the C674x: cycles, code and stack of each function, bytes of data."""
+"""Resources of the generated C of a model on the C674x: cycles, code and stack of each function, bytes of data."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[s
 
 
 def update_checks(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
-    """Checks of what `update_contracts` promises of `step`, by hook, for the parameter that is looked at."""
+    """Checks of the contract of `step`, by hook, for the one parameter whose cases are distinguished."""
     name = model.name
     limit = f"{name.upper()}_LEARN_LIMIT_UM"
     lines: dict[str, list[str]] = {}
@@ -109,7 +109,7 @@ def check_contract(name: str, texts: Mapping[str, str]) -> Verdict:
 
 
 def within(name: str, theta: str) -> str:
-    """That a parameter is finite and inside its limit, as ACSL."""
+    """Condition, in ACSL, that a parameter is finite and inside its limit."""
     limit = f"{name.upper()}_LEARN_LIMIT_UM"
     return rf"\is_finite({theta}) && -{limit} < {theta} < {limit}"
 

@@ -67,7 +67,7 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
 
 
 def prove_learn(model: Model, texts: Mapping[str, str], function: str) -> tuple[Verdict, int]:
-    """What Eva says of one call of learn_init, learn_aux or learn, and how many checks it must have come to."""
+    """Eva's verdict on a call of learn_init, learn_aux or learn, and the number of checks of a complete analysis."""
     sources, checks = learn_step(model, texts, function)
     name = model.name
     trusted = [f"{name}_{function}" for function in update_functions(model, texts)]
@@ -92,9 +92,9 @@ def update_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
 
 
 def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
-    """What Eva says of an update, and how many checks it must have come to.
+    """Eva's verdict on an update, and the number of checks that a complete analysis reaches.
 
-    A function that writes another word of the learner than its contract says counts as an alarm.
+    A write of a function to a word of the learner that its contract does not list counts as an alarm.
     """
     name = model.name
     sources, checks = update_step(model, texts)
@@ -118,7 +118,7 @@ def _learn_splits(model: Model) -> list[Split]:
 
 
 def _joins(model: Model, box: LearnerBox) -> list[Join]:
-    """What depends on one case is computed between two of these; the mean input and `usable` are known to the end."""
+    """Places where cases are merged; the cases of the mean input and of `usable` stay separate to the end."""
     levels = {level.path: level for level in box.levels}
     low, high = (hexadecimal(end) for end in (model.u_min_V, model.u_max_V))
     return [

@@ -129,7 +129,7 @@ def prove(
 
 
 def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:
-    """What Eva says of one call, and how many checks it must have come to; of `beyond`, what running it says."""
+    """The verdict on one call and the number of checks of a complete analysis; `beyond` is run on every float."""
     if function == "beyond":
         return check_contract(model.name, texts), 1
     if function == "update":
@@ -142,7 +142,7 @@ def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats
 
 
 def learner_functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
-    """What is proved of a learner, if the generated header declares one."""
+    """The calls of LEARNER that the generated header has; empty without a learner."""
     known = interface_of(model.name, texts)
     return tuple(f for f in LEARNER if known.has("learn") and (f != "learn_aux" or known.has(f)))
 
