@@ -49,7 +49,7 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
-from hysgen.stage import Creep, Delay, Effect, Periodic, Resonance, Saturation
+from hysgen.stage import CreepEffect, DelayEffect, Effect, PeriodicEffect, ResonanceEffect, SaturationEffect
 from hysgen.stage.families import FAMILIES, SCENARIOS, Plant, plant, records
 
 Floats = NDArray[np.float64]
@@ -128,21 +128,21 @@ def true_chain(hidden: Plant) -> Chain:
     return Chain(hidden.stage.lag_s, tuple(parts))
 
 
-PARTS = (Creep, Delay, Resonance, Saturation, Periodic)
+PARTS = (CreepEffect, DelayEffect, ResonanceEffect, SaturationEffect, PeriodicEffect)
 
 
 def _part(effect: Effect, range_V: tuple[float, float]) -> Part:
     match effect:
-        case Creep():
+        case CreepEffect():
             return CreepPart(effect.per_decade, effect.tau_min_s)
-        case Delay():
+        case DelayEffect():
             return DelayPart(effect.samples)
-        case Resonance():
+        case ResonanceEffect():
             return ResonancePart((Mode(effect.f_Hz, effect.zeta, effect.share),))
-        case Saturation():
+        case SaturationEffect():
             low_V, high_V = effect.passes_V(*range_V)
             return SaturationPart(low_V if low_V > range_V[0] else None, high_V if high_V < range_V[1] else None)
-        case Periodic():
+        case PeriodicEffect():
             return PeriodicPart((effect.f_Hz,))
     raise TypeError(f"{effect.name}: the chain has no part for it")
 
