@@ -17,9 +17,10 @@ from hysgen.checking.proof.eva.contracts import (
     WRITES,
     beyond_contract,
     parameters,
-    update_checks,
+    update_cases,
     update_contracts,
     update_functions,
+    within,
 )
 from hysgen.checking.proof.eva.frama import Verdict, analyse
 from hysgen.checking.proof.eva.intervals import hexadecimal
@@ -80,15 +81,15 @@ def update_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     """The C that Eva analyses for what one update does to the shadow, and the number of its checks."""
     name = model.name
     functions = update_functions(model, texts)
-    source = hooked(model, texts, beyond_contract(name) | update_checks(model, texts))
-    count = parameters(name, texts)
+    source = hooked(model, texts, beyond_contract(name) | update_cases(model, texts))
+    kept = [within(name, f"learner.theta[{j}]") for j in range(parameters(name, texts))]
     facts = {
         "name": name,
         "looked_at": LOOKED_AT,
         "functions": [f"{name}_{function}" for function, kind in functions.items() if kind != "step"],
-        "parameters": count,
+        "kept": kept,
     }
-    return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, count + 2
+    return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, 3 * len(kept)
 
 
 def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
@@ -98,7 +99,8 @@ def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
     """
     name = model.name
     sources, checks = update_step(model, texts)
-    verdict = analyse(sources, ENTRY, "any", options=("-eva-use-spec", f"{name}_beyond", "-out-external"))
+    options = ("-eva-use-spec", f"{name}_beyond", "-eva-split-return", "full", "-out-external")
+    verdict = analyse(sources, ENTRY, "any", options=options)
     alarms = list(verdict.alarms)
     for function, kind in update_functions(model, texts).items():
         more = sorted(verdict.fields(f"{name}_{function}", "learner") - set(WRITES[kind]))
