@@ -97,7 +97,7 @@ def test_a_part_of_an_update_that_writes_more_than_its_contract_says_is_told() -
     altered = source.replace("    self->k[0] = ", "    self->theta[1] = 0.0f;\n    self->k[0] = ", 1)
     assert altered != source
     verdict, _ = prove_update(learner, {**generated, "small.c": altered})
-    assert any("factor_0: writes theta" in alarm for alarm in verdict.alarms), verdict.alarms
+    assert any("factor: writes theta" in alarm for alarm in verdict.alarms), verdict.alarms
 
 
 @pytest.mark.slow

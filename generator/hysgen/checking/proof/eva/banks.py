@@ -38,9 +38,12 @@ def bank_box(model: Model) -> dict[str, Interval]:
     box = {f"{group}[{i}]": _at(x) for group, values in groups.items() for i, x in enumerate(values)}
     for parameter, per_scale in zip(numbers.parameters, numbers.per_scale, strict=True):
         reach = symmetric(float(numbers.limit_um) * float(per_scale))
-        names = {"terms": [f"weight[{parameter.index}]"], "bias": [f"offset[{i}]" for i in range(len(bank.offset))]}
-        for path in names.get(parameter.group, [f"{parameter.group}[{parameter.index}]"]):
-            box[path] = reach.hull(box[path]).outwards(reach.high if parameter.group == "bias" else 0.0)
+        if parameter.group == "bias":
+            for i in range(len(bank.offset)):
+                box[f"offset[{i}]"] = reach.hull(box[f"offset[{i}]"]).outwards(reach.high)
+        else:
+            path = f"{parameter.group}[{parameter.index}]"
+            box[path] = reach.hull(box[path]).outwards()
     return box
 
 
