@@ -1,4 +1,4 @@
-"""Long chains of updates of the compiled learner, compared with its NumPy reference: 6 to 54 parameters, every build.
+"""Long chains of updates of the compiled learner, compared with its NumPy reference: 6 to 36 parameters, every build.
 
 Every word of the learner's state after every sample is compared, by induction (`hysgen.checking.bits.induction`), at
 gcc and clang, -O0, -O2 and -O3, with and without flush to zero. The plant is the model with 5 % less gain, and noise;
@@ -6,8 +6,7 @@ its input is constant for a fifth of the time.
 
 Run:  python benchmarks/learner_bits.py [UPDATES [PARAMETERS ...]]
 
-UPDATES: approximate number of consecutive updates, default 1e6; with an update divided over 16 calls, the number of
-samples. PARAMETERS: sizes to compare, default all.
+UPDATES: approximate number of consecutive updates, default 1e6. PARAMETERS: sizes to compare, default all.
 """
 
 from __future__ import annotations
@@ -27,11 +26,8 @@ from hysgen.display import table
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 
-SIZES = {6: (2, 0), 18: (6, 0), 24: (8, 0), 40: (10, 10), 54: (10, 24)}
+SIZES = {6: (2, 0), 18: (6, 0), 24: (8, 0), 30: (10, 10), 36: (12, 0)}
 """Parameters -> rules and plays."""
-
-CALLS_PER_UPDATE = {6: (1,), 18: (1,), 24: (1,), 40: (1, 16), 54: (16,)}
-"""Parameters -> calls per update."""
 
 UPDATING_SHARE = 0.7
 """Least share of samples that update: one fifth has a constant input, some innovations lie in the dead zone."""
@@ -54,10 +50,10 @@ def main() -> int:
     found, skipped = toolchains(COMPILERS, LEVELS)
     rows, differences = [], []
     sizes = [int(size) for size in sys.argv[2:]] or list(SIZES)
-    for parameters, calls in [(size, calls) for size in sizes for calls in CALLS_PER_UPDATE[size]]:
+    for parameters in sizes:
         started = time.monotonic()
         rules, plays = SIZES[parameters]
-        model = smooth(f"learn_{parameters}", rules, plays, LearnerSettings(calls_per_update=calls))
+        model = smooth(f"learn_{parameters}", rules, plays, LearnerSettings())
         texts = generate(model, Options(clock_Hz=1e10))
         builds, unable = compiled(model.name, texts, found)
         skipped += [reason for reason in unable if reason not in skipped]
@@ -66,14 +62,9 @@ def main() -> int:
         updates, restarts = counted(model, texts, samples)
         result = f"{len(wrong)} differ" if wrong else "equal"
         seconds = f"{time.monotonic() - started:.0f}"
-        rows.append(
-            (str(parameters), str(calls), str(samples), str(updates), str(restarts), str(len(builds)), result, seconds)
-        )
-        print(
-            f"{parameters} parameters, {calls} calls, {updates} updates, {len(builds)} builds: {result}",
-            file=sys.stderr,
-        )
-    print(table(("parameters", "calls", "samples", "updates", "restarts", "builds", "bits", "s"), rows))
+        rows.append((str(parameters), str(samples), str(updates), str(restarts), str(len(builds)), result, seconds))
+        print(f"{parameters} parameters, {updates} updates, {len(builds)} builds: {result}", file=sys.stderr)
+    print(table(("parameters", "samples", "updates", "restarts", "builds", "bits", "s"), rows))
     for line in (*(f"NOT COMPARED: {reason}" for reason in skipped), *map(str, differences)):
         print(line)
     return 1 if differences else 0

@@ -6,6 +6,7 @@ found here, and written by `pytest tests/c674x/test_faults.py --update-golden`.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -223,8 +224,8 @@ def used(mnemonic: str) -> bool:
 def programs_differ() -> bool:
     """Whether compiled programs on the interpreter give other bits than on the host, or are refused."""
     try:
-        predicted = firmware("predict").machine(interpreted=True).call("predict", 2.0, 50.0).bits
-        machine = firmware("learn").machine(interpreted=True)
+        predicted = decoded("predict").machine(interpreted=True).call("predict", 2.0, 50.0).bits
+        machine = decoded("learn").machine(interpreted=True)
         self, phi = machine.allocate(LEARNER_WORDS), machine.allocate(18)
         machine.write(self, first_state())
         machine.write(phi, np.full(18, 0.5, np.float32))
@@ -234,6 +235,11 @@ def programs_differ() -> bool:
     expected_prediction, expected_state = hosts_results()
     learned = machine.read(self, LEARNER_WORDS, np.uint32)
     return predicted != expected_prediction or not np.array_equal(learned, expected_state)
+
+
+def decoded(name: str) -> toolchain.Firmware:
+    """A compiled program whose packets are decoded again, by the rules as they are now."""
+    return dataclasses.replace(firmware(name))
 
 
 def first_state() -> np.ndarray:

@@ -78,10 +78,25 @@ def test_idle_cycles_that_encode_as_zeros_are_in_the_listing() -> None:
     assert program.machine(interpreted=True).call("idle").cycles == 5 + 6
 
 
-def test_the_same_texts_give_the_same_program() -> None:
+def test_the_same_texts_give_the_same_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     need_compiler()
     text = [("a.c", "float f(float x); float f(float x) { return x * x + 1.0f; }")]
-    assert toolchain.compile(text).elf == toolchain.compile(text).elf
+    cached = toolchain.compile(text).elf
+    monkeypatch.setenv("HYSGEN_CACHE", str(tmp_path))
+    assert toolchain.compile(text).elf == cached
+    assert toolchain.compile(text).elf == cached
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_header_that_changed_is_compiled_again() -> None:
+    need_compiler()
+
+    def value(number: int) -> int:
+        unit = '#include "outer.h"\nint f(void); int f(void) { return VALUE; }'
+        outer, inner = '#include "inner.h"\n', f"#define VALUE {number}\n"
+        return toolchain.compile([("a.c", unit), ("outer.h", outer), ("inner.h", inner)]).machine(True).call("f").bits
+
+    assert [value(1), value(2)] == [1, 2]
 
 
 def test_the_firmware_is_built_with_the_flags_that_are_measured() -> None:

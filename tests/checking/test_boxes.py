@@ -118,7 +118,7 @@ def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
         assert (seen <= np.array(box.regressors)).all(), term.kind
 
 
-@pytest.mark.parametrize("name", ["plays", "extended", "everything_spread"])
+@pytest.mark.parametrize("name", ["plays", "extended", "everything"])
 @pytest.mark.slow
 def test_every_float_of_a_learner_stays_in_its_box(name: str) -> None:
     """What is not WILD, after every sample that is learnt from or refused."""
@@ -196,7 +196,7 @@ def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(na
             assert rf"\is_finite(self.{path}) && " in sources["step.c"], path
 
 
-@pytest.mark.parametrize("name", ["plays", "extended", "everything_spread"])
+@pytest.mark.parametrize("name", ["plays", "extended", "everything"])
 @pytest.mark.slow
 def test_every_float_that_learn_reads_is_assumed_and_demanded(name: str) -> None:
     """The bank that a learner started from among them: it is any that was committed before, not the generated one."""
@@ -254,7 +254,7 @@ def test_eva_says_that_a_box_of_the_creep_that_is_too_small_is_left() -> None:
 def test_taps_and_a_learner_take_their_boxes_along() -> None:
     """Coupling with taps: each older sample has the box of the newest, in instance and learner."""
     term = Coupling(("a", "b"), (20.0, -1.0), (24.0, 3.0), taps=3)
-    learner = dataclasses.replace(model_with([term]), learner=LearnerSettings(learned=("terms",)))
+    learner = dataclasses.replace(model_with([term]), learner=LearnerSettings())
     floats = learner_box(learner).floats
     for c in range(2):
         assert len({floats[f"terms.coupling.sample[{c}][{i}]"] for i in range(3)}) == 1

@@ -35,7 +35,7 @@ Floats32 = NDArray[np.float32]
 GCC, CLANG = Toolchain("gcc", ("-O2",)), Toolchain("clang", ("-O3",))
 
 
-def paper(learned: str = "all") -> Model:
+def paper(learned: str = "rules") -> Model:
     """Appendix A with a learner."""
     settings = LearnerSettings(learned=LEARNED[learned])
     return dataclasses.replace(load_model("appendix_a"), name=f"paper_{learned}", learner=settings)
@@ -57,7 +57,7 @@ BUILDS = [
     (sized(6, points_per_call=7), GCC),
     (sized(18), CLANG),
     (sized(24), GCC),
-    (sized(40), GCC),
+    (sized(36), GCC),
     (paper("bias"), GCC),
     (paper("rules"), GCC),
     (remembering(), CLANG),
@@ -120,7 +120,7 @@ def farthest_are_certified(model: Model, spoil: Callable[[Committer], None] = la
     return all(certified(committer, model, last[:, lane]) for lane in range(last.shape[1]))
 
 
-@pytest.mark.parametrize("model", [paper(), sized(24), sized(40), remembering()], ids=lambda model: model.name)
+@pytest.mark.parametrize("model", [paper(), sized(24), sized(36), remembering()], ids=lambda model: model.name)
 @pytest.mark.slow
 def test_the_farthest_shadow_that_is_accepted_in_any_direction_is_certified(model: Model) -> None:
     """Bisection to where commit begins to refuse; float64 enclosures judge what it let pass just before."""
@@ -128,18 +128,18 @@ def test_the_farthest_shadow_that_is_accepted_in_any_direction_is_certified(mode
 
 
 @pytest.mark.parametrize(
-    ("model", "protection"),
-    [(paper(), {"gain_floor": -np.inf}), (paper(), {"slope_limit": 2.0}), (remembering(), {"weight_budget": 1.0})],
-    ids=["gain", "slope", "weights"],
+    "protection",
+    [{"gain_floor": -np.inf}, {"slope_limit": 2.0}],
+    ids=["gain", "slope"],
 )
-def test_without_a_protection_an_uncertified_shadow_would_pass(model: Model, protection: dict[str, float]) -> None:
+def test_without_a_protection_an_uncertified_shadow_would_pass(protection: dict[str, float]) -> None:
     """What the test above rests on: it can tell."""
 
     def spoil(committer: Committer) -> None:
         numbers = {name: np.float32(value) for name, value in protection.items()}
         committer.numbers = dataclasses.replace(committer.numbers, **numbers)
 
-    assert not farthest_are_certified(model, spoil)
+    assert not farthest_are_certified(paper(), spoil)
 
 
 @pytest.mark.parametrize("points_per_call", [1, 7, 64])
@@ -195,7 +195,6 @@ REFUSALS: dict[str, tuple[int, float, Commit]] = {
     "not a number": (5, np.nan, Commit.REFUSED_LIMIT),
     "infinite": (5, -np.inf, Commit.REFUSED_LIMIT),
     "huge": (5, 1e30, Commit.REFUSED_LIMIT),
-    "weight of a play far off": (13, 1e3, Commit.REFUSED_WEIGHTS),
 }
 
 
@@ -212,6 +211,15 @@ def test_a_planted_shadow_is_refused_with_the_reason_and_what_is_active_stays(re
     np.testing.assert_array_equal(np.float32(theta), np.float32(list(planted.learner.theta)))
     assert planted.answer(planted.own) == Commit.COMMITTED
     assert planted.active[0] != before[0]
+
+
+def test_weights_of_an_image_that_are_far_from_the_model_are_refused() -> None:
+    """The learner never changes weights; it takes over those of the active bank, which an image may have replaced."""
+    planted = Planted(compiled_once())
+    planted.learner.base.weight[1] *= 1e3
+    before = planted.active
+    assert planted.answer(planted.own) == Commit.REFUSED_WEIGHTS
+    assert planted.active == before
 
 
 def test_a_shadow_that_has_just_restarted_is_too_young() -> None:

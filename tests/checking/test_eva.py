@@ -1,6 +1,7 @@
 """Frama-C Eva: the generated C never fails and never leaves its box, and without any of its guards that is not proved.
 
-Here for Appendix A and for what the model with every term adds; `hysgen prove DIR --take-out` does all of any model.
+Here for models of two rules, without and with every term and block; `make prove` proves every call of the models that
+ship, and `hysgen prove DIR --take-out` takes every guard out of any model.
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ from hysgen.model.model import Model
 
 @functools.cache
 def gains() -> tuple[Model, Mapping[str, str]]:
-    """Appendix A with a learner of its six gains only, whose faults are quick to find."""
-    learner = dataclasses.replace(model("appendix_a"), learner=LearnerSettings(learned=("gain",)))
+    """Two rules with a learner of their gains only."""
+    learner = dataclasses.replace(model("small"), learner=LearnerSettings(learned=("gain",)))
     return learner, generate(learner, Options(clock_Hz=2e9))
 
 
@@ -56,7 +57,7 @@ def test_every_call_of_a_model_that_ships_is_proved(name: str) -> None:
 def test_terms_as_the_diagnosis_delivers_them_are_proved() -> None:
     need("frama-c")
     for function in ("predict", "init"):
-        verdict, expected = prove_call(model("diagnosed"), texts("diagnosed"), function, "finite")
+        verdict, expected = prove_call(model("small_diagnosed"), texts("small_diagnosed"), function, "finite")
         assert not verdict.alarms
         assert verdict.held == verdict.checks >= expected > 20
 
@@ -65,17 +66,17 @@ def test_terms_as_the_diagnosis_delivers_them_are_proved() -> None:
 @pytest.mark.slow
 def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Floats) -> None:
     need("frama-c")
-    verdict, expected = prove_call(model("everything"), texts("everything"), function, inputs)
+    verdict, expected = prove_call(model("small_everything"), texts("small_everything"), function, inputs)
     assert not verdict.alarms
     assert verdict.held == verdict.checks >= expected > 20
 
 
-@pytest.mark.parametrize("guard", guards(model("appendix_a"), texts("appendix_a")), ids=lambda guard: guard.about)
+@pytest.mark.parametrize("guard", guards(model("small"), texts("small")), ids=lambda guard: guard.about)
 @pytest.mark.slow
 def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
     need("frama-c")
-    opened = without(guard, model("appendix_a"), texts("appendix_a"))
-    verdict, _ = prove_call(model("appendix_a"), opened, guard.function, guard.inputs)
+    opened = without(guard, model("small"), texts("small"))
+    verdict, _ = prove_call(model("small"), opened, guard.function, guard.inputs)
     assert verdict.alarms
 
 
@@ -92,11 +93,11 @@ def test_learn_without_a_guard_is_not_proved(about: str) -> None:
 def test_a_part_of_an_update_that_writes_more_than_its_contract_says_is_told() -> None:
     need("frama-c")
     learner, generated = gains()
-    source = generated["appendix_a.c"]
-    altered = source.replace("    self->k[0] = ", "    self->theta[3] = 0.0f;\n    self->k[0] = ", 1)
+    source = generated["small.c"]
+    altered = source.replace("    self->k[0] = ", "    self->theta[1] = 0.0f;\n    self->k[0] = ", 1)
     assert altered != source
-    verdict, _ = prove_update(learner, {**generated, "appendix_a.c": altered})
-    assert any("factor_0: writes theta" in alarm for alarm in verdict.alarms), verdict.alarms
+    verdict, _ = prove_update(learner, {**generated, "small.c": altered})
+    assert any("factor: writes theta" in alarm for alarm in verdict.alarms), verdict.alarms
 
 
 @pytest.mark.slow
@@ -107,23 +108,24 @@ def test_the_inverse_of_a_committed_bank_needs_what_commit_checks() -> None:
     # At one displacement: without the lower border of the gain there are too many cases to wait for.
     sources["step.c"] = re.sub(r"(const float input0 =) .*;", r"\1 2.0f;", sources["step.c"])
     assert not analyse(sources, "step.c", "finite").alarms
-    untold = re.sub(r" *//@ admit committed: .*\n", "", sources["appendix_a.c"])
-    assert untold != sources["appendix_a.c"]
-    assert analyse({**sources, "appendix_a.c": untold}, "step.c", "finite").alarms
+    untold = re.sub(r" *//@ admit committed: .*\n", "", sources["small.c"])
+    assert untold != sources["small.c"]
+    assert analyse({**sources, "small.c": untold}, "step.c", "finite").alarms
 
 
 @pytest.mark.slow
 def test_the_contract_of_beyond_holds_for_every_float_and_another_does_not() -> None:
     need("gcc")
-    assert not check_contract("everything", texts("everything")).alarms
+    learner, generated = gains()
+    assert not check_contract(learner.name, generated).alarms
     open_limit = next(guard for guard in GUARDS if guard.function == "beyond")
-    assert check_contract("everything", without(open_limit, model("everything"), texts("everything"))).alarms
+    assert check_contract(learner.name, without(open_limit, learner, generated)).alarms
 
 
 @pytest.mark.slow
 def test_commit_is_proved_and_a_check_point_too_many_is_missed() -> None:
     need("frama-c")
-    learner = dataclasses.replace(model("appendix_a"), learner=LearnerSettings())
+    learner = dataclasses.replace(model("small"), learner=LearnerSettings())
     generated = generate(learner, Options(clock_Hz=2e9))
     verdict, expected = prove_commit(learner, generated)
     assert not verdict.alarms
@@ -136,8 +138,8 @@ def test_commit_is_proved_and_a_check_point_too_many_is_missed() -> None:
 def test_a_ring_that_is_left_open_is_missed() -> None:
     need("frama-c")
     guard = next(guard for guard in GUARDS if guard.about == "the delay's ring is closed where it is read")
-    opened = without(guard, model("everything"), texts("everything"))
-    verdict, _ = prove_call(model("everything"), opened, guard.function, guard.inputs)
+    opened = without(guard, model("small_everything"), texts("small_everything"))
+    verdict, _ = prove_call(model("small_everything"), opened, guard.function, guard.inputs)
     assert any("index" in alarm or "< 4" in alarm for alarm in verdict.alarms), verdict.alarms
 
 
@@ -200,7 +202,7 @@ def test_what_is_not_c_and_what_never_ends_is_refused() -> None:
 @pytest.mark.slow
 def test_a_narrower_box_is_not_proved() -> None:
     need("frama-c")
-    sources, _ = step(model("appendix_a"), texts("appendix_a"), "predict", "finite")
+    sources, _ = step(model("small"), texts("small"), "predict", "finite")
     demand = re.search(r"check y_um: .*;", sources["step.c"])
     assert demand is not None
     narrow = sources["step.c"].replace(demand[0], r"check y_um: \is_finite(self.y_um) && 0.0 <= self.y_um <= 4.0;")

@@ -33,9 +33,9 @@ def planted(anchor: str, replacement: str) -> Mapping[str, str]:
 def learners() -> Mapping[str, LearnerSettings]:
     """Kinds of learner whose C has another shape than the one in `everything`."""
     return {
-        "written_out": LearnerSettings(),
+        "rules": LearnerSettings(),
         "bias": LearnerSettings(learned=("bias",)),
-        "slices": LearnerSettings(calls_per_update=6, points_per_call=4, forgetting=1.0),
+        "windowed": LearnerSettings(points_per_call=4, forgetting=1.0),
     }
 
 
@@ -79,9 +79,7 @@ def test_every_compiler_sees_a_planted_fault(fault: str, anchor: str, replacemen
 @pytest.mark.slow
 def test_required_misra_rules_are_followed_and_every_deviation_is_advisory_and_met() -> None:
     need("cppcheck")
-    found = [
-        misra(name, texts(name)) for name in ("appendix_a", "appendix_b", "learning", "everything_spread", "extended")
-    ]
+    found = [misra(name, texts(name)) for name in ("appendix_a", "appendix_b", "learning", "everything", "extended")]
     found.append(misra("smooth_50", generate(smooth(50), Options(clock_Hz=2e9))))
     for report in found:
         assert report.clean, "\n".join(report.lines())

@@ -65,13 +65,13 @@ def test_a_learner_is_asked_for_when_fitting_or_when_generating(record: Path, mo
     calls = {
         "kept": (learning, []),
         "none": (learning, ["--learn", "none"]),
-        "terms": (model, ["--learn", "terms", "--calls-per-update", "2"]),
+        "gain": (model, ["--learn", "gain"]),
     }
     for name, (path, options) in calls.items():
         assert main(["generate", str(path), *options, "-o", str(tmp_path / name)]) == 0
     assert "#define LEARNING_LEARNED 1u " in (tmp_path / "kept" / "learning.h").read_text()
     assert "_learn(" not in (tmp_path / "none" / "learning.h").read_text()
-    assert "#define AXIS_ONE_LEARNED 6u " in (tmp_path / "terms" / "axis_one.h").read_text()
+    assert "#define AXIS_ONE_LEARNED 6u " in (tmp_path / "gain" / "axis_one.h").read_text()
 
 
 def test_the_same_call_writes_the_same_bytes(record: Path, tmp_path: Path) -> None:
@@ -97,8 +97,8 @@ def test_json_on_stdout_comes_without_other_text(model: Path, capsys: pytest.Cap
         (["score", "no_such_model", "{record}"], "no_such_model"),
         (["describe", "appendix_z"], "appendix_z"),
         (["generate", "appendix_a"], "-o"),
-        (["generate", "appendix_a", "--learn", "terms", "-o", "x"], "the model has none"),
-        (["generate", "appendix_a", "--learn", "all", "--learn-forgetting", "1.5", "-o", "x"], "forgetting 1.5"),
+        (["generate", "appendix_a", "--learn", "terms", "-o", "x"], "choose from 'rules', 'gain', 'bias', 'none'"),
+        (["generate", "appendix_a", "--learn", "rules", "--learn-forgetting", "1.5", "-o", "x"], "forgetting 1.5"),
         (["polish"], "polish"),
     ],
 )

@@ -144,9 +144,20 @@ def test_code_over_budget_is_refused_with_the_numbers() -> None:
         generate(fast)
     measured = Options(cycles={"predict": 100, "simulate": 100, "inverse": 140})
     assert '"budget": 150' in generate(fast, measured)["MANIFEST.json"]
-    many = dataclasses.replace(smooth(50), learner=LearnerSettings())
-    with pytest.raises((BudgetError, HysgenError), match="learn"):
+
+
+def test_more_rules_than_fit_the_sample_period_are_refused_with_the_numbers() -> None:
+    """Three parameters per rule, one update per sample: 11 rules fit 7500 cycles, 12 do not."""
+    many = dataclasses.replace(smooth(12), learner=LearnerSettings())
+    refusal = (
+        r"takes about 8\d\d\d cycles .*learn 6\d\d\d, commit \d+\), the period of 20 us has 7500 at 375 MHz; learn"
+    )
+    with pytest.raises(BudgetError, match=refusal):
         generate(many)
+    for fits in (smooth(11), dataclasses.replace(many, learner=LearnerSettings(learned=("gain",)))):
+        generate(dataclasses.replace(fits, learner=fits.learner or LearnerSettings()))
+    with pytest.raises(HysgenError, match="13 rules; it learns models of up to 12 rules"):
+        generate(dataclasses.replace(smooth(13), learner=LearnerSettings()))
 
 
 def test_measured_cycles_take_the_place_of_estimates() -> None:

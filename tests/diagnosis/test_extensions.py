@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 
 from fixtures.bank_records import known
-from fixtures.generated_models import smooth
 from hysgen.certify.certificates import certify
-from hysgen.codegen import generate
 from hysgen.diagnosis.causes.drift import Trend
 from hysgen.diagnosis.causes.memory import usual_memory
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
-from hysgen.diagnosis.ladder import add_online_parts, calls_per_update, fit_ladder
+from hysgen.diagnosis.ladder import add_online_parts, fit_ladder
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
-from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.memory import Memory
@@ -113,19 +110,3 @@ def test_the_price_includes_the_terms_and_the_learner_for_operation(cause: str) 
     assert after is not None
     assert after.cycles > before.cycles
     assert after.bytes > before.bytes
-
-
-def test_an_update_of_many_parameters_is_spread_over_samples() -> None:
-    assert calls_per_update(36, 1e-3) == 1
-    assert calls_per_update(18, 20e-6) == 1
-    assert calls_per_update(36, 20e-6) == 5
-    assert calls_per_update(64, 20e-6) == 10
-    assert calls_per_update(500, 2e-6) < MOST_CALLS, "more calls would not make the dearest one cheaper"
-
-
-@pytest.mark.slow
-def test_a_learner_of_54_parameters_fits_a_period_of_50_kHz() -> None:
-    """Six rules, and memory of ten plays whose slopes are cubics: generating raises nothing."""
-    model = smooth(6, (Memory.uniform(36, 60.0),))
-    calls = calls_per_update(model.parameters.size, model.Ts_s)
-    generate(dataclasses.replace(model, learner=LearnerSettings(calls_per_update=calls)))

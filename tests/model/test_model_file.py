@@ -18,6 +18,7 @@ from fixtures.random_models import random_model
 from hysgen.certify.certificates import certify
 from hysgen.errors import ModelError
 from hysgen.model.file import dump_model, load_model, parse_model, save_model, shipped_models
+from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.terms.creep import Creep
@@ -147,6 +148,26 @@ def test_other_files_are_refused_in_one_line(content: bytes, tmp_path: Path) -> 
     with pytest.raises(ModelError, match=r"m\.json: .+") as refusal:
         load_model(path)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("earlier", "told"),
+    [
+        ({"calls_per_update": 8}, "calls_per_update 8: every update is one call now; fit again"),
+        (
+            {"learned": ["slope", "gain", "offset", "terms"]},
+            "learned terms: weights of terms are constant now",
+        ),
+    ],
+)
+def test_settings_of_earlier_learners_are_refused_with_what_to_do(earlier: dict[str, Any], told: str) -> None:
+    data = json.loads(dump_model(dataclasses.replace(load_model("appendix_a"), learner=LearnerSettings())))
+    data["learner"] |= {"calls_per_update": 1}
+    assert parse_model(json.dumps(data), "model.json").learner == LearnerSettings()
+    data["learner"] |= earlier
+    with pytest.raises(ModelError, match=told) as refused:
+        parse_model(json.dumps(data), "model.json")
+    assert "\n" not in str(refused.value)
 
 
 def test_a_missing_file_names_the_models_that_ship() -> None:

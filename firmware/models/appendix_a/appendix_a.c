@@ -327,8 +327,8 @@ APPENDIX_A_INLINE void appendix_a_count_learner_event(
     *counter += happened & (uint32_t)(*counter < UINT32_MAX);
 }
 
-/* U = I, columns 0 to 11. */
-static APPENDIX_A_STRAIGHT void appendix_a_clear_0(appendix_a_learner_t *self)
+/* U = I. */
+static APPENDIX_A_STRAIGHT void appendix_a_clear(appendix_a_learner_t *self)
 {
     self->u[0] = 0.0f;
     self->u[1] = 0.0f; self->u[2] = 0.0f;
@@ -354,11 +354,6 @@ static APPENDIX_A_STRAIGHT void appendix_a_clear_0(appendix_a_learner_t *self)
             self->u[59] = 0.0f; self->u[60] = 0.0f;
     self->u[61] = 0.0f; self->u[62] = 0.0f; self->u[63] = 0.0f; self->u[64] = 0.0f;
             self->u[65] = 0.0f;
-}
-
-/* U = I, columns 12 to 16. */
-static APPENDIX_A_STRAIGHT void appendix_a_clear_1(appendix_a_learner_t *self)
-{
     self->u[66] = 0.0f; self->u[67] = 0.0f; self->u[68] = 0.0f; self->u[69] = 0.0f;
             self->u[70] = 0.0f; self->u[71] = 0.0f;
     self->u[72] = 0.0f; self->u[73] = 0.0f; self->u[74] = 0.0f; self->u[75] = 0.0f;
@@ -383,11 +378,6 @@ static APPENDIX_A_STRAIGHT void appendix_a_clear_1(appendix_a_learner_t *self)
     self->u[126] = 0.0f; self->u[127] = 0.0f; self->u[128] = 0.0f; self->u[129] = 0.0f;
             self->u[130] = 0.0f; self->u[131] = 0.0f;
     self->u[132] = 0.0f; self->u[133] = 0.0f; self->u[134] = 0.0f; self->u[135] = 0.0f;
-}
-
-/* U = I, column 17. */
-static APPENDIX_A_STRAIGHT void appendix_a_clear_2(appendix_a_learner_t *self)
-{
     self->u[136] = 0.0f; self->u[137] = 0.0f; self->u[138] = 0.0f; self->u[139] = 0.0f;
             self->u[140] = 0.0f; self->u[141] = 0.0f;
     self->u[142] = 0.0f; self->u[143] = 0.0f; self->u[144] = 0.0f; self->u[145] = 0.0f;
@@ -396,7 +386,7 @@ static APPENDIX_A_STRAIGHT void appendix_a_clear_2(appendix_a_learner_t *self)
             self->u[152] = 0.0f;
 }
 
-/* Back to the reference parameters and the prior, P = alpha I: U in the calls to come. */
+/* Back to the reference parameters and the prior, P = alpha I. */
 static void appendix_a_restart(appendix_a_learner_t *self)
 {
     self->theta[0] = self->reference[0]; self->theta[1] = self->reference[1];
@@ -428,7 +418,7 @@ static void appendix_a_restart(appendix_a_learner_t *self)
     self->error = 0.0f;
     self->reference_error = 0.0f;
     self->step_error = 0.0f;
-    self->phase = 9u;
+    appendix_a_clear(self);
     self->run = 0u;
     self->age = 0u;
 }
@@ -438,7 +428,7 @@ static void appendix_a_restart(appendix_a_learner_t *self)
 /* f = U' x and g = D f. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
  * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
  * next multiplies. */
-static APPENDIX_A_STRAIGHT void appendix_a_project_0(appendix_a_learner_t *self)
+static APPENDIX_A_STRAIGHT void appendix_a_project(appendix_a_learner_t *self)
 {
     const float grid = 1.09139364e-11f;
     const float inflate = self->inflate;
@@ -632,9 +622,9 @@ static APPENDIX_A_STRAIGHT void appendix_a_project_0(appendix_a_learner_t *self)
             self->g[15] = h15 - grid; self->g[16] = h16 - grid; self->g[17] = h17 - grid;
 }
 
-/* U and P x, columns 0 to 11. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
+/* U and P x. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
  * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
-static APPENDIX_A_STRAIGHT void appendix_a_factor_0(appendix_a_learner_t *self)
+static APPENDIX_A_STRAIGHT void appendix_a_factor(appendix_a_learner_t *self)
 {
     const float grid = 0.01171875f;
     float *u = self->u;
@@ -859,52 +849,34 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_0(appendix_a_learner_t *self)
     k6 = k6 + q6_11; k7 = k7 + q7_11; k8 = k8 + q8_11;
     const float p9_11 = k9 * l11, p10_11 = k10 * l11;
     const float q9_11 = u9_11 * k11, q10_11 = u10_11 * k11;
+    const float l12 = self->l[12]; /* column 12 */
+    float k12 = self->g[12];
+    const float u0_12 = u[66], u1_12 = u[67], u2_12 = u[68];
     u[55] = t0_11; u[56] = t1_11; u[57] = t2_11;
     const float t3_11 = s3_11 - grid, t4_11 = s4_11 - grid, t5_11 = s5_11 - grid;
     const float s6_11 = r6_11 + grid, s7_11 = r7_11 + grid, s8_11 = r8_11 + grid;
     const float r9_11 = u9_11 + p9_11, r10_11 = u10_11 + p10_11;
     k9 = k9 + q9_11; k10 = k10 + q10_11;
-    u[58] = t3_11; u[59] = t4_11; u[60] = t5_11;
-    const float t6_11 = s6_11 - grid, t7_11 = s7_11 - grid, t8_11 = s8_11 - grid;
-    const float s9_11 = r9_11 + grid, s10_11 = r10_11 + grid;
-    u[61] = t6_11; u[62] = t7_11; u[63] = t8_11;
-    const float t9_11 = s9_11 - grid, t10_11 = s10_11 - grid;
-    u[64] = t9_11; u[65] = t10_11;
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
-            self->k[11] = k11;
-}
-
-/* U and P x, columns 12 to 16. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
-static APPENDIX_A_STRAIGHT void appendix_a_factor_1(appendix_a_learner_t *self)
-{
-    const float grid = 0.01171875f;
-    float *u = self->u;
-    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
-            k5 = self->k[5];
-    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
-            k11 = self->k[11];
-
-    const float l12 = self->l[12]; /* column 12 */
-    float k12 = self->g[12];
-    const float u0_12 = u[66], u1_12 = u[67], u2_12 = u[68];
     const float p0_12 = k0 * l12, p1_12 = k1 * l12, p2_12 = k2 * l12;
     const float q0_12 = u0_12 * k12, q1_12 = u1_12 * k12, q2_12 = u2_12 * k12;
     const float u3_12 = u[69], u4_12 = u[70], u5_12 = u[71];
+    u[58] = t3_11; u[59] = t4_11; u[60] = t5_11;
+    const float t6_11 = s6_11 - grid, t7_11 = s7_11 - grid, t8_11 = s8_11 - grid;
+    const float s9_11 = r9_11 + grid, s10_11 = r10_11 + grid;
     const float r0_12 = u0_12 + p0_12, r1_12 = u1_12 + p1_12, r2_12 = u2_12 + p2_12;
     k0 = k0 + q0_12; k1 = k1 + q1_12; k2 = k2 + q2_12;
     const float p3_12 = k3 * l12, p4_12 = k4 * l12, p5_12 = k5 * l12;
     const float q3_12 = u3_12 * k12, q4_12 = u4_12 * k12, q5_12 = u5_12 * k12;
     const float u6_12 = u[72], u7_12 = u[73], u8_12 = u[74];
+    u[61] = t6_11; u[62] = t7_11; u[63] = t8_11;
+    const float t9_11 = s9_11 - grid, t10_11 = s10_11 - grid;
     const float s0_12 = r0_12 + grid, s1_12 = r1_12 + grid, s2_12 = r2_12 + grid;
     const float r3_12 = u3_12 + p3_12, r4_12 = u4_12 + p4_12, r5_12 = u5_12 + p5_12;
     k3 = k3 + q3_12; k4 = k4 + q4_12; k5 = k5 + q5_12;
     const float p6_12 = k6 * l12, p7_12 = k7 * l12, p8_12 = k8 * l12;
     const float q6_12 = u6_12 * k12, q7_12 = u7_12 * k12, q8_12 = u8_12 * k12;
     const float u9_12 = u[75], u10_12 = u[76], u11_12 = u[77];
+    u[64] = t9_11; u[65] = t10_11;
     const float t0_12 = s0_12 - grid, t1_12 = s1_12 - grid, t2_12 = s2_12 - grid;
     const float s3_12 = r3_12 + grid, s4_12 = r4_12 + grid, s5_12 = r5_12 + grid;
     const float r6_12 = u6_12 + p6_12, r7_12 = u7_12 + p7_12, r8_12 = u8_12 + p8_12;
@@ -1087,56 +1059,34 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor_1(appendix_a_learner_t *self)
     k12 = k12 + q12_16; k13 = k13 + q13_16; k14 = k14 + q14_16;
     const float p15_16 = k15 * l16;
     const float q15_16 = u15_16 * k16;
+    const float l17 = self->l[17]; /* column 17 */
+    const float k17 = self->g[17];
+    const float u0_17 = u[136], u1_17 = u[137], u2_17 = u[138];
     u[126] = t6_16; u[127] = t7_16; u[128] = t8_16;
     const float t9_16 = s9_16 - grid, t10_16 = s10_16 - grid, t11_16 = s11_16 - grid;
     const float s12_16 = r12_16 + grid, s13_16 = r13_16 + grid, s14_16 = r14_16 + grid;
     const float r15_16 = u15_16 + p15_16;
     k15 = k15 + q15_16;
-    u[129] = t9_16; u[130] = t10_16; u[131] = t11_16;
-    const float t12_16 = s12_16 - grid, t13_16 = s13_16 - grid, t14_16 = s14_16 - grid;
-    const float s15_16 = r15_16 + grid;
-    u[132] = t12_16; u[133] = t13_16; u[134] = t14_16;
-    const float t15_16 = s15_16 - grid;
-    u[135] = t15_16;
-
-    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
-            self->k[5] = k5;
-    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
-            self->k[11] = k11;
-    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
-            self->k[16] = k16;
-}
-
-/* U and P x, column 17. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
-static APPENDIX_A_STRAIGHT void appendix_a_factor_2(appendix_a_learner_t *self)
-{
-    const float grid = 0.01171875f;
-    float *u = self->u;
-    float k0 = self->k[0], k1 = self->k[1], k2 = self->k[2], k3 = self->k[3], k4 = self->k[4],
-            k5 = self->k[5];
-    float k6 = self->k[6], k7 = self->k[7], k8 = self->k[8], k9 = self->k[9], k10 = self->k[10],
-            k11 = self->k[11];
-    float k12 = self->k[12], k13 = self->k[13], k14 = self->k[14], k15 = self->k[15],
-            k16 = self->k[16];
-
-    const float l17 = self->l[17]; /* column 17 */
-    const float k17 = self->g[17];
-    const float u0_17 = u[136], u1_17 = u[137], u2_17 = u[138];
     const float p0_17 = k0 * l17, p1_17 = k1 * l17, p2_17 = k2 * l17;
     const float q0_17 = u0_17 * k17, q1_17 = u1_17 * k17, q2_17 = u2_17 * k17;
     const float u3_17 = u[139], u4_17 = u[140], u5_17 = u[141];
+    u[129] = t9_16; u[130] = t10_16; u[131] = t11_16;
+    const float t12_16 = s12_16 - grid, t13_16 = s13_16 - grid, t14_16 = s14_16 - grid;
+    const float s15_16 = r15_16 + grid;
     const float r0_17 = u0_17 + p0_17, r1_17 = u1_17 + p1_17, r2_17 = u2_17 + p2_17;
     k0 = k0 + q0_17; k1 = k1 + q1_17; k2 = k2 + q2_17;
     const float p3_17 = k3 * l17, p4_17 = k4 * l17, p5_17 = k5 * l17;
     const float q3_17 = u3_17 * k17, q4_17 = u4_17 * k17, q5_17 = u5_17 * k17;
     const float u6_17 = u[142], u7_17 = u[143], u8_17 = u[144];
+    u[132] = t12_16; u[133] = t13_16; u[134] = t14_16;
+    const float t15_16 = s15_16 - grid;
     const float s0_17 = r0_17 + grid, s1_17 = r1_17 + grid, s2_17 = r2_17 + grid;
     const float r3_17 = u3_17 + p3_17, r4_17 = u4_17 + p4_17, r5_17 = u5_17 + p5_17;
     k3 = k3 + q3_17; k4 = k4 + q4_17; k5 = k5 + q5_17;
     const float p6_17 = k6 * l17, p7_17 = k7 * l17, p8_17 = k8 * l17;
     const float q6_17 = u6_17 * k17, q7_17 = u7_17 * k17, q8_17 = u8_17 * k17;
     const float u9_17 = u[145], u10_17 = u[146], u11_17 = u[147];
+    u[135] = t15_16;
     const float t0_17 = s0_17 - grid, t1_17 = s1_17 - grid, t2_17 = s2_17 - grid;
     const float s3_17 = r3_17 + grid, s4_17 = r4_17 + grid, s5_17 = r5_17 + grid;
     const float r6_17 = u6_17 + p6_17, r7_17 = u7_17 + p7_17, r8_17 = u8_17 + p8_17;
@@ -1215,8 +1165,9 @@ static uint32_t appendix_a_admit(appendix_a_learner_t *self, float alpha)
 }
 
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
- * The reciprocals are those of appendix_a_reciprocal, several side by side. Returns 1 if the shadow has to start again. */
-static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learner_t *self)
+ * The reciprocals are those of appendix_a_reciprocal, several side by side. Returns 1 if the shadow has
+ * to start again; *accepted becomes 0 if the sample is not learnt from. */
+static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learner_t *self, uint32_t *accepted)
 {
     const float inflate = self->inflate;
     const float least = APPENDIX_A_LEARN_LEAST_VARIANCE;
@@ -1263,7 +1214,7 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learne
         return 1u;
     }
     if (self->measuring != 0u && appendix_a_admit(self, a17) == 0u) {
-        self->phase = 0u;
+        *accepted = 0u;
         return 0u;
     }
 
@@ -1607,10 +1558,24 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_step(appendix_a_learner_t *self)
     const float left15 = low15 - kept15, left16 = low16 - kept16, left17 = low17 - kept17;
     beyond |= appendix_a_beyond(sum15) | appendix_a_beyond(sum16) | appendix_a_beyond(sum17);
     self->theta_low[15] = left15; self->theta_low[16] = left16; self->theta_low[17] = left17;
-    self->phase = 0u;
-    appendix_a_count_learner_event(self, &self->updates, beyond ^ 1u, 0u);
     self->age += self->measuring & (uint32_t)(self->age < UINT32_MAX);
+    appendix_a_count_learner_event(self, &self->updates, beyond ^ 1u, 0u);
     return beyond;
+}
+
+/* The update that was begun. Returns 1 if the shadow has to start again. */
+APPENDIX_A_INLINE uint32_t appendix_a_update(appendix_a_learner_t *self)
+{
+    uint32_t accepted = 1u;
+    uint32_t lost;
+
+    appendix_a_project(self);
+    lost = appendix_a_update_diagonal(self, &accepted);
+    if ((accepted & (lost ^ 1u)) != 0u) {
+        appendix_a_factor(self);
+        lost = appendix_a_step(self);
+    }
+    return lost;
 }
 
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
@@ -1734,7 +1699,6 @@ APPENDIX_A_INLINE void appendix_a_begin(appendix_a_learner_t *self, float e)
 
     self->since_refresh += sliding;
     self->measuring = (uint32_t)(self->since_refresh < APPENDIX_A_LEARN_REFRESH_EVERY);
-    self->phase = 1u;
     if (self->measuring != 0u) {
         self->inflate = appendix_a_float((appendix_a_bits(APPENDIX_A_LEARN_INFLATE) & appendix_a_mask(sliding))
             | (appendix_a_bits(APPENDIX_A_LEARN_INFLATE_FIRST) & appendix_a_mask(sliding ^ 1u)));
@@ -1756,8 +1720,10 @@ APPENDIX_A_INLINE void appendix_a_begin(appendix_a_learner_t *self, float e)
     }
 }
 
-/* What the displacement y says about the sample before. Returns 1 if the shadow has to start again. */
-APPENDIX_A_INLINE uint32_t appendix_a_evaluate_reading(appendix_a_learner_t *self, float y, float *innovation)
+/* What the displacement y says about the sample before. Returns 1 if the shadow has to start again; *begun becomes 1 if
+ * an update begins. */
+APPENDIX_A_INLINE uint32_t appendix_a_evaluate_reading(
+    appendix_a_learner_t *self, float y, float *innovation, uint32_t *begun)
 {
     float reference;
     uint32_t lost = 0u;
@@ -1768,6 +1734,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_evaluate_reading(appendix_a_learner_t *sel
         lost = appendix_a_restart_needed(self, *innovation, reference, y - self->y_um);
         if (lost == 0u) {
             appendix_a_begin(self, *innovation);
+            *begun = 1u;
         }
     }
     return lost;
@@ -1828,86 +1795,6 @@ static APPENDIX_A_STRAIGHT void appendix_a_store_regressors(appendix_a_learner_t
     appendix_a_count_learner_event(self, &self->outside, outside, APPENDIX_A_LEARN_OUTSIDE);
 }
 
-/* Work at an update or a restart behind its first call. Returns 1 if the shadow has to start again. */
-APPENDIX_A_INLINE uint32_t appendix_a_continue_update(appendix_a_learner_t *self)
-{
-    uint32_t lost = 0u;
-
-    switch (self->phase) {
-    case 2u:
-        self->phase = 3u;
-        lost = appendix_a_update_diagonal(self);
-
-        break;
-    case 3u:
-        appendix_a_factor_0(self);
-        self->phase = 4u;
-
-        break;
-    case 4u:
-        appendix_a_factor_1(self);
-        self->phase = 5u;
-
-        break;
-    case 5u:
-        appendix_a_factor_2(self);
-        self->phase = 6u;
-
-        break;
-    case 6u:
-        self->phase = 7u;
-
-        break;
-    case 7u:
-        self->phase = 8u;
-
-        break;
-    case 8u:
-        lost = appendix_a_step(self);
-
-        break;
-    case 9u:
-        appendix_a_clear_0(self);
-        self->phase = 10u;
-
-        break;
-    case 10u:
-        appendix_a_clear_1(self);
-        self->phase = 11u;
-
-        break;
-    case 11u:
-        appendix_a_clear_2(self);
-        self->phase = 12u;
-
-        break;
-    case 12u:
-        self->phase = 13u;
-
-        break;
-    case 13u:
-        self->phase = 14u;
-
-        break;
-    default:
-        self->phase = 0u;
-
-        break;
-    }
-    return lost;
-}
-
-/* The first call of an update. Returns 1 if the shadow has to start again. */
-APPENDIX_A_INLINE uint32_t appendix_a_first_phase(appendix_a_learner_t *self)
-{
-    uint32_t lost = 0u;
-
-        appendix_a_project_0(self);
-        self->phase = 2u;
-
-    return lost;
-}
-
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V)
 {
     uint32_t y_lost;
@@ -1920,25 +1807,22 @@ void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V)
     const uint32_t usable = 1u ^ (y_lost | implausible);
     const float away = u - self->mean_u_V;
     float innovation = 0.0f;
+    uint32_t begun = 0u;
     uint32_t lost = 0u;
 
     appendix_a_count_learner_event(self, &self->rejected, (usable ^ 1u) | u_lost, APPENDIX_A_LEARN_REJECTED);
-    if (self->phase != 0u) {
-        lost = appendix_a_continue_update(self);
-    } else {
-        if ((self->fresh & usable) != 0u) {
-            lost = appendix_a_evaluate_reading(self, y, &innovation);
-        }
-        if (self->phase != 0u) {
-            lost = appendix_a_first_phase(self);
-        }
+    if ((self->fresh & usable) != 0u) {
+        lost = appendix_a_evaluate_reading(self, y, &innovation, &begun);
+    }
+    if (begun != 0u) {
+        lost = appendix_a_update(self);
     }
     if (lost != 0u) {
         appendix_a_count_learner_event(self, &self->restarts, 1u, APPENDIX_A_LEARN_RESTARTED);
         appendix_a_restart(self);
     }
     self->fresh = 0u;
-    if (((uint32_t)(self->phase == 0u) & usable & (u_lost ^ 1u)) != 0u) {
+    if ((usable & (u_lost ^ 1u)) != 0u) {
         appendix_a_store_regressors(self, y, u);
     }
     self->rested = (uint32_t)(appendix_a_float(appendix_a_bits(away) & 0x7fffffffu) < APPENDIX_A_LEARN_REST_V);
@@ -2006,10 +1890,6 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
     self->candidate.phase = 0u;
     self->candidate.point = 0u;
     appendix_a_restart(self);
-    appendix_a_clear_0(self);
-    appendix_a_clear_1(self);
-    appendix_a_clear_2(self);
-    self->phase = 0u;
 }
 
 /* ---- Commit ---------------------------------------------------------------------------------------------------- */

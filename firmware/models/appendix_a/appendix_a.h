@@ -152,7 +152,6 @@ typedef struct {
     float error;                          /**< mean square innovation of the shadow [um^2] */
     float reference_error;                /**< mean square innovation of the reference parameters [um^2] */
     float step_error;                     /**< mean square of y(k) - y(k-1) [um^2] */
-    uint32_t phase;                       /**< next call of the update or restart in progress, 0: none */
     uint32_t fresh;                       /**< 1: the regressors belong to the sample before */
     uint32_t rested;                      /**< 1: the input rested at the sample before */
     uint32_t measuring;                   /**< 1: this update learns from a sample, 0: it restores a prior */
@@ -184,14 +183,13 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
 
 /** Learn from sample k: the displacement y(k) is what the regressors of sample k - 1 had to predict; then those of
  * sample k are kept, and u(k) acts on the learner's own terms. Once per sample, before appendix_a_predict and the like.
- * An update takes 8 calls, a restart up to 7; the samples in between are not learnt from.
  *
  * @param self  the learner
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in appendix_a_predict
  *
- * 297 float +-, 285 float *, 9 float comparisons, 104 integer, 340 loads, 162 stores, 9 branches.
- * C674x: about 919 cycles (estimate). */
+ * 1098 float +-, 822 float *, 54 float comparisons, 571 integer, 723 loads, 573 stores, 15 branches.
+ * C674x: about 2588 cycles (estimate). */
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; APPENDIX_A_COMMIT_POINTS check points,

@@ -543,70 +543,66 @@ EXTENDED_INLINE void extended_count_learner_event(
     *counter += happened & (uint32_t)(*counter < UINT32_MAX);
 }
 
-/* Column j of U = I. */
-static EXTENDED_STRAIGHT void extended_clear_column(extended_learner_t *self, uint32_t j)
+/* U = I. */
+static EXTENDED_STRAIGHT void extended_clear(extended_learner_t *self)
 {
-    float *u = &self->u[j * EXTENDED_LEARNED];
-
-    u[0] = 0.0f; u[1] = 0.0f; u[2] = 0.0f; u[3] = 0.0f; u[4] = 0.0f; u[5] = 0.0f;
-    u[6] = 0.0f; u[7] = 0.0f; u[8] = 0.0f; u[9] = 0.0f; u[10] = 0.0f; u[11] = 0.0f;
-    u[12] = 0.0f; u[13] = 0.0f; u[14] = 0.0f; u[15] = 0.0f; u[16] = 0.0f; u[17] = 0.0f;
-    u[18] = 0.0f; u[19] = 0.0f; u[20] = 0.0f; u[21] = 0.0f; u[22] = 0.0f; u[23] = 0.0f;
-    u[24] = 0.0f;
-    u[j] = 1.0f;
+    self->u[0] = 0.0f;
+    self->u[1] = 0.0f; self->u[2] = 0.0f;
+    self->u[3] = 0.0f; self->u[4] = 0.0f; self->u[5] = 0.0f;
+    self->u[6] = 0.0f; self->u[7] = 0.0f; self->u[8] = 0.0f; self->u[9] = 0.0f;
+    self->u[10] = 0.0f; self->u[11] = 0.0f; self->u[12] = 0.0f; self->u[13] = 0.0f;
+            self->u[14] = 0.0f;
+    self->u[15] = 0.0f; self->u[16] = 0.0f; self->u[17] = 0.0f; self->u[18] = 0.0f;
+            self->u[19] = 0.0f; self->u[20] = 0.0f;
+    self->u[21] = 0.0f; self->u[22] = 0.0f; self->u[23] = 0.0f; self->u[24] = 0.0f;
+            self->u[25] = 0.0f; self->u[26] = 0.0f;
+    self->u[27] = 0.0f;
+    self->u[28] = 0.0f; self->u[29] = 0.0f; self->u[30] = 0.0f; self->u[31] = 0.0f;
+            self->u[32] = 0.0f; self->u[33] = 0.0f;
+    self->u[34] = 0.0f; self->u[35] = 0.0f;
+    self->u[36] = 0.0f; self->u[37] = 0.0f; self->u[38] = 0.0f; self->u[39] = 0.0f;
+            self->u[40] = 0.0f; self->u[41] = 0.0f;
+    self->u[42] = 0.0f; self->u[43] = 0.0f; self->u[44] = 0.0f;
+    self->u[45] = 0.0f; self->u[46] = 0.0f; self->u[47] = 0.0f; self->u[48] = 0.0f;
+            self->u[49] = 0.0f; self->u[50] = 0.0f;
+    self->u[51] = 0.0f; self->u[52] = 0.0f; self->u[53] = 0.0f; self->u[54] = 0.0f;
+    self->u[55] = 0.0f; self->u[56] = 0.0f; self->u[57] = 0.0f; self->u[58] = 0.0f;
+            self->u[59] = 0.0f; self->u[60] = 0.0f;
+    self->u[61] = 0.0f; self->u[62] = 0.0f; self->u[63] = 0.0f; self->u[64] = 0.0f;
+            self->u[65] = 0.0f;
+    self->u[66] = 0.0f; self->u[67] = 0.0f; self->u[68] = 0.0f; self->u[69] = 0.0f;
+            self->u[70] = 0.0f; self->u[71] = 0.0f;
+    self->u[72] = 0.0f; self->u[73] = 0.0f; self->u[74] = 0.0f; self->u[75] = 0.0f;
+            self->u[76] = 0.0f; self->u[77] = 0.0f;
+    self->u[78] = 0.0f; self->u[79] = 0.0f; self->u[80] = 0.0f; self->u[81] = 0.0f;
+            self->u[82] = 0.0f; self->u[83] = 0.0f;
+    self->u[84] = 0.0f; self->u[85] = 0.0f; self->u[86] = 0.0f; self->u[87] = 0.0f;
+            self->u[88] = 0.0f; self->u[89] = 0.0f;
+    self->u[90] = 0.0f;
+    self->u[91] = 0.0f; self->u[92] = 0.0f; self->u[93] = 0.0f; self->u[94] = 0.0f;
+            self->u[95] = 0.0f; self->u[96] = 0.0f;
+    self->u[97] = 0.0f; self->u[98] = 0.0f; self->u[99] = 0.0f; self->u[100] = 0.0f;
+            self->u[101] = 0.0f; self->u[102] = 0.0f;
+    self->u[103] = 0.0f; self->u[104] = 0.0f;
+    self->u[105] = 0.0f; self->u[106] = 0.0f; self->u[107] = 0.0f; self->u[108] = 0.0f;
+            self->u[109] = 0.0f; self->u[110] = 0.0f;
+    self->u[111] = 0.0f; self->u[112] = 0.0f; self->u[113] = 0.0f; self->u[114] = 0.0f;
+            self->u[115] = 0.0f; self->u[116] = 0.0f;
+    self->u[117] = 0.0f; self->u[118] = 0.0f; self->u[119] = 0.0f;
+    self->u[120] = 0.0f; self->u[121] = 0.0f; self->u[122] = 0.0f; self->u[123] = 0.0f;
+            self->u[124] = 0.0f; self->u[125] = 0.0f;
+    self->u[126] = 0.0f; self->u[127] = 0.0f; self->u[128] = 0.0f; self->u[129] = 0.0f;
+            self->u[130] = 0.0f; self->u[131] = 0.0f;
+    self->u[132] = 0.0f; self->u[133] = 0.0f; self->u[134] = 0.0f; self->u[135] = 0.0f;
+    self->u[136] = 0.0f; self->u[137] = 0.0f; self->u[138] = 0.0f; self->u[139] = 0.0f;
+            self->u[140] = 0.0f; self->u[141] = 0.0f;
+    self->u[142] = 0.0f; self->u[143] = 0.0f; self->u[144] = 0.0f; self->u[145] = 0.0f;
+            self->u[146] = 0.0f; self->u[147] = 0.0f;
+    self->u[148] = 0.0f; self->u[149] = 0.0f; self->u[150] = 0.0f; self->u[151] = 0.0f;
+            self->u[152] = 0.0f;
 }
 
-/* U = I, columns 0 to 5. */
-static EXTENDED_STRAIGHT void extended_clear_0(extended_learner_t *self)
-{
-    extended_clear_column(self, 0u);
-    extended_clear_column(self, 1u);
-    extended_clear_column(self, 2u);
-    extended_clear_column(self, 3u);
-    extended_clear_column(self, 4u);
-    extended_clear_column(self, 5u);
-}
-
-/* U = I, columns 6 to 11. */
-static EXTENDED_STRAIGHT void extended_clear_1(extended_learner_t *self)
-{
-    extended_clear_column(self, 6u);
-    extended_clear_column(self, 7u);
-    extended_clear_column(self, 8u);
-    extended_clear_column(self, 9u);
-    extended_clear_column(self, 10u);
-    extended_clear_column(self, 11u);
-}
-
-/* U = I, columns 12 to 17. */
-static EXTENDED_STRAIGHT void extended_clear_2(extended_learner_t *self)
-{
-    extended_clear_column(self, 12u);
-    extended_clear_column(self, 13u);
-    extended_clear_column(self, 14u);
-    extended_clear_column(self, 15u);
-    extended_clear_column(self, 16u);
-    extended_clear_column(self, 17u);
-}
-
-/* U = I, columns 18 to 23. */
-static EXTENDED_STRAIGHT void extended_clear_3(extended_learner_t *self)
-{
-    extended_clear_column(self, 18u);
-    extended_clear_column(self, 19u);
-    extended_clear_column(self, 20u);
-    extended_clear_column(self, 21u);
-    extended_clear_column(self, 22u);
-    extended_clear_column(self, 23u);
-}
-
-/* U = I, column 24. */
-static EXTENDED_STRAIGHT void extended_clear_4(extended_learner_t *self)
-{
-    extended_clear_column(self, 24u);
-}
-
-/* Back to the reference parameters and the prior, P = alpha I: U in the calls to come. */
+/* Back to the reference parameters and the prior, P = alpha I. */
 static void extended_restart(extended_learner_t *self)
 {
     self->theta[0] = self->reference[0]; self->theta[1] = self->reference[1];
@@ -633,381 +629,720 @@ static void extended_restart(extended_learner_t *self)
     self->d[12] = extended_learn_prior[12]; self->d[13] = extended_learn_prior[13];
             self->d[14] = extended_learn_prior[14]; self->d[15] = extended_learn_prior[15];
             self->d[16] = extended_learn_prior[16]; self->d[17] = extended_learn_prior[17];
-    self->theta[18] = self->reference[18]; self->theta[19] = self->reference[19];
-            self->theta[20] = self->reference[20]; self->theta[21] = self->reference[21];
-            self->theta[22] = self->reference[22]; self->theta[23] = self->reference[23];
-    self->theta_low[18] = 0.0f; self->theta_low[19] = 0.0f; self->theta_low[20] = 0.0f;
-            self->theta_low[21] = 0.0f; self->theta_low[22] = 0.0f; self->theta_low[23] = 0.0f;
-    self->d[18] = extended_learn_prior[18]; self->d[19] = extended_learn_prior[19];
-            self->d[20] = extended_learn_prior[20]; self->d[21] = extended_learn_prior[21];
-            self->d[22] = extended_learn_prior[22]; self->d[23] = extended_learn_prior[23];
-    self->theta[24] = self->reference[24];
-    self->theta_low[24] = 0.0f;
-    self->d[24] = extended_learn_prior[24];
     self->scale_um = EXTENDED_LEARN_LEVEL_UM;
     self->moving_um = EXTENDED_LEARN_LEVEL_UM;
     self->error = 0.0f;
     self->reference_error = 0.0f;
     self->step_error = 0.0f;
-    self->phase = 9u;
+    extended_clear(self);
     self->run = 0u;
     self->age = 0u;
 }
 
 /* ---- Learner: the update, P = U D U' --------------------------------------------------------------------------- */
 
-/* f = U' x in 6 columns from c on. Every f_j sums over i = 0, 1, ...; U is whole columns with ones on the diagonal
- * and zeros below. */
-static EXTENDED_STRAIGHT void extended_project_columns(extended_learner_t *self, uint32_t c)
-{
-    const float *u = &self->u[c * EXTENDED_LEARNED];
-    float f0, f1, f2, f3, f4, f5;
-
-    const float x0 = self->x[0], u0_0 = u[0], u0_1 = u[25], u0_2 = u[50], u0_3 = u[75], u0_4 = u[100], u0_5 = u[125];
-    const float x1 = self->x[1], u1_0 = u[1], u1_1 = u[26], u1_2 = u[51], u1_3 = u[76], u1_4 = u[101], u1_5 = u[126];
-    const float m0_0 = u0_0 * x0, m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0, m0_4 = u0_4 * x0,
-            m0_5 = u0_5 * x0;
-    const float x2 = self->x[2], u2_0 = u[2], u2_1 = u[27], u2_2 = u[52], u2_3 = u[77], u2_4 = u[102], u2_5 = u[127];
-    const float m1_0 = u1_0 * x1, m1_1 = u1_1 * x1, m1_2 = u1_2 * x1, m1_3 = u1_3 * x1, m1_4 = u1_4 * x1,
-            m1_5 = u1_5 * x1;
-    const float x3 = self->x[3], u3_0 = u[3], u3_1 = u[28], u3_2 = u[53], u3_3 = u[78], u3_4 = u[103], u3_5 = u[128];
-    f0 = m0_0; f1 = m0_1; f2 = m0_2; f3 = m0_3; f4 = m0_4; f5 = m0_5;
-    const float m2_0 = u2_0 * x2, m2_1 = u2_1 * x2, m2_2 = u2_2 * x2, m2_3 = u2_3 * x2, m2_4 = u2_4 * x2,
-            m2_5 = u2_5 * x2;
-    const float x4 = self->x[4], u4_0 = u[4], u4_1 = u[29], u4_2 = u[54], u4_3 = u[79], u4_4 = u[104], u4_5 = u[129];
-    f0 = f0 + m1_0; f1 = f1 + m1_1; f2 = f2 + m1_2; f3 = f3 + m1_3; f4 = f4 + m1_4;
-            f5 = f5 + m1_5;
-    const float m3_0 = u3_0 * x3, m3_1 = u3_1 * x3, m3_2 = u3_2 * x3, m3_3 = u3_3 * x3, m3_4 = u3_4 * x3,
-            m3_5 = u3_5 * x3;
-    const float x5 = self->x[5], u5_0 = u[5], u5_1 = u[30], u5_2 = u[55], u5_3 = u[80], u5_4 = u[105], u5_5 = u[130];
-    f0 = f0 + m2_0; f1 = f1 + m2_1; f2 = f2 + m2_2; f3 = f3 + m2_3; f4 = f4 + m2_4;
-            f5 = f5 + m2_5;
-    const float m4_0 = u4_0 * x4, m4_1 = u4_1 * x4, m4_2 = u4_2 * x4, m4_3 = u4_3 * x4, m4_4 = u4_4 * x4,
-            m4_5 = u4_5 * x4;
-    const float x6 = self->x[6], u6_0 = u[6], u6_1 = u[31], u6_2 = u[56], u6_3 = u[81], u6_4 = u[106], u6_5 = u[131];
-    f0 = f0 + m3_0; f1 = f1 + m3_1; f2 = f2 + m3_2; f3 = f3 + m3_3; f4 = f4 + m3_4;
-            f5 = f5 + m3_5;
-    const float m5_0 = u5_0 * x5, m5_1 = u5_1 * x5, m5_2 = u5_2 * x5, m5_3 = u5_3 * x5, m5_4 = u5_4 * x5,
-            m5_5 = u5_5 * x5;
-    const float x7 = self->x[7], u7_0 = u[7], u7_1 = u[32], u7_2 = u[57], u7_3 = u[82], u7_4 = u[107], u7_5 = u[132];
-    f0 = f0 + m4_0; f1 = f1 + m4_1; f2 = f2 + m4_2; f3 = f3 + m4_3; f4 = f4 + m4_4;
-            f5 = f5 + m4_5;
-    const float m6_0 = u6_0 * x6, m6_1 = u6_1 * x6, m6_2 = u6_2 * x6, m6_3 = u6_3 * x6, m6_4 = u6_4 * x6,
-            m6_5 = u6_5 * x6;
-    const float x8 = self->x[8], u8_0 = u[8], u8_1 = u[33], u8_2 = u[58], u8_3 = u[83], u8_4 = u[108], u8_5 = u[133];
-    f0 = f0 + m5_0; f1 = f1 + m5_1; f2 = f2 + m5_2; f3 = f3 + m5_3; f4 = f4 + m5_4;
-            f5 = f5 + m5_5;
-    const float m7_0 = u7_0 * x7, m7_1 = u7_1 * x7, m7_2 = u7_2 * x7, m7_3 = u7_3 * x7, m7_4 = u7_4 * x7,
-            m7_5 = u7_5 * x7;
-    const float x9 = self->x[9], u9_0 = u[9], u9_1 = u[34], u9_2 = u[59], u9_3 = u[84], u9_4 = u[109], u9_5 = u[134];
-    f0 = f0 + m6_0; f1 = f1 + m6_1; f2 = f2 + m6_2; f3 = f3 + m6_3; f4 = f4 + m6_4;
-            f5 = f5 + m6_5;
-    const float m8_0 = u8_0 * x8, m8_1 = u8_1 * x8, m8_2 = u8_2 * x8, m8_3 = u8_3 * x8, m8_4 = u8_4 * x8,
-            m8_5 = u8_5 * x8;
-    const float x10 = self->x[10], u10_0 = u[10], u10_1 = u[35], u10_2 = u[60], u10_3 = u[85], u10_4 = u[110], u10_5 = u[135];
-    f0 = f0 + m7_0; f1 = f1 + m7_1; f2 = f2 + m7_2; f3 = f3 + m7_3; f4 = f4 + m7_4;
-            f5 = f5 + m7_5;
-    const float m9_0 = u9_0 * x9, m9_1 = u9_1 * x9, m9_2 = u9_2 * x9, m9_3 = u9_3 * x9, m9_4 = u9_4 * x9,
-            m9_5 = u9_5 * x9;
-    const float x11 = self->x[11], u11_0 = u[11], u11_1 = u[36], u11_2 = u[61], u11_3 = u[86], u11_4 = u[111], u11_5 = u[136];
-    f0 = f0 + m8_0; f1 = f1 + m8_1; f2 = f2 + m8_2; f3 = f3 + m8_3; f4 = f4 + m8_4;
-            f5 = f5 + m8_5;
-    const float m10_0 = u10_0 * x10, m10_1 = u10_1 * x10, m10_2 = u10_2 * x10, m10_3 = u10_3 * x10,
-            m10_4 = u10_4 * x10, m10_5 = u10_5 * x10;
-    const float x12 = self->x[12], u12_0 = u[12], u12_1 = u[37], u12_2 = u[62], u12_3 = u[87], u12_4 = u[112], u12_5 = u[137];
-    f0 = f0 + m9_0; f1 = f1 + m9_1; f2 = f2 + m9_2; f3 = f3 + m9_3; f4 = f4 + m9_4;
-            f5 = f5 + m9_5;
-    const float m11_0 = u11_0 * x11, m11_1 = u11_1 * x11, m11_2 = u11_2 * x11, m11_3 = u11_3 * x11,
-            m11_4 = u11_4 * x11, m11_5 = u11_5 * x11;
-    const float x13 = self->x[13], u13_0 = u[13], u13_1 = u[38], u13_2 = u[63], u13_3 = u[88], u13_4 = u[113], u13_5 = u[138];
-    f0 = f0 + m10_0; f1 = f1 + m10_1; f2 = f2 + m10_2; f3 = f3 + m10_3; f4 = f4 + m10_4;
-            f5 = f5 + m10_5;
-    const float m12_0 = u12_0 * x12, m12_1 = u12_1 * x12, m12_2 = u12_2 * x12, m12_3 = u12_3 * x12,
-            m12_4 = u12_4 * x12, m12_5 = u12_5 * x12;
-    const float x14 = self->x[14], u14_0 = u[14], u14_1 = u[39], u14_2 = u[64], u14_3 = u[89], u14_4 = u[114], u14_5 = u[139];
-    f0 = f0 + m11_0; f1 = f1 + m11_1; f2 = f2 + m11_2; f3 = f3 + m11_3; f4 = f4 + m11_4;
-            f5 = f5 + m11_5;
-    const float m13_0 = u13_0 * x13, m13_1 = u13_1 * x13, m13_2 = u13_2 * x13, m13_3 = u13_3 * x13,
-            m13_4 = u13_4 * x13, m13_5 = u13_5 * x13;
-    const float x15 = self->x[15], u15_0 = u[15], u15_1 = u[40], u15_2 = u[65], u15_3 = u[90], u15_4 = u[115], u15_5 = u[140];
-    f0 = f0 + m12_0; f1 = f1 + m12_1; f2 = f2 + m12_2; f3 = f3 + m12_3; f4 = f4 + m12_4;
-            f5 = f5 + m12_5;
-    const float m14_0 = u14_0 * x14, m14_1 = u14_1 * x14, m14_2 = u14_2 * x14, m14_3 = u14_3 * x14,
-            m14_4 = u14_4 * x14, m14_5 = u14_5 * x14;
-    const float x16 = self->x[16], u16_0 = u[16], u16_1 = u[41], u16_2 = u[66], u16_3 = u[91], u16_4 = u[116], u16_5 = u[141];
-    f0 = f0 + m13_0; f1 = f1 + m13_1; f2 = f2 + m13_2; f3 = f3 + m13_3; f4 = f4 + m13_4;
-            f5 = f5 + m13_5;
-    const float m15_0 = u15_0 * x15, m15_1 = u15_1 * x15, m15_2 = u15_2 * x15, m15_3 = u15_3 * x15,
-            m15_4 = u15_4 * x15, m15_5 = u15_5 * x15;
-    const float x17 = self->x[17], u17_0 = u[17], u17_1 = u[42], u17_2 = u[67], u17_3 = u[92], u17_4 = u[117], u17_5 = u[142];
-    f0 = f0 + m14_0; f1 = f1 + m14_1; f2 = f2 + m14_2; f3 = f3 + m14_3; f4 = f4 + m14_4;
-            f5 = f5 + m14_5;
-    const float m16_0 = u16_0 * x16, m16_1 = u16_1 * x16, m16_2 = u16_2 * x16, m16_3 = u16_3 * x16,
-            m16_4 = u16_4 * x16, m16_5 = u16_5 * x16;
-    const float x18 = self->x[18], u18_0 = u[18], u18_1 = u[43], u18_2 = u[68], u18_3 = u[93], u18_4 = u[118], u18_5 = u[143];
-    f0 = f0 + m15_0; f1 = f1 + m15_1; f2 = f2 + m15_2; f3 = f3 + m15_3; f4 = f4 + m15_4;
-            f5 = f5 + m15_5;
-    const float m17_0 = u17_0 * x17, m17_1 = u17_1 * x17, m17_2 = u17_2 * x17, m17_3 = u17_3 * x17,
-            m17_4 = u17_4 * x17, m17_5 = u17_5 * x17;
-    const float x19 = self->x[19], u19_0 = u[19], u19_1 = u[44], u19_2 = u[69], u19_3 = u[94], u19_4 = u[119], u19_5 = u[144];
-    f0 = f0 + m16_0; f1 = f1 + m16_1; f2 = f2 + m16_2; f3 = f3 + m16_3; f4 = f4 + m16_4;
-            f5 = f5 + m16_5;
-    const float m18_0 = u18_0 * x18, m18_1 = u18_1 * x18, m18_2 = u18_2 * x18, m18_3 = u18_3 * x18,
-            m18_4 = u18_4 * x18, m18_5 = u18_5 * x18;
-    const float x20 = self->x[20], u20_0 = u[20], u20_1 = u[45], u20_2 = u[70], u20_3 = u[95], u20_4 = u[120], u20_5 = u[145];
-    f0 = f0 + m17_0; f1 = f1 + m17_1; f2 = f2 + m17_2; f3 = f3 + m17_3; f4 = f4 + m17_4;
-            f5 = f5 + m17_5;
-    const float m19_0 = u19_0 * x19, m19_1 = u19_1 * x19, m19_2 = u19_2 * x19, m19_3 = u19_3 * x19,
-            m19_4 = u19_4 * x19, m19_5 = u19_5 * x19;
-    const float x21 = self->x[21], u21_0 = u[21], u21_1 = u[46], u21_2 = u[71], u21_3 = u[96], u21_4 = u[121], u21_5 = u[146];
-    f0 = f0 + m18_0; f1 = f1 + m18_1; f2 = f2 + m18_2; f3 = f3 + m18_3; f4 = f4 + m18_4;
-            f5 = f5 + m18_5;
-    const float m20_0 = u20_0 * x20, m20_1 = u20_1 * x20, m20_2 = u20_2 * x20, m20_3 = u20_3 * x20,
-            m20_4 = u20_4 * x20, m20_5 = u20_5 * x20;
-    const float x22 = self->x[22], u22_0 = u[22], u22_1 = u[47], u22_2 = u[72], u22_3 = u[97], u22_4 = u[122], u22_5 = u[147];
-    f0 = f0 + m19_0; f1 = f1 + m19_1; f2 = f2 + m19_2; f3 = f3 + m19_3; f4 = f4 + m19_4;
-            f5 = f5 + m19_5;
-    const float m21_0 = u21_0 * x21, m21_1 = u21_1 * x21, m21_2 = u21_2 * x21, m21_3 = u21_3 * x21,
-            m21_4 = u21_4 * x21, m21_5 = u21_5 * x21;
-    const float x23 = self->x[23], u23_0 = u[23], u23_1 = u[48], u23_2 = u[73], u23_3 = u[98], u23_4 = u[123], u23_5 = u[148];
-    f0 = f0 + m20_0; f1 = f1 + m20_1; f2 = f2 + m20_2; f3 = f3 + m20_3; f4 = f4 + m20_4;
-            f5 = f5 + m20_5;
-    const float m22_0 = u22_0 * x22, m22_1 = u22_1 * x22, m22_2 = u22_2 * x22, m22_3 = u22_3 * x22,
-            m22_4 = u22_4 * x22, m22_5 = u22_5 * x22;
-    const float x24 = self->x[24], u24_0 = u[24], u24_1 = u[49], u24_2 = u[74], u24_3 = u[99], u24_4 = u[124], u24_5 = u[149];
-    f0 = f0 + m21_0; f1 = f1 + m21_1; f2 = f2 + m21_2; f3 = f3 + m21_3; f4 = f4 + m21_4;
-            f5 = f5 + m21_5;
-    const float m23_0 = u23_0 * x23, m23_1 = u23_1 * x23, m23_2 = u23_2 * x23, m23_3 = u23_3 * x23,
-            m23_4 = u23_4 * x23, m23_5 = u23_5 * x23;
-    f0 = f0 + m22_0; f1 = f1 + m22_1; f2 = f2 + m22_2; f3 = f3 + m22_3; f4 = f4 + m22_4;
-            f5 = f5 + m22_5;
-    const float m24_0 = u24_0 * x24, m24_1 = u24_1 * x24, m24_2 = u24_2 * x24, m24_3 = u24_3 * x24,
-            m24_4 = u24_4 * x24, m24_5 = u24_5 * x24;
-    f0 = f0 + m23_0; f1 = f1 + m23_1; f2 = f2 + m23_2; f3 = f3 + m23_3; f4 = f4 + m23_4;
-            f5 = f5 + m23_5;
-    f0 = f0 + m24_0; f1 = f1 + m24_1; f2 = f2 + m24_2; f3 = f3 + m24_3; f4 = f4 + m24_4;
-            f5 = f5 + m24_5;
-    self->f[c + 0u] = f0; self->f[c + 1u] = f1; self->f[c + 2u] = f2; self->f[c + 3u] = f3;
-            self->f[c + 4u] = f4; self->f[c + 5u] = f5;
-}
-
-/* Column j of U, and what it adds to P x, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j.
- * Below the diagonal both are 0 and stay so; on it U_jj = 1 makes k_j = g_j.
- * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
-static EXTENDED_STRAIGHT void extended_factor_column(extended_learner_t *self, uint32_t j)
-{
-    const float grid = 0.01171875f;
-    const float l = self->l[j];
-    const float g = self->g[j];
-    float *u = &self->u[j * EXTENDED_LEARNED];
-    float *k = self->k;
-
-    const float u0 = u[0], u1 = u[1], u2 = u[2];
-    const float k0 = k[0], k1 = k[1], k2 = k[2];
-    const float p0 = k0 * l, p1 = k1 * l, p2 = k2 * l;
-    const float q0 = u0 * g, q1 = u1 * g, q2 = u2 * g;
-    const float u3 = u[3], u4 = u[4], u5 = u[5];
-    const float k3 = k[3], k4 = k[4], k5 = k[5];
-    const float r0 = u0 + p0, r1 = u1 + p1, r2 = u2 + p2;
-    const float n0 = k0 + q0, n1 = k1 + q1, n2 = k2 + q2;
-    const float p3 = k3 * l, p4 = k4 * l, p5 = k5 * l;
-    const float q3 = u3 * g, q4 = u4 * g, q5 = u5 * g;
-    const float u6 = u[6], u7 = u[7], u8 = u[8];
-    const float k6 = k[6], k7 = k[7], k8 = k[8];
-    const float s0 = r0 + grid, s1 = r1 + grid, s2 = r2 + grid;
-    k[0] = n0; k[1] = n1; k[2] = n2;
-    const float r3 = u3 + p3, r4 = u4 + p4, r5 = u5 + p5;
-    const float n3 = k3 + q3, n4 = k4 + q4, n5 = k5 + q5;
-    const float p6 = k6 * l, p7 = k7 * l, p8 = k8 * l;
-    const float q6 = u6 * g, q7 = u7 * g, q8 = u8 * g;
-    const float u9 = u[9], u10 = u[10], u11 = u[11];
-    const float k9 = k[9], k10 = k[10], k11 = k[11];
-    const float t0 = s0 - grid, t1 = s1 - grid, t2 = s2 - grid;
-    const float s3 = r3 + grid, s4 = r4 + grid, s5 = r5 + grid;
-    k[3] = n3; k[4] = n4; k[5] = n5;
-    const float r6 = u6 + p6, r7 = u7 + p7, r8 = u8 + p8;
-    const float n6 = k6 + q6, n7 = k7 + q7, n8 = k8 + q8;
-    const float p9 = k9 * l, p10 = k10 * l, p11 = k11 * l;
-    const float q9 = u9 * g, q10 = u10 * g, q11 = u11 * g;
-    const float u12 = u[12], u13 = u[13], u14 = u[14];
-    const float k12 = k[12], k13 = k[13], k14 = k[14];
-    u[0] = t0; u[1] = t1; u[2] = t2;
-    const float t3 = s3 - grid, t4 = s4 - grid, t5 = s5 - grid;
-    const float s6 = r6 + grid, s7 = r7 + grid, s8 = r8 + grid;
-    k[6] = n6; k[7] = n7; k[8] = n8;
-    const float r9 = u9 + p9, r10 = u10 + p10, r11 = u11 + p11;
-    const float n9 = k9 + q9, n10 = k10 + q10, n11 = k11 + q11;
-    const float p12 = k12 * l, p13 = k13 * l, p14 = k14 * l;
-    const float q12 = u12 * g, q13 = u13 * g, q14 = u14 * g;
-    const float u15 = u[15], u16 = u[16], u17 = u[17];
-    const float k15 = k[15], k16 = k[16], k17 = k[17];
-    u[3] = t3; u[4] = t4; u[5] = t5;
-    const float t6 = s6 - grid, t7 = s7 - grid, t8 = s8 - grid;
-    const float s9 = r9 + grid, s10 = r10 + grid, s11 = r11 + grid;
-    k[9] = n9; k[10] = n10; k[11] = n11;
-    const float r12 = u12 + p12, r13 = u13 + p13, r14 = u14 + p14;
-    const float n12 = k12 + q12, n13 = k13 + q13, n14 = k14 + q14;
-    const float p15 = k15 * l, p16 = k16 * l, p17 = k17 * l;
-    const float q15 = u15 * g, q16 = u16 * g, q17 = u17 * g;
-    const float u18 = u[18], u19 = u[19], u20 = u[20];
-    const float k18 = k[18], k19 = k[19], k20 = k[20];
-    u[6] = t6; u[7] = t7; u[8] = t8;
-    const float t9 = s9 - grid, t10 = s10 - grid, t11 = s11 - grid;
-    const float s12 = r12 + grid, s13 = r13 + grid, s14 = r14 + grid;
-    k[12] = n12; k[13] = n13; k[14] = n14;
-    const float r15 = u15 + p15, r16 = u16 + p16, r17 = u17 + p17;
-    const float n15 = k15 + q15, n16 = k16 + q16, n17 = k17 + q17;
-    const float p18 = k18 * l, p19 = k19 * l, p20 = k20 * l;
-    const float q18 = u18 * g, q19 = u19 * g, q20 = u20 * g;
-    const float u21 = u[21], u22 = u[22], u23 = u[23];
-    const float k21 = k[21], k22 = k[22], k23 = k[23];
-    u[9] = t9; u[10] = t10; u[11] = t11;
-    const float t12 = s12 - grid, t13 = s13 - grid, t14 = s14 - grid;
-    const float s15 = r15 + grid, s16 = r16 + grid, s17 = r17 + grid;
-    k[15] = n15; k[16] = n16; k[17] = n17;
-    const float r18 = u18 + p18, r19 = u19 + p19, r20 = u20 + p20;
-    const float n18 = k18 + q18, n19 = k19 + q19, n20 = k20 + q20;
-    const float p21 = k21 * l, p22 = k22 * l, p23 = k23 * l;
-    const float q21 = u21 * g, q22 = u22 * g, q23 = u23 * g;
-    const float u24 = u[24];
-    const float k24 = k[24];
-    u[12] = t12; u[13] = t13; u[14] = t14;
-    const float t15 = s15 - grid, t16 = s16 - grid, t17 = s17 - grid;
-    const float s18 = r18 + grid, s19 = r19 + grid, s20 = r20 + grid;
-    k[18] = n18; k[19] = n19; k[20] = n20;
-    const float r21 = u21 + p21, r22 = u22 + p22, r23 = u23 + p23;
-    const float n21 = k21 + q21, n22 = k22 + q22, n23 = k23 + q23;
-    const float p24 = k24 * l;
-    const float q24 = u24 * g;
-    u[15] = t15; u[16] = t16; u[17] = t17;
-    const float t18 = s18 - grid, t19 = s19 - grid, t20 = s20 - grid;
-    const float s21 = r21 + grid, s22 = r22 + grid, s23 = r23 + grid;
-    k[21] = n21; k[22] = n22; k[23] = n23;
-    const float r24 = u24 + p24;
-    const float n24 = k24 + q24;
-    u[18] = t18; u[19] = t19; u[20] = t20;
-    const float t21 = s21 - grid, t22 = s22 - grid, t23 = s23 - grid;
-    const float s24 = r24 + grid;
-    k[24] = n24;
-    u[21] = t21; u[22] = t22; u[23] = t23;
-    const float t24 = s24 - grid;
-    u[24] = t24;
-}
-
-/* f = U' x and g = D f, columns 0 to 11. */
-static EXTENDED_STRAIGHT void extended_project_0(extended_learner_t *self)
+/* f = U' x and g = D f. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
+ * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
+ * next multiplies. */
+static EXTENDED_STRAIGHT void extended_project(extended_learner_t *self)
 {
     const float grid = 1.09139364e-11f;
     const float inflate = self->inflate;
+    const float *u = self->u;
+    float f0, f1, f2, f3, f4, f5, f6, f7, f8, f9, f10, f11, f12, f13, f14, f15, f16, f17;
 
-    extended_project_columns(self, 0u);
-    extended_project_columns(self, 6u);
+    const float x0 = self->x[0]; /* row 0 */
+    const float u0_1 = u[0], u0_2 = u[1], u0_3 = u[3], u0_4 = u[6], u0_5 = u[10], u0_6 = u[15], u0_7 = u[21],
+            u0_8 = u[28], u0_9 = u[36], u0_10 = u[45], u0_11 = u[55], u0_12 = u[66];
+    const float u0_13 = u[78], u0_14 = u[91], u0_15 = u[105], u0_16 = u[120], u0_17 = u[136];
+    const float m0_1 = u0_1 * x0, m0_2 = u0_2 * x0, m0_3 = u0_3 * x0, m0_4 = u0_4 * x0, m0_5 = u0_5 * x0,
+            m0_6 = u0_6 * x0, m0_7 = u0_7 * x0, m0_8 = u0_8 * x0, m0_9 = u0_9 * x0, m0_10 = u0_10 * x0,
+            m0_11 = u0_11 * x0, m0_12 = u0_12 * x0;
+    const float x1 = self->x[1]; /* row 1 */
+    const float u1_2 = u[2], u1_3 = u[4], u1_4 = u[7], u1_5 = u[11], u1_6 = u[16], u1_7 = u[22],
+            u1_8 = u[29], u1_9 = u[37], u1_10 = u[46], u1_11 = u[56], u1_12 = u[67], u1_13 = u[79];
+    const float m0_13 = u0_13 * x0, m0_14 = u0_14 * x0, m0_15 = u0_15 * x0, m0_16 = u0_16 * x0,
+            m0_17 = u0_17 * x0;
+    const float u1_14 = u[92], u1_15 = u[106], u1_16 = u[121], u1_17 = u[137];
+    f0 = x0;
+    f1 = m0_1; f2 = m0_2; f3 = m0_3; f4 = m0_4; f5 = m0_5; f6 = m0_6; f7 = m0_7; f8 = m0_8;
+            f9 = m0_9; f10 = m0_10; f11 = m0_11; f12 = m0_12;
+    const float m1_2 = u1_2 * x1, m1_3 = u1_3 * x1, m1_4 = u1_4 * x1, m1_5 = u1_5 * x1, m1_6 = u1_6 * x1,
+            m1_7 = u1_7 * x1, m1_8 = u1_8 * x1, m1_9 = u1_9 * x1, m1_10 = u1_10 * x1, m1_11 = u1_11 * x1,
+            m1_12 = u1_12 * x1, m1_13 = u1_13 * x1;
+    const float x2 = self->x[2]; /* row 2 */
+    const float u2_3 = u[5], u2_4 = u[8], u2_5 = u[12], u2_6 = u[17], u2_7 = u[23], u2_8 = u[30],
+            u2_9 = u[38], u2_10 = u[47], u2_11 = u[57], u2_12 = u[68], u2_13 = u[80], u2_14 = u[93];
+    f13 = m0_13; f14 = m0_14; f15 = m0_15; f16 = m0_16; f17 = m0_17;
+    const float m1_14 = u1_14 * x1, m1_15 = u1_15 * x1, m1_16 = u1_16 * x1, m1_17 = u1_17 * x1;
+    const float u2_15 = u[107], u2_16 = u[122], u2_17 = u[138];
+    f1 = f1 + x1;
+    f2 = f2 + m1_2; f3 = f3 + m1_3; f4 = f4 + m1_4; f5 = f5 + m1_5; f6 = f6 + m1_6;
+            f7 = f7 + m1_7; f8 = f8 + m1_8; f9 = f9 + m1_9; f10 = f10 + m1_10; f11 = f11 + m1_11;
+            f12 = f12 + m1_12; f13 = f13 + m1_13;
+    const float m2_3 = u2_3 * x2, m2_4 = u2_4 * x2, m2_5 = u2_5 * x2, m2_6 = u2_6 * x2, m2_7 = u2_7 * x2,
+            m2_8 = u2_8 * x2, m2_9 = u2_9 * x2, m2_10 = u2_10 * x2, m2_11 = u2_11 * x2,
+            m2_12 = u2_12 * x2, m2_13 = u2_13 * x2, m2_14 = u2_14 * x2;
+    const float x3 = self->x[3]; /* row 3 */
+    const float u3_4 = u[9], u3_5 = u[13], u3_6 = u[18], u3_7 = u[24], u3_8 = u[31], u3_9 = u[39],
+            u3_10 = u[48], u3_11 = u[58], u3_12 = u[69], u3_13 = u[81], u3_14 = u[94], u3_15 = u[108];
+    f14 = f14 + m1_14; f15 = f15 + m1_15; f16 = f16 + m1_16; f17 = f17 + m1_17;
+    const float m2_15 = u2_15 * x2, m2_16 = u2_16 * x2, m2_17 = u2_17 * x2;
+    const float u3_16 = u[123], u3_17 = u[139];
+    f2 = f2 + x2;
+    f3 = f3 + m2_3; f4 = f4 + m2_4; f5 = f5 + m2_5; f6 = f6 + m2_6; f7 = f7 + m2_7;
+            f8 = f8 + m2_8; f9 = f9 + m2_9; f10 = f10 + m2_10; f11 = f11 + m2_11; f12 = f12 + m2_12;
+            f13 = f13 + m2_13; f14 = f14 + m2_14;
+    const float m3_4 = u3_4 * x3, m3_5 = u3_5 * x3, m3_6 = u3_6 * x3, m3_7 = u3_7 * x3, m3_8 = u3_8 * x3,
+            m3_9 = u3_9 * x3, m3_10 = u3_10 * x3, m3_11 = u3_11 * x3, m3_12 = u3_12 * x3,
+            m3_13 = u3_13 * x3, m3_14 = u3_14 * x3, m3_15 = u3_15 * x3;
+    const float x4 = self->x[4]; /* row 4 */
+    const float u4_5 = u[14], u4_6 = u[19], u4_7 = u[25], u4_8 = u[32], u4_9 = u[40], u4_10 = u[49],
+            u4_11 = u[59], u4_12 = u[70], u4_13 = u[82], u4_14 = u[95], u4_15 = u[109], u4_16 = u[124];
+    f15 = f15 + m2_15; f16 = f16 + m2_16; f17 = f17 + m2_17;
+    const float m3_16 = u3_16 * x3, m3_17 = u3_17 * x3;
+    const float u4_17 = u[140];
+    f3 = f3 + x3;
+    f4 = f4 + m3_4; f5 = f5 + m3_5; f6 = f6 + m3_6; f7 = f7 + m3_7; f8 = f8 + m3_8;
+            f9 = f9 + m3_9; f10 = f10 + m3_10; f11 = f11 + m3_11; f12 = f12 + m3_12; f13 = f13 + m3_13;
+            f14 = f14 + m3_14; f15 = f15 + m3_15;
+    const float m4_5 = u4_5 * x4, m4_6 = u4_6 * x4, m4_7 = u4_7 * x4, m4_8 = u4_8 * x4, m4_9 = u4_9 * x4,
+            m4_10 = u4_10 * x4, m4_11 = u4_11 * x4, m4_12 = u4_12 * x4, m4_13 = u4_13 * x4,
+            m4_14 = u4_14 * x4, m4_15 = u4_15 * x4, m4_16 = u4_16 * x4;
+    const float x5 = self->x[5]; /* row 5 */
+    const float u5_6 = u[20], u5_7 = u[26], u5_8 = u[33], u5_9 = u[41], u5_10 = u[50], u5_11 = u[60],
+            u5_12 = u[71], u5_13 = u[83], u5_14 = u[96], u5_15 = u[110], u5_16 = u[125], u5_17 = u[141];
+    f16 = f16 + m3_16; f17 = f17 + m3_17;
+    const float m4_17 = u4_17 * x4;
+    const float x6 = self->x[6]; /* row 6 */
+    const float u6_7 = u[27], u6_8 = u[34], u6_9 = u[42], u6_10 = u[51], u6_11 = u[61], u6_12 = u[72],
+            u6_13 = u[84], u6_14 = u[97], u6_15 = u[111], u6_16 = u[126], u6_17 = u[142];
+    f4 = f4 + x4;
+    f5 = f5 + m4_5; f6 = f6 + m4_6; f7 = f7 + m4_7; f8 = f8 + m4_8; f9 = f9 + m4_9;
+            f10 = f10 + m4_10; f11 = f11 + m4_11; f12 = f12 + m4_12; f13 = f13 + m4_13;
+            f14 = f14 + m4_14; f15 = f15 + m4_15; f16 = f16 + m4_16;
+    const float m5_6 = u5_6 * x5, m5_7 = u5_7 * x5, m5_8 = u5_8 * x5, m5_9 = u5_9 * x5, m5_10 = u5_10 * x5,
+            m5_11 = u5_11 * x5, m5_12 = u5_12 * x5, m5_13 = u5_13 * x5, m5_14 = u5_14 * x5,
+            m5_15 = u5_15 * x5, m5_16 = u5_16 * x5, m5_17 = u5_17 * x5;
+    const float x7 = self->x[7]; /* row 7 */
+    const float u7_8 = u[35], u7_9 = u[43], u7_10 = u[52], u7_11 = u[62], u7_12 = u[73], u7_13 = u[85],
+            u7_14 = u[98], u7_15 = u[112], u7_16 = u[127], u7_17 = u[143];
+    f17 = f17 + m4_17;
+    const float m6_7 = u6_7 * x6, m6_8 = u6_8 * x6, m6_9 = u6_9 * x6, m6_10 = u6_10 * x6, m6_11 = u6_11 * x6,
+            m6_12 = u6_12 * x6, m6_13 = u6_13 * x6, m6_14 = u6_14 * x6, m6_15 = u6_15 * x6,
+            m6_16 = u6_16 * x6, m6_17 = u6_17 * x6;
+    const float x8 = self->x[8]; /* row 8 */
+    const float u8_9 = u[44], u8_10 = u[53], u8_11 = u[63], u8_12 = u[74], u8_13 = u[86], u8_14 = u[99],
+            u8_15 = u[113], u8_16 = u[128], u8_17 = u[144];
+    f5 = f5 + x5;
+    f6 = f6 + m5_6; f7 = f7 + m5_7; f8 = f8 + m5_8; f9 = f9 + m5_9; f10 = f10 + m5_10;
+            f11 = f11 + m5_11; f12 = f12 + m5_12; f13 = f13 + m5_13; f14 = f14 + m5_14;
+            f15 = f15 + m5_15; f16 = f16 + m5_16; f17 = f17 + m5_17;
+    const float m7_8 = u7_8 * x7, m7_9 = u7_9 * x7, m7_10 = u7_10 * x7, m7_11 = u7_11 * x7,
+            m7_12 = u7_12 * x7, m7_13 = u7_13 * x7, m7_14 = u7_14 * x7, m7_15 = u7_15 * x7,
+            m7_16 = u7_16 * x7, m7_17 = u7_17 * x7;
+    const float x9 = self->x[9]; /* row 9 */
+    const float u9_10 = u[54], u9_11 = u[64], u9_12 = u[75], u9_13 = u[87], u9_14 = u[100], u9_15 = u[114],
+            u9_16 = u[129], u9_17 = u[145];
+    f6 = f6 + x6;
+    f7 = f7 + m6_7; f8 = f8 + m6_8; f9 = f9 + m6_9; f10 = f10 + m6_10; f11 = f11 + m6_11;
+            f12 = f12 + m6_12; f13 = f13 + m6_13; f14 = f14 + m6_14; f15 = f15 + m6_15;
+            f16 = f16 + m6_16; f17 = f17 + m6_17;
+    const float m8_9 = u8_9 * x8, m8_10 = u8_10 * x8, m8_11 = u8_11 * x8, m8_12 = u8_12 * x8,
+            m8_13 = u8_13 * x8, m8_14 = u8_14 * x8, m8_15 = u8_15 * x8, m8_16 = u8_16 * x8,
+            m8_17 = u8_17 * x8;
+    const float x10 = self->x[10]; /* row 10 */
+    const float u10_11 = u[65], u10_12 = u[76], u10_13 = u[88], u10_14 = u[101], u10_15 = u[115],
+            u10_16 = u[130], u10_17 = u[146];
+    f7 = f7 + x7;
+    f8 = f8 + m7_8; f9 = f9 + m7_9; f10 = f10 + m7_10; f11 = f11 + m7_11; f12 = f12 + m7_12;
+            f13 = f13 + m7_13; f14 = f14 + m7_14; f15 = f15 + m7_15; f16 = f16 + m7_16;
+            f17 = f17 + m7_17;
+    const float m9_10 = u9_10 * x9, m9_11 = u9_11 * x9, m9_12 = u9_12 * x9, m9_13 = u9_13 * x9,
+            m9_14 = u9_14 * x9, m9_15 = u9_15 * x9, m9_16 = u9_16 * x9, m9_17 = u9_17 * x9;
+    const float x11 = self->x[11]; /* row 11 */
+    const float u11_12 = u[77], u11_13 = u[89], u11_14 = u[102], u11_15 = u[116], u11_16 = u[131],
+            u11_17 = u[147];
+    f8 = f8 + x8;
+    f9 = f9 + m8_9; f10 = f10 + m8_10; f11 = f11 + m8_11; f12 = f12 + m8_12; f13 = f13 + m8_13;
+            f14 = f14 + m8_14; f15 = f15 + m8_15; f16 = f16 + m8_16; f17 = f17 + m8_17;
+    const float m10_11 = u10_11 * x10, m10_12 = u10_12 * x10, m10_13 = u10_13 * x10, m10_14 = u10_14 * x10,
+            m10_15 = u10_15 * x10, m10_16 = u10_16 * x10, m10_17 = u10_17 * x10;
+    const float x12 = self->x[12]; /* row 12 */
+    const float u12_13 = u[90], u12_14 = u[103], u12_15 = u[117], u12_16 = u[132], u12_17 = u[148];
+    f9 = f9 + x9;
+    f10 = f10 + m9_10; f11 = f11 + m9_11; f12 = f12 + m9_12; f13 = f13 + m9_13;
+            f14 = f14 + m9_14; f15 = f15 + m9_15; f16 = f16 + m9_16; f17 = f17 + m9_17;
+    const float m11_12 = u11_12 * x11, m11_13 = u11_13 * x11, m11_14 = u11_14 * x11, m11_15 = u11_15 * x11,
+            m11_16 = u11_16 * x11, m11_17 = u11_17 * x11;
+    const float x13 = self->x[13]; /* row 13 */
+    const float u13_14 = u[104], u13_15 = u[118], u13_16 = u[133], u13_17 = u[149];
+    f10 = f10 + x10;
+    f11 = f11 + m10_11; f12 = f12 + m10_12; f13 = f13 + m10_13; f14 = f14 + m10_14;
+            f15 = f15 + m10_15; f16 = f16 + m10_16; f17 = f17 + m10_17;
+    const float m12_13 = u12_13 * x12, m12_14 = u12_14 * x12, m12_15 = u12_15 * x12, m12_16 = u12_16 * x12,
+            m12_17 = u12_17 * x12;
+    const float x14 = self->x[14]; /* row 14 */
+    const float u14_15 = u[119], u14_16 = u[134], u14_17 = u[150];
+    f11 = f11 + x11;
+    f12 = f12 + m11_12; f13 = f13 + m11_13; f14 = f14 + m11_14; f15 = f15 + m11_15;
+            f16 = f16 + m11_16; f17 = f17 + m11_17;
+    const float m13_14 = u13_14 * x13, m13_15 = u13_15 * x13, m13_16 = u13_16 * x13, m13_17 = u13_17 * x13;
+    const float x15 = self->x[15]; /* row 15 */
+    const float u15_16 = u[135], u15_17 = u[151];
+    f12 = f12 + x12;
+    f13 = f13 + m12_13; f14 = f14 + m12_14; f15 = f15 + m12_15; f16 = f16 + m12_16;
+            f17 = f17 + m12_17;
+    const float m14_15 = u14_15 * x14, m14_16 = u14_16 * x14, m14_17 = u14_17 * x14;
+    const float x16 = self->x[16]; /* row 16 */
+    const float u16_17 = u[152];
+    f13 = f13 + x13;
+    f14 = f14 + m13_14; f15 = f15 + m13_15; f16 = f16 + m13_16; f17 = f17 + m13_17;
+    const float m15_16 = u15_16 * x15, m15_17 = u15_17 * x15;
+    f14 = f14 + x14;
+    f15 = f15 + m14_15; f16 = f16 + m14_16; f17 = f17 + m14_17;
+    const float m16_17 = u16_17 * x16;
+    f15 = f15 + x15;
+    f16 = f16 + m15_16; f17 = f17 + m15_17;
+    f16 = f16 + x16;
+    f17 = f17 + m16_17;
+    f17 = f17 + self->x[17];
+
+    self->f[0] = f0; self->f[1] = f1; self->f[2] = f2; self->f[3] = f3; self->f[4] = f4;
+            self->f[5] = f5;
+    self->f[6] = f6; self->f[7] = f7; self->f[8] = f8; self->f[9] = f9; self->f[10] = f10;
+            self->f[11] = f11;
+    self->f[12] = f12; self->f[13] = f13; self->f[14] = f14; self->f[15] = f15;
+            self->f[16] = f16; self->f[17] = f17;
     const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate,
             d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate;
     const float d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate,
             d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate;
-    const float g0 = d0 * self->f[0], g1 = d1 * self->f[1], g2 = d2 * self->f[2], g3 = d3 * self->f[3],
-            g4 = d4 * self->f[4], g5 = d5 * self->f[5];
-    const float g6 = d6 * self->f[6], g7 = d7 * self->f[7], g8 = d8 * self->f[8], g9 = d9 * self->f[9],
-            g10 = d10 * self->f[10], g11 = d11 * self->f[11];
+    const float d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate,
+            d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
+    const float g0 = d0 * f0, g1 = d1 * f1, g2 = d2 * f2, g3 = d3 * f3, g4 = d4 * f4, g5 = d5 * f5;
+    const float g6 = d6 * f6, g7 = d7 * f7, g8 = d8 * f8, g9 = d9 * f9, g10 = d10 * f10, g11 = d11 * f11;
+    const float g12 = d12 * f12, g13 = d13 * f13, g14 = d14 * f14, g15 = d15 * f15, g16 = d16 * f16,
+            g17 = d17 * f17;
     const float h0 = g0 + grid, h1 = g1 + grid, h2 = g2 + grid, h3 = g3 + grid, h4 = g4 + grid,
             h5 = g5 + grid;
     const float h6 = g6 + grid, h7 = g7 + grid, h8 = g8 + grid, h9 = g9 + grid, h10 = g10 + grid,
             h11 = g11 + grid;
+    const float h12 = g12 + grid, h13 = g13 + grid, h14 = g14 + grid, h15 = g15 + grid, h16 = g16 + grid,
+            h17 = g17 + grid;
     self->g[0] = h0 - grid; self->g[1] = h1 - grid; self->g[2] = h2 - grid;
             self->g[3] = h3 - grid; self->g[4] = h4 - grid; self->g[5] = h5 - grid;
     self->g[6] = h6 - grid; self->g[7] = h7 - grid; self->g[8] = h8 - grid;
             self->g[9] = h9 - grid; self->g[10] = h10 - grid; self->g[11] = h11 - grid;
-}
-
-/* f = U' x and g = D f, columns 12 to 24. */
-static EXTENDED_STRAIGHT void extended_project_1(extended_learner_t *self)
-{
-    const float grid = 1.09139364e-11f;
-    const float inflate = self->inflate;
-
-    extended_project_columns(self, 12u);
-    extended_project_columns(self, 18u);
-    extended_project_columns(self, 19u);
-    const float d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate,
-            d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
-    const float d18 = self->d[18] * inflate, d19 = self->d[19] * inflate, d20 = self->d[20] * inflate,
-            d21 = self->d[21] * inflate, d22 = self->d[22] * inflate, d23 = self->d[23] * inflate;
-    const float d24 = self->d[24] * inflate;
-    const float g12 = d12 * self->f[12], g13 = d13 * self->f[13], g14 = d14 * self->f[14],
-            g15 = d15 * self->f[15], g16 = d16 * self->f[16], g17 = d17 * self->f[17];
-    const float g18 = d18 * self->f[18], g19 = d19 * self->f[19], g20 = d20 * self->f[20],
-            g21 = d21 * self->f[21], g22 = d22 * self->f[22], g23 = d23 * self->f[23];
-    const float g24 = d24 * self->f[24];
-    const float h12 = g12 + grid, h13 = g13 + grid, h14 = g14 + grid, h15 = g15 + grid, h16 = g16 + grid,
-            h17 = g17 + grid;
-    const float h18 = g18 + grid, h19 = g19 + grid, h20 = g20 + grid, h21 = g21 + grid, h22 = g22 + grid,
-            h23 = g23 + grid;
-    const float h24 = g24 + grid;
     self->g[12] = h12 - grid; self->g[13] = h13 - grid; self->g[14] = h14 - grid;
             self->g[15] = h15 - grid; self->g[16] = h16 - grid; self->g[17] = h17 - grid;
-    self->g[18] = h18 - grid; self->g[19] = h19 - grid; self->g[20] = h20 - grid;
-            self->g[21] = h21 - grid; self->g[22] = h22 - grid; self->g[23] = h23 - grid;
-    self->g[24] = h24 - grid;
 }
 
-/* U and P x, columns 0 to 5. */
-static EXTENDED_STRAIGHT void extended_factor_0(extended_learner_t *self)
+/* U and P x. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
+ * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+static EXTENDED_STRAIGHT void extended_factor(extended_learner_t *self)
 {
-    self->k[0] = 0.0f; self->k[1] = 0.0f; self->k[2] = 0.0f; self->k[3] = 0.0f;
-            self->k[4] = 0.0f; self->k[5] = 0.0f;
-    self->k[6] = 0.0f; self->k[7] = 0.0f; self->k[8] = 0.0f; self->k[9] = 0.0f;
-            self->k[10] = 0.0f; self->k[11] = 0.0f;
-    self->k[12] = 0.0f; self->k[13] = 0.0f; self->k[14] = 0.0f; self->k[15] = 0.0f;
-            self->k[16] = 0.0f; self->k[17] = 0.0f;
-    self->k[18] = 0.0f; self->k[19] = 0.0f; self->k[20] = 0.0f; self->k[21] = 0.0f;
-            self->k[22] = 0.0f; self->k[23] = 0.0f;
-    self->k[24] = 0.0f;
-    extended_factor_column(self, 0u);
-    extended_factor_column(self, 1u);
-    extended_factor_column(self, 2u);
-    extended_factor_column(self, 3u);
-    extended_factor_column(self, 4u);
-    extended_factor_column(self, 5u);
-}
+    const float grid = 0.01171875f;
+    float *u = self->u;
+    float k0 = self->g[0];
 
-/* U and P x, columns 6 to 11. */
-static EXTENDED_STRAIGHT void extended_factor_1(extended_learner_t *self)
-{
-    extended_factor_column(self, 6u);
-    extended_factor_column(self, 7u);
-    extended_factor_column(self, 8u);
-    extended_factor_column(self, 9u);
-    extended_factor_column(self, 10u);
-    extended_factor_column(self, 11u);
-}
+    const float l1 = self->l[1]; /* column 1 */
+    float k1 = self->g[1];
+    const float u0_1 = u[0];
+    const float p0_1 = k0 * l1;
+    const float q0_1 = u0_1 * k1;
+    const float l2 = self->l[2]; /* column 2 */
+    float k2 = self->g[2];
+    const float u0_2 = u[1], u1_2 = u[2];
+    const float r0_1 = u0_1 + p0_1;
+    k0 = k0 + q0_1;
+    const float p0_2 = k0 * l2, p1_2 = k1 * l2;
+    const float q0_2 = u0_2 * k2, q1_2 = u1_2 * k2;
+    const float l3 = self->l[3]; /* column 3 */
+    float k3 = self->g[3];
+    const float u0_3 = u[3], u1_3 = u[4], u2_3 = u[5];
+    const float s0_1 = r0_1 + grid;
+    const float r0_2 = u0_2 + p0_2, r1_2 = u1_2 + p1_2;
+    k0 = k0 + q0_2; k1 = k1 + q1_2;
+    const float p0_3 = k0 * l3, p1_3 = k1 * l3, p2_3 = k2 * l3;
+    const float q0_3 = u0_3 * k3, q1_3 = u1_3 * k3, q2_3 = u2_3 * k3;
+    const float l4 = self->l[4]; /* column 4 */
+    float k4 = self->g[4];
+    const float u0_4 = u[6], u1_4 = u[7], u2_4 = u[8];
+    const float t0_1 = s0_1 - grid;
+    const float s0_2 = r0_2 + grid, s1_2 = r1_2 + grid;
+    const float r0_3 = u0_3 + p0_3, r1_3 = u1_3 + p1_3, r2_3 = u2_3 + p2_3;
+    k0 = k0 + q0_3; k1 = k1 + q1_3; k2 = k2 + q2_3;
+    const float p0_4 = k0 * l4, p1_4 = k1 * l4, p2_4 = k2 * l4;
+    const float q0_4 = u0_4 * k4, q1_4 = u1_4 * k4, q2_4 = u2_4 * k4;
+    const float u3_4 = u[9];
+    u[0] = t0_1;
+    const float t0_2 = s0_2 - grid, t1_2 = s1_2 - grid;
+    const float s0_3 = r0_3 + grid, s1_3 = r1_3 + grid, s2_3 = r2_3 + grid;
+    const float r0_4 = u0_4 + p0_4, r1_4 = u1_4 + p1_4, r2_4 = u2_4 + p2_4;
+    k0 = k0 + q0_4; k1 = k1 + q1_4; k2 = k2 + q2_4;
+    const float p3_4 = k3 * l4;
+    const float q3_4 = u3_4 * k4;
+    const float l5 = self->l[5]; /* column 5 */
+    float k5 = self->g[5];
+    const float u0_5 = u[10], u1_5 = u[11], u2_5 = u[12];
+    u[1] = t0_2; u[2] = t1_2;
+    const float t0_3 = s0_3 - grid, t1_3 = s1_3 - grid, t2_3 = s2_3 - grid;
+    const float s0_4 = r0_4 + grid, s1_4 = r1_4 + grid, s2_4 = r2_4 + grid;
+    const float r3_4 = u3_4 + p3_4;
+    k3 = k3 + q3_4;
+    const float p0_5 = k0 * l5, p1_5 = k1 * l5, p2_5 = k2 * l5;
+    const float q0_5 = u0_5 * k5, q1_5 = u1_5 * k5, q2_5 = u2_5 * k5;
+    const float u3_5 = u[13], u4_5 = u[14];
+    u[3] = t0_3; u[4] = t1_3; u[5] = t2_3;
+    const float t0_4 = s0_4 - grid, t1_4 = s1_4 - grid, t2_4 = s2_4 - grid;
+    const float s3_4 = r3_4 + grid;
+    const float r0_5 = u0_5 + p0_5, r1_5 = u1_5 + p1_5, r2_5 = u2_5 + p2_5;
+    k0 = k0 + q0_5; k1 = k1 + q1_5; k2 = k2 + q2_5;
+    const float p3_5 = k3 * l5, p4_5 = k4 * l5;
+    const float q3_5 = u3_5 * k5, q4_5 = u4_5 * k5;
+    const float l6 = self->l[6]; /* column 6 */
+    float k6 = self->g[6];
+    const float u0_6 = u[15], u1_6 = u[16], u2_6 = u[17];
+    u[6] = t0_4; u[7] = t1_4; u[8] = t2_4;
+    const float t3_4 = s3_4 - grid;
+    const float s0_5 = r0_5 + grid, s1_5 = r1_5 + grid, s2_5 = r2_5 + grid;
+    const float r3_5 = u3_5 + p3_5, r4_5 = u4_5 + p4_5;
+    k3 = k3 + q3_5; k4 = k4 + q4_5;
+    const float p0_6 = k0 * l6, p1_6 = k1 * l6, p2_6 = k2 * l6;
+    const float q0_6 = u0_6 * k6, q1_6 = u1_6 * k6, q2_6 = u2_6 * k6;
+    const float u3_6 = u[18], u4_6 = u[19], u5_6 = u[20];
+    u[9] = t3_4;
+    const float t0_5 = s0_5 - grid, t1_5 = s1_5 - grid, t2_5 = s2_5 - grid;
+    const float s3_5 = r3_5 + grid, s4_5 = r4_5 + grid;
+    const float r0_6 = u0_6 + p0_6, r1_6 = u1_6 + p1_6, r2_6 = u2_6 + p2_6;
+    k0 = k0 + q0_6; k1 = k1 + q1_6; k2 = k2 + q2_6;
+    const float p3_6 = k3 * l6, p4_6 = k4 * l6, p5_6 = k5 * l6;
+    const float q3_6 = u3_6 * k6, q4_6 = u4_6 * k6, q5_6 = u5_6 * k6;
+    const float l7 = self->l[7]; /* column 7 */
+    float k7 = self->g[7];
+    const float u0_7 = u[21], u1_7 = u[22], u2_7 = u[23];
+    u[10] = t0_5; u[11] = t1_5; u[12] = t2_5;
+    const float t3_5 = s3_5 - grid, t4_5 = s4_5 - grid;
+    const float s0_6 = r0_6 + grid, s1_6 = r1_6 + grid, s2_6 = r2_6 + grid;
+    const float r3_6 = u3_6 + p3_6, r4_6 = u4_6 + p4_6, r5_6 = u5_6 + p5_6;
+    k3 = k3 + q3_6; k4 = k4 + q4_6; k5 = k5 + q5_6;
+    const float p0_7 = k0 * l7, p1_7 = k1 * l7, p2_7 = k2 * l7;
+    const float q0_7 = u0_7 * k7, q1_7 = u1_7 * k7, q2_7 = u2_7 * k7;
+    const float u3_7 = u[24], u4_7 = u[25], u5_7 = u[26];
+    u[13] = t3_5; u[14] = t4_5;
+    const float t0_6 = s0_6 - grid, t1_6 = s1_6 - grid, t2_6 = s2_6 - grid;
+    const float s3_6 = r3_6 + grid, s4_6 = r4_6 + grid, s5_6 = r5_6 + grid;
+    const float r0_7 = u0_7 + p0_7, r1_7 = u1_7 + p1_7, r2_7 = u2_7 + p2_7;
+    k0 = k0 + q0_7; k1 = k1 + q1_7; k2 = k2 + q2_7;
+    const float p3_7 = k3 * l7, p4_7 = k4 * l7, p5_7 = k5 * l7;
+    const float q3_7 = u3_7 * k7, q4_7 = u4_7 * k7, q5_7 = u5_7 * k7;
+    const float u6_7 = u[27];
+    u[15] = t0_6; u[16] = t1_6; u[17] = t2_6;
+    const float t3_6 = s3_6 - grid, t4_6 = s4_6 - grid, t5_6 = s5_6 - grid;
+    const float s0_7 = r0_7 + grid, s1_7 = r1_7 + grid, s2_7 = r2_7 + grid;
+    const float r3_7 = u3_7 + p3_7, r4_7 = u4_7 + p4_7, r5_7 = u5_7 + p5_7;
+    k3 = k3 + q3_7; k4 = k4 + q4_7; k5 = k5 + q5_7;
+    const float p6_7 = k6 * l7;
+    const float q6_7 = u6_7 * k7;
+    const float l8 = self->l[8]; /* column 8 */
+    float k8 = self->g[8];
+    const float u0_8 = u[28], u1_8 = u[29], u2_8 = u[30];
+    u[18] = t3_6; u[19] = t4_6; u[20] = t5_6;
+    const float t0_7 = s0_7 - grid, t1_7 = s1_7 - grid, t2_7 = s2_7 - grid;
+    const float s3_7 = r3_7 + grid, s4_7 = r4_7 + grid, s5_7 = r5_7 + grid;
+    const float r6_7 = u6_7 + p6_7;
+    k6 = k6 + q6_7;
+    const float p0_8 = k0 * l8, p1_8 = k1 * l8, p2_8 = k2 * l8;
+    const float q0_8 = u0_8 * k8, q1_8 = u1_8 * k8, q2_8 = u2_8 * k8;
+    const float u3_8 = u[31], u4_8 = u[32], u5_8 = u[33];
+    u[21] = t0_7; u[22] = t1_7; u[23] = t2_7;
+    const float t3_7 = s3_7 - grid, t4_7 = s4_7 - grid, t5_7 = s5_7 - grid;
+    const float s6_7 = r6_7 + grid;
+    const float r0_8 = u0_8 + p0_8, r1_8 = u1_8 + p1_8, r2_8 = u2_8 + p2_8;
+    k0 = k0 + q0_8; k1 = k1 + q1_8; k2 = k2 + q2_8;
+    const float p3_8 = k3 * l8, p4_8 = k4 * l8, p5_8 = k5 * l8;
+    const float q3_8 = u3_8 * k8, q4_8 = u4_8 * k8, q5_8 = u5_8 * k8;
+    const float u6_8 = u[34], u7_8 = u[35];
+    u[24] = t3_7; u[25] = t4_7; u[26] = t5_7;
+    const float t6_7 = s6_7 - grid;
+    const float s0_8 = r0_8 + grid, s1_8 = r1_8 + grid, s2_8 = r2_8 + grid;
+    const float r3_8 = u3_8 + p3_8, r4_8 = u4_8 + p4_8, r5_8 = u5_8 + p5_8;
+    k3 = k3 + q3_8; k4 = k4 + q4_8; k5 = k5 + q5_8;
+    const float p6_8 = k6 * l8, p7_8 = k7 * l8;
+    const float q6_8 = u6_8 * k8, q7_8 = u7_8 * k8;
+    const float l9 = self->l[9]; /* column 9 */
+    float k9 = self->g[9];
+    const float u0_9 = u[36], u1_9 = u[37], u2_9 = u[38];
+    u[27] = t6_7;
+    const float t0_8 = s0_8 - grid, t1_8 = s1_8 - grid, t2_8 = s2_8 - grid;
+    const float s3_8 = r3_8 + grid, s4_8 = r4_8 + grid, s5_8 = r5_8 + grid;
+    const float r6_8 = u6_8 + p6_8, r7_8 = u7_8 + p7_8;
+    k6 = k6 + q6_8; k7 = k7 + q7_8;
+    const float p0_9 = k0 * l9, p1_9 = k1 * l9, p2_9 = k2 * l9;
+    const float q0_9 = u0_9 * k9, q1_9 = u1_9 * k9, q2_9 = u2_9 * k9;
+    const float u3_9 = u[39], u4_9 = u[40], u5_9 = u[41];
+    u[28] = t0_8; u[29] = t1_8; u[30] = t2_8;
+    const float t3_8 = s3_8 - grid, t4_8 = s4_8 - grid, t5_8 = s5_8 - grid;
+    const float s6_8 = r6_8 + grid, s7_8 = r7_8 + grid;
+    const float r0_9 = u0_9 + p0_9, r1_9 = u1_9 + p1_9, r2_9 = u2_9 + p2_9;
+    k0 = k0 + q0_9; k1 = k1 + q1_9; k2 = k2 + q2_9;
+    const float p3_9 = k3 * l9, p4_9 = k4 * l9, p5_9 = k5 * l9;
+    const float q3_9 = u3_9 * k9, q4_9 = u4_9 * k9, q5_9 = u5_9 * k9;
+    const float u6_9 = u[42], u7_9 = u[43], u8_9 = u[44];
+    u[31] = t3_8; u[32] = t4_8; u[33] = t5_8;
+    const float t6_8 = s6_8 - grid, t7_8 = s7_8 - grid;
+    const float s0_9 = r0_9 + grid, s1_9 = r1_9 + grid, s2_9 = r2_9 + grid;
+    const float r3_9 = u3_9 + p3_9, r4_9 = u4_9 + p4_9, r5_9 = u5_9 + p5_9;
+    k3 = k3 + q3_9; k4 = k4 + q4_9; k5 = k5 + q5_9;
+    const float p6_9 = k6 * l9, p7_9 = k7 * l9, p8_9 = k8 * l9;
+    const float q6_9 = u6_9 * k9, q7_9 = u7_9 * k9, q8_9 = u8_9 * k9;
+    const float l10 = self->l[10]; /* column 10 */
+    float k10 = self->g[10];
+    const float u0_10 = u[45], u1_10 = u[46], u2_10 = u[47];
+    u[34] = t6_8; u[35] = t7_8;
+    const float t0_9 = s0_9 - grid, t1_9 = s1_9 - grid, t2_9 = s2_9 - grid;
+    const float s3_9 = r3_9 + grid, s4_9 = r4_9 + grid, s5_9 = r5_9 + grid;
+    const float r6_9 = u6_9 + p6_9, r7_9 = u7_9 + p7_9, r8_9 = u8_9 + p8_9;
+    k6 = k6 + q6_9; k7 = k7 + q7_9; k8 = k8 + q8_9;
+    const float p0_10 = k0 * l10, p1_10 = k1 * l10, p2_10 = k2 * l10;
+    const float q0_10 = u0_10 * k10, q1_10 = u1_10 * k10, q2_10 = u2_10 * k10;
+    const float u3_10 = u[48], u4_10 = u[49], u5_10 = u[50];
+    u[36] = t0_9; u[37] = t1_9; u[38] = t2_9;
+    const float t3_9 = s3_9 - grid, t4_9 = s4_9 - grid, t5_9 = s5_9 - grid;
+    const float s6_9 = r6_9 + grid, s7_9 = r7_9 + grid, s8_9 = r8_9 + grid;
+    const float r0_10 = u0_10 + p0_10, r1_10 = u1_10 + p1_10, r2_10 = u2_10 + p2_10;
+    k0 = k0 + q0_10; k1 = k1 + q1_10; k2 = k2 + q2_10;
+    const float p3_10 = k3 * l10, p4_10 = k4 * l10, p5_10 = k5 * l10;
+    const float q3_10 = u3_10 * k10, q4_10 = u4_10 * k10, q5_10 = u5_10 * k10;
+    const float u6_10 = u[51], u7_10 = u[52], u8_10 = u[53];
+    u[39] = t3_9; u[40] = t4_9; u[41] = t5_9;
+    const float t6_9 = s6_9 - grid, t7_9 = s7_9 - grid, t8_9 = s8_9 - grid;
+    const float s0_10 = r0_10 + grid, s1_10 = r1_10 + grid, s2_10 = r2_10 + grid;
+    const float r3_10 = u3_10 + p3_10, r4_10 = u4_10 + p4_10, r5_10 = u5_10 + p5_10;
+    k3 = k3 + q3_10; k4 = k4 + q4_10; k5 = k5 + q5_10;
+    const float p6_10 = k6 * l10, p7_10 = k7 * l10, p8_10 = k8 * l10;
+    const float q6_10 = u6_10 * k10, q7_10 = u7_10 * k10, q8_10 = u8_10 * k10;
+    const float u9_10 = u[54];
+    u[42] = t6_9; u[43] = t7_9; u[44] = t8_9;
+    const float t0_10 = s0_10 - grid, t1_10 = s1_10 - grid, t2_10 = s2_10 - grid;
+    const float s3_10 = r3_10 + grid, s4_10 = r4_10 + grid, s5_10 = r5_10 + grid;
+    const float r6_10 = u6_10 + p6_10, r7_10 = u7_10 + p7_10, r8_10 = u8_10 + p8_10;
+    k6 = k6 + q6_10; k7 = k7 + q7_10; k8 = k8 + q8_10;
+    const float p9_10 = k9 * l10;
+    const float q9_10 = u9_10 * k10;
+    const float l11 = self->l[11]; /* column 11 */
+    float k11 = self->g[11];
+    const float u0_11 = u[55], u1_11 = u[56], u2_11 = u[57];
+    u[45] = t0_10; u[46] = t1_10; u[47] = t2_10;
+    const float t3_10 = s3_10 - grid, t4_10 = s4_10 - grid, t5_10 = s5_10 - grid;
+    const float s6_10 = r6_10 + grid, s7_10 = r7_10 + grid, s8_10 = r8_10 + grid;
+    const float r9_10 = u9_10 + p9_10;
+    k9 = k9 + q9_10;
+    const float p0_11 = k0 * l11, p1_11 = k1 * l11, p2_11 = k2 * l11;
+    const float q0_11 = u0_11 * k11, q1_11 = u1_11 * k11, q2_11 = u2_11 * k11;
+    const float u3_11 = u[58], u4_11 = u[59], u5_11 = u[60];
+    u[48] = t3_10; u[49] = t4_10; u[50] = t5_10;
+    const float t6_10 = s6_10 - grid, t7_10 = s7_10 - grid, t8_10 = s8_10 - grid;
+    const float s9_10 = r9_10 + grid;
+    const float r0_11 = u0_11 + p0_11, r1_11 = u1_11 + p1_11, r2_11 = u2_11 + p2_11;
+    k0 = k0 + q0_11; k1 = k1 + q1_11; k2 = k2 + q2_11;
+    const float p3_11 = k3 * l11, p4_11 = k4 * l11, p5_11 = k5 * l11;
+    const float q3_11 = u3_11 * k11, q4_11 = u4_11 * k11, q5_11 = u5_11 * k11;
+    const float u6_11 = u[61], u7_11 = u[62], u8_11 = u[63];
+    u[51] = t6_10; u[52] = t7_10; u[53] = t8_10;
+    const float t9_10 = s9_10 - grid;
+    const float s0_11 = r0_11 + grid, s1_11 = r1_11 + grid, s2_11 = r2_11 + grid;
+    const float r3_11 = u3_11 + p3_11, r4_11 = u4_11 + p4_11, r5_11 = u5_11 + p5_11;
+    k3 = k3 + q3_11; k4 = k4 + q4_11; k5 = k5 + q5_11;
+    const float p6_11 = k6 * l11, p7_11 = k7 * l11, p8_11 = k8 * l11;
+    const float q6_11 = u6_11 * k11, q7_11 = u7_11 * k11, q8_11 = u8_11 * k11;
+    const float u9_11 = u[64], u10_11 = u[65];
+    u[54] = t9_10;
+    const float t0_11 = s0_11 - grid, t1_11 = s1_11 - grid, t2_11 = s2_11 - grid;
+    const float s3_11 = r3_11 + grid, s4_11 = r4_11 + grid, s5_11 = r5_11 + grid;
+    const float r6_11 = u6_11 + p6_11, r7_11 = u7_11 + p7_11, r8_11 = u8_11 + p8_11;
+    k6 = k6 + q6_11; k7 = k7 + q7_11; k8 = k8 + q8_11;
+    const float p9_11 = k9 * l11, p10_11 = k10 * l11;
+    const float q9_11 = u9_11 * k11, q10_11 = u10_11 * k11;
+    const float l12 = self->l[12]; /* column 12 */
+    float k12 = self->g[12];
+    const float u0_12 = u[66], u1_12 = u[67], u2_12 = u[68];
+    u[55] = t0_11; u[56] = t1_11; u[57] = t2_11;
+    const float t3_11 = s3_11 - grid, t4_11 = s4_11 - grid, t5_11 = s5_11 - grid;
+    const float s6_11 = r6_11 + grid, s7_11 = r7_11 + grid, s8_11 = r8_11 + grid;
+    const float r9_11 = u9_11 + p9_11, r10_11 = u10_11 + p10_11;
+    k9 = k9 + q9_11; k10 = k10 + q10_11;
+    const float p0_12 = k0 * l12, p1_12 = k1 * l12, p2_12 = k2 * l12;
+    const float q0_12 = u0_12 * k12, q1_12 = u1_12 * k12, q2_12 = u2_12 * k12;
+    const float u3_12 = u[69], u4_12 = u[70], u5_12 = u[71];
+    u[58] = t3_11; u[59] = t4_11; u[60] = t5_11;
+    const float t6_11 = s6_11 - grid, t7_11 = s7_11 - grid, t8_11 = s8_11 - grid;
+    const float s9_11 = r9_11 + grid, s10_11 = r10_11 + grid;
+    const float r0_12 = u0_12 + p0_12, r1_12 = u1_12 + p1_12, r2_12 = u2_12 + p2_12;
+    k0 = k0 + q0_12; k1 = k1 + q1_12; k2 = k2 + q2_12;
+    const float p3_12 = k3 * l12, p4_12 = k4 * l12, p5_12 = k5 * l12;
+    const float q3_12 = u3_12 * k12, q4_12 = u4_12 * k12, q5_12 = u5_12 * k12;
+    const float u6_12 = u[72], u7_12 = u[73], u8_12 = u[74];
+    u[61] = t6_11; u[62] = t7_11; u[63] = t8_11;
+    const float t9_11 = s9_11 - grid, t10_11 = s10_11 - grid;
+    const float s0_12 = r0_12 + grid, s1_12 = r1_12 + grid, s2_12 = r2_12 + grid;
+    const float r3_12 = u3_12 + p3_12, r4_12 = u4_12 + p4_12, r5_12 = u5_12 + p5_12;
+    k3 = k3 + q3_12; k4 = k4 + q4_12; k5 = k5 + q5_12;
+    const float p6_12 = k6 * l12, p7_12 = k7 * l12, p8_12 = k8 * l12;
+    const float q6_12 = u6_12 * k12, q7_12 = u7_12 * k12, q8_12 = u8_12 * k12;
+    const float u9_12 = u[75], u10_12 = u[76], u11_12 = u[77];
+    u[64] = t9_11; u[65] = t10_11;
+    const float t0_12 = s0_12 - grid, t1_12 = s1_12 - grid, t2_12 = s2_12 - grid;
+    const float s3_12 = r3_12 + grid, s4_12 = r4_12 + grid, s5_12 = r5_12 + grid;
+    const float r6_12 = u6_12 + p6_12, r7_12 = u7_12 + p7_12, r8_12 = u8_12 + p8_12;
+    k6 = k6 + q6_12; k7 = k7 + q7_12; k8 = k8 + q8_12;
+    const float p9_12 = k9 * l12, p10_12 = k10 * l12, p11_12 = k11 * l12;
+    const float q9_12 = u9_12 * k12, q10_12 = u10_12 * k12, q11_12 = u11_12 * k12;
+    const float l13 = self->l[13]; /* column 13 */
+    float k13 = self->g[13];
+    const float u0_13 = u[78], u1_13 = u[79], u2_13 = u[80];
+    u[66] = t0_12; u[67] = t1_12; u[68] = t2_12;
+    const float t3_12 = s3_12 - grid, t4_12 = s4_12 - grid, t5_12 = s5_12 - grid;
+    const float s6_12 = r6_12 + grid, s7_12 = r7_12 + grid, s8_12 = r8_12 + grid;
+    const float r9_12 = u9_12 + p9_12, r10_12 = u10_12 + p10_12, r11_12 = u11_12 + p11_12;
+    k9 = k9 + q9_12; k10 = k10 + q10_12; k11 = k11 + q11_12;
+    const float p0_13 = k0 * l13, p1_13 = k1 * l13, p2_13 = k2 * l13;
+    const float q0_13 = u0_13 * k13, q1_13 = u1_13 * k13, q2_13 = u2_13 * k13;
+    const float u3_13 = u[81], u4_13 = u[82], u5_13 = u[83];
+    u[69] = t3_12; u[70] = t4_12; u[71] = t5_12;
+    const float t6_12 = s6_12 - grid, t7_12 = s7_12 - grid, t8_12 = s8_12 - grid;
+    const float s9_12 = r9_12 + grid, s10_12 = r10_12 + grid, s11_12 = r11_12 + grid;
+    const float r0_13 = u0_13 + p0_13, r1_13 = u1_13 + p1_13, r2_13 = u2_13 + p2_13;
+    k0 = k0 + q0_13; k1 = k1 + q1_13; k2 = k2 + q2_13;
+    const float p3_13 = k3 * l13, p4_13 = k4 * l13, p5_13 = k5 * l13;
+    const float q3_13 = u3_13 * k13, q4_13 = u4_13 * k13, q5_13 = u5_13 * k13;
+    const float u6_13 = u[84], u7_13 = u[85], u8_13 = u[86];
+    u[72] = t6_12; u[73] = t7_12; u[74] = t8_12;
+    const float t9_12 = s9_12 - grid, t10_12 = s10_12 - grid, t11_12 = s11_12 - grid;
+    const float s0_13 = r0_13 + grid, s1_13 = r1_13 + grid, s2_13 = r2_13 + grid;
+    const float r3_13 = u3_13 + p3_13, r4_13 = u4_13 + p4_13, r5_13 = u5_13 + p5_13;
+    k3 = k3 + q3_13; k4 = k4 + q4_13; k5 = k5 + q5_13;
+    const float p6_13 = k6 * l13, p7_13 = k7 * l13, p8_13 = k8 * l13;
+    const float q6_13 = u6_13 * k13, q7_13 = u7_13 * k13, q8_13 = u8_13 * k13;
+    const float u9_13 = u[87], u10_13 = u[88], u11_13 = u[89];
+    u[75] = t9_12; u[76] = t10_12; u[77] = t11_12;
+    const float t0_13 = s0_13 - grid, t1_13 = s1_13 - grid, t2_13 = s2_13 - grid;
+    const float s3_13 = r3_13 + grid, s4_13 = r4_13 + grid, s5_13 = r5_13 + grid;
+    const float r6_13 = u6_13 + p6_13, r7_13 = u7_13 + p7_13, r8_13 = u8_13 + p8_13;
+    k6 = k6 + q6_13; k7 = k7 + q7_13; k8 = k8 + q8_13;
+    const float p9_13 = k9 * l13, p10_13 = k10 * l13, p11_13 = k11 * l13;
+    const float q9_13 = u9_13 * k13, q10_13 = u10_13 * k13, q11_13 = u11_13 * k13;
+    const float u12_13 = u[90];
+    u[78] = t0_13; u[79] = t1_13; u[80] = t2_13;
+    const float t3_13 = s3_13 - grid, t4_13 = s4_13 - grid, t5_13 = s5_13 - grid;
+    const float s6_13 = r6_13 + grid, s7_13 = r7_13 + grid, s8_13 = r8_13 + grid;
+    const float r9_13 = u9_13 + p9_13, r10_13 = u10_13 + p10_13, r11_13 = u11_13 + p11_13;
+    k9 = k9 + q9_13; k10 = k10 + q10_13; k11 = k11 + q11_13;
+    const float p12_13 = k12 * l13;
+    const float q12_13 = u12_13 * k13;
+    const float l14 = self->l[14]; /* column 14 */
+    float k14 = self->g[14];
+    const float u0_14 = u[91], u1_14 = u[92], u2_14 = u[93];
+    u[81] = t3_13; u[82] = t4_13; u[83] = t5_13;
+    const float t6_13 = s6_13 - grid, t7_13 = s7_13 - grid, t8_13 = s8_13 - grid;
+    const float s9_13 = r9_13 + grid, s10_13 = r10_13 + grid, s11_13 = r11_13 + grid;
+    const float r12_13 = u12_13 + p12_13;
+    k12 = k12 + q12_13;
+    const float p0_14 = k0 * l14, p1_14 = k1 * l14, p2_14 = k2 * l14;
+    const float q0_14 = u0_14 * k14, q1_14 = u1_14 * k14, q2_14 = u2_14 * k14;
+    const float u3_14 = u[94], u4_14 = u[95], u5_14 = u[96];
+    u[84] = t6_13; u[85] = t7_13; u[86] = t8_13;
+    const float t9_13 = s9_13 - grid, t10_13 = s10_13 - grid, t11_13 = s11_13 - grid;
+    const float s12_13 = r12_13 + grid;
+    const float r0_14 = u0_14 + p0_14, r1_14 = u1_14 + p1_14, r2_14 = u2_14 + p2_14;
+    k0 = k0 + q0_14; k1 = k1 + q1_14; k2 = k2 + q2_14;
+    const float p3_14 = k3 * l14, p4_14 = k4 * l14, p5_14 = k5 * l14;
+    const float q3_14 = u3_14 * k14, q4_14 = u4_14 * k14, q5_14 = u5_14 * k14;
+    const float u6_14 = u[97], u7_14 = u[98], u8_14 = u[99];
+    u[87] = t9_13; u[88] = t10_13; u[89] = t11_13;
+    const float t12_13 = s12_13 - grid;
+    const float s0_14 = r0_14 + grid, s1_14 = r1_14 + grid, s2_14 = r2_14 + grid;
+    const float r3_14 = u3_14 + p3_14, r4_14 = u4_14 + p4_14, r5_14 = u5_14 + p5_14;
+    k3 = k3 + q3_14; k4 = k4 + q4_14; k5 = k5 + q5_14;
+    const float p6_14 = k6 * l14, p7_14 = k7 * l14, p8_14 = k8 * l14;
+    const float q6_14 = u6_14 * k14, q7_14 = u7_14 * k14, q8_14 = u8_14 * k14;
+    const float u9_14 = u[100], u10_14 = u[101], u11_14 = u[102];
+    u[90] = t12_13;
+    const float t0_14 = s0_14 - grid, t1_14 = s1_14 - grid, t2_14 = s2_14 - grid;
+    const float s3_14 = r3_14 + grid, s4_14 = r4_14 + grid, s5_14 = r5_14 + grid;
+    const float r6_14 = u6_14 + p6_14, r7_14 = u7_14 + p7_14, r8_14 = u8_14 + p8_14;
+    k6 = k6 + q6_14; k7 = k7 + q7_14; k8 = k8 + q8_14;
+    const float p9_14 = k9 * l14, p10_14 = k10 * l14, p11_14 = k11 * l14;
+    const float q9_14 = u9_14 * k14, q10_14 = u10_14 * k14, q11_14 = u11_14 * k14;
+    const float u12_14 = u[103], u13_14 = u[104];
+    u[91] = t0_14; u[92] = t1_14; u[93] = t2_14;
+    const float t3_14 = s3_14 - grid, t4_14 = s4_14 - grid, t5_14 = s5_14 - grid;
+    const float s6_14 = r6_14 + grid, s7_14 = r7_14 + grid, s8_14 = r8_14 + grid;
+    const float r9_14 = u9_14 + p9_14, r10_14 = u10_14 + p10_14, r11_14 = u11_14 + p11_14;
+    k9 = k9 + q9_14; k10 = k10 + q10_14; k11 = k11 + q11_14;
+    const float p12_14 = k12 * l14, p13_14 = k13 * l14;
+    const float q12_14 = u12_14 * k14, q13_14 = u13_14 * k14;
+    const float l15 = self->l[15]; /* column 15 */
+    float k15 = self->g[15];
+    const float u0_15 = u[105], u1_15 = u[106], u2_15 = u[107];
+    u[94] = t3_14; u[95] = t4_14; u[96] = t5_14;
+    const float t6_14 = s6_14 - grid, t7_14 = s7_14 - grid, t8_14 = s8_14 - grid;
+    const float s9_14 = r9_14 + grid, s10_14 = r10_14 + grid, s11_14 = r11_14 + grid;
+    const float r12_14 = u12_14 + p12_14, r13_14 = u13_14 + p13_14;
+    k12 = k12 + q12_14; k13 = k13 + q13_14;
+    const float p0_15 = k0 * l15, p1_15 = k1 * l15, p2_15 = k2 * l15;
+    const float q0_15 = u0_15 * k15, q1_15 = u1_15 * k15, q2_15 = u2_15 * k15;
+    const float u3_15 = u[108], u4_15 = u[109], u5_15 = u[110];
+    u[97] = t6_14; u[98] = t7_14; u[99] = t8_14;
+    const float t9_14 = s9_14 - grid, t10_14 = s10_14 - grid, t11_14 = s11_14 - grid;
+    const float s12_14 = r12_14 + grid, s13_14 = r13_14 + grid;
+    const float r0_15 = u0_15 + p0_15, r1_15 = u1_15 + p1_15, r2_15 = u2_15 + p2_15;
+    k0 = k0 + q0_15; k1 = k1 + q1_15; k2 = k2 + q2_15;
+    const float p3_15 = k3 * l15, p4_15 = k4 * l15, p5_15 = k5 * l15;
+    const float q3_15 = u3_15 * k15, q4_15 = u4_15 * k15, q5_15 = u5_15 * k15;
+    const float u6_15 = u[111], u7_15 = u[112], u8_15 = u[113];
+    u[100] = t9_14; u[101] = t10_14; u[102] = t11_14;
+    const float t12_14 = s12_14 - grid, t13_14 = s13_14 - grid;
+    const float s0_15 = r0_15 + grid, s1_15 = r1_15 + grid, s2_15 = r2_15 + grid;
+    const float r3_15 = u3_15 + p3_15, r4_15 = u4_15 + p4_15, r5_15 = u5_15 + p5_15;
+    k3 = k3 + q3_15; k4 = k4 + q4_15; k5 = k5 + q5_15;
+    const float p6_15 = k6 * l15, p7_15 = k7 * l15, p8_15 = k8 * l15;
+    const float q6_15 = u6_15 * k15, q7_15 = u7_15 * k15, q8_15 = u8_15 * k15;
+    const float u9_15 = u[114], u10_15 = u[115], u11_15 = u[116];
+    u[103] = t12_14; u[104] = t13_14;
+    const float t0_15 = s0_15 - grid, t1_15 = s1_15 - grid, t2_15 = s2_15 - grid;
+    const float s3_15 = r3_15 + grid, s4_15 = r4_15 + grid, s5_15 = r5_15 + grid;
+    const float r6_15 = u6_15 + p6_15, r7_15 = u7_15 + p7_15, r8_15 = u8_15 + p8_15;
+    k6 = k6 + q6_15; k7 = k7 + q7_15; k8 = k8 + q8_15;
+    const float p9_15 = k9 * l15, p10_15 = k10 * l15, p11_15 = k11 * l15;
+    const float q9_15 = u9_15 * k15, q10_15 = u10_15 * k15, q11_15 = u11_15 * k15;
+    const float u12_15 = u[117], u13_15 = u[118], u14_15 = u[119];
+    u[105] = t0_15; u[106] = t1_15; u[107] = t2_15;
+    const float t3_15 = s3_15 - grid, t4_15 = s4_15 - grid, t5_15 = s5_15 - grid;
+    const float s6_15 = r6_15 + grid, s7_15 = r7_15 + grid, s8_15 = r8_15 + grid;
+    const float r9_15 = u9_15 + p9_15, r10_15 = u10_15 + p10_15, r11_15 = u11_15 + p11_15;
+    k9 = k9 + q9_15; k10 = k10 + q10_15; k11 = k11 + q11_15;
+    const float p12_15 = k12 * l15, p13_15 = k13 * l15, p14_15 = k14 * l15;
+    const float q12_15 = u12_15 * k15, q13_15 = u13_15 * k15, q14_15 = u14_15 * k15;
+    const float l16 = self->l[16]; /* column 16 */
+    float k16 = self->g[16];
+    const float u0_16 = u[120], u1_16 = u[121], u2_16 = u[122];
+    u[108] = t3_15; u[109] = t4_15; u[110] = t5_15;
+    const float t6_15 = s6_15 - grid, t7_15 = s7_15 - grid, t8_15 = s8_15 - grid;
+    const float s9_15 = r9_15 + grid, s10_15 = r10_15 + grid, s11_15 = r11_15 + grid;
+    const float r12_15 = u12_15 + p12_15, r13_15 = u13_15 + p13_15, r14_15 = u14_15 + p14_15;
+    k12 = k12 + q12_15; k13 = k13 + q13_15; k14 = k14 + q14_15;
+    const float p0_16 = k0 * l16, p1_16 = k1 * l16, p2_16 = k2 * l16;
+    const float q0_16 = u0_16 * k16, q1_16 = u1_16 * k16, q2_16 = u2_16 * k16;
+    const float u3_16 = u[123], u4_16 = u[124], u5_16 = u[125];
+    u[111] = t6_15; u[112] = t7_15; u[113] = t8_15;
+    const float t9_15 = s9_15 - grid, t10_15 = s10_15 - grid, t11_15 = s11_15 - grid;
+    const float s12_15 = r12_15 + grid, s13_15 = r13_15 + grid, s14_15 = r14_15 + grid;
+    const float r0_16 = u0_16 + p0_16, r1_16 = u1_16 + p1_16, r2_16 = u2_16 + p2_16;
+    k0 = k0 + q0_16; k1 = k1 + q1_16; k2 = k2 + q2_16;
+    const float p3_16 = k3 * l16, p4_16 = k4 * l16, p5_16 = k5 * l16;
+    const float q3_16 = u3_16 * k16, q4_16 = u4_16 * k16, q5_16 = u5_16 * k16;
+    const float u6_16 = u[126], u7_16 = u[127], u8_16 = u[128];
+    u[114] = t9_15; u[115] = t10_15; u[116] = t11_15;
+    const float t12_15 = s12_15 - grid, t13_15 = s13_15 - grid, t14_15 = s14_15 - grid;
+    const float s0_16 = r0_16 + grid, s1_16 = r1_16 + grid, s2_16 = r2_16 + grid;
+    const float r3_16 = u3_16 + p3_16, r4_16 = u4_16 + p4_16, r5_16 = u5_16 + p5_16;
+    k3 = k3 + q3_16; k4 = k4 + q4_16; k5 = k5 + q5_16;
+    const float p6_16 = k6 * l16, p7_16 = k7 * l16, p8_16 = k8 * l16;
+    const float q6_16 = u6_16 * k16, q7_16 = u7_16 * k16, q8_16 = u8_16 * k16;
+    const float u9_16 = u[129], u10_16 = u[130], u11_16 = u[131];
+    u[117] = t12_15; u[118] = t13_15; u[119] = t14_15;
+    const float t0_16 = s0_16 - grid, t1_16 = s1_16 - grid, t2_16 = s2_16 - grid;
+    const float s3_16 = r3_16 + grid, s4_16 = r4_16 + grid, s5_16 = r5_16 + grid;
+    const float r6_16 = u6_16 + p6_16, r7_16 = u7_16 + p7_16, r8_16 = u8_16 + p8_16;
+    k6 = k6 + q6_16; k7 = k7 + q7_16; k8 = k8 + q8_16;
+    const float p9_16 = k9 * l16, p10_16 = k10 * l16, p11_16 = k11 * l16;
+    const float q9_16 = u9_16 * k16, q10_16 = u10_16 * k16, q11_16 = u11_16 * k16;
+    const float u12_16 = u[132], u13_16 = u[133], u14_16 = u[134];
+    u[120] = t0_16; u[121] = t1_16; u[122] = t2_16;
+    const float t3_16 = s3_16 - grid, t4_16 = s4_16 - grid, t5_16 = s5_16 - grid;
+    const float s6_16 = r6_16 + grid, s7_16 = r7_16 + grid, s8_16 = r8_16 + grid;
+    const float r9_16 = u9_16 + p9_16, r10_16 = u10_16 + p10_16, r11_16 = u11_16 + p11_16;
+    k9 = k9 + q9_16; k10 = k10 + q10_16; k11 = k11 + q11_16;
+    const float p12_16 = k12 * l16, p13_16 = k13 * l16, p14_16 = k14 * l16;
+    const float q12_16 = u12_16 * k16, q13_16 = u13_16 * k16, q14_16 = u14_16 * k16;
+    const float u15_16 = u[135];
+    u[123] = t3_16; u[124] = t4_16; u[125] = t5_16;
+    const float t6_16 = s6_16 - grid, t7_16 = s7_16 - grid, t8_16 = s8_16 - grid;
+    const float s9_16 = r9_16 + grid, s10_16 = r10_16 + grid, s11_16 = r11_16 + grid;
+    const float r12_16 = u12_16 + p12_16, r13_16 = u13_16 + p13_16, r14_16 = u14_16 + p14_16;
+    k12 = k12 + q12_16; k13 = k13 + q13_16; k14 = k14 + q14_16;
+    const float p15_16 = k15 * l16;
+    const float q15_16 = u15_16 * k16;
+    const float l17 = self->l[17]; /* column 17 */
+    const float k17 = self->g[17];
+    const float u0_17 = u[136], u1_17 = u[137], u2_17 = u[138];
+    u[126] = t6_16; u[127] = t7_16; u[128] = t8_16;
+    const float t9_16 = s9_16 - grid, t10_16 = s10_16 - grid, t11_16 = s11_16 - grid;
+    const float s12_16 = r12_16 + grid, s13_16 = r13_16 + grid, s14_16 = r14_16 + grid;
+    const float r15_16 = u15_16 + p15_16;
+    k15 = k15 + q15_16;
+    const float p0_17 = k0 * l17, p1_17 = k1 * l17, p2_17 = k2 * l17;
+    const float q0_17 = u0_17 * k17, q1_17 = u1_17 * k17, q2_17 = u2_17 * k17;
+    const float u3_17 = u[139], u4_17 = u[140], u5_17 = u[141];
+    u[129] = t9_16; u[130] = t10_16; u[131] = t11_16;
+    const float t12_16 = s12_16 - grid, t13_16 = s13_16 - grid, t14_16 = s14_16 - grid;
+    const float s15_16 = r15_16 + grid;
+    const float r0_17 = u0_17 + p0_17, r1_17 = u1_17 + p1_17, r2_17 = u2_17 + p2_17;
+    k0 = k0 + q0_17; k1 = k1 + q1_17; k2 = k2 + q2_17;
+    const float p3_17 = k3 * l17, p4_17 = k4 * l17, p5_17 = k5 * l17;
+    const float q3_17 = u3_17 * k17, q4_17 = u4_17 * k17, q5_17 = u5_17 * k17;
+    const float u6_17 = u[142], u7_17 = u[143], u8_17 = u[144];
+    u[132] = t12_16; u[133] = t13_16; u[134] = t14_16;
+    const float t15_16 = s15_16 - grid;
+    const float s0_17 = r0_17 + grid, s1_17 = r1_17 + grid, s2_17 = r2_17 + grid;
+    const float r3_17 = u3_17 + p3_17, r4_17 = u4_17 + p4_17, r5_17 = u5_17 + p5_17;
+    k3 = k3 + q3_17; k4 = k4 + q4_17; k5 = k5 + q5_17;
+    const float p6_17 = k6 * l17, p7_17 = k7 * l17, p8_17 = k8 * l17;
+    const float q6_17 = u6_17 * k17, q7_17 = u7_17 * k17, q8_17 = u8_17 * k17;
+    const float u9_17 = u[145], u10_17 = u[146], u11_17 = u[147];
+    u[135] = t15_16;
+    const float t0_17 = s0_17 - grid, t1_17 = s1_17 - grid, t2_17 = s2_17 - grid;
+    const float s3_17 = r3_17 + grid, s4_17 = r4_17 + grid, s5_17 = r5_17 + grid;
+    const float r6_17 = u6_17 + p6_17, r7_17 = u7_17 + p7_17, r8_17 = u8_17 + p8_17;
+    k6 = k6 + q6_17; k7 = k7 + q7_17; k8 = k8 + q8_17;
+    const float p9_17 = k9 * l17, p10_17 = k10 * l17, p11_17 = k11 * l17;
+    const float q9_17 = u9_17 * k17, q10_17 = u10_17 * k17, q11_17 = u11_17 * k17;
+    const float u12_17 = u[148], u13_17 = u[149], u14_17 = u[150];
+    u[136] = t0_17; u[137] = t1_17; u[138] = t2_17;
+    const float t3_17 = s3_17 - grid, t4_17 = s4_17 - grid, t5_17 = s5_17 - grid;
+    const float s6_17 = r6_17 + grid, s7_17 = r7_17 + grid, s8_17 = r8_17 + grid;
+    const float r9_17 = u9_17 + p9_17, r10_17 = u10_17 + p10_17, r11_17 = u11_17 + p11_17;
+    k9 = k9 + q9_17; k10 = k10 + q10_17; k11 = k11 + q11_17;
+    const float p12_17 = k12 * l17, p13_17 = k13 * l17, p14_17 = k14 * l17;
+    const float q12_17 = u12_17 * k17, q13_17 = u13_17 * k17, q14_17 = u14_17 * k17;
+    const float u15_17 = u[151], u16_17 = u[152];
+    u[139] = t3_17; u[140] = t4_17; u[141] = t5_17;
+    const float t6_17 = s6_17 - grid, t7_17 = s7_17 - grid, t8_17 = s8_17 - grid;
+    const float s9_17 = r9_17 + grid, s10_17 = r10_17 + grid, s11_17 = r11_17 + grid;
+    const float r12_17 = u12_17 + p12_17, r13_17 = u13_17 + p13_17, r14_17 = u14_17 + p14_17;
+    k12 = k12 + q12_17; k13 = k13 + q13_17; k14 = k14 + q14_17;
+    const float p15_17 = k15 * l17, p16_17 = k16 * l17;
+    const float q15_17 = u15_17 * k17, q16_17 = u16_17 * k17;
+    u[142] = t6_17; u[143] = t7_17; u[144] = t8_17;
+    const float t9_17 = s9_17 - grid, t10_17 = s10_17 - grid, t11_17 = s11_17 - grid;
+    const float s12_17 = r12_17 + grid, s13_17 = r13_17 + grid, s14_17 = r14_17 + grid;
+    const float r15_17 = u15_17 + p15_17, r16_17 = u16_17 + p16_17;
+    k15 = k15 + q15_17; k16 = k16 + q16_17;
+    u[145] = t9_17; u[146] = t10_17; u[147] = t11_17;
+    const float t12_17 = s12_17 - grid, t13_17 = s13_17 - grid, t14_17 = s14_17 - grid;
+    const float s15_17 = r15_17 + grid, s16_17 = r16_17 + grid;
+    u[148] = t12_17; u[149] = t13_17; u[150] = t14_17;
+    const float t15_17 = s15_17 - grid, t16_17 = s16_17 - grid;
+    u[151] = t15_17; u[152] = t16_17;
 
-/* U and P x, columns 12 to 17. */
-static EXTENDED_STRAIGHT void extended_factor_2(extended_learner_t *self)
-{
-    extended_factor_column(self, 12u);
-    extended_factor_column(self, 13u);
-    extended_factor_column(self, 14u);
-    extended_factor_column(self, 15u);
-    extended_factor_column(self, 16u);
-    extended_factor_column(self, 17u);
-}
-
-/* U and P x, columns 18 to 23. */
-static EXTENDED_STRAIGHT void extended_factor_3(extended_learner_t *self)
-{
-    extended_factor_column(self, 18u);
-    extended_factor_column(self, 19u);
-    extended_factor_column(self, 20u);
-    extended_factor_column(self, 21u);
-    extended_factor_column(self, 22u);
-    extended_factor_column(self, 23u);
-}
-
-/* U and P x, column 24. */
-static EXTENDED_STRAIGHT void extended_factor_4(extended_learner_t *self)
-{
-    extended_factor_column(self, 24u);
+    self->k[0] = k0; self->k[1] = k1; self->k[2] = k2; self->k[3] = k3; self->k[4] = k4;
+            self->k[5] = k5;
+    self->k[6] = k6; self->k[7] = k7; self->k[8] = k8; self->k[9] = k9; self->k[10] = k10;
+            self->k[11] = k11;
+    self->k[12] = k12; self->k[13] = k13; self->k[14] = k14; self->k[15] = k15;
+            self->k[16] = k16; self->k[17] = k17;
 }
 
 /* 1 if the sample behind f and g may be learnt from. Its innovation is expected to be up to the usual one times
@@ -1045,52 +1380,14 @@ static uint32_t extended_admit(extended_learner_t *self, float alpha)
     return (outlier | quiet) ^ 1u;
 }
 
-/* r_i = 1 / a_i, 9 side by side from c on: those of extended_reciprocal. */
-static EXTENDED_STRAIGHT void extended_reciprocals(const float *a, float *r, uint32_t c)
-{
-    const float a0 = a[c + 0u], a1 = a[c + 1u], a2 = a[c + 2u], a3 = a[c + 3u], a4 = a[c + 4u],
-            a5 = a[c + 5u], a6 = a[c + 6u], a7 = a[c + 7u], a8 = a[c + 8u];
-    float r0 = extended_float(0x7ef311c7u - extended_bits(a0)),
-            r1 = extended_float(0x7ef311c7u - extended_bits(a1)),
-            r2 = extended_float(0x7ef311c7u - extended_bits(a2)),
-            r3 = extended_float(0x7ef311c7u - extended_bits(a3)),
-            r4 = extended_float(0x7ef311c7u - extended_bits(a4)),
-            r5 = extended_float(0x7ef311c7u - extended_bits(a5)),
-            r6 = extended_float(0x7ef311c7u - extended_bits(a6)),
-            r7 = extended_float(0x7ef311c7u - extended_bits(a7)),
-            r8 = extended_float(0x7ef311c7u - extended_bits(a8));
-    float t0 = a0 * r0, t1 = a1 * r1, t2 = a2 * r2, t3 = a3 * r3, t4 = a4 * r4, t5 = a5 * r5,
-            t6 = a6 * r6, t7 = a7 * r7, t8 = a8 * r8;
-
-    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
-            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
-    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
-            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
-    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
-            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
-    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
-            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
-    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
-            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
-    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
-            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
-    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
-            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
-    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
-            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
-    r[c + 0u] = r0; r[c + 1u] = r1; r[c + 2u] = r2; r[c + 3u] = r3; r[c + 4u] = r4;
-            r[c + 5u] = r5; r[c + 6u] = r6; r[c + 7u] = r7; r[c + 8u] = r8;
-}
-
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
- * The reciprocals are those of extended_reciprocal, several side by side. Returns 1 if the shadow has to start again. */
-static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *self)
+ * The reciprocals are those of extended_reciprocal, several side by side. Returns 1 if the shadow has
+ * to start again; *accepted becomes 0 if the sample is not learnt from. */
+static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *self, uint32_t *accepted)
 {
     const float inflate = self->inflate;
     const float least = EXTENDED_LEARN_LEAST_VARIANCE;
     uint32_t clamped = 0u;
-    float a[EXTENDED_LEARNED];
-    float r[EXTENDED_LEARNED];
     const float m0 = self->f[0] * self->g[0];
     const float m1 = self->f[1] * self->g[1];
     const float m2 = self->f[2] * self->g[2];
@@ -1103,303 +1400,241 @@ static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *s
     const float m9 = self->f[9] * self->g[9];
     const float m10 = self->f[10] * self->g[10];
     const float m11 = self->f[11] * self->g[11];
-    const float a0 = 1.0f + m0;
-    const float a1 = a0 + m1;
-    const float a2 = a1 + m2;
-    const float a3 = a2 + m3;
-    const float a4 = a3 + m4;
-    const float a5 = a4 + m5;
     const float m12 = self->f[12] * self->g[12];
     const float m13 = self->f[13] * self->g[13];
     const float m14 = self->f[14] * self->g[14];
     const float m15 = self->f[15] * self->g[15];
     const float m16 = self->f[16] * self->g[16];
     const float m17 = self->f[17] * self->g[17];
-    a[0] = a0;
-    a[1] = a1;
-    a[2] = a2;
-    a[3] = a3;
-    a[4] = a4;
-    a[5] = a5;
+    const float a0 = 1.0f + m0;
+    const float a1 = a0 + m1;
+    const float a2 = a1 + m2;
+    const float a3 = a2 + m3;
+    const float a4 = a3 + m4;
+    const float a5 = a4 + m5;
     const float a6 = a5 + m6;
     const float a7 = a6 + m7;
     const float a8 = a7 + m8;
     const float a9 = a8 + m9;
     const float a10 = a9 + m10;
     const float a11 = a10 + m11;
-    const float m18 = self->f[18] * self->g[18];
-    const float m19 = self->f[19] * self->g[19];
-    const float m20 = self->f[20] * self->g[20];
-    const float m21 = self->f[21] * self->g[21];
-    const float m22 = self->f[22] * self->g[22];
-    const float m23 = self->f[23] * self->g[23];
-    a[6] = a6;
-    a[7] = a7;
-    a[8] = a8;
-    a[9] = a9;
-    a[10] = a10;
-    a[11] = a11;
     const float a12 = a11 + m12;
     const float a13 = a12 + m13;
     const float a14 = a13 + m14;
     const float a15 = a14 + m15;
     const float a16 = a15 + m16;
     const float a17 = a16 + m17;
-    const float m24 = self->f[24] * self->g[24];
-    a[12] = a12;
-    a[13] = a13;
-    a[14] = a14;
-    a[15] = a15;
-    a[16] = a16;
-    a[17] = a17;
-    const float a18 = a17 + m18;
-    const float a19 = a18 + m19;
-    const float a20 = a19 + m20;
-    const float a21 = a20 + m21;
-    const float a22 = a21 + m22;
-    const float a23 = a22 + m23;
-    a[18] = a18;
-    a[19] = a19;
-    a[20] = a20;
-    a[21] = a21;
-    a[22] = a22;
-    a[23] = a23;
-    const float a24 = a23 + m24;
-    a[24] = a24;
 
     /* Only rounding gone wild brings alpha here; in the order of the bits this also finds what is not finite. */
-    if (extended_bits(a24) >= extended_bits(EXTENDED_LEARN_LARGEST_DENOMINATOR)) {
+    if (extended_bits(a17) >= extended_bits(EXTENDED_LEARN_LARGEST_DENOMINATOR)) {
         return 1u;
     }
-    if (self->measuring != 0u && extended_admit(self, a24) == 0u) {
-        self->phase = 0u;
+    if (self->measuring != 0u && extended_admit(self, a17) == 0u) {
+        *accepted = 0u;
         return 0u;
     }
 
-    extended_reciprocals(a, r, 0u);
-    extended_reciprocals(a, r, 9u);
-    extended_reciprocals(a, r, 16u);
+    float r0 = extended_float(0x7ef311c7u - extended_bits(a0)),
+            r1 = extended_float(0x7ef311c7u - extended_bits(a1)),
+            r2 = extended_float(0x7ef311c7u - extended_bits(a2)),
+            r3 = extended_float(0x7ef311c7u - extended_bits(a3)),
+            r4 = extended_float(0x7ef311c7u - extended_bits(a4)),
+            r5 = extended_float(0x7ef311c7u - extended_bits(a5)),
+            r6 = extended_float(0x7ef311c7u - extended_bits(a6)),
+            r7 = extended_float(0x7ef311c7u - extended_bits(a7)),
+            r8 = extended_float(0x7ef311c7u - extended_bits(a8));
+    float t0 = a0 * r0, t1 = a1 * r1, t2 = a2 * r2, t3 = a3 * r3, t4 = a4 * r4, t5 = a5 * r5,
+            t6 = a6 * r6, t7 = a7 * r7, t8 = a8 * r8;
+    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
+            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
+    float r9 = extended_float(0x7ef311c7u - extended_bits(a9)),
+            r10 = extended_float(0x7ef311c7u - extended_bits(a10)),
+            r11 = extended_float(0x7ef311c7u - extended_bits(a11)),
+            r12 = extended_float(0x7ef311c7u - extended_bits(a12)),
+            r13 = extended_float(0x7ef311c7u - extended_bits(a13)),
+            r14 = extended_float(0x7ef311c7u - extended_bits(a14)),
+            r15 = extended_float(0x7ef311c7u - extended_bits(a15)),
+            r16 = extended_float(0x7ef311c7u - extended_bits(a16)),
+            r17 = extended_float(0x7ef311c7u - extended_bits(a17));
+    float t9 = a9 * r9, t10 = a10 * r10, t11 = a11 * r11, t12 = a12 * r12, t13 = a13 * r13,
+            t14 = a14 * r14, t15 = a15 * r15, t16 = a16 * r16, t17 = a17 * r17;
+    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
+            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
+    t9 = 2.0f - t9; t10 = 2.0f - t10; t11 = 2.0f - t11; t12 = 2.0f - t12; t13 = 2.0f - t13;
+            t14 = 2.0f - t14; t15 = 2.0f - t15; t16 = 2.0f - t16; t17 = 2.0f - t17;
+    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
+            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
+    r9 = r9 * t9; r10 = r10 * t10; r11 = r11 * t11; r12 = r12 * t12; r13 = r13 * t13;
+            r14 = r14 * t14; r15 = r15 * t15; r16 = r16 * t16; r17 = r17 * t17;
+    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
+            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
+    t9 = a9 * r9; t10 = a10 * r10; t11 = a11 * r11; t12 = a12 * r12; t13 = a13 * r13;
+            t14 = a14 * r14; t15 = a15 * r15; t16 = a16 * r16; t17 = a17 * r17;
+    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
+            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
+    t9 = 2.0f - t9; t10 = 2.0f - t10; t11 = 2.0f - t11; t12 = 2.0f - t12; t13 = 2.0f - t13;
+            t14 = 2.0f - t14; t15 = 2.0f - t15; t16 = 2.0f - t16; t17 = 2.0f - t17;
+    t0 = a0 * r0; t1 = a1 * r1; t2 = a2 * r2; t3 = a3 * r3; t4 = a4 * r4; t5 = a5 * r5;
+            t6 = a6 * r6; t7 = a7 * r7; t8 = a8 * r8;
+    r9 = r9 * t9; r10 = r10 * t10; r11 = r11 * t11; r12 = r12 * t12; r13 = r13 * t13;
+            r14 = r14 * t14; r15 = r15 * t15; r16 = r16 * t16; r17 = r17 * t17;
+    t0 = 2.0f - t0; t1 = 2.0f - t1; t2 = 2.0f - t2; t3 = 2.0f - t3; t4 = 2.0f - t4;
+            t5 = 2.0f - t5; t6 = 2.0f - t6; t7 = 2.0f - t7; t8 = 2.0f - t8;
+    t9 = a9 * r9; t10 = a10 * r10; t11 = a11 * r11; t12 = a12 * r12; t13 = a13 * r13;
+            t14 = a14 * r14; t15 = a15 * r15; t16 = a16 * r16; t17 = a17 * r17;
+    r0 = r0 * t0; r1 = r1 * t1; r2 = r2 * t2; r3 = r3 * t3; r4 = r4 * t4; r5 = r5 * t5;
+            r6 = r6 * t6; r7 = r7 * t7; r8 = r8 * t8;
+    t9 = 2.0f - t9; t10 = 2.0f - t10; t11 = 2.0f - t11; t12 = 2.0f - t12; t13 = 2.0f - t13;
+            t14 = 2.0f - t14; t15 = 2.0f - t15; t16 = 2.0f - t16; t17 = 2.0f - t17;
     const float l0 = self->f[0];
-    const float q0 = r[0];
-    const float l1 = self->f[1] * r[0];
-    const float q1 = a[0] * r[1];
-    const float l2 = self->f[2] * r[1];
-    const float q2 = a[1] * r[2];
-    const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate;
-    const float v0 = d0 * q0, v1 = d1 * q1, v2 = d2 * q2;
+    const float q0 = r0;
+    const float l1 = self->f[1] * r0;
+    const float q1 = a0 * r1;
+    const float l2 = self->f[2] * r1;
+    const float q2 = a1 * r2;
+    const float l3 = self->f[3] * r2;
+    const float q3 = a2 * r3;
+    const float l4 = self->f[4] * r3;
+    const float q4 = a3 * r4;
+    const float l5 = self->f[5] * r4;
+    const float q5 = a4 * r5;
+    const float l6 = self->f[6] * r5;
+    const float q6 = a5 * r6;
+    const float l7 = self->f[7] * r6;
+    const float q7 = a6 * r7;
+    const float l8 = self->f[8] * r7;
+    const float q8 = a7 * r8;
+    const float d0 = self->d[0] * inflate, d1 = self->d[1] * inflate, d2 = self->d[2] * inflate,
+            d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate,
+            d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate;
+    r9 = r9 * t9; r10 = r10 * t10; r11 = r11 * t11; r12 = r12 * t12; r13 = r13 * t13;
+            r14 = r14 * t14; r15 = r15 * t15; r16 = r16 * t16; r17 = r17 * t17;
+    const float v0 = d0 * q0, v1 = d1 * q1, v2 = d2 * q2, v3 = d3 * q3, v4 = d4 * q4, v5 = d5 * q5,
+            v6 = d6 * q6, v7 = d7 * q7, v8 = d8 * q8;
     const float c0 = extended_learn_ceiling[0], c1 = extended_learn_ceiling[1],
-            c2 = extended_learn_ceiling[2];
-    self->l[0] = -l0; self->l[1] = -l1; self->l[2] = -l2;
-    const float l3 = self->f[3] * r[2];
-    const float q3 = a[2] * r[3];
-    const float l4 = self->f[4] * r[3];
-    const float q4 = a[3] * r[4];
-    const float l5 = self->f[5] * r[4];
-    const float q5 = a[4] * r[5];
-    const float d3 = self->d[3] * inflate, d4 = self->d[4] * inflate, d5 = self->d[5] * inflate;
+            c2 = extended_learn_ceiling[2], c3 = extended_learn_ceiling[3],
+            c4 = extended_learn_ceiling[4], c5 = extended_learn_ceiling[5],
+            c6 = extended_learn_ceiling[6], c7 = extended_learn_ceiling[7],
+            c8 = extended_learn_ceiling[8];
+    self->l[0] = -l0; self->l[1] = -l1; self->l[2] = -l2; self->l[3] = -l3; self->l[4] = -l4;
+            self->l[5] = -l5; self->l[6] = -l6; self->l[7] = -l7; self->l[8] = -l8;
+    const float l9 = self->f[9] * r8;
+    const float q9 = a8 * r9;
+    const float l10 = self->f[10] * r9;
+    const float q10 = a9 * r10;
+    const float l11 = self->f[11] * r10;
+    const float q11 = a10 * r11;
+    const float l12 = self->f[12] * r11;
+    const float q12 = a11 * r12;
+    const float l13 = self->f[13] * r12;
+    const float q13 = a12 * r13;
+    const float l14 = self->f[14] * r13;
+    const float q14 = a13 * r14;
+    const float l15 = self->f[15] * r14;
+    const float q15 = a14 * r15;
+    const float l16 = self->f[16] * r15;
+    const float q16 = a15 * r16;
+    const float l17 = self->f[17] * r16;
+    const float q17 = a16 * r17;
+    const float d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate,
+            d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate,
+            d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
     const uint32_t below0 = extended_mask((uint32_t)(v0 < least)),
             below1 = extended_mask((uint32_t)(v1 < least)),
-            below2 = extended_mask((uint32_t)(v2 < least));
-    const uint32_t above0 = extended_mask((uint32_t)(v0 > c0)), above1 = extended_mask((uint32_t)(v1 > c1)),
-            above2 = extended_mask((uint32_t)(v2 > c2));
-    const uint32_t inside0 = extended_bits(v0) & ~(below0 | above0),
-            inside1 = extended_bits(v1) & ~(below1 | above1),
-            inside2 = extended_bits(v2) & ~(below2 | above2);
-    const uint32_t end0 = (extended_bits(least) & below0) | (extended_bits(c0) & above0),
-            end1 = (extended_bits(least) & below1) | (extended_bits(c1) & above1),
-            end2 = (extended_bits(least) & below2) | (extended_bits(c2) & above2);
-    self->d[0] = extended_float(inside0 | end0); self->d[1] = extended_float(inside1 | end1);
-            self->d[2] = extended_float(inside2 | end2);
-    clamped |= below0 | above0 | below1 | above1 | below2 | above2;
-    const float v3 = d3 * q3, v4 = d4 * q4, v5 = d5 * q5;
-    const float c3 = extended_learn_ceiling[3], c4 = extended_learn_ceiling[4],
-            c5 = extended_learn_ceiling[5];
-    self->l[3] = -l3; self->l[4] = -l4; self->l[5] = -l5;
-    const float l6 = self->f[6] * r[5];
-    const float q6 = a[5] * r[6];
-    const float l7 = self->f[7] * r[6];
-    const float q7 = a[6] * r[7];
-    const float l8 = self->f[8] * r[7];
-    const float q8 = a[7] * r[8];
-    const float d6 = self->d[6] * inflate, d7 = self->d[7] * inflate, d8 = self->d[8] * inflate;
-    const uint32_t below3 = extended_mask((uint32_t)(v3 < least)),
+            below2 = extended_mask((uint32_t)(v2 < least)),
+            below3 = extended_mask((uint32_t)(v3 < least)),
             below4 = extended_mask((uint32_t)(v4 < least)),
-            below5 = extended_mask((uint32_t)(v5 < least));
-    const uint32_t above3 = extended_mask((uint32_t)(v3 > c3)), above4 = extended_mask((uint32_t)(v4 > c4)),
-            above5 = extended_mask((uint32_t)(v5 > c5));
-    const uint32_t inside3 = extended_bits(v3) & ~(below3 | above3),
-            inside4 = extended_bits(v4) & ~(below4 | above4),
-            inside5 = extended_bits(v5) & ~(below5 | above5);
-    const uint32_t end3 = (extended_bits(least) & below3) | (extended_bits(c3) & above3),
-            end4 = (extended_bits(least) & below4) | (extended_bits(c4) & above4),
-            end5 = (extended_bits(least) & below5) | (extended_bits(c5) & above5);
-    self->d[3] = extended_float(inside3 | end3); self->d[4] = extended_float(inside4 | end4);
-            self->d[5] = extended_float(inside5 | end5);
-    clamped |= below3 | above3 | below4 | above4 | below5 | above5;
-    const float v6 = d6 * q6, v7 = d7 * q7, v8 = d8 * q8;
-    const float c6 = extended_learn_ceiling[6], c7 = extended_learn_ceiling[7],
-            c8 = extended_learn_ceiling[8];
-    self->l[6] = -l6; self->l[7] = -l7; self->l[8] = -l8;
-    const float l9 = self->f[9] * r[8];
-    const float q9 = a[8] * r[9];
-    const float l10 = self->f[10] * r[9];
-    const float q10 = a[9] * r[10];
-    const float l11 = self->f[11] * r[10];
-    const float q11 = a[10] * r[11];
-    const float d9 = self->d[9] * inflate, d10 = self->d[10] * inflate, d11 = self->d[11] * inflate;
-    const uint32_t below6 = extended_mask((uint32_t)(v6 < least)),
+            below5 = extended_mask((uint32_t)(v5 < least)),
+            below6 = extended_mask((uint32_t)(v6 < least)),
             below7 = extended_mask((uint32_t)(v7 < least)),
             below8 = extended_mask((uint32_t)(v8 < least));
-    const uint32_t above6 = extended_mask((uint32_t)(v6 > c6)), above7 = extended_mask((uint32_t)(v7 > c7)),
+    const uint32_t above0 = extended_mask((uint32_t)(v0 > c0)), above1 = extended_mask((uint32_t)(v1 > c1)),
+            above2 = extended_mask((uint32_t)(v2 > c2)), above3 = extended_mask((uint32_t)(v3 > c3)),
+            above4 = extended_mask((uint32_t)(v4 > c4)), above5 = extended_mask((uint32_t)(v5 > c5)),
+            above6 = extended_mask((uint32_t)(v6 > c6)), above7 = extended_mask((uint32_t)(v7 > c7)),
             above8 = extended_mask((uint32_t)(v8 > c8));
-    const uint32_t inside6 = extended_bits(v6) & ~(below6 | above6),
+    const uint32_t inside0 = extended_bits(v0) & ~(below0 | above0),
+            inside1 = extended_bits(v1) & ~(below1 | above1),
+            inside2 = extended_bits(v2) & ~(below2 | above2),
+            inside3 = extended_bits(v3) & ~(below3 | above3),
+            inside4 = extended_bits(v4) & ~(below4 | above4),
+            inside5 = extended_bits(v5) & ~(below5 | above5),
+            inside6 = extended_bits(v6) & ~(below6 | above6),
             inside7 = extended_bits(v7) & ~(below7 | above7),
             inside8 = extended_bits(v8) & ~(below8 | above8);
-    const uint32_t end6 = (extended_bits(least) & below6) | (extended_bits(c6) & above6),
+    const uint32_t end0 = (extended_bits(least) & below0) | (extended_bits(c0) & above0),
+            end1 = (extended_bits(least) & below1) | (extended_bits(c1) & above1),
+            end2 = (extended_bits(least) & below2) | (extended_bits(c2) & above2),
+            end3 = (extended_bits(least) & below3) | (extended_bits(c3) & above3),
+            end4 = (extended_bits(least) & below4) | (extended_bits(c4) & above4),
+            end5 = (extended_bits(least) & below5) | (extended_bits(c5) & above5),
+            end6 = (extended_bits(least) & below6) | (extended_bits(c6) & above6),
             end7 = (extended_bits(least) & below7) | (extended_bits(c7) & above7),
             end8 = (extended_bits(least) & below8) | (extended_bits(c8) & above8);
-    self->d[6] = extended_float(inside6 | end6); self->d[7] = extended_float(inside7 | end7);
+    self->d[0] = extended_float(inside0 | end0); self->d[1] = extended_float(inside1 | end1);
+            self->d[2] = extended_float(inside2 | end2); self->d[3] = extended_float(inside3 | end3);
+            self->d[4] = extended_float(inside4 | end4); self->d[5] = extended_float(inside5 | end5);
+            self->d[6] = extended_float(inside6 | end6); self->d[7] = extended_float(inside7 | end7);
             self->d[8] = extended_float(inside8 | end8);
-    clamped |= below6 | above6 | below7 | above7 | below8 | above8;
-    const float v9 = d9 * q9, v10 = d10 * q10, v11 = d11 * q11;
+    clamped |= below0 | above0 | below1 | above1 | below2 | above2 | below3 | above3 | below4 | above4 |
+            below5 | above5 | below6 | above6 | below7 | above7 | below8 | above8;
+    const float v9 = d9 * q9, v10 = d10 * q10, v11 = d11 * q11, v12 = d12 * q12, v13 = d13 * q13,
+            v14 = d14 * q14, v15 = d15 * q15, v16 = d16 * q16, v17 = d17 * q17;
     const float c9 = extended_learn_ceiling[9], c10 = extended_learn_ceiling[10],
-            c11 = extended_learn_ceiling[11];
-    self->l[9] = -l9; self->l[10] = -l10; self->l[11] = -l11;
-    const float l12 = self->f[12] * r[11];
-    const float q12 = a[11] * r[12];
-    const float l13 = self->f[13] * r[12];
-    const float q13 = a[12] * r[13];
-    const float l14 = self->f[14] * r[13];
-    const float q14 = a[13] * r[14];
-    const float d12 = self->d[12] * inflate, d13 = self->d[13] * inflate, d14 = self->d[14] * inflate;
+            c11 = extended_learn_ceiling[11], c12 = extended_learn_ceiling[12],
+            c13 = extended_learn_ceiling[13], c14 = extended_learn_ceiling[14],
+            c15 = extended_learn_ceiling[15], c16 = extended_learn_ceiling[16],
+            c17 = extended_learn_ceiling[17];
+    self->l[9] = -l9; self->l[10] = -l10; self->l[11] = -l11; self->l[12] = -l12;
+            self->l[13] = -l13; self->l[14] = -l14; self->l[15] = -l15; self->l[16] = -l16;
+            self->l[17] = -l17;
     const uint32_t below9 = extended_mask((uint32_t)(v9 < least)),
             below10 = extended_mask((uint32_t)(v10 < least)),
-            below11 = extended_mask((uint32_t)(v11 < least));
-    const uint32_t above9 = extended_mask((uint32_t)(v9 > c9)), above10 = extended_mask((uint32_t)(v10 > c10)),
-            above11 = extended_mask((uint32_t)(v11 > c11));
-    const uint32_t inside9 = extended_bits(v9) & ~(below9 | above9),
-            inside10 = extended_bits(v10) & ~(below10 | above10),
-            inside11 = extended_bits(v11) & ~(below11 | above11);
-    const uint32_t end9 = (extended_bits(least) & below9) | (extended_bits(c9) & above9),
-            end10 = (extended_bits(least) & below10) | (extended_bits(c10) & above10),
-            end11 = (extended_bits(least) & below11) | (extended_bits(c11) & above11);
-    self->d[9] = extended_float(inside9 | end9); self->d[10] = extended_float(inside10 | end10);
-            self->d[11] = extended_float(inside11 | end11);
-    clamped |= below9 | above9 | below10 | above10 | below11 | above11;
-    const float v12 = d12 * q12, v13 = d13 * q13, v14 = d14 * q14;
-    const float c12 = extended_learn_ceiling[12], c13 = extended_learn_ceiling[13],
-            c14 = extended_learn_ceiling[14];
-    self->l[12] = -l12; self->l[13] = -l13; self->l[14] = -l14;
-    const float l15 = self->f[15] * r[14];
-    const float q15 = a[14] * r[15];
-    const float l16 = self->f[16] * r[15];
-    const float q16 = a[15] * r[16];
-    const float l17 = self->f[17] * r[16];
-    const float q17 = a[16] * r[17];
-    const float d15 = self->d[15] * inflate, d16 = self->d[16] * inflate, d17 = self->d[17] * inflate;
-    const uint32_t below12 = extended_mask((uint32_t)(v12 < least)),
+            below11 = extended_mask((uint32_t)(v11 < least)),
+            below12 = extended_mask((uint32_t)(v12 < least)),
             below13 = extended_mask((uint32_t)(v13 < least)),
-            below14 = extended_mask((uint32_t)(v14 < least));
-    const uint32_t above12 = extended_mask((uint32_t)(v12 > c12)),
-            above13 = extended_mask((uint32_t)(v13 > c13)),
-            above14 = extended_mask((uint32_t)(v14 > c14));
-    const uint32_t inside12 = extended_bits(v12) & ~(below12 | above12),
-            inside13 = extended_bits(v13) & ~(below13 | above13),
-            inside14 = extended_bits(v14) & ~(below14 | above14);
-    const uint32_t end12 = (extended_bits(least) & below12) | (extended_bits(c12) & above12),
-            end13 = (extended_bits(least) & below13) | (extended_bits(c13) & above13),
-            end14 = (extended_bits(least) & below14) | (extended_bits(c14) & above14);
-    self->d[12] = extended_float(inside12 | end12);
-            self->d[13] = extended_float(inside13 | end13);
-            self->d[14] = extended_float(inside14 | end14);
-    clamped |= below12 | above12 | below13 | above13 | below14 | above14;
-    const float v15 = d15 * q15, v16 = d16 * q16, v17 = d17 * q17;
-    const float c15 = extended_learn_ceiling[15], c16 = extended_learn_ceiling[16],
-            c17 = extended_learn_ceiling[17];
-    self->l[15] = -l15; self->l[16] = -l16; self->l[17] = -l17;
-    const float l18 = self->f[18] * r[17];
-    const float q18 = a[17] * r[18];
-    const float l19 = self->f[19] * r[18];
-    const float q19 = a[18] * r[19];
-    const float l20 = self->f[20] * r[19];
-    const float q20 = a[19] * r[20];
-    const float d18 = self->d[18] * inflate, d19 = self->d[19] * inflate, d20 = self->d[20] * inflate;
-    const uint32_t below15 = extended_mask((uint32_t)(v15 < least)),
+            below14 = extended_mask((uint32_t)(v14 < least)),
+            below15 = extended_mask((uint32_t)(v15 < least)),
             below16 = extended_mask((uint32_t)(v16 < least)),
             below17 = extended_mask((uint32_t)(v17 < least));
-    const uint32_t above15 = extended_mask((uint32_t)(v15 > c15)),
+    const uint32_t above9 = extended_mask((uint32_t)(v9 > c9)), above10 = extended_mask((uint32_t)(v10 > c10)),
+            above11 = extended_mask((uint32_t)(v11 > c11)),
+            above12 = extended_mask((uint32_t)(v12 > c12)),
+            above13 = extended_mask((uint32_t)(v13 > c13)),
+            above14 = extended_mask((uint32_t)(v14 > c14)),
+            above15 = extended_mask((uint32_t)(v15 > c15)),
             above16 = extended_mask((uint32_t)(v16 > c16)),
             above17 = extended_mask((uint32_t)(v17 > c17));
-    const uint32_t inside15 = extended_bits(v15) & ~(below15 | above15),
+    const uint32_t inside9 = extended_bits(v9) & ~(below9 | above9),
+            inside10 = extended_bits(v10) & ~(below10 | above10),
+            inside11 = extended_bits(v11) & ~(below11 | above11),
+            inside12 = extended_bits(v12) & ~(below12 | above12),
+            inside13 = extended_bits(v13) & ~(below13 | above13),
+            inside14 = extended_bits(v14) & ~(below14 | above14),
+            inside15 = extended_bits(v15) & ~(below15 | above15),
             inside16 = extended_bits(v16) & ~(below16 | above16),
             inside17 = extended_bits(v17) & ~(below17 | above17);
-    const uint32_t end15 = (extended_bits(least) & below15) | (extended_bits(c15) & above15),
+    const uint32_t end9 = (extended_bits(least) & below9) | (extended_bits(c9) & above9),
+            end10 = (extended_bits(least) & below10) | (extended_bits(c10) & above10),
+            end11 = (extended_bits(least) & below11) | (extended_bits(c11) & above11),
+            end12 = (extended_bits(least) & below12) | (extended_bits(c12) & above12),
+            end13 = (extended_bits(least) & below13) | (extended_bits(c13) & above13),
+            end14 = (extended_bits(least) & below14) | (extended_bits(c14) & above14),
+            end15 = (extended_bits(least) & below15) | (extended_bits(c15) & above15),
             end16 = (extended_bits(least) & below16) | (extended_bits(c16) & above16),
             end17 = (extended_bits(least) & below17) | (extended_bits(c17) & above17);
-    self->d[15] = extended_float(inside15 | end15);
+    self->d[9] = extended_float(inside9 | end9); self->d[10] = extended_float(inside10 | end10);
+            self->d[11] = extended_float(inside11 | end11);
+            self->d[12] = extended_float(inside12 | end12);
+            self->d[13] = extended_float(inside13 | end13);
+            self->d[14] = extended_float(inside14 | end14);
+            self->d[15] = extended_float(inside15 | end15);
             self->d[16] = extended_float(inside16 | end16);
             self->d[17] = extended_float(inside17 | end17);
-    clamped |= below15 | above15 | below16 | above16 | below17 | above17;
-    const float v18 = d18 * q18, v19 = d19 * q19, v20 = d20 * q20;
-    const float c18 = extended_learn_ceiling[18], c19 = extended_learn_ceiling[19],
-            c20 = extended_learn_ceiling[20];
-    self->l[18] = -l18; self->l[19] = -l19; self->l[20] = -l20;
-    const float l21 = self->f[21] * r[20];
-    const float q21 = a[20] * r[21];
-    const float l22 = self->f[22] * r[21];
-    const float q22 = a[21] * r[22];
-    const float l23 = self->f[23] * r[22];
-    const float q23 = a[22] * r[23];
-    const float d21 = self->d[21] * inflate, d22 = self->d[22] * inflate, d23 = self->d[23] * inflate;
-    const uint32_t below18 = extended_mask((uint32_t)(v18 < least)),
-            below19 = extended_mask((uint32_t)(v19 < least)),
-            below20 = extended_mask((uint32_t)(v20 < least));
-    const uint32_t above18 = extended_mask((uint32_t)(v18 > c18)),
-            above19 = extended_mask((uint32_t)(v19 > c19)),
-            above20 = extended_mask((uint32_t)(v20 > c20));
-    const uint32_t inside18 = extended_bits(v18) & ~(below18 | above18),
-            inside19 = extended_bits(v19) & ~(below19 | above19),
-            inside20 = extended_bits(v20) & ~(below20 | above20);
-    const uint32_t end18 = (extended_bits(least) & below18) | (extended_bits(c18) & above18),
-            end19 = (extended_bits(least) & below19) | (extended_bits(c19) & above19),
-            end20 = (extended_bits(least) & below20) | (extended_bits(c20) & above20);
-    self->d[18] = extended_float(inside18 | end18);
-            self->d[19] = extended_float(inside19 | end19);
-            self->d[20] = extended_float(inside20 | end20);
-    clamped |= below18 | above18 | below19 | above19 | below20 | above20;
-    const float v21 = d21 * q21, v22 = d22 * q22, v23 = d23 * q23;
-    const float c21 = extended_learn_ceiling[21], c22 = extended_learn_ceiling[22],
-            c23 = extended_learn_ceiling[23];
-    self->l[21] = -l21; self->l[22] = -l22; self->l[23] = -l23;
-    const float l24 = self->f[24] * r[23];
-    const float q24 = a[23] * r[24];
-    const float d24 = self->d[24] * inflate;
-    const uint32_t below21 = extended_mask((uint32_t)(v21 < least)),
-            below22 = extended_mask((uint32_t)(v22 < least)),
-            below23 = extended_mask((uint32_t)(v23 < least));
-    const uint32_t above21 = extended_mask((uint32_t)(v21 > c21)),
-            above22 = extended_mask((uint32_t)(v22 > c22)),
-            above23 = extended_mask((uint32_t)(v23 > c23));
-    const uint32_t inside21 = extended_bits(v21) & ~(below21 | above21),
-            inside22 = extended_bits(v22) & ~(below22 | above22),
-            inside23 = extended_bits(v23) & ~(below23 | above23);
-    const uint32_t end21 = (extended_bits(least) & below21) | (extended_bits(c21) & above21),
-            end22 = (extended_bits(least) & below22) | (extended_bits(c22) & above22),
-            end23 = (extended_bits(least) & below23) | (extended_bits(c23) & above23);
-    self->d[21] = extended_float(inside21 | end21);
-            self->d[22] = extended_float(inside22 | end22);
-            self->d[23] = extended_float(inside23 | end23);
-    clamped |= below21 | above21 | below22 | above22 | below23 | above23;
-    const float v24 = d24 * q24;
-    const float c24 = extended_learn_ceiling[24];
-    self->l[24] = -l24;
-    const uint32_t below24 = extended_mask((uint32_t)(v24 < least));
-    const uint32_t above24 = extended_mask((uint32_t)(v24 > c24));
-    const uint32_t inside24 = extended_bits(v24) & ~(below24 | above24);
-    const uint32_t end24 = (extended_bits(least) & below24) | (extended_bits(c24) & above24);
-    self->d[24] = extended_float(inside24 | end24);
-    clamped |= below24 | above24;
-    self->per_alpha = r[24];
+    clamped |= below9 | above9 | below10 | above10 | below11 | above11 | below12 | above12 |
+            below13 | above13 | below14 | above14 | below15 | above15 | below16 | above16 |
+            below17 | above17;
+    self->per_alpha = r17;
     extended_count_learner_event(self, &self->clamped, clamped & 1u, EXTENDED_LEARN_CLAMPED);
     return 0u;
 }
@@ -1450,13 +1685,6 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
     k3 = extended_larger(k3, extended_size(self->k[15]));
     k4 = extended_larger(k4, extended_size(self->k[16]));
     k5 = extended_larger(k5, extended_size(self->k[17]));
-    k0 = extended_larger(k0, extended_size(self->k[18]));
-    k1 = extended_larger(k1, extended_size(self->k[19]));
-    k2 = extended_larger(k2, extended_size(self->k[20]));
-    k3 = extended_larger(k3, extended_size(self->k[21]));
-    k4 = extended_larger(k4, extended_size(self->k[22]));
-    k5 = extended_larger(k5, extended_size(self->k[23]));
-    k0 = extended_larger(k0, extended_size(self->k[24]));
     largest = extended_larger(largest, k0);
     largest = extended_larger(largest, k1);
     largest = extended_larger(largest, k2);
@@ -1506,7 +1734,6 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
     const float high9 = self->theta[9], high10 = self->theta[10], high11 = self->theta[11];
     const float t12 = h12 - grid, t13 = h13 - grid, t14 = h14 - grid;
     const float h15 = s15 + grid, h16 = s16 + grid, h17 = s17 + grid;
-    const float s18 = self->k[18] * q, s19 = self->k[19] * q, s20 = self->k[20] * q;
     self->theta_low[0] = left0; self->theta_low[1] = left1; self->theta_low[2] = left2;
     const float left3 = low3 - kept3, left4 = low4 - kept4, left5 = low5 - kept5;
     beyond |= extended_beyond(sum3) | extended_beyond(sum4) | extended_beyond(sum5);
@@ -1517,8 +1744,6 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
             low14 = self->theta_low[14] + t14;
     const float high12 = self->theta[12], high13 = self->theta[13], high14 = self->theta[14];
     const float t15 = h15 - grid, t16 = h16 - grid, t17 = h17 - grid;
-    const float h18 = s18 + grid, h19 = s19 + grid, h20 = s20 + grid;
-    const float s21 = self->k[21] * q, s22 = self->k[22] * q, s23 = self->k[23] * q;
     self->theta_low[3] = left3; self->theta_low[4] = left4; self->theta_low[5] = left5;
     const float left6 = low6 - kept6, left7 = low7 - kept7, left8 = low8 - kept8;
     beyond |= extended_beyond(sum6) | extended_beyond(sum7) | extended_beyond(sum8);
@@ -1528,57 +1753,39 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
     const float low15 = self->theta_low[15] + t15, low16 = self->theta_low[16] + t16,
             low17 = self->theta_low[17] + t17;
     const float high15 = self->theta[15], high16 = self->theta[16], high17 = self->theta[17];
-    const float t18 = h18 - grid, t19 = h19 - grid, t20 = h20 - grid;
-    const float h21 = s21 + grid, h22 = s22 + grid, h23 = s23 + grid;
-    const float s24 = self->k[24] * q;
     self->theta_low[6] = left6; self->theta_low[7] = left7; self->theta_low[8] = left8;
     const float left9 = low9 - kept9, left10 = low10 - kept10, left11 = low11 - kept11;
     beyond |= extended_beyond(sum9) | extended_beyond(sum10) | extended_beyond(sum11);
     const float kept12 = sum12 - high12, kept13 = sum13 - high13, kept14 = sum14 - high14;
     self->theta[12] = sum12; self->theta[13] = sum13; self->theta[14] = sum14;
     const float sum15 = high15 + low15, sum16 = high16 + low16, sum17 = high17 + low17;
-    const float low18 = self->theta_low[18] + t18, low19 = self->theta_low[19] + t19,
-            low20 = self->theta_low[20] + t20;
-    const float high18 = self->theta[18], high19 = self->theta[19], high20 = self->theta[20];
-    const float t21 = h21 - grid, t22 = h22 - grid, t23 = h23 - grid;
-    const float h24 = s24 + grid;
     self->theta_low[9] = left9; self->theta_low[10] = left10; self->theta_low[11] = left11;
     const float left12 = low12 - kept12, left13 = low13 - kept13, left14 = low14 - kept14;
     beyond |= extended_beyond(sum12) | extended_beyond(sum13) | extended_beyond(sum14);
     const float kept15 = sum15 - high15, kept16 = sum16 - high16, kept17 = sum17 - high17;
     self->theta[15] = sum15; self->theta[16] = sum16; self->theta[17] = sum17;
-    const float sum18 = high18 + low18, sum19 = high19 + low19, sum20 = high20 + low20;
-    const float low21 = self->theta_low[21] + t21, low22 = self->theta_low[22] + t22,
-            low23 = self->theta_low[23] + t23;
-    const float high21 = self->theta[21], high22 = self->theta[22], high23 = self->theta[23];
-    const float t24 = h24 - grid;
     self->theta_low[12] = left12; self->theta_low[13] = left13; self->theta_low[14] = left14;
     const float left15 = low15 - kept15, left16 = low16 - kept16, left17 = low17 - kept17;
     beyond |= extended_beyond(sum15) | extended_beyond(sum16) | extended_beyond(sum17);
-    const float kept18 = sum18 - high18, kept19 = sum19 - high19, kept20 = sum20 - high20;
-    self->theta[18] = sum18; self->theta[19] = sum19; self->theta[20] = sum20;
-    const float sum21 = high21 + low21, sum22 = high22 + low22, sum23 = high23 + low23;
-    const float low24 = self->theta_low[24] + t24;
-    const float high24 = self->theta[24];
     self->theta_low[15] = left15; self->theta_low[16] = left16; self->theta_low[17] = left17;
-    const float left18 = low18 - kept18, left19 = low19 - kept19, left20 = low20 - kept20;
-    beyond |= extended_beyond(sum18) | extended_beyond(sum19) | extended_beyond(sum20);
-    const float kept21 = sum21 - high21, kept22 = sum22 - high22, kept23 = sum23 - high23;
-    self->theta[21] = sum21; self->theta[22] = sum22; self->theta[23] = sum23;
-    const float sum24 = high24 + low24;
-    self->theta_low[18] = left18; self->theta_low[19] = left19; self->theta_low[20] = left20;
-    const float left21 = low21 - kept21, left22 = low22 - kept22, left23 = low23 - kept23;
-    beyond |= extended_beyond(sum21) | extended_beyond(sum22) | extended_beyond(sum23);
-    const float kept24 = sum24 - high24;
-    self->theta[24] = sum24;
-    self->theta_low[21] = left21; self->theta_low[22] = left22; self->theta_low[23] = left23;
-    const float left24 = low24 - kept24;
-    beyond |= extended_beyond(sum24);
-    self->theta_low[24] = left24;
-    self->phase = 0u;
-    extended_count_learner_event(self, &self->updates, beyond ^ 1u, 0u);
     self->age += self->measuring & (uint32_t)(self->age < UINT32_MAX);
+    extended_count_learner_event(self, &self->updates, beyond ^ 1u, 0u);
     return beyond;
+}
+
+/* The update that was begun. Returns 1 if the shadow has to start again. */
+EXTENDED_INLINE uint32_t extended_update(extended_learner_t *self)
+{
+    uint32_t accepted = 1u;
+    uint32_t lost;
+
+    extended_project(self);
+    lost = extended_update_diagonal(self, &accepted);
+    if ((accepted & (lost ^ 1u)) != 0u) {
+        extended_factor(self);
+        lost = extended_step(self);
+    }
+    return lost;
 }
 
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
@@ -1666,44 +1873,10 @@ static EXTENDED_STRAIGHT float extended_innovations(const extended_learner_t *se
     other = other + q15;
     const float p16 = x16 * s16, p17 = x17 * s17;
     const float q16 = x16 * o16, q17 = x17 * o17;
-    const float x18 = self->x[18], x19 = self->x[19];
-    const float s18 = self->theta[18], s19 = self->theta[19];
-    const float o18 = self->reference[18], o19 = self->reference[19];
     shadow = shadow + p16;
     other = other + q16;
     shadow = shadow + p17;
     other = other + q17;
-    const float p18 = x18 * s18, p19 = x19 * s19;
-    const float q18 = x18 * o18, q19 = x19 * o19;
-    const float x20 = self->x[20], x21 = self->x[21];
-    const float s20 = self->theta[20], s21 = self->theta[21];
-    const float o20 = self->reference[20], o21 = self->reference[21];
-    shadow = shadow + p18;
-    other = other + q18;
-    shadow = shadow + p19;
-    other = other + q19;
-    const float p20 = x20 * s20, p21 = x21 * s21;
-    const float q20 = x20 * o20, q21 = x21 * o21;
-    const float x22 = self->x[22], x23 = self->x[23];
-    const float s22 = self->theta[22], s23 = self->theta[23];
-    const float o22 = self->reference[22], o23 = self->reference[23];
-    shadow = shadow + p20;
-    other = other + q20;
-    shadow = shadow + p21;
-    other = other + q21;
-    const float p22 = x22 * s22, p23 = x23 * s23;
-    const float q22 = x22 * o22, q23 = x23 * o23;
-    const float x24 = self->x[24];
-    const float s24 = self->theta[24];
-    const float o24 = self->reference[24];
-    shadow = shadow + p22;
-    other = other + q22;
-    shadow = shadow + p23;
-    other = other + q23;
-    const float p24 = x24 * s24;
-    const float q24 = x24 * o24;
-    shadow = shadow + p24;
-    other = other + q24;
     *reference = y - (other + self->fixed_um);
     return y - (shadow + self->fixed_um);
 }
@@ -1736,7 +1909,6 @@ EXTENDED_INLINE void extended_begin(extended_learner_t *self, float e)
 
     self->since_refresh += sliding;
     self->measuring = (uint32_t)(self->since_refresh < EXTENDED_LEARN_REFRESH_EVERY);
-    self->phase = 1u;
     if (self->measuring != 0u) {
         self->inflate = extended_float((extended_bits(EXTENDED_LEARN_INFLATE) & extended_mask(sliding))
             | (extended_bits(EXTENDED_LEARN_INFLATE_FIRST) & extended_mask(sliding ^ 1u)));
@@ -1750,9 +1922,6 @@ EXTENDED_INLINE void extended_begin(extended_learner_t *self, float e)
             self->x[10] = 0.0f; self->x[11] = 0.0f;
         self->x[12] = 0.0f; self->x[13] = 0.0f; self->x[14] = 0.0f; self->x[15] = 0.0f;
             self->x[16] = 0.0f; self->x[17] = 0.0f;
-        self->x[18] = 0.0f; self->x[19] = 0.0f; self->x[20] = 0.0f; self->x[21] = 0.0f;
-            self->x[22] = 0.0f; self->x[23] = 0.0f;
-        self->x[24] = 0.0f;
         self->x[j] = extended_learn_refresh[j];
         self->inflate = 1.0f;
         self->innovation_um = extended_learn_refresh[j] * (self->reference[j] - self->theta[j]);
@@ -1761,8 +1930,10 @@ EXTENDED_INLINE void extended_begin(extended_learner_t *self, float e)
     }
 }
 
-/* What the displacement y says about the sample before. Returns 1 if the shadow has to start again. */
-EXTENDED_INLINE uint32_t extended_evaluate_reading(extended_learner_t *self, float y, float *innovation)
+/* What the displacement y says about the sample before. Returns 1 if the shadow has to start again; *begun becomes 1 if
+ * an update begins. */
+EXTENDED_INLINE uint32_t extended_evaluate_reading(
+    extended_learner_t *self, float y, float *innovation, uint32_t *begun)
 {
     float reference;
     uint32_t lost = 0u;
@@ -1773,6 +1944,7 @@ EXTENDED_INLINE uint32_t extended_evaluate_reading(extended_learner_t *self, flo
         lost = extended_restart_needed(self, *innovation, reference, y - self->y_um);
         if (lost == 0u) {
             extended_begin(self, *innovation);
+            *begun = 1u;
         }
     }
     return lost;
@@ -1808,9 +1980,7 @@ static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self
     const float firing5 = (r5 * per_weight) * extended_learn_firing[5];
     const float y_share = y * EXTENDED_LEARN_PER_Y;
     const float u_share = u * EXTENDED_LEARN_PER_U;
-    float phi[EXTENDED_WEIGHTS];
 
-    extended_terms_regressors(&self->terms, phi);
     self->x[0] = extended_on_grid(firing0 * y_share);
     self->x[1] = extended_on_grid(firing0 * u_share);
     self->x[2] = extended_on_grid(firing0);
@@ -1829,14 +1999,7 @@ static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self
     self->x[15] = extended_on_grid(firing5 * y_share);
     self->x[16] = extended_on_grid(firing5 * u_share);
     self->x[17] = extended_on_grid(firing5);
-    self->x[18] = extended_on_grid(phi[0] * extended_learn_per_phi[0]);
-    self->x[19] = extended_on_grid(phi[1] * extended_learn_per_phi[1]);
-    self->x[20] = extended_on_grid(phi[2] * extended_learn_per_phi[2]);
-    self->x[21] = extended_on_grid(phi[3] * extended_learn_per_phi[3]);
-    self->x[22] = extended_on_grid(phi[4] * extended_learn_per_phi[4]);
-    self->x[23] = extended_on_grid(phi[5] * extended_learn_per_phi[5]);
-    self->x[24] = extended_on_grid(phi[6] * extended_learn_per_phi[6]);
-    self->fixed_um = 0.0f;
+    self->fixed_um = extended_flushed(extended_terms_sum(&self->base, &self->terms));
     self->fresh = outside ^ 1u;
     self->y_um = y_um;
     extended_count_learner_event(self, &self->outside, outside, EXTENDED_LEARN_OUTSIDE);
@@ -1869,87 +2032,6 @@ static void extended_creep_copy(extended_creep_t *to, const extended_creep_t *fr
     }
 }
 
-/* Work at an update or a restart behind its first call. Returns 1 if the shadow has to start again. */
-EXTENDED_INLINE uint32_t extended_continue_update(extended_learner_t *self)
-{
-    uint32_t lost = 0u;
-
-    switch (self->phase) {
-    case 2u:
-        extended_project_1(self);
-        self->phase = 3u;
-
-        break;
-    case 3u:
-        self->phase = 4u;
-        lost = extended_update_diagonal(self);
-
-        break;
-    case 4u:
-        extended_factor_0(self);
-        self->phase = 5u;
-
-        break;
-    case 5u:
-        extended_factor_1(self);
-        self->phase = 6u;
-
-        break;
-    case 6u:
-        extended_factor_2(self);
-        self->phase = 7u;
-
-        break;
-    case 7u:
-        extended_factor_3(self);
-        self->phase = 8u;
-
-        break;
-    case 8u:
-        extended_factor_4(self);
-        lost = extended_step(self);
-
-        break;
-    case 9u:
-        extended_clear_0(self);
-        self->phase = 10u;
-
-        break;
-    case 10u:
-        extended_clear_1(self);
-        self->phase = 11u;
-
-        break;
-    case 11u:
-        extended_clear_2(self);
-        self->phase = 12u;
-
-        break;
-    case 12u:
-        extended_clear_3(self);
-        self->phase = 13u;
-
-        break;
-    default:
-        extended_clear_4(self);
-        self->phase = 0u;
-
-        break;
-    }
-    return lost;
-}
-
-/* The first call of an update. Returns 1 if the shadow has to start again. */
-EXTENDED_INLINE uint32_t extended_first_phase(extended_learner_t *self)
-{
-    uint32_t lost = 0u;
-
-        extended_project_0(self);
-        self->phase = 2u;
-
-    return lost;
-}
-
 void extended_learn(extended_learner_t *self, float y_um, float u_V)
 {
     uint32_t y_lost;
@@ -1963,25 +2045,22 @@ void extended_learn(extended_learner_t *self, float y_um, float u_V)
     const uint32_t usable = 1u ^ (y_lost | implausible);
     const float away = u - self->mean_u_V;
     float innovation = 0.0f;
+    uint32_t begun = 0u;
     uint32_t lost = 0u;
 
     extended_count_learner_event(self, &self->rejected, (usable ^ 1u) | u_lost, EXTENDED_LEARN_REJECTED);
-    if (self->phase != 0u) {
-        lost = extended_continue_update(self);
-    } else {
-        if ((self->fresh & usable) != 0u) {
-            lost = extended_evaluate_reading(self, y, &innovation);
-        }
-        if (self->phase != 0u) {
-            lost = extended_first_phase(self);
-        }
+    if ((self->fresh & usable) != 0u) {
+        lost = extended_evaluate_reading(self, y, &innovation, &begun);
+    }
+    if (begun != 0u) {
+        lost = extended_update(self);
     }
     if (lost != 0u) {
         extended_count_learner_event(self, &self->restarts, 1u, EXTENDED_LEARN_RESTARTED);
         extended_restart(self);
     }
     self->fresh = 0u;
-    if (((uint32_t)(self->phase == 0u) & usable & (u_lost ^ 1u)) != 0u) {
+    if ((usable & (u_lost ^ 1u)) != 0u) {
         extended_store_regressors(self, y, v);
     }
     self->rested = (uint32_t)(extended_float(extended_bits(away) & 0x7fffffffu) < EXTENDED_LEARN_REST_V);
@@ -2020,13 +2099,6 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model)
     self->reference[15] = bank->slope[5] * extended_learn_scale[15];
     self->reference[16] = bank->gain[5] * extended_learn_scale[16];
     self->reference[17] = bank->offset[5] * extended_learn_scale[17];
-    self->reference[18] = bank->weight[0] * extended_learn_scale[18];
-    self->reference[19] = bank->weight[1] * extended_learn_scale[19];
-    self->reference[20] = bank->weight[2] * extended_learn_scale[20];
-    self->reference[21] = bank->weight[3] * extended_learn_scale[21];
-    self->reference[22] = bank->weight[4] * extended_learn_scale[22];
-    self->reference[23] = bank->weight[5] * extended_learn_scale[23];
-    self->reference[24] = bank->weight[6] * extended_learn_scale[24];
     for (uint32_t i = 0u; i < EXTENDED_LEARNED; ++i) {
         self->x[i] = 0.0f;
         self->f[i] = 0.0f;
@@ -2064,12 +2136,6 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model)
     self->candidate.phase = 0u;
     self->candidate.point = 0u;
     extended_restart(self);
-    extended_clear_0(self);
-    extended_clear_1(self);
-    extended_clear_2(self);
-    extended_clear_3(self);
-    extended_clear_4(self);
-    self->phase = 0u;
 }
 
 /* ---- Commit ---------------------------------------------------------------------------------------------------- */
@@ -2152,13 +2218,13 @@ static uint32_t extended_snapshot(extended_learner_t *learner)
     candidate->theta[15] = learner->theta[15];
     candidate->theta[16] = learner->theta[16];
     candidate->theta[17] = learner->theta[17];
-    candidate->theta[18] = learner->theta[18];
-    candidate->theta[19] = learner->theta[19];
-    candidate->theta[20] = learner->theta[20];
-    candidate->theta[21] = learner->theta[21];
-    candidate->theta[22] = learner->theta[22];
-    candidate->theta[23] = learner->theta[23];
-    candidate->theta[24] = learner->theta[24];
+    candidate->bank.weight[0] = learner->base.weight[0];
+    candidate->bank.weight[1] = learner->base.weight[1];
+    candidate->bank.weight[2] = learner->base.weight[2];
+    candidate->bank.weight[3] = learner->base.weight[3];
+    candidate->bank.weight[4] = learner->base.weight[4];
+    candidate->bank.weight[5] = learner->base.weight[5];
+    candidate->bank.weight[6] = learner->base.weight[6];
     candidate->bank.slope[0] = candidate->theta[0] * extended_learn_per_scale[0];
     candidate->bank.gain[0] = candidate->theta[1] * extended_learn_per_scale[1];
     candidate->bank.offset[0] = candidate->theta[2] * extended_learn_per_scale[2];
@@ -2177,13 +2243,6 @@ static uint32_t extended_snapshot(extended_learner_t *learner)
     candidate->bank.slope[5] = candidate->theta[15] * extended_learn_per_scale[15];
     candidate->bank.gain[5] = candidate->theta[16] * extended_learn_per_scale[16];
     candidate->bank.offset[5] = candidate->theta[17] * extended_learn_per_scale[17];
-    candidate->bank.weight[0] = candidate->theta[18] * extended_learn_per_scale[18];
-    candidate->bank.weight[1] = candidate->theta[19] * extended_learn_per_scale[19];
-    candidate->bank.weight[2] = candidate->theta[20] * extended_learn_per_scale[20];
-    candidate->bank.weight[3] = candidate->theta[21] * extended_learn_per_scale[21];
-    candidate->bank.weight[4] = candidate->theta[22] * extended_learn_per_scale[22];
-    candidate->bank.weight[5] = candidate->theta[23] * extended_learn_per_scale[23];
-    candidate->bank.weight[6] = candidate->theta[24] * extended_learn_per_scale[24];
     beyond |= extended_beyond(candidate->theta[0]);
     beyond |= extended_beyond(candidate->theta[1]);
     beyond |= extended_beyond(candidate->theta[2]);
@@ -2202,13 +2261,6 @@ static uint32_t extended_snapshot(extended_learner_t *learner)
     beyond |= extended_beyond(candidate->theta[15]);
     beyond |= extended_beyond(candidate->theta[16]);
     beyond |= extended_beyond(candidate->theta[17]);
-    beyond |= extended_beyond(candidate->theta[18]);
-    beyond |= extended_beyond(candidate->theta[19]);
-    beyond |= extended_beyond(candidate->theta[20]);
-    beyond |= extended_beyond(candidate->theta[21]);
-    beyond |= extended_beyond(candidate->theta[22]);
-    beyond |= extended_beyond(candidate->theta[23]);
-    beyond |= extended_beyond(candidate->theta[24]);
     if (beyond != 0u) {
         return EXTENDED_REFUSED_LIMIT;
     }
@@ -2365,13 +2417,6 @@ uint32_t extended_commit(extended_t *self, extended_learner_t *learner)
         learner->reference[15] = candidate->theta[15];
         learner->reference[16] = candidate->theta[16];
         learner->reference[17] = candidate->theta[17];
-        learner->reference[18] = candidate->theta[18];
-        learner->reference[19] = candidate->theta[19];
-        learner->reference[20] = candidate->theta[20];
-        learner->reference[21] = candidate->theta[21];
-        learner->reference[22] = candidate->theta[22];
-        learner->reference[23] = candidate->theta[23];
-        learner->reference[24] = candidate->theta[24];
         candidate->phase = 0u;
         answer = EXTENDED_COMMITTED;
         break;

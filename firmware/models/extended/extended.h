@@ -135,8 +135,8 @@ float extended_simulate(extended_t *self, float u_V);
  * C674x: about 363 cycles (estimate). */
 float extended_inverse(extended_t *self, float y_um, float y_next_um);
 
-#define EXTENDED_LEARNED 25u  /**< parameters that are learned */
-#define EXTENDED_FACTORS 625u  /**< words of U */
+#define EXTENDED_LEARNED 18u  /**< parameters that are learned */
+#define EXTENDED_FACTORS 153u  /**< words of U */
 
 /* Bits of a learner's `status`, sticky until the caller clears them or calls extended_learn_init. */
 #define EXTENDED_LEARN_REJECTED   0x001u  /**< a sample was not finite or not plausible and taught nothing */
@@ -169,7 +169,7 @@ typedef struct {
 } extended_candidate_t;
 
 /** A learner: the covariance P = U D U' of Eq. (10), the shadow parameters theta, and what it needs between samples.
- * theta = scale * (number in a bank), x = regressor / scale; U is unit upper triangular, whole columns. */
+ * theta = scale * (number in a bank), x = regressor / scale; U is unit upper triangular, its columns packed. */
 typedef struct {
     float d[EXTENDED_LEARNED];          /**< diagonal D of P = U D U', larger than 0 */
     float x[EXTENDED_LEARNED];          /**< regressors of the sample before, scaled */
@@ -192,7 +192,6 @@ typedef struct {
     float error;                        /**< mean square innovation of the shadow [um^2] */
     float reference_error;              /**< mean square innovation of the reference parameters [um^2] */
     float step_error;                   /**< mean square of y(k) - y(k-1) [um^2] */
-    uint32_t phase;                     /**< next call of the update or restart in progress, 0: none */
     uint32_t fresh;                     /**< 1: the regressors belong to the sample before */
     uint32_t rested;                    /**< 1: the input rested at the sample before */
     uint32_t measuring;                 /**< 1: this update learns from a sample, 0: it restores a prior */
@@ -226,14 +225,13 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
 
 /** Learn from sample k: the displacement y(k) is what the regressors of sample k - 1 had to predict; then those of
  * sample k are kept, and u(k) acts on the learner's own terms. Once per sample, before extended_predict and the like.
- * An update takes 8 calls, a restart up to 6; the samples in between are not learnt from.
  *
  * @param self  the learner
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
- * 715 float +-, 363 float *, 19 float comparisons, 131 integer, 447 loads, 464 stores, 4 branches.
- * C674x: about 1243 cycles (estimate). */
+ * 1149 float +-, 835 float *, 66 float comparisons, 609 integer, 780 loads, 590 stores, 15 branches.
+ * C674x: about 2697 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; EXTENDED_COMMIT_POINTS check points,
@@ -245,8 +243,8 @@ void extended_learn(extended_learner_t *self, float y_um, float u_V);
  * @param learner  the learner whose shadow is checked
  * @return         EXTENDED_BUSY, EXTENDED_COMMITTED, or why the shadow was refused
  *
- * 94 float +-, 186 float *, 63 float comparisons, 150 integer, 267 loads, 55 stores, 4 branches.
- * C674x: about 751 cycles (estimate). */
+ * 94 float +-, 179 float *, 63 float comparisons, 129 integer, 246 loads, 48 stores, 4 branches.
+ * C674x: about 709 cycles (estimate). */
 uint32_t extended_commit(extended_t *self, extended_learner_t *learner);
 
 #endif

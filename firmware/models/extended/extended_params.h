@@ -119,12 +119,12 @@ static const float extended_weight[EXTENDED_WEIGHTS] = {
 #define EXTENDED_LEARN_GATE                            8.0f  /* 0x41000000 */
 #define EXTENDED_LEARN_GATE_FLOOR_UM         0.00300000003f  /* 0x3b449ba6 */
 #define EXTENDED_LEARN_DEAD_ZONE_UM         0.000250000012f  /* 0x3983126f */
-#define EXTENDED_LEARN_WORSE                    1.21275151f  /* 0x3f9b3b71 */
+#define EXTENDED_LEARN_WORSE                    1.21198082f  /* 0x3f9b2230 */
 #define EXTENDED_LEARN_LOST                            4.0f  /* 0x40800000 */
 #define EXTENDED_LEARN_STEP_UM                 0.759124994f  /* 0x3f425604 */
 #define EXTENDED_LEARN_LIMIT_UM                 777.343994f  /* 0x44425604 */
 #define EXTENDED_LEARN_LEAST_VARIANCE       9.09494702e-13f  /* 0x2b800000 */
-#define EXTENDED_LEARN_LARGEST_DENOMINATOR      262.339386f  /* 0x43832b71 */
+#define EXTENDED_LEARN_LARGEST_DENOMINATOR      120.200478f  /* 0x42f066a5 */
 #define EXTENDED_LEARN_OUTLIER_RUN              0x00000008u
 #define EXTENDED_LEARN_SETTLING                 0x00001000u
 #define EXTENDED_LEARN_SETTLED                  0x00002000u
@@ -157,13 +157,6 @@ static const float extended_learn_scale[EXTENDED_LEARNED] = {
              128.0f,  /* 0x43000000 */
             2048.0f,  /* 0x45000000 */
               32.0f,  /* 0x42000000 */
-              64.0f,  /* 0x42800000 */
-              64.0f,  /* 0x42800000 */
-              64.0f,  /* 0x42800000 */
-              64.0f,  /* 0x42800000 */
-              64.0f,  /* 0x42800000 */
-              64.0f,  /* 0x42800000 */
-              64.0f,  /* 0x42800000 */
 };
 
 static const float extended_learn_per_scale[EXTENDED_LEARNED] = {
@@ -185,13 +178,6 @@ static const float extended_learn_per_scale[EXTENDED_LEARNED] = {
          0.0078125f,  /* 0x3c000000 */
      0.00048828125f,  /* 0x3a000000 */
            0.03125f,  /* 0x3d000000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
 };
 
 static const float extended_learn_prior[EXTENDED_LEARNED] = {
@@ -213,69 +199,48 @@ static const float extended_learn_prior[EXTENDED_LEARNED] = {
     3.16285623e-05f,  /* 0x3804a8e9 */
      0.00809691194f,  /* 0x3c04a8e9 */
     1.97678514e-06f,  /* 0x3604a8e9 */
-     0.00409599999f,  /* 0x3b8637bd */
-     0.00409599999f,  /* 0x3b8637bd */
-     0.00409599999f,  /* 0x3b8637bd */
-     0.00409599999f,  /* 0x3b8637bd */
-     0.00409599999f,  /* 0x3b8637bd */
-     0.00409599999f,  /* 0x3b8637bd */
-     0.00409599999f,  /* 0x3b8637bd */
 };
 
 static const float extended_learn_ceiling[EXTENDED_LEARNED] = {
-    6.43739186e-05f,  /* 0x3887007c */
-      0.0164797232f,  /* 0x3c87007c */
-    4.02336991e-06f,  /* 0x3687007c */
-    5.49171382e-05f,  /* 0x386656d4 */
-      0.0140587874f,  /* 0x3c6656d4 */
-    3.43232114e-06f,  /* 0x366656d4 */
-    2.53616145e-05f,  /* 0x37d4bfa7 */
-      0.0064925733f,  /* 0x3bd4bfa7 */
-     1.5851009e-06f,  /* 0x35d4bfa7 */
-    2.53616145e-05f,  /* 0x37d4bfa7 */
-      0.0064925733f,  /* 0x3bd4bfa7 */
-     1.5851009e-06f,  /* 0x35d4bfa7 */
-    5.49171382e-05f,  /* 0x386656d4 */
-      0.0140587874f,  /* 0x3c6656d4 */
-    3.43232114e-06f,  /* 0x366656d4 */
-    6.43739186e-05f,  /* 0x3887007c */
-      0.0164797232f,  /* 0x3c87007c */
-    4.02336991e-06f,  /* 0x3687007c */
-     0.00833662879f,  /* 0x3c08965b */
-     0.00833662879f,  /* 0x3c08965b */
-     0.00833662879f,  /* 0x3c08965b */
-     0.00833662879f,  /* 0x3c08965b */
-     0.00833662879f,  /* 0x3c08965b */
-     0.00833662879f,  /* 0x3c08965b */
-     0.00833662879f,  /* 0x3c08965b */
+     6.4059248e-05f,  /* 0x3886578c */
+      0.0163991675f,  /* 0x3c86578c */
+      4.003703e-06f,  /* 0x3686578c */
+    5.46486881e-05f,  /* 0x38653695 */
+      0.0139900642f,  /* 0x3c653695 */
+    3.41554301e-06f,  /* 0x36653695 */
+    2.52376394e-05f,  /* 0x37d3b56b */
+     0.00646083569f,  /* 0x3bd3b56b */
+    1.57735246e-06f,  /* 0x35d3b56b */
+    2.52376394e-05f,  /* 0x37d3b56b */
+     0.00646083569f,  /* 0x3bd3b56b */
+    1.57735246e-06f,  /* 0x35d3b56b */
+    5.46486881e-05f,  /* 0x38653695 */
+      0.0139900642f,  /* 0x3c653695 */
+    3.41554301e-06f,  /* 0x36653695 */
+     6.4059248e-05f,  /* 0x3886578c */
+      0.0163991675f,  /* 0x3c86578c */
+      4.003703e-06f,  /* 0x3686578c */
 };
 
 static const float extended_learn_refresh[EXTENDED_LEARNED] = {
-        23.4203186f,  /* 0x41bb5cd0 */
-        1.46376991f,  /* 0x3fbb5cd0 */
-        93.6812744f,  /* 0x42bb5cd0 */
-        25.3567638f,  /* 0x41cadaa7 */
-        1.58479774f,  /* 0x3fcadaa7 */
-        101.427055f,  /* 0x42cadaa7 */
-        37.3129272f,  /* 0x42154070 */
-        2.33205795f,  /* 0x40154070 */
-        149.251709f,  /* 0x43154070 */
-        37.3129272f,  /* 0x42154070 */
-        2.33205795f,  /* 0x40154070 */
-        149.251709f,  /* 0x43154070 */
-        25.3567638f,  /* 0x41cadaa7 */
-        1.58479774f,  /* 0x3fcadaa7 */
-        101.427055f,  /* 0x42cadaa7 */
-        23.4203186f,  /* 0x41bb5cd0 */
-        1.46376991f,  /* 0x3fbb5cd0 */
-        93.6812744f,  /* 0x42bb5cd0 */
-        2.05803394f,  /* 0x4003b6d4 */
-        2.05803394f,  /* 0x4003b6d4 */
-        2.05803394f,  /* 0x4003b6d4 */
-        2.05803394f,  /* 0x4003b6d4 */
-        2.05803394f,  /* 0x4003b6d4 */
-        2.05803394f,  /* 0x4003b6d4 */
-        2.05803394f,  /* 0x4003b6d4 */
+        19.8970985f,  /* 0x419f2d42 */
+        1.24356866f,  /* 0x3f9f2d42 */
+        79.5883942f,  /* 0x429f2d42 */
+        21.5422363f,  /* 0x41ac5680 */
+        1.34638977f,  /* 0x3fac5680 */
+        86.1689453f,  /* 0x42ac5680 */
+        31.6997833f,  /* 0x41fd9928 */
+        1.98123646f,  /* 0x3ffd9928 */
+        126.799133f,  /* 0x42fd9928 */
+        31.6997833f,  /* 0x41fd9928 */
+        1.98123646f,  /* 0x3ffd9928 */
+        126.799133f,  /* 0x42fd9928 */
+        21.5422363f,  /* 0x41ac5680 */
+        1.34638977f,  /* 0x3fac5680 */
+        86.1689453f,  /* 0x42ac5680 */
+        19.8970985f,  /* 0x419f2d42 */
+        1.24356866f,  /* 0x3f9f2d42 */
+        79.5883942f,  /* 0x429f2d42 */
 };
 
 static const float extended_learn_firing[EXTENDED_RULES] = {
@@ -285,16 +250,6 @@ static const float extended_learn_firing[EXTENDED_RULES] = {
                1.0f,  /* 0x3f800000 */
               0.25f,  /* 0x3e800000 */
            0.03125f,  /* 0x3d000000 */
-};
-
-static const float extended_learn_per_phi[7] = {
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
-          0.015625f,  /* 0x3c800000 */
 };
 
 /* Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the

@@ -6,16 +6,14 @@ import sys
 from pathlib import Path
 
 from hysgen.c674x import toolchain
-from hysgen.c674x.assembly import instructions
 from hysgen.c674x.cycles import bounds
-from hysgen.c674x.packets import packets
 from hysgen.errors import HysgenError, TargetError
 
 
 def report(paths: list[Path]) -> str:
     """A table of code bytes and stall-free cycle bounds of every function in the files."""
     firmware = toolchain.compile([(path.name, path.read_text(encoding="utf-8")) for path in paths])
-    decoded = packets(instructions(firmware.listing))
+    decoded = firmware.packets
     lines = [f"{'function':32} {'code B':>8} {'cycles':>12}"]
     for symbol in sorted(firmware.image.symbols.values(), key=lambda each: each.address):
         if not symbol.function or symbol.name.startswith("__"):

@@ -7,8 +7,8 @@ the registers these are computed from, are evaluated. The result of any other op
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from hysgen.c674x.assembly import Instruction, MemoryOperand, Register
 from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source
@@ -16,9 +16,10 @@ from hysgen.c674x.packets import Packet
 from hysgen.c674x.semantics import INTEGER, MASK, signed
 from hysgen.errors import TargetError
 
+REGISTERS = 64
 
-@dataclass(frozen=True)
-class CounterValue:
+
+class CounterValue(NamedTuple):
     """`number` plus the value of register `base` on entry; `number` alone if base is None."""
 
     number: int
@@ -29,25 +30,24 @@ _STEP = {"add": 1, "addab": 1, "addah": 2, "addaw": 4, "addad": 8, "addk": 1}
 _STEP_BACK = {"sub": 1, "subab": 1, "subah": 2, "subaw": 4}
 
 
-@dataclass(frozen=True)
-class KnownRegisters:
-    """values: (register, value) pairs. awaited: (cycles until a pending write, register); its value is unknown then."""
+class KnownRegisters(NamedTuple):
+    """values: by register, None if unknown. awaited: (cycles until a pending write, register); unknown until then."""
 
-    values: tuple[tuple[int, CounterValue], ...] = ()
+    values: tuple[CounterValue | None, ...] = (None,) * REGISTERS
     awaited: tuple[tuple[int, int], ...] = ()
 
     def holds(self, instruction: Instruction) -> bool | None:
         """Whether the instruction is executed; None if unknown."""
         if instruction.predicate is None:
             return True
-        value = dict(self.values).get(instruction.predicate.register.index)
+        value = self.values[instruction.predicate.register.index]
         if value is None or value.base is not None:
             return None
         return (value.number == 0) == instruction.predicate.when_zero
 
     def below(self, register: int) -> int:
         """Entry value of the register minus its value now, at least 0. Raises TargetError if that is unknown."""
-        value = dict(self.values).get(register)
+        value = self.values[register]
         if value is None or value.base != register:
             raise TargetError(
                 f"{Register(register)}: changed by an unknown amount; the depth of the stack is not bounded"
@@ -75,15 +75,16 @@ def decisive_registers(packets: Mapping[int, Packet], start: int) -> frozenset[i
 
 def entry_values(registers: frozenset[int]) -> KnownRegisters:
     """Every register has its own value on entry."""
-    return KnownRegisters(tuple((register, CounterValue(0, register)) for register in sorted(registers)))
+    every = range(REGISTERS)
+    return KnownRegisters(tuple(CounterValue(0, register) if register in registers else None for register in every))
 
 
 def after(known: KnownRegisters, packet: Packet, cycles: int, registers: frozenset[int]) -> KnownRegisters:
     """The known values after the packet was issued and `cycles` cycles have passed."""
     if not registers:
         return known
-    before = dict(known.values)
-    values, awaited = dict(before), list(known.awaited)
+    before = known.values
+    values, awaited = list(before), list(known.awaited)
     for instruction, action in zip(packet.instructions, packet.actions, strict=True):
         executed = known.holds(instruction)
         if executed is False:
@@ -94,15 +95,19 @@ def after(known: KnownRegisters, packet: Packet, cycles: int, registers: frozens
             if delay:
                 awaited.append((delay + 1, register))
                 value = None
-            if value is None or executed is None or any(other == register for _, other in awaited):
-                values.pop(register, None)
-            else:
-                values[register] = value
+            unknown = executed is None or any(other == register for _, other in awaited)
+            values[register] = None if unknown else value
     left = tuple(sorted({(due - cycles, register) for due, register in awaited if due > cycles}))
-    return KnownRegisters(tuple(sorted(values.items(), key=lambda item: item[0])), left)
+    return KnownRegisters(tuple(values), left)
 
 
-def writes(action: Action, before: Mapping[int, CounterValue]) -> list[tuple[int, CounterValue | None, int]]:
+def written(packet: Packet) -> tuple[tuple[int, int], ...]:
+    """(register, delay slots) of each result of the packet."""
+    unknown = KnownRegisters().values
+    return tuple((register, delay) for action in packet.actions for register, _, delay in writes(action, unknown))
+
+
+def writes(action: Action, before: Sequence[CounterValue | None]) -> list[tuple[int, CounterValue | None, int]]:
     """(register, value or None, delay slots) of each result, given the values `before`."""
     results: list[tuple[int, CounterValue | None, int]] = []
     if isinstance(action, Compute):
@@ -119,15 +124,15 @@ def writes(action: Action, before: Mapping[int, CounterValue]) -> list[tuple[int
     return results
 
 
-def _moved(memory: MemoryOperand, size: int, before: Mapping[int, CounterValue]) -> CounterValue | None:
-    base, offset = before.get(memory.base.index), _value(memory.offset, before)
+def _moved(memory: MemoryOperand, size: int, before: Sequence[CounterValue | None]) -> CounterValue | None:
+    base, offset = before[memory.base.index], _value(memory.offset, before)
     if base is None or offset is None or offset.base is not None:
         return None
     step = offset.number * (size if memory.scaled else 1)
     return CounterValue(base.number + memory.sign * step & MASK, base.base)
 
 
-def _computed(action: Compute, before: Mapping[int, CounterValue]) -> CounterValue | None:
+def _computed(action: Compute, before: Sequence[CounterValue | None]) -> CounterValue | None:
     operands = [_value(source, before) for source in action.sources]
     known = [operand for operand in operands if operand is not None]
     if action.mnemonic not in INTEGER or len(known) != len(operands):
@@ -154,8 +159,8 @@ def _relative(mnemonic: str, a: CounterValue, b: CounterValue) -> CounterValue |
     return None
 
 
-def _value(source: Source, before: Mapping[int, CounterValue]) -> CounterValue | None:
-    return before.get(source.index) if isinstance(source, Register) else CounterValue(source & MASK)
+def _value(source: Source, before: Sequence[CounterValue | None]) -> CounterValue | None:
+    return before[source.index] if isinstance(source, Register) else CounterValue(source & MASK)
 
 
 def _goes_back(instruction: Instruction, action: Jump) -> bool:

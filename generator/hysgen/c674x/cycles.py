@@ -14,7 +14,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from hysgen.c674x import counters
 from hysgen.c674x.assembly import Register
@@ -52,8 +53,7 @@ class CycleBounds:
         return self.best == self.worst
 
 
-@dataclass(frozen=True)
-class _Place:
+class _Place(NamedTuple):
     """State of a path when a packet is issued.
 
     landing: (cycles until it takes effect, target) of branches in flight; target None is the return. returns: return
@@ -66,8 +66,8 @@ class _Place:
     returns: tuple[int, ...] = ()
     link: int | None = None
     taken: tuple[int, ...] = ()
-    known: counters.KnownRegisters = field(default_factory=counters.KnownRegisters)
-    answers: KnownPredicates = field(default_factory=KnownPredicates)
+    known: counters.KnownRegisters = counters.KnownRegisters()
+    answers: KnownPredicates = KnownPredicates()
 
 
 def bounds(
@@ -101,6 +101,7 @@ class _Walk:
     ) -> None:
         self.registers = registers
         self.visits: Counter[int] = Counter()
+        self.written: dict[int, tuple[tuple[int, int], ...]] = {}
         self.stack_bytes = 0
         self.packets = packets
         self.bounded = bounded
@@ -116,22 +117,23 @@ class _Walk:
         stack: list[_Place] = [start]
         while stack:
             place = stack[-1]
-            if place not in onward:
+            paths = onward.get(place)
+            if paths is None:
                 self.visits[place.address] += 1
                 if self.visits[place.address] > MAX_VISITS:
                     raise TargetError(self._endless(place, place))
                 self.stack_bytes = max(self.stack_bytes, place.known.below(STACK_POINTER))
-                onward[place] = list(self._steps(place))
-                for _, successor in onward[place]:
-                    if successor in onward and successor not in known:
-                        raise TargetError(self._endless(place, successor))
+                paths = onward[place] = list(self._steps(place))
+                for _, successor in paths:
                     if successor is not None and successor not in known:
+                        if successor in onward:
+                            raise TargetError(self._endless(place, successor))
                         stack.append(successor)
                 continue
             stack.pop()
             if place not in known:
-                paths = [(cycles, known[successor]) for cycles, successor in onward[place]]
-                known[place] = (min(c + rest[0] for c, rest in paths), max(c + rest[1] for c, rest in paths))
+                ends = [(cycles, known[successor]) for cycles, successor in paths]
+                known[place] = (min(c + rest[0] for c, rest in ends), max(c + rest[1] for c, rest in ends))
         return known[start]
 
     def _steps(self, place: _Place) -> Iterator[tuple[int, _Place | None]]:
@@ -144,18 +146,23 @@ class _Walk:
             cycles = min(due, 1 + packet.idle)
             landing = tuple((left - cycles, there) for left, there in after.landing if left > cycles)
             known = counters.after(place.known, packet, cycles, self.registers)
-            after = replace(after, known=known, answers=after.answers.after(packet, cycles))
+            after = after._replace(known=known, answers=after.answers.after(self._written(packet), cycles))
             if due > cycles:
-                yield cycles, replace(after, address=packet.next, landing=landing)
+                yield cycles, after._replace(address=packet.next, landing=landing)
             elif target is not None:
-                yield cycles, self._entered(replace(after, address=target, landing=landing))
+                yield cycles, self._entered(after._replace(address=target, landing=landing))
             elif after.link is not None:
                 raise TargetError(f"{place.address:08x}: a call through a pointer; its target is unknown")
             elif after.returns:
                 address, outer = after.returns[-1], after.returns[:-1]
-                yield cycles, replace(after, address=address, landing=landing, returns=outer)
+                yield cycles, after._replace(address=address, landing=landing, returns=outer)
             else:
                 yield cycles, None
+
+    def _written(self, packet: Packet) -> tuple[tuple[int, int], ...]:
+        if packet.address not in self.written:
+            self.written[packet.address] = counters.written(packet)
+        return self.written[packet.address]
 
     def _issued(self, packet: Packet, place: _Place) -> Iterator[_Place]:
         """`place` after the packet's own effects, one state for each combination of branches taken and not taken."""
@@ -177,14 +184,14 @@ class _Walk:
                 may = executed is not False and self._may_be_taken(instruction.address, path)
                 if not (executed and may):
                     onward.append(
-                        replace(path, answers=path.answers.with_answer(instruction.predicate, executed=False))
+                        path._replace(answers=path.answers.with_answer(instruction.predicate, executed=False))
                     )
                 if may:
                     answers = path.answers.with_answer(instruction.predicate, executed=True)
-                    onward.append(self._branched(instruction.address, action, replace(path, answers=answers)))
+                    onward.append(self._branched(instruction.address, action, path._replace(answers=answers)))
             paths = onward
         for path in paths:
-            yield replace(path, link=link)
+            yield path._replace(link=link)
 
     def _may_be_taken(self, branch: int, path: _Place) -> bool:
         return branch not in self.limits or path.taken[self.bounded.index(branch)] < self.limits[branch]
@@ -197,7 +204,7 @@ class _Walk:
             )
         there = None if isinstance(target, Register) else target
         taken = tuple(n + (at == branch) for at, n in zip(self.bounded, path.taken, strict=True))
-        return replace(path, landing=(*path.landing, (BRANCH_DELAY + 1, there)), taken=taken)
+        return path._replace(landing=(*path.landing, (BRANCH_DELAY + 1, there)), taken=taken)
 
     def _in_library(self, address: int) -> bool:
         """Whether the code is from the compiler's library, which may use jump tables: FLAGS do not apply to it."""
@@ -209,7 +216,7 @@ class _Walk:
             return place
         if len(place.returns) >= MAX_CALL_DEPTH:
             raise TargetError(f"{place.address:08x}: calls nest deeper than {MAX_CALL_DEPTH}; recursion is not bounded")
-        return replace(place, returns=(*place.returns, place.link), link=None)
+        return place._replace(returns=(*place.returns, place.link), link=None)
 
     def _endless(self, place: _Place, head: _Place) -> str:
         inside = sorted(at for at in self.data_dependent if head.address <= at <= place.address + 4 * 8)

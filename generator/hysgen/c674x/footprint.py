@@ -1,13 +1,11 @@
-"""What the generated C of a model takes on the C674x: cycles, code and stack of each function, bytes of data."""
+"""Resources of the generated C of a model on the C674x: cycles, code and stack of each function, bytes of data."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from hysgen.c674x import toolchain
-from hysgen.c674x.assembly import instructions
 from hysgen.c674x.cycles import CycleBounds, bounds
-from hysgen.c674x.packets import packets
 from hysgen.codegen.operations import figures
 
 
@@ -25,7 +23,7 @@ def cycle_bounds(
     Raises BuildError without the toolchain, TargetError if the cycles of a function cannot be bounded.
     """
     program = firmware or toolchain.compile(c_texts(texts))
-    code = packets(instructions(program.listing))
+    code = program.packets
     functions = figures(name, texts).operations
     return {function: bounds(program.image, code, f"{name}_{function}") for function in functions}
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from hysgen.c674x import interpreter, translation
-from hysgen.c674x.assembly import Register, instructions
+from hysgen.c674x.assembly import Register
 from hysgen.c674x.elf import ProgramImage
-from hysgen.c674x.packets import packets
+from hysgen.c674x.packets import Packet
 from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, STACK_POINTER, RunCounts, load
 from hysgen.c674x.semantics import MASK, from_image, to_image
 from hysgen.errors import TargetError
@@ -69,13 +69,13 @@ class CallOutcomes:
 class Machine:
     """A C674x with a program in its memory. Memory persists between calls; registers are initialised in each call.
 
-    image, listing: the linked program and its disassembly, from `toolchain.compile`.
+    image, packets: the linked program and its execute packets, from `toolchain.compile`.
     interpreted: use the interpreter instead of the compiled engine; same results, a hundred times slower.
     """
 
-    def __init__(self, image: ProgramImage, listing: str, interpreted: bool = False) -> None:
+    def __init__(self, image: ProgramImage, packets: Mapping[int, Packet], interpreted: bool = False) -> None:
         self.image = image
-        self.packets = packets(instructions(listing))
+        self.packets = packets
         self._processor = load(image, self.packets)
         self._run = interpreter.run if interpreted else translation.engine(self.packets)
         self._bytes = np.frombuffer(self._processor.memory, dtype=np.uint8)

@@ -7,15 +7,13 @@ register with a pending write is unknown.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from hysgen.c674x.assembly import Predicate
-from hysgen.c674x.counters import writes
-from hysgen.c674x.packets import Packet
 
 
-@dataclass(frozen=True)
-class KnownPredicates:
+class KnownPredicates(NamedTuple):
     """zero: (register, whether it is 0). awaited: (cycles until a pending write, register)."""
 
     zero: tuple[tuple[int, bool], ...] = ()
@@ -33,9 +31,10 @@ class KnownPredicates:
         known = dict(self.zero) | {predicate.register.index: executed == predicate.when_zero}
         return KnownPredicates(tuple(sorted(known.items())), self.awaited)
 
-    def after(self, packet: Packet, cycles: int) -> KnownPredicates:
-        """The knowledge after the packet was issued and `cycles` cycles have passed."""
-        written = [(register, delay) for action in packet.actions for register, _, delay in writes(action, {})]
+    def after(self, written: Sequence[tuple[int, int]], cycles: int) -> KnownPredicates:
+        """The knowledge `cycles` cycles after a packet was issued whose results are `written`: (register, delay)."""
+        if not written and not self.awaited:
+            return self
         gone = {register for register, _ in written}
         awaited = [*self.awaited, *((delay + 1, register) for register, delay in written if delay)]
         return KnownPredicates(

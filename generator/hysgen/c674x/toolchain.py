@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import os
+import re
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -11,10 +13,14 @@ from importlib import resources
 from pathlib import Path
 
 from hysgen.c674x import elf
+from hysgen.c674x.assembly import instructions
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.machine import Machine
+from hysgen.c674x.packets import Packet, packets
 from hysgen.checking.proof.warnings import BASIC
 from hysgen.errors import BuildError
+from hysgen.machine.files import digest, write_whole
+from hysgen.machine.native import cache_folder, compiler_version
 
 # -ffp-contract=off, -fno-reciprocal-math: keep the bits. -msdata=none: no pointer register to set up.
 # -fno-modulo-sched: no hardware loops, which the simulator does not model and which save no cycles here.
@@ -40,6 +46,7 @@ FLAGS = (
 )
 
 _PREFIX = "tic6x-elf-"
+_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,12 @@ class Firmware:
 
     def machine(self, interpreted: bool = False) -> Machine:
         """A simulated C674x with this program in its memory."""
-        return Machine(self.image, self.listing, interpreted)
+        return Machine(self.image, self.packets, interpreted)
+
+    @functools.cached_property
+    def packets(self) -> Mapping[int, Packet]:
+        """The execute packets of the listing by address."""
+        return packets(instructions(self.listing))
 
     def function_bytes(self, name: str) -> int:
         """Code bytes of one function, without its callees."""
@@ -77,7 +89,7 @@ def folder() -> Path:
 
 def version() -> str:
     """First line of the compiler's own `--version`."""
-    return _run("gcc", ["--version"], Path.cwd()).splitlines()[0]
+    return compiler_version(str(folder() / "bin" / f"{_PREFIX}gcc"))
 
 
 def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), script: str | None = None) -> Firmware:
@@ -88,14 +100,16 @@ def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), scrip
     keeps functions that are never called.
     Raises BuildError with the compiler's first error message.
     """
+    texts = dict(sources)
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
-        for name, text in sources:
+        for name, text in texts.items():
             (here / name).write_text(text, encoding="utf-8", newline="\n")
         default_script = resources.files("hysgen.c674x") / "l2ram.ld"
         (here / "link.ld").write_text(script or default_script.read_text(encoding="utf-8"), encoding="utf-8")
-        units = [name for name, _ in sources if name.endswith((".c", ".s"))]
-        _run("gcc", [*FLAGS, *BASIC, *flags, "-nostdlib", "-T", "link.ld", *units, "-lgcc", "-o", "a.out"], here)
+        units = [name for name in texts if name.endswith((".c", ".s"))]
+        objects = [str(_object(unit, texts, [*FLAGS, *BASIC, *flags], here)) for unit in units]
+        _run("gcc", [*FLAGS, *flags, "-nostdlib", "-T", "link.ld", *objects, "-lgcc", "-o", "a.out"], here)
         # -z: long runs of `nop 1` are encoded as zeros, which objdump would skip.
         listing = _run("objdump", ["-dz", "a.out"], here)
         data = (here / "a.out").read_bytes()
@@ -103,6 +117,29 @@ def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), scrip
     sizes = {section.name: section.size for section in image.sections}
     wanted = (".text", ".rodata", ".data", ".bss")
     return Firmware(data, image, listing, {name: sizes.get(name, 0) for name in wanted})
+
+
+def _object(unit: str, texts: Mapping[str, str], flags: Sequence[str], here: Path) -> Path:
+    """The compiled `unit`, cached on disk under the digest of its text, its headers, the flags and the compiler."""
+    parts = [part for name in sorted(_included(unit, texts)) for part in (name, texts[name])]
+    recipe = "\0".join([version(), *flags, unit, *parts])
+    target = cache_folder() / f"{digest(recipe.encode())[:32]}.o"
+    if not target.exists():
+        _run("gcc", [*flags, "-c", unit, "-o", f"{unit}.o"], here)
+        write_whole(target, (here / f"{unit}.o").read_bytes())
+    return target
+
+
+def _included(name: str, texts: Mapping[str, str]) -> set[str]:
+    """The file and all of `texts` that it includes, directly and through other files."""
+    found: set[str] = set()
+    todo = [name]
+    while todo:
+        file = todo.pop()
+        if file in texts and file not in found:
+            found.add(file)
+            todo += _INCLUDE.findall(texts[file])
+    return found
 
 
 def _run(tool: str, arguments: Sequence[str], where: Path) -> str:

@@ -19,6 +19,8 @@ from hysgen.machine.native import Toolchain, build, default_toolchain
 
 Engine = Callable[[Processor, int], RunCounts]
 
+# The cycle loop takes most of the time of a run, the packets most of the time of the compiler.
+_UNOPTIMISED = ("#if defined(__GNUC__) && !defined(__clang__)", '#pragma GCC optimize ("O0")', "#endif")
 _UNIT_BITS = {name: 1 << bit for bit, name in enumerate(("L1", "S1", "M1", "L2", "S2", "M2"))}
 
 
@@ -62,7 +64,7 @@ def program(packets: Mapping[int, Packet]) -> str:
     """C of a program: one function per packet, and a table of the functions by address for the cycle loop."""
     start = min(packets, default=0)
     words = (max(packets, default=0) - start) // 4 + 1
-    lines = ['#include "pipeline.h"', ""]
+    lines = [*_UNOPTIMISED, '#include "pipeline.h"', ""]
     for packet in packets.values():
         lines.extend(_function(packet))
     lines += [

@@ -51,7 +51,7 @@ class Host:
 
     @property
     def flushes(self) -> bool:
-        """Whether this machine can be told to flush denormal numbers to zero."""
+        """Whether this machine has a mode that flushes denormal numbers to zero."""
         return bool(self._library.lib.driver_flushes())
 
     def struct(self, name: str) -> Any:

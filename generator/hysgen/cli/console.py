@@ -47,7 +47,7 @@ class Console:
             self._last_line = now
 
     def write_json(self, result: Mapping[str, Any]) -> None:
-        """Write the result of the verb as JSON, if --json asks for it. Raises ValueError for NaN and infinity."""
+        """Write the result of the verb as JSON with the option --json. Raises ValueError for NaN and infinity."""
         if self.json_to is None:
             return
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

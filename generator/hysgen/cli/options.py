@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.errors import RecordError
-from hysgen.model.learner_settings import LEARNED, MOST_CALLS, LearnerSettings
+from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.record import Columns, Record, load_record
 from hysgen.record.checks import ACCEPTABLE
@@ -92,8 +92,8 @@ def add_learner_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--learn",
         choices=(*LEARNED, "none"),
-        help="parameters that the generated C learns: consequents of the rules, weights of the terms, all of them,"
-        " one bias, or none (default: what the model file says)",
+        help="parameters that the generated C learns: consequents of the rules, only their gains, one bias, or none"
+        " (default: what the model file says)",
     )
     group.add_argument(
         "--learn-forgetting",
@@ -113,12 +113,6 @@ def add_learner_options(parser: argparse.ArgumentParser) -> None:
         metavar="UM",
         help=f"rms noise of the sensor in um: sets dead zone and outlier gate (default {defaults.noise_um:g})",
     )
-    group.add_argument(
-        "--calls-per-update",
-        type=int,
-        metavar="N",
-        help=f"spread one update over N calls, up to {MOST_CALLS} (default 1)",
-    )
 
 
 def with_learner(model: Model, arguments: argparse.Namespace) -> Model:
@@ -130,7 +124,6 @@ def with_learner(model: Model, arguments: argparse.Namespace) -> Model:
         "forgetting": arguments.learn_forgetting,
         "alpha": arguments.learn_alpha,
         "noise_um": arguments.learn_noise,
-        "calls_per_update": arguments.calls_per_update,
     }
     changes = {name: value for name, value in given.items() if value is not None}
     if arguments.learn == "none":

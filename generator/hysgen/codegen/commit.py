@@ -31,7 +31,7 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
         ],
         "members": rows(candidate_struct(model, numbers).members),
         "bias": "bias" in model.learner.learned,
-        "weights": bool(model.terms) and "terms" in model.learner.learned,
+        "weights": bool(model.terms),
         "points_per_call": model.learner.points_per_call,
         "kept": _kept(model, numbers),
     }
@@ -44,7 +44,7 @@ def _kept(model: Model, numbers: Coefficients) -> list[str]:
     weights = sum(term.size for term in model.terms)
     rules = [f"{group}[{rule}]" for group in ("slope", "offset", "gain") for rule in range(numbers.bank_rules)]
     kept = [place for place in rules if place not in learned]
-    return kept + [f"weight[{j}]" for j in range(weights) if f"terms[{j}]" not in learned]
+    return kept + [f"weight[{j}]" for j in range(weights)]
 
 
 def _section(found: CommitNumbers, upper: str, *, weights: bool) -> Section:

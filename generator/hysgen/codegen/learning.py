@@ -14,19 +14,13 @@ from hysgen.codegen.polynomials import Step, Sum, polynomial, powers
 from hysgen.codegen.render import Feature
 from hysgen.codegen.structs import learner_struct, rows
 from hysgen.codegen.update_loops import (
-    DenominatorLoops,
     Element,
-    Phase,
-    Slice,
     StepLoops,
     UpdateLoops,
     blocks,
-    clears,
-    denominator_loops,
+    denominators,
     innovations,
     parameter_elements,
-    phases,
-    slices,
     step_loops,
     update_loops,
 )
@@ -41,12 +35,12 @@ from hysgen.float32.learner_numbers import (
     STEP_GRID,
     LearnerNumbers,
     Parameter,
+    factors,
     learner_numbers,
 )
 from hysgen.float32.learner_status import LEARNER_COUNTERS, LEARNER_MEANINGS
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Described, Holds, Restart, Start
-from hysgen.float32.update_schedule import WRITTEN_OUT, UpdateSchedule, factors
 from hysgen.model.float32_constants import ROUNDING
 from hysgen.model.model import Model
 
@@ -60,25 +54,6 @@ class Learned:
     i: int
     place: str
     regressor: str
-
-
-@dataclass(frozen=True)
-class HeaderFacts:
-    """Declarations (learn.c.j2): rows of the struct and of the status bits, calls of an update and of a restart."""
-
-    members: Sequence[str]
-    status_rows: Sequence[str]
-    calls: int
-    calls_to_restart: int
-
-
-@dataclass(frozen=True)
-class RestartFacts:
-    """Restart (learn_restart.j2): C values by kind and member, slices of U = I, first phase."""
-
-    values: Mapping[str, Mapping[str, str]]
-    slices: Sequence[Slice]
-    phase: int
 
 
 @dataclass(frozen=True)
@@ -97,37 +72,30 @@ class RegressorFacts:
 
 
 @dataclass(frozen=True)
-class CallFacts:
-    """Initialisation and calls (learn_call.j2): phases, counters, C values by kind and member."""
-
-    phases: Sequence[Phase]
-    counters: Sequence[str]
-    start: Mapping[str, Mapping[str, str]]
-
-
-@dataclass(frozen=True)
 class LearnerFacts:
-    """Variables of the learner's templates, one field per partial, then those of several partials.
+    """Variables of the learner's templates.
 
-    n: parameters; factors: words of U; written_out: whether each element of U has its own lines of C; single_call:
-    whether one call does a whole update; blocks: the parameters in blocks; grid: 1.5 * 2^23 steps of each grid;
-    sliding_always: whether the forgetting factor is below 1 from the first update on.
+    members, status_rows: rows of the struct and of the status bits. restart, start: C values by kind and member, of a
+    restart and of the initialisation. n: parameters; factors: words of U; elements, blocks: the parameters, one by one
+    and in blocks. sliding_always: whether the forgetting factor is below 1 from the first update on.
+    grid: 1.5 * 2^23 steps of each grid.
     """
 
-    header: HeaderFacts
-    restart: RestartFacts
+    members: Sequence[str]
+    status_rows: Sequence[str]
+    restart: Mapping[str, Mapping[str, str]]
+    start: Mapping[str, Mapping[str, str]]
+    counters: Sequence[str]
     update: UpdateLoops
-    denominators: DenominatorLoops
+    denominators: Sequence[Turn[list[Element]]]
     step: StepLoops
     regressors: RegressorFacts
-    call: CallFacts
     innovations: Sequence[Turn[list[Element]]]
     sliding_always: bool
     n: int
     factors: int
-    written_out: bool
-    single_call: bool
     learned: Sequence[Learned]
+    elements: Sequence[Element]
     blocks: Sequence[Sequence[Element]]
     grid: Mapping[str, np.float32]
 
@@ -138,58 +106,37 @@ def learner_feature(model: Model, numbers: Coefficients, _certificates: object) 
         return None
     found = learner_numbers(model, numbers)
     regressors = _regressor_facts(model, numbers, found)
-    n, schedule = found.size, found.schedule
+    n, elements = found.size, parameter_elements(found.size)
+    described = LearnerWords.described()
     facts = LearnerFacts(
-        header=_header_facts(model, numbers, schedule),
-        restart=_restart_facts(model, schedule, n),
-        update=update_loops(schedule, n),
-        denominators=denominator_loops(n),
+        members=rows(learner_struct(model, numbers).members),
+        status_rows=[
+            f"#define {model.name.upper()}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
+            for flag, meaning in LEARNER_MEANINGS.items()
+        ],
+        restart=_written({member: _restart(member, model.name) for member in _restarted(described)}),
+        start=_written({member: _start(member) for member in described if member.start}),
+        counters=list(LEARNER_COUNTERS),
+        update=update_loops(n),
+        denominators=denominators(n),
         step=step_loops(n),
         regressors=regressors,
-        call=CallFacts(
-            phases=phases(schedule, n),
-            counters=list(LEARNER_COUNTERS),
-            start=_written({member: _start(member) for member in LearnerWords.described() if member.start}),
-        ),
         innovations=innovations(n),
         sliding_always=model.learner.forgetting < 1.0,
         n=n,
         factors=factors(n),
-        written_out=n <= WRITTEN_OUT,
-        single_call=schedule.single_call,
         learned=[_learned(i, parameter, model.name) for i, parameter in enumerate(found.parameters)],
-        blocks=blocks(parameter_elements(n)),
+        elements=elements,
+        blocks=blocks(elements),
         grid={name: np.float32(ROUNDING * np.float32(grid)) for name, grid in GRIDS.items()},
     )
     return Feature("learn.c.j2", {"learner": facts}, _sections(found, model.name.upper(), regressors.firing))
 
 
-def _header_facts(model: Model, numbers: Coefficients, schedule: UpdateSchedule) -> HeaderFacts:
-    prefix = f"#define {model.name.upper()}_LEARN_"
-    return HeaderFacts(
-        members=rows(learner_struct(model, numbers).members),
-        status_rows=[
-            f"{prefix}{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
-            for flag, meaning in LEARNER_MEANINGS.items()
-        ],
-        calls=schedule.calls,
-        calls_to_restart=schedule.phases - schedule.calls,
-    )
-
-
-def _restart_facts(model: Model, schedule: UpdateSchedule, n: int) -> RestartFacts:
-    described = LearnerWords.described()
-    return RestartFacts(
-        values=_written({member: _restart(member, model.name) for member in _restarted(described)}),
-        slices=[part for part in slices(schedule.factor) if clears(part.last, n)],
-        phase=0 if schedule.single_call else schedule.clearing,
-    )
-
-
 def _regressor_facts(model: Model, numbers: Coefficients, found: LearnerNumbers) -> RegressorFacts:
     return RegressorFacts(
         groups=frozenset(parameter.group for parameter in found.parameters),
-        firing=any(found.learns(group) for group in ("slope", "gain", "offset")),
+        firing=not found.learns("bias"),
         powers=powers(numbers.rules),
         weight=polynomial("weight", [f"{model.name}_strength[{k}]" for k in range(numbers.rules)]),
         fixed=_fixed(model, found),
@@ -202,8 +149,6 @@ def _learned(i: int, parameter: Parameter, name: str) -> Learned:
     if parameter.group == "bias":
         return Learned(i, "", "1.0f")
     j = parameter.index
-    if parameter.group == "terms":
-        return Learned(i, f"weight[{j}]", f"phi[{j}] * {name}_learn_per_phi[{j}]")
     share = {"slope": " * y_share", "gain": " * u_share", "offset": ""}[parameter.group]
     return Learned(i, f"{parameter.group}[{j}]", f"firing{j}{share}")
 
@@ -256,7 +201,7 @@ def _fixed(model: Model, found: LearnerNumbers) -> str:
     """The part of the prediction y(k+1) whose parameters are not learned, as C text [um]."""
     sums = _fixed_sums(found)
     parts = [f"({sums}) * per_weight"] if sums else []
-    if model.terms and not found.learns("terms"):
+    if model.terms:
         parts.append(f"{model.name}_terms_sum(&self->base, &self->terms)")
     return f"{model.name}_flushed({' + '.join(parts)})" if parts else "0.0f"
 
@@ -305,8 +250,6 @@ def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
     ]
     if firing:
         tables.append(Table("learn_firing", rules, found.firing))
-    if len(found.per_phi):
-        tables.append(Table("learn_per_phi", f"{len(found.per_phi)}", found.per_phi))
     return [
         Section("Learner: plausible displacements, rest, levels of the innovation and how fast they follow.", levels),
         Section(

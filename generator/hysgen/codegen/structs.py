@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.instance_words import InstanceWords
-from hysgen.float32.learner_numbers import learner_numbers
+from hysgen.float32.learner_numbers import factors, learner_numbers
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Holds, StructWords
-from hysgen.float32.update_schedule import factors
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.structs import Member, Struct

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.codegen.operations.cycles import budget
 from hysgen.diagnosis.causes import in_ladder_order
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
@@ -35,9 +34,7 @@ from hysgen.fitting import (
     path_columns,
     path_model,
 )
-from hysgen.float32.learner_numbers import MOST_PARAMETERS
-from hysgen.float32.update_schedule import update_schedule
-from hysgen.model.learner_settings import MOST_CALLS, LearnerSettings
+from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
@@ -51,9 +48,6 @@ MOST_IN_TURN = 20_000
 
 LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
 """Largest loop gain and slope of a model with a learner: a commit accepts only parameters with a margin below 1."""
-
-SHARE_TO_LEARN = 0.4
-"""Share of a sample period for the most expensive call of an update; the rest is for a model step and a commit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,25 +144,13 @@ def add_online_parts(model: Model, extensions: Sequence[Extension], span_s: floa
         if term is not None:
             model = dataclasses.replace(model, terms=(*model.terms, term), weights=np.append(model.weights, 1.0))
     if any(extension.learns for extension in extensions):
-        calls = calls_per_update(model.parameters.size, model.Ts_s)
-        settings = LearnerSettings(noise_um=max(noise_um, 1e-9), calls_per_update=calls)
+        settings = LearnerSettings(noise_um=max(noise_um, 1e-9))
         forgetting_s = min((e.forgetting_s for e in extensions if e.forgetting_s is not None), default=None)
         if forgetting_s is not None:
-            kept = min(max(1.0 - calls * model.Ts_s / forgetting_s, 0.9), 1.0 - 1e-7)
+            kept = min(max(1.0 - model.Ts_s / forgetting_s, 0.9), 1.0 - 1e-7)
             settings = dataclasses.replace(settings, forgetting=kept, sliding=kept)
         model = dataclasses.replace(model, learner=settings)
     return model
-
-
-def calls_per_update(parameters: int, Ts_s: float) -> int:
-    """Least number of calls per update for which the most expensive call fits SHARE_TO_LEARN of the sample period.
-
-    If no number up to MOST_CALLS suffices, the number with the fewest cycles in the most expensive call.
-    """
-    schedules = [update_schedule(min(parameters, MOST_PARAMETERS), calls) for calls in range(1, MOST_CALLS + 1)]
-    limit = SHARE_TO_LEARN * budget(Ts_s)
-    cheapest = min(schedules, key=lambda schedule: schedule.largest_cycles)
-    return next((each.calls for each in schedules if each.largest_cycles <= limit), cheapest.calls)
 
 
 def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:

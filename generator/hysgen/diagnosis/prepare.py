@@ -70,7 +70,7 @@ MOST_CHECKED = 100
 
 
 class Use(IntEnum):
-    """What a row can be used for, in rising order: a PROBE row is also a MODEL row."""
+    """The use of a row, in rising order: a PROBE row is also a MODEL row."""
 
     LOST = 0
     """The sensor is at the end of its range: no use."""

@@ -38,14 +38,12 @@ def firmware_model(model: Model) -> dict[str, str]:
 
 
 def require_drivable(model: Model) -> None:
-    """Raise ModelError unless the model has a learner of all its parameters and needs no auxiliary channels."""
+    """Raise ModelError unless the model has a learner and needs no auxiliary channels."""
     if model.learner is None:
         raise ModelError(
             f"{model.name}: has no learner settings, whose commit certifies parameter images; fit or generate with "
             "a learner"
         )
-    if model.terms and "terms" not in model.learner.learned:
-        raise ModelError(f"{model.name}: learner: without the terms, commit does not certify their weights; learn them")
     if channels_of(model.terms):
         raise ModelError(f"{model.name}: listens to auxiliary channels, which the firmware's board layer does not have")
 

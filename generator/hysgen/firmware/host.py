@@ -178,7 +178,7 @@ class HostImage:
 
 
 class DrivenPlant(Protocol):
-    """What the host's board drives; a `hysgen.stage.StageState` is one."""
+    """The plant that the host's board drives, such as a `hysgen.stage.StageState`."""
 
     @property
     def y_um(self) -> float:

@@ -37,7 +37,6 @@ LOW_V, HIGH_V = 22.0, 56.0
 TRAINS: Final = ((100.0, 10), (50.0, 7), (25.0, 4), (10.0, 3))
 HOLD_S, TRAVEL_S = 0.5, 0.006
 
-CALLS_PER_UPDATE: Final = 8
 LEARNER_ALPHA: Final = 1e-6
 
 
@@ -47,20 +46,18 @@ def laboratory() -> Stage:
 
 
 def firmware_models() -> tuple[Model, ...]:
-    """The models of firmware/models, each with a learner of all its parameters."""
+    """The models of firmware/models, each with a learner of the rules' consequents."""
     return (with_learner(load_model("appendix_a")), extended())
 
 
 def with_learner(model: Model) -> Model:
-    """The model with a learner of all its parameters, one update spread over several samples.
+    """The model with a learner of the rules' consequents.
 
     alpha is small, so the prior holds the parameters near their identified values, and the forgetting factor is 1 until
     the window is full. One sine does not excite all parameters; without these settings the unexcited ones would drift
     until commit refuses them.
     """
-    return replace(
-        model, learner=LearnerSettings(forgetting=1.0, alpha=LEARNER_ALPHA, calls_per_update=CALLS_PER_UPDATE)
-    )
+    return replace(model, learner=LearnerSettings(forgetting=1.0, alpha=LEARNER_ALPHA))
 
 
 def extended() -> Model:

@@ -13,9 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from hysgen.c674x import toolchain
-from hysgen.c674x.assembly import instructions
 from hysgen.c674x.cycles import bounds
-from hysgen.c674x.packets import packets
 from hysgen.c674x.toolchain import Firmware
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
@@ -109,7 +107,7 @@ def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | 
 
     None for a function with an instruction that is not modelled.
     """
-    decoded = packets(instructions(compiled.listing))
+    decoded = compiled.packets
     cycles: dict[str, tuple[int, int] | None] = {}
     for symbol in ("firmware_interrupt", f"{name}_inverse", f"{name}_learn", f"{name}_commit"):
         try:

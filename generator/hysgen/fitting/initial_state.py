@@ -1,13 +1,14 @@
 """What a stage remembers from before a record, estimated from the first rows of each segment, which are not scored.
 
 The slow states of creep remember for their time constants, and the sensor's zero for ever; plays forget once the input
-has covered its range. With the free-run error e of the model, on the later two thirds of
-the rows before the first scored one,
+has covered its range. With the free-run error e of the model, whose slow states start at the mean of their input over
+the segment, on the later two thirds of the rows before the first scored one,
 
     min over d  mean (e - C d)^2 / s^2 + sum_i (c_i d_i)^2 / p^2
 
-slow states starting at the mean of their input over the segment. C: responses of the model to a deviation of 1 um of the offset and of each slow state, and c_i their mean sizes. s: rms
-of e without its mean, and p the mean: the error of plays that have not yet forgotten is correlated over all these rows, which count as one.
+C: responses of the model to a deviation of 1 um of the offset and of each slow state, and c_i their mean sizes.
+s: rms of e without its mean, and p the mean: the error of plays that have not yet forgotten is correlated over all
+these rows, which count as one.
 """
 
 from __future__ import annotations

@@ -188,6 +188,6 @@ def _inverse_limits(model: Model, certificates: Certificates, settings: LearnerS
         if zero < 1.0 and budget > 0.0:
             return floor, ceiling, budget
     raise CertificateError(
-        f"{model.name}: learner: the inverse is only just stable, the weights of the terms leave no room to learn; "
-        "learn slope, gain, offset of a model with smaller weights"
+        f"{model.name}: learner: the inverse is only just stable, the weights of the terms leave no room for another "
+        "gain; fit a model with smaller weights, or generate with --learn none"
     )

@@ -15,12 +15,9 @@ import numpy as np
 
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Coefficients, Floats, Floats32, single
-from hysgen.float32.update_schedule import UpdateSchedule, update_schedule
 from hysgen.machine.reproducible import power, total
 from hysgen.model.learner_settings import BIAS, LearnerSettings
 from hysgen.model.model import Model
-
-MOST_PARAMETERS: Final = 64
 
 # Regressors, U, gains and steps are rounded to multiples of these grids: 1.5 * 2^23 grid steps are added, then
 # subtracted. A product of three grid steps is a normal number, so no stored word is denormal (docs/learning.md).
@@ -52,8 +49,7 @@ class LearnerNumbers:
 
     scale, per_scale: theta/q and q/theta, (n,). prior, ceiling: D(0) and largest D, (n,).
     refresh: regressor w_j of the pseudo-measurement that restores the prior of parameter j, (n,).
-    firing: (L,) power of two nearest to each rule's strength. per_y, per_u, per_phi: 1/typical |y|, |u|, |phi|, powers
-    of two.
+    firing: (L,) power of two nearest to each rule's strength. per_y, per_u: 1/typical |y|, |u|, powers of two.
     inflate_first, inflate: 1/lambda inside the window and after it.
     largest_denominator: limit of alpha_n = 1 + x' P x, above which the learner restarts.
     rest_V: largest distance of the input from its running mean at which a sample is not used.
@@ -72,7 +68,6 @@ class LearnerNumbers:
     firing: Floats32
     per_y: np.float32
     per_u: np.float32
-    per_phi: Floats32
     inflate_first: np.float32
     inflate: np.float32
     largest_denominator: np.float32
@@ -94,14 +89,14 @@ class LearnerNumbers:
         """Number n of learned parameters."""
         return len(self.parameters)
 
-    @property
-    def schedule(self) -> UpdateSchedule:
-        """The columns of U that each call of an update computes."""
-        return update_schedule(self.size, self.settings.calls_per_update)
-
     def learns(self, group: str) -> bool:
         """Whether parameters of `group` are learned."""
         return group in self.settings.learned
+
+
+def factors(parameters: int) -> int:
+    """Number of words of U in C: the elements above its diagonal, column by column."""
+    return parameters * (parameters - 1) // 2
 
 
 def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
@@ -116,10 +111,6 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
     strengths = numbers.fold.astype(np.float64)
     firing = np.array([_power_of_two(w) for w in strengths])
     parameters, strength = _parameters(model, settings, y_scale, u_scale, strengths, firing)
-    if len(parameters) > MOST_PARAMETERS:
-        raise ModelError(f"learner: {len(parameters)} parameters, at most {MOST_PARAMETERS}; learn a part of them")
-    if not parameters:
-        raise ModelError("learner: terms: the model has none; learn slope, gain, offset or bias")
     scale = np.array([parameter.scale for parameter in parameters])
     carried = strength * scale
     prior = settings.alpha * (carried * carried)
@@ -145,7 +136,6 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
         firing=firing.astype(np.float32),
         per_y=np.float32(1.0 / y_scale),
         per_u=np.float32(1.0 / u_scale),
-        per_phi=np.array([1.0 / p.scale for p in parameters if p.group == "terms"], dtype=np.float32),
         inflate_first=np.float32(1.0 / settings.forgetting),
         inflate=np.float32(1.0 / forgetting),
         largest_denominator=np.float32(16.0 * (1.0 + float(total(ceiling)) * (16.0 + 4.0 * len(parameters)))),
@@ -166,17 +156,15 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
 
 def learned_model(model: Model, numbers: Coefficients, learner: LearnerNumbers, theta: Floats) -> Model:
     """`model` with the learned parameters theta, (n,) float64, scaled as in the learner; the others are unchanged."""
-    consequents, weights = model.consequents.copy(), model.weights.copy()
+    consequents = model.consequents.copy()
     column = {"slope": 0, "gain": 1, "offset": 2}
     for parameter, number in zip(learner.parameters, theta / learner.scale.astype(np.float64), strict=True):
         if parameter.group == "bias":
             consequents[:, 2] += number
-        elif parameter.group == "terms":
-            weights[parameter.index] = number
         else:
             strength = float(numbers.fold[parameter.index])
             consequents[parameter.index, column[parameter.group]] = number / strength
-    return model.with_parameters(np.concatenate([consequents.ravel(), weights]))
+    return model.with_parameters(np.concatenate([consequents.ravel(), model.weights]))
 
 
 def _parameters(
@@ -198,11 +186,6 @@ def _parameters(
             if group in settings.learned:
                 found.append(Parameter(group, rule, magnitude / firing[rule]))
                 carried.append(float(strengths[rule]))
-    if "terms" in settings.learned:
-        span_V = max(abs(model.u_min_V), abs(model.u_max_V))
-        scales = [scale for term in model.terms for scale in term.scales(span_V)]
-        found += [Parameter("terms", j, _power_of_two(scale)) for j, scale in enumerate(scales)]
-        carried += [1.0] * len(scales)
     return tuple(found), np.array(carried)
 
 

@@ -68,7 +68,6 @@ class LearnerWords(StructWords):
         Floats32, number("mean square innovation of the reference parameters [um^2]", restart=Restart.ZERO)
     ]
     step_error: Annotated[Floats32, number("mean square of y(k) - y(k-1) [um^2]", restart=Restart.ZERO)]
-    phase: Annotated[Words, integer("next call of the update or restart in progress, 0: none", written_by=("step",))]
     fresh: Annotated[Words, flag("1: the regressors belong to the sample before", start=Start.ZERO)]
     rested: Annotated[Words, flag("1: the input rested at the sample before", start=Start.ZERO)]
     measuring: Annotated[Words, flag("1: this update learns from a sample, 0: it restores a prior", start=Start.ZERO)]

@@ -10,28 +10,26 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import Any, Self
 
 from hysgen.errors import ModelError
 
-GROUPS = ("slope", "gain", "offset", "terms")
-"""Groups of parameters: q_l1, q_l2, q_l3 of every rule, and the terms' weights."""
+GROUPS = ("slope", "gain", "offset")
+"""Groups of parameters: q_l1, q_l2, q_l3 of every rule."""
 
 BIAS = ("bias",)
 """A group of one parameter: a displacement added to every q_l3."""
 
-LEARNED = {"all": GROUPS, "rules": GROUPS[:3], "terms": GROUPS[3:], "bias": BIAS}
+LEARNED = {"rules": GROUPS, "gain": ("gain",), "bias": BIAS}
 """Common choices by name."""
-
-MOST_CALLS: Final = 32
-"""Largest number of calls that one update can be divided among."""
 
 
 @dataclass(frozen=True)
 class LearnerSettings:
     """Settings of the on-line learner; a field that is None is derived from the model (see `learner_numbers`).
 
-    learned: groups of parameters, out of GROUPS, or BIAS; all other parameters are constant.
+    learned: groups of parameters, out of GROUPS, or BIAS; all other parameters are constant, the weights of terms
+        among them.
     forgetting: forgetting factor lambda in (0, 1]. alpha: P(0) = alpha I, as in Eq. (10), in units of the parameters.
     window: with forgetting = 1, number of updates without forgetting (least squares); from then on the forgetting
         factor is `sliding`, a sliding window.
@@ -44,7 +42,6 @@ class LearnerSettings:
     settle: updates before the first comparison of the shadow with the reference parameters and with persistence.
     worse, lost: the shadow restarts if its rms error exceeds `worse` times that of the reference parameters, or `lost`
         times that of persistence, y(k+1) = y(k).
-    calls_per_update: calls of `_learn` that one update is divided among, at most MOST_CALLS.
     mature: updates since the last restart before `_commit` accepts the shadow.
     gain_floor_um_per_V, slope_limit: lower bound of |b(y)| and upper bound of |df/dy| of committed parameters.
     points, points_per_call: displacements at which `_commit` checks these bounds, and how many of them per call.
@@ -67,7 +64,6 @@ class LearnerSettings:
     settle: int = 8192
     worse: float = 1.1
     lost: float = 2.0
-    calls_per_update: int = 1
     mature: int = 1024
     gain_floor_um_per_V: float | None = None
     slope_limit: float | None = None
@@ -92,8 +88,6 @@ class LearnerSettings:
         _require(64 <= self.settle <= 2**24, "settle", self.settle, "64 to 2^24 updates")
         _require(1.0 < self.worse <= 1e3, "worse", self.worse, "above 1")
         _require(1.0 <= self.lost <= 1e3, "lost", self.lost, "1 to 1e3")
-        calls = self.calls_per_update
-        _require(1 <= calls <= MOST_CALLS, "calls_per_update", calls, f"1 to {MOST_CALLS}")
         _require(0 <= self.mature <= 2**24, "mature", self.mature, "0 to 2^24 updates")
         _require(self.points is None or 4 <= self.points <= 1024, "points", self.points, "4 to 1024")
         _require(1 <= self.points_per_call <= 64, "points_per_call", self.points_per_call, "1 to 64")
@@ -111,7 +105,17 @@ class LearnerSettings:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Self:
-        """Inverse of to_json. Raises ModelError naming the field that is unknown, missing or malformed."""
+        """Inverse of to_json.
+
+        Raises ModelError naming the field that is unknown, missing or malformed, and for two settings of earlier
+        versions: learned weights of terms, and an update divided among several calls.
+        """
+        data = dict(data)
+        calls = data.pop("calls_per_update", 1)
+        if calls != 1:
+            raise ModelError(f"learner: calls_per_update {calls}: every update is one call now; fit again without it")
+        if "terms" in (data.get("learned") or ()):
+            raise ModelError("learner: learned terms: weights of terms are constant now; fit again with --learn rules")
         fields = {field.name: field for field in dataclasses.fields(cls)}
         for name in (*data.keys() - fields.keys(), *fields.keys() - data.keys()):
             state = "is unknown" if name in data else "is missing"

@@ -1,7 +1,7 @@
 """A virtual piezo stage: the plant for tests, tutorial and the bundled record.
 
-It is physics of its own: Preisach or Bouc-Wen hysteresis, logarithmic creep, modes and converters in continuous time.
-It shares no equation and no constant with the models that are fitted to its records, and neither imports the other.
+The plant has its own equations: Preisach or Bouc-Wen hysteresis, logarithmic creep, modes and converters in continuous
+time. It shares no equation and no constant with the models that are fitted to its records; neither imports the other.
 """
 
 from hysgen.stage.description import Stage

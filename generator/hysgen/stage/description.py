@@ -119,7 +119,7 @@ class Stage:
 
 
 def _given(name: str, value: Any) -> tuple[Effect, ...]:
-    """The effects that `value` stands for; () if it switches the effect off."""
+    """The effects made from `value`; () if `value` switches the effect off."""
     known = effects()
     if name not in known:
         raise StageError(f"{name}: no such effect; the stage knows {', '.join(known)}")

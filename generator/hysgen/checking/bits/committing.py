@@ -15,8 +15,8 @@ from hysgen.checking.bits.builds import Build
 from hysgen.checking.bits.functions import START_UM, START_V
 from hysgen.checking.bits.report import ComparedRun, Mismatch
 from hysgen.checking.host import Host
+from hysgen.float32.coefficients import MOST_DENSE_RULES
 from hysgen.float32.commit_numbers import commit_numbers
-from hysgen.float32.learner_numbers import MOST_PARAMETERS
 from hysgen.float32.learner_status import Commit
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
@@ -26,6 +26,9 @@ from hysgen.model.model import Model
 Words = NDArray[np.uint32]
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
+
+MOST_PARAMETERS: Final = 3 * MOST_DENSE_RULES
+"""Largest number of learned parameters."""
 
 SHADOWS: Final = MOST_PARAMETERS + 16
 """Number of shadows committed side by side, each in its own instance and learner."""

@@ -122,20 +122,18 @@ def compare_learning(
     """Run learning on all `sides`, with a commit every UPDATES_BETWEEN_COMMITS updates; one result per side.
 
     host: computes the voltages and gives the layout of the structs. updates: number of covariance updates, refreshes of
-    the prior included; each takes `calls_per_update` samples. The model must have a learner.
+    the prior included; each takes one sample. The model must have a learner.
     """
-    assert model.learner is not None
     results = [LearningResult(side.name) for side in sides]
     active = host.layout(f"{host.name}_t")["active"]
-    calls = model.learner.calls_per_update
-    y, u = stage_record(model, host, updates * calls, seed)
-    period = UPDATES_BETWEEN_COMMITS * calls
-    for start in range(0, y.size, period):
-        _learn(sides, results, y[start : start + period], u[start : start + period])
+    y, u = stage_record(model, host, updates, seed)
+    for start in range(0, y.size, UPDATES_BETWEEN_COMMITS):
+        stop = start + UPDATES_BETWEEN_COMMITS
+        _learn(sides, results, y[start:stop], u[start:stop])
         answer = int(Commit.BUSY)
         while answer == Commit.BUSY:
             answer = _commit(sides, results, active)
-        last = slice(max(0, start + period - PREDICTED_AFTER_COMMIT), start + period)
+        last = slice(max(0, stop - PREDICTED_AFTER_COMMIT), stop)
         _predict(sides, results, y[last], u[last])
     return results
 

@@ -1,1 +1,1 @@
-"""What can be shown of the generated C without the target: other processors, warnings, rules, proofs."""
+"""Proofs of the generated C without the target: other processors, compiler warnings, MISRA rules, Frama-C."""

@@ -24,8 +24,8 @@ class _Hooks:
 def hooked(model: Model, texts: Mapping[str, str], lines: Mapping[str, Sequence[str]]) -> str:
     """`<name>.c` of generated `texts` with `lines` inserted at the hooks that bear their names.
 
-    The templates give the places. A text that was changed after its generation, by a guard taken out, keeps every hook
-    beside an unchanged line. Raises ModelError if both lines beside a hook have changed.
+    The templates give the places. In a text that has changed since its generation, for example without a guard, a hook
+    is found by an unchanged line before or behind it. Raises ModelError if both lines have changed.
     """
     source = texts[f"{model.name}.c"].splitlines(keepends=True)
     hooks = _hooks(model, texts)

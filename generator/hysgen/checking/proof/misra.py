@@ -1,8 +1,7 @@
 """MISRA C:2012 by cppcheck's add-on: every finding is either a listed deviation or an error.
 
-The add-on checks most of the decidable rules and none that need a human; it knows the numbers of the rules, not their
-texts, which may not be copied. Required rules are to have no finding at all; of the advisory ones, those in DEVIATIONS
-are not followed, each for its reason. A finding of any other rule is red.
+The add-on checks most of the decidable rules. It reports rules by number, because their texts may not be copied. The
+generated C follows every required rule, and every advisory rule except those of DEVIATIONS, which state the reason.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from hysgen.errors import BuildError
 
 @dataclass(frozen=True)
 class Deviation:
-    """A rule that the generated C does not follow; about: what it asks for, in our words; reason: why not here."""
+    """A rule that the generated C does not follow. about: the rule in own words. reason: for the deviation."""
 
     rule: str
     about: str
@@ -87,7 +86,7 @@ _ADDONS: Final = (
 
 @dataclass(frozen=True)
 class Finding:
-    """Where a rule is not followed."""
+    """A place where a rule is not followed."""
 
     rule: str
     file: str
@@ -183,7 +182,7 @@ def _addon() -> Path:
 
 
 def _run(call: Sequence[str], folder: Path) -> str:
-    """What a command says on both channels. Raises BuildError if it cannot do its work."""
+    """Standard output and error of a command. Raises BuildError if the command fails."""
     run = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
     # The add-on ends with 1 where it found something; what it cannot read it says in a traceback.
     if run.returncode not in (0, 1) or "Traceback" in run.stderr:

@@ -9,8 +9,9 @@ from pycparser import c_ast
 
 from hysgen.codegen.operations.counting import Program
 from hysgen.codegen.operations.counts import Counts
-from hysgen.codegen.operations.text import syntax_tree
+from hysgen.codegen.operations.text import concatenated, parsed
 from hysgen.codegen.operations.types import Types, words
+from hysgen.machine.cache import LruCache
 
 __all__ = ["Counts", "Figures", "figures"]
 
@@ -30,18 +31,26 @@ class Figures:
     constant_bytes: int
 
 
+_CACHE: LruCache[Figures] = LruCache(16)
+
+
 def figures(name: str, texts: Mapping[str, str]) -> Figures:
     """The figures of model `name` with the generated `texts` by file name.
 
     Raises HysgenError if the C code contains a statement without a fixed cost.
     """
-    program = Program(syntax_tree(texts, (f"{name}.h", f"{name}_params.h", f"{name}.c")))
-    header = Types()
-    for node in syntax_tree(texts, (f"{name}.h",)).ext:
+    header = concatenated(texts, (f"{name}.h",))
+    source = concatenated(texts, (f"{name}.h", f"{name}_params.h", f"{name}.c"))
+    return _CACHE.get((name, header, source), lambda: _counted(name, header, source))
+
+
+def _counted(name: str, header: str, source: str) -> Figures:
+    program, declared = Program(parsed(source, f"{name}.c")), Types()
+    for node in parsed(header, f"{name}.h").ext:
         if isinstance(node, c_ast.Typedef):
-            header.define(node)
+            declared.define(node)
     return Figures(
         operations={function.removeprefix(f"{name}_"): program.count(function) for function in program.public()},
-        struct_bytes={struct: _BYTES * words(program.types[struct]) for struct in header.structs},
+        struct_bytes={struct: _BYTES * words(program.types[struct]) for struct in declared.structs},
         constant_bytes=_BYTES * program.constant_words,
     )

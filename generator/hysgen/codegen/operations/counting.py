@@ -52,6 +52,7 @@ class Program:
     def __init__(self, tree: c_ast.FileAST) -> None:
         self.types = Types()
         self._functions: dict[str, c_ast.FuncDef] = {}
+        self._calls: dict[tuple[str | bool, ...], Counts] = {}
         self._globals = Scope()
         self.constant_words = 0
         for node in tree.ext:
@@ -76,6 +77,13 @@ class Program:
         return self._called(function, arguments)
 
     def _called(self, function: c_ast.FuncDef, arguments: Sequence[Value]) -> Counts:
+        """Operations of a call; they depend on the function and on which of its arguments are in memory."""
+        key = (function.decl.name, *(value.in_memory for value in arguments))
+        if key not in self._calls:
+            self._calls[key] = self._followed(function, arguments)
+        return self._calls[key]
+
+    def _followed(self, function: c_ast.FuncDef, arguments: Sequence[Value]) -> Counts:
         scope = Scope(dict(self._globals.names))
         for parameter, value in zip(_parameters(function), arguments, strict=True):
             kind = self.types.of(parameter.type)

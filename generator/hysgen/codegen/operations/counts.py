@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from typing import Self
 
@@ -27,21 +26,29 @@ class Counts:
     branch: int = 0
 
     def __add__(self, other: Self) -> Counts:
-        mine, theirs = dataclasses.astuple(self), dataclasses.astuple(other)
-        return Counts(*(a + b for a, b in zip(mine, theirs, strict=True)))
+        return Counts(
+            self.add + other.add,
+            self.multiply + other.multiply,
+            self.compare + other.compare,
+            self.convert + other.convert,
+            self.integer + other.integer,
+            self.load + other.load,
+            self.store + other.store,
+            self.branch + other.branch,
+        )
 
     def times(self, count: int) -> Counts:
         """The counts multiplied by `count`."""
-        return Counts(*(count * number for number in dataclasses.astuple(self)))
+        return Counts(*(count * number for number in vars(self).values()))
 
     @property
     def total(self) -> int:
         """Sum over all kinds."""
-        return sum(dataclasses.astuple(self))
+        return sum(vars(self).values())
 
     def to_json(self) -> dict[str, int]:
         """The counts by kind and their total, as JSON values."""
-        return {**dataclasses.asdict(self), "total": self.total}
+        return {**vars(self), "total": self.total}
 
     def describe(self) -> str:
         """The counts that are not zero, in one line of text."""

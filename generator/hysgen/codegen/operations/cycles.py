@@ -1,13 +1,13 @@
 """Cycles of the TMS320C6748, measured or estimated from operation counts, and the budget of a sample period.
 
     cycles = 60 + 0.75 operations + 20 branches          (stall-free, gcc 12.2 for the C674x)
-    cycles = 200 + 0.45 operations + 20 branches         for a call of learn
+    cycles = 60 + 0.58 operations + 20 branches          for a call of learn
 
 Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules, with and without terms and input
 blocks, compiled as in hysgen.c674x) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
 constant is the latency of exponential, sums and reciprocal in sequence; a branch costs its jump and the overlap of
-operations that it prevents. The elements of an update are independent and overlap: learners of 6 to 64 parameters with
-1 to 10 calls per update took 0.78 to 1.2 times the second estimate (benchmarks/target_cycles.py).
+operations that it prevents. The elements of an update are independent and overlap: learners of 1 to 36 parameters
+took 0.91 to 1.15 times the second estimate (benchmarks/target_cycles.py).
 tests/c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
 """
 
@@ -30,8 +30,7 @@ STEPS: Final = ("predict", "simulate", "inverse")
 EVERY_SAMPLE: Final = ("learn", "commit")
 """Functions that a controller calls in every sample besides."""
 
-_LATENCY, _PER_OPERATION, _PER_BRANCH = 60.0, 0.75, 20.0
-_LEARN_LATENCY, _LEARN_PER_OPERATION = 200.0, 0.45
+_LATENCY, _PER_OPERATION, _PER_LEARN_OPERATION, _PER_BRANCH = 60.0, 0.75, 0.58, 20.0
 
 
 @dataclass(frozen=True)
@@ -48,8 +47,8 @@ class Cycles:
 def estimated(counts: Counts, function: str = "predict") -> Cycles:
     """The estimate above for a call of `function`, named without the model's prefix."""
     straight = counts.total - counts.branch
-    latency, each = (_LEARN_LATENCY, _LEARN_PER_OPERATION) if function == "learn" else (_LATENCY, _PER_OPERATION)
-    return Cycles(round(latency + each * straight + _PER_BRANCH * counts.branch), measured=False)
+    each = _PER_LEARN_OPERATION if function == "learn" else _PER_OPERATION
+    return Cycles(round(_LATENCY + each * straight + _PER_BRANCH * counts.branch), measured=False)
 
 
 def cycles_of(operations: Mapping[str, Counts], measured: Mapping[str, int] | None = None) -> dict[str, Cycles]:
@@ -80,5 +79,5 @@ def require_budget(model: Model, cycles: Mapping[str, Cycles], clock_Hz: float =
         parts = ", ".join(f"{name} {cycles[name].value}" for name in (*STEPS, *EVERY_SAMPLE) if name in cycles)
         raise BudgetError(
             f"{model.name}: one sample takes {needed} ({parts}), the period of {1e6 * model.Ts_s:.4g} us has {allowed} "
-            f"at {clock_Hz / 1e6:.4g} MHz; fewer parameters, a learner spread over more calls, or a longer period"
+            f"at {clock_Hz / 1e6:.4g} MHz; learn less (--learn gain or bias), fit fewer rules, or sample more slowly"
         )

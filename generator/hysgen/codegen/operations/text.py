@@ -23,9 +23,18 @@ def syntax_tree(texts: Mapping[str, str], names: tuple[str, ...]) -> c_ast.FileA
 
     Raises HysgenError at a preprocessor directive that generated code does not use.
     """
+    return parsed(concatenated(texts, names), names[-1])
+
+
+def concatenated(texts: Mapping[str, str], names: tuple[str, ...]) -> str:
+    """The preprocessed text of the files `names`; the macros of a file are defined in the files after it."""
     macros: dict[str, str] = {"UINT32_MAX": "4294967295u"}
-    body = "".join(preprocessed(texts[name], macros) for name in names)
-    return CParser().parse(_PRELUDE + body, filename=names[-1])
+    return "".join(preprocessed(texts[name], macros) for name in names)
+
+
+def parsed(text: str, name: str) -> c_ast.FileAST:
+    """The syntax tree of a preprocessed text."""
+    return CParser().parse(_PRELUDE + text, filename=name)
 
 
 def preprocessed(text: str, macros: dict[str, str]) -> str:

@@ -45,7 +45,7 @@ class Residual:
     def amount(self, column: Floats) -> float:
         """Least-squares weight of `column`, (n,), for the residual, fitted jointly with all columns of the chain."""
         rows = self.scene.rows
-        orthogonal = self.projector.rest(column[rows])
+        orthogonal = self.projector.orthogonal_part(column[rows])
         return float(orthogonal @ self.fit.error[rows] / (orthogonal @ orthogonal + 1e-300))
 
     def responses(self, chain: Chain) -> list[Floats]:

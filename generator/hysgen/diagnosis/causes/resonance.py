@@ -79,7 +79,7 @@ class ResonanceCause(Cause):
         low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
         # The grid starts at a fiftieth of the corner frequency of the lag.
         low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
-        error = residual.projector.rest(residual.fit.error[scene.rows])
+        error = residual.projector.orthogonal_part(residual.fit.error[scene.rows])
         still = self.without(chain)
         bare = residual.responses(still)
         candidates = []
@@ -91,7 +91,7 @@ class ResonanceCause(Cause):
                 single = chain.having(ResonancePart((Mode(f_Hz, zeta, 1.0),)))
                 ring = [seen - stiff for seen, stiff in zip(residual.responses(single), bare, strict=True)]
                 rings[i] = np.concatenate(ring)[scene.rows]
-            rings = residual.projector.rest(rings)
+            rings = residual.projector.orthogonal_part(rings)
             powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
             shares = rings @ error / powers
             candidates += list(

@@ -58,7 +58,7 @@ class Projector:
         factor, lower = self.factor
         return np.asarray(solve_triangular(factor, self.columns, trans="N" if lower else "T", lower=lower))
 
-    def rest(self, signal: Floats) -> Floats:
+    def orthogonal_part(self, signal: Floats) -> Floats:
         """Component of `signal`, (n,) or (c, n), orthogonal to the columns."""
         return np.asarray(signal - cho_solve(self.factor, self.columns @ signal.T).T @ self.columns)
 
@@ -87,7 +87,7 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
     damping = 1e-3
     for _ in range(rounds):
         jacobian = sensitivities(scene, best, projector)
-        error = projector.rest(y_um)
+        error = projector.orthogonal_part(y_um)
         norm = np.sqrt((jacobian**2).sum(axis=1)) + 1e-300
         scaled = jacobian / norm[:, None]
         gram, slope = scaled @ scaled.T, scaled @ error
@@ -120,7 +120,7 @@ def sensitivities(scene: Scene, fit: Fit, projector: Projector) -> Floats:
         chain = fit.chain.at(shifted)
         here = paths if chain.amplifier == fit.chain.amplifier else scene.paths(chain, fit.weights)
         moved[i] = (scene.seen(here, chain, fit.weights)[scene.rows] - base) / size
-    return projector.rest(moved)
+    return projector.orthogonal_part(moved)
 
 
 def rms(values: Floats) -> float:

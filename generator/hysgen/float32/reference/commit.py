@@ -118,15 +118,13 @@ class Committer:
                 offset = learner.base.offset[:, None] + self.theta[0] * learner.model_numbers.strength[:, None]
                 self.bank["offset"] = np.where(where, offset, self.bank["offset"])
                 continue
-            rows = self.bank["weight" if parameter.group == "terms" else parameter.group]
+            rows = self.bank[parameter.group]
             number = self.theta[i] * learner.numbers.per_scale[i]
             rows[parameter.index] = np.where(where, number, rows[parameter.index])
 
     def _over_budget(self) -> Mask:
         """Whether sum_j gamma_j |theta_j - weight_j|, weight_j of the model, exceeds the budget; (lanes,)."""
         moved = np.zeros_like(self.gain_remainder_um_per_V)
-        if not self.learner.numbers.learns("terms"):
-            return np.zeros(moved.size, np.bool_)
         for j, weight in enumerate(self.bank["weight"]):
             moved = moved + self.numbers.gammas[j] * magnitude(weight - self.numbers.weights[j])
         return np.asarray(moved > self.numbers.weight_budget)

@@ -15,15 +15,13 @@ from hysgen.model.float32_arithmetic import Floats32, bits_of, float_of, recipro
 from hysgen.model.float32_constants import MAGNITUDE_BITS, ROUNDING
 
 
-def project(u: Floats32, x: Floats32, first: int, last: int) -> Floats32:
-    """f_j = sum_{i<j} U_ij x_i + x_j for first <= j < last."""
-    f = np.zeros((last - first, x.shape[1]), np.float32)
-    for i in range(last):
-        if i >= first:
-            f[i - first] = x[i] if i == 0 else f[i - first] + x[i]
-        begin = max(first, i + 1)
-        products = u[i, begin:last] * x[i]
-        f[begin - first :] = products if i == 0 else f[begin - first :] + products
+def project(u: Floats32, x: Floats32) -> Floats32:
+    """f_j = sum_{i<j} U_ij x_i + x_j."""
+    f = np.zeros_like(x)
+    for i in range(len(x)):
+        f[i] = x[i] if i == 0 else f[i] + x[i]
+        products = u[i, i + 1 :] * x[i]
+        f[i + 1 :] = products if i == 0 else f[i + 1 :] + products
     return f
 
 
@@ -51,17 +49,10 @@ def quotients(f: Floats32, alpha: Floats32) -> tuple[Floats32, Floats32, Floats3
     return -slope, kept, per_alpha[-1]
 
 
-def factor(
-    u: Floats32,
-    k: Floats32,
-    slope: Floats32,
-    g: Floats32,
-    first: int,
-    last: int,
-) -> tuple[Floats32, Floats32]:
-    """U and k after columns first .. last - 1; slope: the l_j of `quotients`."""
-    u, k = u.copy(), k.copy()
-    for j in range(first, last):
+def factor(u: Floats32, slope: Floats32, g: Floats32) -> tuple[Floats32, Floats32]:
+    """U and k = P x; slope: the l_j of `quotients`."""
+    u, k = u.copy(), np.empty_like(g)
+    for j in range(len(g)):
         column = u[:j, j].copy()
         u[:j, j] = on_grid(column + k[:j] * slope[j], FACTOR_GRID)
         k[:j] = k[:j] + column * g[j]

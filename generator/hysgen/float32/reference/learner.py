@@ -8,8 +8,6 @@ with the outlier gate, limits and restarts of docs/learning.md.
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from hysgen.float32.learner_numbers import FAST, LEAST_VARIANCE, REGRESSOR_GRID, SLOW
@@ -26,8 +24,7 @@ from hysgen.float32.reference.factorised import (
 from hysgen.float32.reference.learner_state import LAST, LearnerState, Mask
 from hysgen.float32.reference.rules import polynomial, powers, ratio, rule_sums
 from hysgen.float32.reference.safety import finite, limited
-from hysgen.float32.update_schedule import WRITTEN_OUT
-from hysgen.model.float32_arithmetic import Floats32, Words, bits_of, float_of, flushed, reciprocal
+from hysgen.model.float32_arithmetic import Floats32, bits_of, float_of, flushed, reciprocal
 from hysgen.model.float32_constants import MAGNITUDE_BITS
 
 _ONE, _TWO, _FOUR, _ZERO = np.float32(1.0), np.float32(2.0), np.float32(4.0), np.float32(0.0)
@@ -48,23 +45,20 @@ class Learner(LearnerState):
         usable = (y_lost == 0) & ~((y < numbers.y_low_um) | (y > numbers.y_high_um))
         away = u - self.mean_u_V
         self.count_event("rejected", ~usable | (u_lost != 0))
-        taking = (self.phase == 0) & (self.fresh != 0) & usable
-        before = self.phase
-        innovation = self._evaluate_reading(taking, np.where(taking, y, self.y_um))
+        taking = (self.fresh != 0) & usable
+        innovation, begun = self._evaluate_reading(taking, np.where(taking, y, self.y_um))
         for term in self.terms:
             term.correct(np.where(taking, innovation, _ZERO))
-        self._continue_update()
-        self._continue_restart(before)
-        keeping = (self.phase == 0) & usable & (u_lost == 0)
-        self._store_regressors(keeping, y, w)
+        self._update(begun)
+        self._store_regressors(usable & (u_lost == 0), y, w)
         self.rested = (magnitude(away) < numbers.rest_V).astype(np.uint32)
         self.mean_u_V = flushed(self.mean_u_V + _FAST * away)
         self.u_V = u
         for term in self.terms:
             term.advance(w)
 
-    def _evaluate_reading(self, where: Mask, y: Floats32) -> Floats32:
-        """Innovation e = y - x' theta - fixed_um [um], (lanes,); restarts the shadow or begins an update with e."""
+    def _evaluate_reading(self, where: Mask, y: Floats32) -> tuple[Floats32, Mask]:
+        """Innovation e = y - x' theta - fixed_um [um], (lanes,), and the lanes in which an update with e begins."""
         shadow, other = self.x[0] * self.theta[0], self.x[0] * self.reference[0]
         for i in range(1, self.numbers.size):
             shadow = shadow + self.x[i] * self.theta[i]
@@ -77,8 +71,9 @@ class Learner(LearnerState):
         lost = self._restart_needed(where, e, reference, y - self.y_um)
         self.count_event("restarts", lost)
         self.restart(lost)
-        self._begin(where & ~lost, e)
-        return e
+        begun = where & ~lost
+        self._begin(begun, e)
+        return e, begun
 
     def _restart_needed(self, where: Mask, e: Floats32, reference: Floats32, step: Floats32) -> Mask:
         """Update the running means; true where the shadow, after its settling time, fails the restart test.
@@ -120,52 +115,22 @@ class Learner(LearnerState):
         self.turn = np.where(refreshing, following, self.turn)
         self.since_refresh = np.where(where, np.where(measuring, since, 0), self.since_refresh).astype(np.uint32)
         self.measuring = np.where(where, measuring, self.measuring).astype(np.uint32)
-        self.phase = np.where(where, np.uint32(1), self.phase)
 
-    def _continue_update(self) -> None:
-        """Do one call's part of the update in every lane with an update in progress."""
-        schedule = self.numbers.schedule
-        projects, factors = list(itertools.pairwise(schedule.project)), list(itertools.pairwise(schedule.factor))
-        begun = self.phase
-        if schedule.single_call:
-            busy = begun != 0
-            self._project(busy, *projects[0])
-            self._update_diagonal(busy)
-            self._update_factor(self.phase != 0, *factors[0])
-            self._update_theta(self.phase != 0)
-            return
-        for phase, columns in enumerate(projects, 1):
-            where = begun == phase
-            self._project(where, *columns)
-            self.phase = np.where(where, np.uint32(phase + 1), self.phase)
-            if phase == len(projects):
-                self._update_diagonal(where)
-        for phase, columns in enumerate(factors, 1 + len(projects)):
-            where = begun == phase
-            self._update_factor(where, *columns)
-            if phase == schedule.calls:
-                self._update_theta(where)
-            else:
-                self.phase = np.where(where, np.uint32(phase + 1), self.phase)
+    def _update(self, where: Mask) -> None:
+        """The update of P and theta with the x, the innovation and the forgetting factor that `_begin` stored."""
+        self._project(where)
+        accepted = self._update_diagonal(where)
+        self._update_factor(accepted)
+        self._update_theta(accepted)
 
-    def _continue_restart(self, begun: Words) -> None:
-        """Write the next columns of U = I in every lane that began the call in a restart."""
-        schedule = self.numbers.schedule
-        for phase, columns in enumerate(itertools.pairwise(schedule.factor), schedule.clearing):
-            where = begun == phase
-            self.clear(where, *columns)
-            following = np.uint32(phase + 1 if phase < schedule.phases else 0)
-            self.phase = np.where(where, following, self.phase)
+    def _project(self, where: Mask) -> None:
+        """f = U' x and g = D f."""
+        f = project(self.u, self.x)
+        g = gains(self.d * self.inflate, f)
+        self.f, self.g = np.where(where, f, self.f), np.where(where, g, self.g)
 
-    def _project(self, where: Mask, first: int, last: int) -> None:
-        """f = U' x and g = D f in columns first .. last - 1."""
-        f = project(self.u, self.x, first, last)
-        g = gains(self.d[first:last] * self.inflate, f)
-        self.f[first:last] = np.where(where, f, self.f[first:last])
-        self.g[first:last] = np.where(where, g, self.g[first:last])
-
-    def _update_diagonal(self, where: Mask) -> None:
-        """alpha_j, l_j = -f_j/alpha_(j-1) and D_j in the lanes whose innovation is accepted."""
+    def _update_diagonal(self, where: Mask) -> Mask:
+        """alpha_j, l_j = -f_j/alpha_(j-1) and D_j in the lanes whose innovation is accepted; returns those lanes."""
         numbers = self.numbers
         alpha = denominators(self.f, self.g)
         before = alpha[-1]
@@ -173,9 +138,7 @@ class Learner(LearnerState):
         self.count_event("restarts", wild)
         self.restart(wild)
         where = where & ~wild
-        refused = self._excluded(where & (self.measuring != 0), before)
-        self.phase = np.where(refused, np.uint32(0), self.phase)
-        where = where & ~refused
+        where = where & ~self._excluded(where & (self.measuring != 0), before)
         slope, kept, per_alpha = quotients(self.f, alpha)
         d, ceiling = (self.d * self.inflate) * kept, numbers.ceiling[:, None]
         clamped = (d < _LEAST_VARIANCE) | (d > ceiling)
@@ -183,6 +146,7 @@ class Learner(LearnerState):
         self.l, self.d = np.where(where, slope, self.l), np.where(where, d, self.d)
         self.per_alpha = np.where(where, per_alpha, self.per_alpha)
         self.count_event("clamped", where & clamped.any(axis=0))
+        return where
 
     def _excluded(self, where: Mask, alpha: Floats32) -> Mask:
         """True for outliers and innovations in the dead zone; updates the running mean of |innovation|."""
@@ -207,10 +171,9 @@ class Learner(LearnerState):
         self.count_event("quiet", where & quiet)
         return where & (outlier | quiet)
 
-    def _update_factor(self, where: Mask, first: int, last: int) -> None:
-        """U and k in columns first .. last - 1."""
-        k = np.zeros_like(self.k) if first == 0 and self.numbers.size > WRITTEN_OUT else self.k
-        u, k = factor(self.u, k, self.l, self.g, first, last)
+    def _update_factor(self, where: Mask) -> None:
+        """U and k = P x."""
+        u, k = factor(self.u, self.l, self.g)
         self.u, self.k = np.where(where, u, self.u), np.where(where, k, self.k)
 
     def _update_theta(self, where: Mask) -> None:
@@ -225,7 +188,6 @@ class Learner(LearnerState):
         self.theta_low = np.where(where, low, self.theta_low)
         self.theta = np.where(where, theta, self.theta)
         beyond = where & (bits_of(magnitude(theta)) >= bits_of(np.asarray(numbers.limit_um))).any(axis=0)
-        self.phase = np.where(where, np.uint32(0), self.phase)
         self.count_event("restarts", beyond)
         self.restart(beyond)
         counted = where & ~beyond
@@ -241,14 +203,11 @@ class Learner(LearnerState):
         firing = [
             power * per_weight * scale for power, scale in zip(powers(r, model.rules), numbers.firing, strict=True)
         ]
-        phi = [regressor for term in self.terms for regressor in term.regressors()]
         share = {"slope": y * numbers.per_y, "gain": v * numbers.per_u}
         rows = []
         for parameter in numbers.parameters:
             j = parameter.index
-            if parameter.group == "terms":
-                row = phi[j] * numbers.per_phi[j]
-            elif parameter.group == "bias":
+            if parameter.group == "bias":
                 row = np.ones_like(y)
             elif parameter.group == "offset":
                 row = firing[j]
@@ -256,12 +215,12 @@ class Learner(LearnerState):
                 row = firing[j] * share[parameter.group]
             rows.append(on_grid(row, REGRESSOR_GRID))
         self.x = np.where(where, np.stack(rows), self.x)
-        self.fixed_um = np.where(where, self._fixed(y, v, per_weight, phi), self.fixed_um)
+        self.fixed_um = np.where(where, self._fixed(y, v, per_weight), self.fixed_um)
         self.fresh = np.where(where & (outside == 0), np.uint32(1), np.uint32(0))
         self.y_um = np.where(where, y_um, self.y_um)
         self.count_event("outside", where & (outside != 0))
 
-    def _fixed(self, y: Floats32, v: Floats32, per_weight: Floats32, phi: list[Floats32]) -> Floats32:
+    def _fixed(self, y: Floats32, v: Floats32, per_weight: Floats32) -> Floats32:
         """The part of the prediction y(k+1) whose parameters are not learned [um], (lanes,)."""
         sums = rule_sums(self.model_numbers, self.base, y)
         parts = {"slope": y * sums.slope, "offset": sums.offset, "gain": v * sums.gain}
@@ -271,7 +230,8 @@ class Learner(LearnerState):
                 total = part if total is None else total + part
         if total is not None:
             total = total * per_weight
-        if phi and not self.numbers.learns("terms"):
+        phi = [regressor for term in self.terms for regressor in term.regressors()]
+        if phi:
             extra = self.base.weight[0] * phi[0]
             for theta, regressor in zip(self.base.weight[1:], phi[1:], strict=True):
                 extra = extra + theta * regressor

@@ -12,7 +12,6 @@ from hysgen.float32.learner_numbers import LearnerNumbers, learner_numbers
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.struct_words import Holds, Restart, Start
-from hysgen.float32.update_schedule import WRITTEN_OUT
 from hysgen.model.model import Model
 
 Mask = NDArray[np.bool_]
@@ -48,13 +47,10 @@ class LearnerState(LearnerWords):
         self.reference = np.repeat(np.array(start, np.float32)[:, None], lanes, axis=1)
         self.counters = {name: np.zeros(lanes, np.uint32) for name in self.COUNTERS}
         self.inputs, self.terms = copy.deepcopy(instance.inputs), copy.deepcopy(instance.terms)
-        every = np.ones(lanes, np.bool_)
-        self.restart(every)
-        self.clear(every, 0, n)
-        self.phase = np.zeros(lanes, np.uint32)
+        self.restart(np.ones(lanes, np.bool_))
 
     def restart(self, where: Mask) -> None:
-        """Reset to the reference parameters and the prior; U = I is written at once or by the next calls."""
+        """Reset to the reference parameters and the prior, P = alpha I with U = I."""
         if not where.any():
             return
         numbers = self.numbers
@@ -68,19 +64,7 @@ class LearnerState(LearnerWords):
                 zero = _ZERO if member.type == "float" else np.uint32(0)
                 value = values.get(member.restart, zero)
                 setattr(self, member.name, np.where(where, value, getattr(self, member.name)))
-        if numbers.schedule.single_call:
-            self.clear(where, 0, numbers.size)
-            self.phase = np.where(where, np.uint32(0), self.phase)
-        else:
-            self.phase = np.where(where, np.uint32(numbers.schedule.clearing), self.phase)
-
-    def clear(self, where: Mask, first: int, last: int) -> None:
-        """Set U = I in columns first .. last - 1; packed columns have no diagonal."""
-        columns = slice(first, last)
-        self.u[:, columns] = np.where(where, _ZERO, self.u[:, columns])
-        if self.numbers.size > WRITTEN_OUT:
-            diagonal = np.arange(first, last)
-            self.u[diagonal, diagonal] = np.where(where, _ONE, self.u[diagonal, diagonal])
+        self.u = np.where(where, _ZERO, self.u)
 
     def count_event(self, event: str, happened: Mask) -> None:
         """Set the status bit of `event` and increment its counter where `happened`."""
@@ -96,14 +80,12 @@ class LearnerState(LearnerWords):
         self.counters[event] = count + (happened & (count < LAST)).astype(np.uint32)
 
     def stored(self) -> list[tuple[int, int]]:
-        """(i, j) of every U_ij that the C struct stores, in the order of the struct: packed or whole columns."""
-        n = self.numbers.size
-        packed = n <= WRITTEN_OUT
-        return [(i, j) for j in range(n) for i in range(j if packed else n)]
+        """(i, j) of every U_ij above the diagonal, in the order of the struct: column by column."""
+        return [(i, j) for j in range(self.numbers.size) for i in range(j)]
 
     def _number(self, i: int) -> np.float32:
         """The initial bank number of parameter i; 0 for the bias, which is not part of the bank."""
         parameter = self.numbers.parameters[i]
         table = {"slope": self.base.slope, "gain": self.base.gain, "offset": self.base.offset}
-        table |= {"terms": self.base.weight, "bias": np.zeros(1, np.float32)}
+        table |= {"bias": np.zeros(1, np.float32)}
         return np.float32(table[parameter.group][parameter.index])

@@ -1,4 +1,4 @@
-"""What `.plot()` of a result draws: `record.plot()`, `model.plot(record)`, `study.plot("time")`."""
+"""Pictures of the method `.plot()` of a result: `record.plot()`, `model.plot(record)`, `study.plot("time")`."""
 
 from __future__ import annotations
 

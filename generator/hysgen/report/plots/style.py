@@ -1,4 +1,4 @@
-"""What all pictures share: colours that colour-blind readers can tell apart, axes, file formats, title and alt text."""
+"""Common style of all pictures: colours for colour-blind readers, axes, file formats, title and alt text."""
 
 from __future__ import annotations
 

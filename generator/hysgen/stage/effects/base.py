@@ -1,4 +1,4 @@
-"""The contract of an effect: what its file says about it, and where it may act in the plant."""
+"""Interface of an effect: its attributes, and the places of the plant where it may act."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Tolerance:
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """What is known of a bank scenario when an effect is drawn for it.
+    """The numbers of a bank scenario for which an effect is drawn.
 
     u_V: (n,) command. span_um: displacement over the range of the command. share: strength that the scenario has drawn
     for this effect, 0.002 to 0.05 of span_um; 0 for an effect outside the vocabulary. channels: further channels.

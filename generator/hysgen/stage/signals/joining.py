@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 class SignalError(HysgenError):
-    """A signal is asked for that does not exist at this sampling period, or that jumps by more than allowed."""
+    """A signal does not exist at the sampling period, or jumps by more than allowed."""
 
 
 def clock(Ts_s: float, duration_s: float) -> Floats:

@@ -52,7 +52,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class BankResult:
-    """The judgements of a run in the order of the seeds; asked: number of records that the run was asked for."""
+    """The judgements of a run in the order of the seeds; asked: number of records of the complete run."""
 
     judgements: tuple[Judgement, ...]
     seeds: tuple[int, ...]
@@ -60,7 +60,7 @@ class BankResult:
 
     @property
     def complete(self) -> bool:
-        """Whether every record that was asked for is judged."""
+        """Whether every record of the run is judged."""
         return len(self.judgements) == self.asked
 
     def judged(self) -> list[Judgement]:
@@ -87,7 +87,7 @@ class BankResult:
         return _share([not set(judgement.named) <= set(judgement.planted) for judgement in self.quiet()])
 
     def confusion(self) -> dict[str, dict[str, int]]:
-        """How often each cause was named where each was required; "nothing": no cause but memory was planted."""
+        """Number of records by required cause and named cause; "nothing": no cause but memory was planted."""
         table: dict[str, dict[str, int]] = {}
         for judgement in self.judged():
             required, planted, named = (

@@ -112,7 +112,7 @@ def _tracking_table(tracked: Sequence[Tracking]) -> str:
 
 
 def _agreement_table(agreements: Sequence[LearnerAgreement]) -> str:
-    """One-step e_rms in nm of Eq. (10) in float64 and of the learner in generated C, on a record neither has seen."""
+    """One-step e_rms in nm of Eq. (10) in float64 and of the learner in generated C, on a record held out from both."""
     rows = [
         [a.title, f"{1e3 * a.float64_um:.4f}", f"{1e3 * a.learned_um:.4f}", f"{100.0 * a.excess:+.3f} %"]
         for a in agreements

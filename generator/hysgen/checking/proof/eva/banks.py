@@ -1,9 +1,9 @@
-"""The numbers that a bank may hold: the model's own, and whatever a learner may commit in their place.
+"""Intervals of the numbers of a bank: the model's own, and all that a learner may commit in their place.
 
-commit takes over parameters within their limit (`bank_box`), and of those only banks whose gain it has found between
-its floor and its ceiling over the whole range: at check points with Taylor bounds between them (`commit_numbers.py`).
-The first is proved of the generated C; the second is a theorem about check points, which an analysis by intervals
-cannot see: it is told so (`told_gain`), with what rounding may take off.
+commit accepts parameters within their limit (`bank_box`) whose gain lies between floor and ceiling over the whole
+range; it evaluates the gain at check points, with Taylor bounds between them (`commit_numbers.py`). The limit is proved
+of the generated C. The bounds of the gain are a theorem that an interval analysis cannot derive; the proof assumes them
+(`committed_gain_annotation`), less a bound of the rounding errors.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from hysgen.float32.learner_numbers import learner_numbers
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.model import Model
 
-SEEN: Final = 4.0
-"""Times an output's largest magnitude: what intervals see of it."""
+INTERVAL_EXCESS: Final = 4.0
+"""Ratio of the magnitude that an interval analysis gives for an output to its largest magnitude."""
 
 ROUNDINGS: Final = 64.0 * 2.0**-24
-"""What rounding may add to a sum over the rules or to a check point, per largest number of the bank, generously."""
+"""Bound of the rounding error of a sum over the rules or of a check point, per largest number of the bank."""
 
 
 def bank_box(model: Model) -> dict[str, Interval]:
@@ -38,20 +38,23 @@ def bank_box(model: Model) -> dict[str, Interval]:
     box = {f"{group}[{i}]": _at(x) for group, values in groups.items() for i, x in enumerate(values)}
     for parameter, per_scale in zip(numbers.parameters, numbers.per_scale, strict=True):
         reach = symmetric(float(numbers.limit_um) * float(per_scale))
-        names = {"terms": [f"weight[{parameter.index}]"], "bias": [f"offset[{i}]" for i in range(len(bank.offset))]}
-        for path in names.get(parameter.group, [f"{parameter.group}[{parameter.index}]"]):
-            box[path] = reach.hull(box[path]).outwards(reach.high if parameter.group == "bias" else 0.0)
+        if parameter.group == "bias":
+            for i in range(len(bank.offset)):
+                box[f"offset[{i}]"] = reach.hull(box[f"offset[{i}]"]).outwards(reach.high)
+        else:
+            path = f"{parameter.group}[{parameter.index}]"
+            box[path] = reach.hull(box[path]).outwards()
     return box
 
 
 def committed_box(model: Model) -> dict[str, Interval]:
-    """`instance_box` of a model that learns: with any bank, y_um reaches further."""
+    """`instance_box` of a model that learns: the interval of y_um is wider, because any bank may be active."""
     box, banks, numbers = instance_box(model), bank_box(model), coefficients(model)
     most = {group: _most(banks, group, numbers.strength) for group in ("slope", "offset", "gain")}
     y = max(abs(model.grid.y_min_um), abs(model.grid.y_max_um))
     u = max(abs(model.u_min_V), abs(model.u_max_V))
     extra = sum(banks[f"weight[{j}]"].magnitude * size for j, size in enumerate(regressor_sizes(model)))
-    reach = SEEN * (most["slope"] * y + most["offset"] + most["gain"] * u + extra)
+    reach = INTERVAL_EXCESS * (most["slope"] * y + most["offset"] + most["gain"] * u + extra)
     return box | {"y_um": symmetric(reach).hull(box["y_um"]).outwards()}
 
 
@@ -61,9 +64,9 @@ def state_box(model: Model) -> dict[str, Interval]:
 
 
 def committed_gain(model: Model) -> Interval:
-    """sum v_l q_l2 / sum v_l, times its sign, in the float32 of the generated C, over the range: what commit lets pass.
+    """Interval of sum v_l q_l2 / sum v_l, times its sign, in float32 over the range, for all banks that commit accepts.
 
-    Raises ModelError if rounding might take all of it.
+    Raises ModelError if the bound of the rounding errors exceeds the floor of the gain.
     """
     numbers = commit_numbers(model, coefficients(model), certify(model))
     lost = ROUNDINGS * _most(bank_box(model), "gain", coefficients(model).strength)
@@ -72,16 +75,16 @@ def committed_gain(model: Model) -> Interval:
     return Interval(float(numbers.gain_floor) - lost, float(numbers.gain_ceiling) + lost)
 
 
-def told_gain(model: Model) -> str:
-    """What commit guarantees of a bank, as the line that the proof inserts where the inverse divides by the gain."""
+def committed_gain_annotation(model: Model) -> str:
+    """`committed_gain` as an assumption in ACSL, for the hook where the inverse divides by the gain."""
     sign = float(commit_numbers(model, coefficients(model), certify(model)).sign)
-    gain, told = committed_gain(model), "sums.gain" if sign > 0 else "-sums.gain"
+    gain, signed = committed_gain(model), "sums.gain" if sign > 0 else "-sums.gain"
     low, high = (hexadecimal(end)[:-1] for end in (gain.low, gain.high))
-    return f"    //@ admit committed: {low} * sums.weight <= {told} <= {high} * sums.weight;"
+    return f"    //@ admit committed: {low} * sums.weight <= {signed} <= {high} * sums.weight;"
 
 
 def _most(banks: Mapping[str, Interval], group: str, strength: Floats32) -> float:
-    """Largest magnitude of a rule's number of `group`, its strength taken off: no convex sum of them is larger."""
+    """Largest magnitude of a number of `group` divided by the strength of its rule, a bound of every convex sum."""
     return max(banks[f"{group}[{i}]"].magnitude / float(w) for i, w in enumerate(strength))
 
 

@@ -1,13 +1,13 @@
-"""The certified box: for every float of a generated instance, the interval that it never leaves.
+"""The certified box: an interval for every float of a generated instance that no call leaves.
 
-The proof assumes the box of the state before a call and demands it afterwards: so it holds for ever. It is made of
-what every term and input block says of its own state (`Term.box`, `InputBlock.box`), and for y_um of the convexity of
-Eq. (4),
+The proof assumes the box of the state before a call and demands it after the call; by induction it holds for every
+sequence of calls. The box consists of those of the terms and input blocks (`Term.box`, `InputBlock.box`), and of the
+interval of y_um by the convexity of Eq. (4),
 
     min_l (q_l1 y + q_l2 v + q_l3)  <=  sum_l p_l (q_l1 y + q_l2 v + q_l3)  <=  max_l (q_l1 y + q_l2 v + q_l3)
 
-widened by WIDENED for rounding and for what an analysis by intervals cannot see. Flags, counters and phases may be
-anything.
+widened by WIDENED for rounding and for the excess of interval arithmetic. Flags, counters and phases may have
+any value.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from hysgen.model.model import Model
 from hysgen.model.twofloat import LIMIT
 
 WIDENED: Final = 0.5
-"""By this part of its width the interval of a sum over the rules is widened on either side."""
+"""Part of its width by which the interval of a sum over the rules is widened at either end."""
 
 KEPT: Final = float(LIMIT)
-"""The generated code keeps accumulated states below this magnitude."""
+"""Limit of the magnitude of accumulated states in the generated code."""
 
 
 @dataclass(frozen=True)
 class PartsBox:
-    """What the terms and the input blocks of a model never leave.
+    """The boxes of the terms and the input blocks of a model.
 
     floats: C path in `<name>_t` -> interval; integers: C path -> largest value, of the integers that have one.
-    applied_V: what reaches the stage. command_V: what is commanded, by the caller or by the inverse.
+    applied_V: voltage behind the input blocks. command_V: voltage commanded by the caller or by the inverse.
     regressors: largest magnitude of the regressors of every term, term by term.
     """
 
@@ -91,7 +91,7 @@ def regressor_sizes(model: Model) -> list[float]:
 
 
 def _rules(model: Model, applied: Interval) -> Interval:
-    """Extremes of every rule's consequent over the ranges of y and v: it is affine, so they lie at corners."""
+    """Extremes of the rules' consequents over the ranges of y and v; an affine function has them at the corners."""
     y = np.array([model.grid.y_min_um, model.grid.y_max_um])
     v = np.array([applied.low, applied.high])
     q = model.consequents

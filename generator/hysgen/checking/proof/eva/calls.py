@@ -1,11 +1,11 @@
-"""What Eva is given: one call of a generated function from any state of the certified box, and what must hold then."""
+"""The program that Eva analyses for one call: any state of the box before the call, checks of the state after it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from hysgen.checking.proof.eva.banks import told_gain
+from hysgen.checking.proof.eva.banks import committed_gain_annotation
 from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.frama import Floats, Verdict, analyse
 from hysgen.checking.proof.eva.splits import case_lines, splits
@@ -20,15 +20,15 @@ from hysgen.model.terms import channels_of
 ENTRY: Final = "step.c"
 
 FUNCTIONS: Final[Mapping[str, int]] = {"init": 2, "predict": 2, "simulate": 1, "inverse": 2, "aux": 0}
-"""Functions of an instance, and how many floats they take."""
+"""Functions of an instance and the number of their float arguments."""
 
 
 FINITE_CHECKED: Final[Mapping[str, Sequence[str]]] = {
     f"is_finite: {word}": [rf"    //@ check finite: \is_finite({word});"] for word in ("finite", "y", "u_finite")
 }
-"""A check behind every input that was looked at, by hook: from there on it is finite, whatever came in.
+"""A check behind the replacement of non-finite inputs, by hook: the number is finite for every input.
 
-With it the rest of the call is what the proof for finite inputs has seen.
+If these checks hold, the proof for finite inputs covers the rest of the call.
 """
 
 
@@ -41,7 +41,7 @@ def functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
 def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[dict[str, str], int]:
     """The C that Eva analyses for one call, and the number of its checks.
 
-    inputs: every finite float, or any 32 bits. Raises ModelError if the model holds what the proof does not know.
+    inputs: every finite float, or any 32 bits. Raises ModelError for a state without a box.
     """
     name, known = model.name, instance_words(model, texts)
     banks = [] if function == "init" else bank_words(model)
@@ -50,7 +50,7 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
     if inputs == "any":
         lines |= FINITE_CHECKED
     if function == "inverse" and banks:
-        lines |= {"inverse: sums": [told_gain(model)]}
+        lines |= {"inverse: sums": [committed_gain_annotation(model)]}
     source = hooked(model, texts, lines)
     facts = {
         "name": name,
@@ -66,6 +66,6 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
 
 
 def prove_call(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:
-    """What Eva says of one call, and how many checks it must have come to."""
+    """Eva's verdict on one call, and the number of checks that a complete analysis reaches."""
     sources, checks = step(model, texts, function, inputs)
     return analyse(sources, ENTRY, inputs), checks

@@ -1,4 +1,4 @@
-"""What Eva is given for one call of commit: any shadow within its limits, any candidate, any phase."""
+"""The program that Eva analyses for one call of commit: any shadow within its limits, any candidate, any phase."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from hysgen.model.model import Model
 def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str], int]:
     """The C that Eva analyses for one call of commit, and the number of its checks.
 
-    The learner's parameters and its candidate are in their boxes, and so must both banks be after the call. A candidate
-    that is being checked has a check point left; any other may have come to their end.
+    The learner's parameters and its candidate are in their boxes before the call; the checks demand the boxes of both
+    banks after it. In the phase of checking, the index of the next check point is below their number.
     """
     name, numbers = model.name, learner_numbers(model, coefficients(model))
     points = commit_numbers(model, coefficients(model), certify(model)).points
@@ -43,7 +43,7 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     known += [integer_word("self", "active", 1), integer_word("learner", "candidate.phase", 3)]
     known += [integer_word("learner", "age")]
     facts = {"name": name, "words": known, "points": points}
-    # Asked where commit returns, case by case: afterwards the cases are taken together.
+    # Checked at the return of commit, where the cases are still separate.
     unfinished = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
     lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [unfinished]}
     source = hooked(model, texts, lines | beyond_contract(name))
@@ -52,7 +52,7 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
 
 
 def prove_commit(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
-    """What Eva says of one call of commit, and how many checks it must have come to."""
+    """Eva's verdict on one call of commit, and the number of checks that a complete analysis reaches."""
     sources, checks = commit_step(model, texts)
     options = ["-eva-use-spec", f"{model.name}_beyond", "-eva-split-return-function", f"{model.name}_snapshot:0"]
     return analyse(sources, ENTRY, "finite", options=options), checks

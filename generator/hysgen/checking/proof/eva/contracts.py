@@ -22,9 +22,9 @@ from hysgen.float32.learner_words import LearnerWords
 from hysgen.model.model import Model
 
 WRITES: Final[Mapping[str, tuple[str, ...]]] = {
-    kind: LearnerWords.written_by(kind) for kind in ("project", "factor", "clear", "step")
+    function: LearnerWords.written_by(function) for function in ("project", "factor", "clear", "step")
 }
-"""Words of the learner that each kind of function of an update writes, and no other."""
+"""Words of the learner that each function of an update writes, and no other."""
 
 _RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
 
@@ -36,28 +36,28 @@ LOOKED_AT: Final = "looked_at"
 """Parameter whose cases are distinguished: a number of the analysis, not of the generated C."""
 
 
-def update_functions(model: Model, texts: Mapping[str, str]) -> dict[str, str]:
-    """Name without prefix -> which of WRITES, of every function of an update with a contract, in the text's order."""
-    functions = [name.removeprefix("contract: ") for name in hook_names(model, texts) if name.startswith("contract: ")]
-    return {function: kind for function in functions if (kind := function.split("_")[0]) in WRITES}
+def update_functions(model: Model, texts: Mapping[str, str]) -> list[str]:
+    """The functions of WRITES that the generated C has, without prefix; a learner of one parameter has no `clear`."""
+    hooks = hook_names(model, texts)
+    return [function for function in WRITES if f"contract: {function}" in hooks]
 
 
 def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
     """A contract for each of `update_functions`, by hook, for an analysis that takes it on trust."""
     name = model.name
     lines: dict[str, list[str]] = {}
-    for function, kind in update_functions(model, texts).items():
-        written = [f"self->{_whole(name, texts, word)}" for word in WRITES[kind]]
-        clauses = [f"assigns {', '.join([*written, *_RESULT[kind]])} \\from \\nothing;"]
-        if kind == "step":
+    for function in update_functions(model, texts):
+        written = [f"self->{_whole(name, texts, word)}" for word in WRITES[function]]
+        clauses = [f"assigns {', '.join([*written, *_RESULT[function]])} \\from \\nothing;"]
+        if function == "step":
             kept = " && ".join(within(name, f"self->theta[{j}]") for j in range(parameters(name, texts)))
-            clauses += ["ensures self->phase == 0;", rf"ensures \result == 1 || (\result == 0 && {kept});"]
+            clauses += [rf"ensures \result == 1 || (\result == 0 && {kept});"]
         lines[f"contract: {function}"] = [f"/*@ {_CLAUSE.join(clauses)} */"]
     return lines
 
 
-def update_checks(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
-    """Checks of what `update_contracts` promises of `step`, by hook, for the parameter that is looked at."""
+def update_cases(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
+    """Cases of the parameter LOOKED_AT in `step`, by hook: not a number, below its limits, above them, inside."""
     name = model.name
     limit = f"{name.upper()}_LEARN_LIMIT_UM"
     lines: dict[str, list[str]] = {}
@@ -68,12 +68,7 @@ def update_checks(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]
                 f" if (sum{j} < {limit}) {{ if (sum{j} <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
                 for j in hook.removeprefix(_STORED).split()
             ]
-    checks = ["answer: beyond <= 1", "phase: self->phase == 0"]
-    checks += [
-        f"kept_{j}: {LOOKED_AT} == {j} && beyond == 0 ==> {within(name, f'self->theta[{j}]')}"
-        for j in range(parameters(name, texts))
-    ]
-    return lines | {"step: return": [f"    //@ check {check};" for check in checks]}
+    return lines
 
 
 def beyond_contract(name: str) -> dict[str, list[str]]:
@@ -109,7 +104,7 @@ def check_contract(name: str, texts: Mapping[str, str]) -> Verdict:
 
 
 def within(name: str, theta: str) -> str:
-    """That a parameter is finite and inside its limit, as ACSL."""
+    """Condition, in ACSL, that a parameter is finite and inside its limit."""
     limit = f"{name.upper()}_LEARN_LIMIT_UM"
     return rf"\is_finite({theta}) && -{limit} < {theta} < {limit}"
 

@@ -1,8 +1,8 @@
-"""Frama-C Eva: run it on a folder of C, and read what it could not prove.
+"""Frama-C Eva: runs the analysis of C texts and reads its report.
 
-Eva follows intervals of every number through the program, rounding included, and raises an alarm wherever an operation
-might fail: an index out of bounds, memory that is not initialised, a shift too far, a float that is not finite. What it
-raises no alarm for cannot happen; an alarm may be true or merely not excluded.
+Eva propagates an interval of every number through the program, rounding included, and raises an alarm for each
+operation that may fail: an index out of bounds, uninitialised memory, a shift too large, a float that is not finite.
+Without an alarm the operation cannot fail; with an alarm it may still be safe.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from hysgen.checking.proof.sources import folder_of
 from hysgen.errors import BuildError
 
 Floats = Literal["finite", "any"]
-"""Alarms for every float that might not be finite, or none for floats at all: then only what is checked counts."""
+"""Alarms of floats: "finite": for each float that may be infinite or NaN; "any": none, only the checks decide."""
 
 STATES: Final = 2000
-"""Cases that are looked at one by one at a place before they are taken together."""
+"""Cases that Eva keeps separate at one statement before it merges them."""
 
 _SPECIAL: Final[Mapping[Floats, str]] = {"finite": "non-finite", "any": "none"}
 _OPTIONS: Final = ("-machdep", "gcc_x86_64", "-eva-no-show-progress", "-eva-precision", "2")
@@ -35,9 +35,9 @@ _LOST: Final = re.compile(r"(?:NON TERMINATING|User Error|Frama-C aborted|Plug-i
 
 @dataclass(frozen=True)
 class Verdict:
-    """What Eva said: its alarms, one line each, and how many checks hold of how many it came to.
+    """The result of an analysis: alarms, one line each, and the number of checks that hold and that were reached.
 
-    written: what each function writes outside itself, in Frama-C's words, where it was asked (`-out-external`).
+    written: Frama-C's text on the memory that each function writes outside its frame, with the option `-out-external`.
     """
 
     alarms: tuple[str, ...]
@@ -49,7 +49,7 @@ class Verdict:
     def fields(self, function: str, struct: str) -> set[str]:
         """Members of the global `struct` that a function writes.
 
-        Raises BuildError if this was not asked, or if the function writes anything else.
+        Raises BuildError without the option `-out-external`, or if the function writes other memory.
         """
         text = self.written.get(function, "no answer")
         if re.fullmatch(rf"{struct}[{{.][^;]*(?:;(?! *\w)[^;]*)*", text) is None:
@@ -70,12 +70,13 @@ def analyse(
 ) -> Verdict:
     """Analyse `main` of the file `entry` among C texts.
 
-    Raises BuildError if Frama-C is not installed, refuses the C, or finds that main never ends: then nothing was shown.
+    Raises BuildError if Frama-C is not installed, refuses the C, or finds that main does not terminate: then
+    every check holds.
     """
     version()
     started = time.monotonic()
     with folder_of(texts) as scratch:
-        # Frama-C looks for files where the shell says it is, not where it is.
+        # Frama-C resolves relative paths against $PWD, not against the working directory.
         call = ["frama-c", "-eva", *_OPTIONS, f"-cpp-extra-args=-I{scratch}"]
         call += [
             "-warn-special-float",
@@ -94,10 +95,10 @@ def analyse(
 
 
 def _read(said: str, seconds: float) -> Verdict:
-    """Raises BuildError if the summary is not what this module knows how to read."""
+    """The verdict of a report. Raises BuildError if its summary has an unknown form."""
     checks, count = _CHECKS.search(said), _COUNT.search(said)
     if count is None:
-        raise BuildError("frama-c: its summary is not understood; the version that was tried is 25.0")
+        raise BuildError("frama-c: its summary has an unknown form; the tested version is 25.0")
     alarms = tuple(f"{place}: {' '.join(text.split())}" for place, text in _ALARM.findall(said))
     valid, unknown, invalid = (int(n) for n in checks.groups()) if checks else (0, 0, 0)
     if int(count[1]) + unknown + invalid and not alarms:
@@ -107,6 +108,6 @@ def _read(said: str, seconds: float) -> Verdict:
 
 
 def _line(said: str, lost: re.Match[str] | None) -> str:
-    """The line that tells what went wrong."""
+    """The line of the report that holds the fault."""
     lines = said.strip().splitlines() or ["no message"]
     return next((line for line in lines if lost and lost[0] in line), lines[-1])[:300]

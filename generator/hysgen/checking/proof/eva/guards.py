@@ -1,7 +1,7 @@
-"""The guards that keep the state in its box, each taken out in turn: a proof that holds without one proves nothing.
+"""The guards that keep the state in its box, and the generated C without one of them.
 
-Every guard is a line of the generated C at a hook `guard: ...` of the templates. Without it Eva must raise an alarm for
-the call that it protects.
+Every guard is a line of the generated C at a hook `guard: ...` of the templates. Without this line Eva must raise an
+alarm for the call that the guard protects; otherwise the proof does not depend on the generated code.
 """
 
 from __future__ import annotations
@@ -194,12 +194,12 @@ GUARDS: Final = (
 
 
 def guards(model: Model, texts: Mapping[str, str]) -> tuple[Guard, ...]:
-    """Those whose line the algorithm of the model has and needs."""
+    """The guards whose line is in the C of the model and which its box needs."""
     hooks = set(hook_names(model, texts))
     return tuple(guard for guard in GUARDS if _HOOK + guard.name in hooks and _HOOK + guard.unless not in hooks)
 
 
 def without(guard: Guard, model: Model, texts: Mapping[str, str]) -> dict[str, str]:
-    """The texts with that guard taken out. Raises ModelError if its line is not that of the templates."""
+    """`texts` without one guard. Raises ModelError if its line differs from the templates."""
     lines = [line.replace("NAME", model.name) for line in guard.unguarded]
     return replaced(model, texts, _HOOK + guard.name, lines)

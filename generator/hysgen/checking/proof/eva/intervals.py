@@ -6,7 +6,7 @@ import numpy as np
 
 
 def hexadecimal(x: float) -> str:
-    """A float32 as a C literal that loses nothing.
+    """A float32 as a C literal without loss of digits.
 
     >>> hexadecimal(-0.75)
     '-0x1.8p-1f'

@@ -17,9 +17,10 @@ from hysgen.checking.proof.eva.contracts import (
     WRITES,
     beyond_contract,
     parameters,
-    update_checks,
+    update_cases,
     update_contracts,
     update_functions,
+    within,
 )
 from hysgen.checking.proof.eva.frama import Verdict, analyse
 from hysgen.checking.proof.eva.intervals import hexadecimal
@@ -67,11 +68,11 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
 
 
 def prove_learn(model: Model, texts: Mapping[str, str], function: str) -> tuple[Verdict, int]:
-    """What Eva says of one call of learn_init, learn_aux or learn, and how many checks it must have come to."""
+    """Eva's verdict on a call of learn_init, learn_aux or learn, and the number of checks of a complete analysis."""
     sources, checks = learn_step(model, texts, function)
     name = model.name
     trusted = [f"{name}_{function}" for function in update_functions(model, texts)]
-    apart = ",".join(f"{name}_{function}:0" for function in ("update_diagonal", "continue_update", "evaluate_reading"))
+    apart = ",".join(f"{name}_{function}:0" for function in ("update_diagonal", "update", "evaluate_reading"))
     options = ("-eva-use-spec", ",".join(trusted), "-eva-split-return-function", apart)
     return analyse(sources, ENTRY, "finite" if function == "learn_init" else "any", options=options), checks
 
@@ -80,28 +81,29 @@ def update_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     """The C that Eva analyses for what one update does to the shadow, and the number of its checks."""
     name = model.name
     functions = update_functions(model, texts)
-    source = hooked(model, texts, beyond_contract(name) | update_checks(model, texts))
-    count = parameters(name, texts)
+    source = hooked(model, texts, beyond_contract(name) | update_cases(model, texts))
+    kept = [within(name, f"learner.theta[{j}]") for j in range(parameters(name, texts))]
     facts = {
         "name": name,
         "looked_at": LOOKED_AT,
-        "functions": [f"{name}_{function}" for function, kind in functions.items() if kind != "step"],
-        "parameters": count,
+        "functions": [f"{name}_{function}" for function in functions if function != "step"],
+        "kept": kept,
     }
-    return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, count + 2
+    return {**texts, f"{name}.c": source, ENTRY: render("proof/update.c.j2", facts)}, 2 * len(kept)
 
 
 def prove_update(model: Model, texts: Mapping[str, str]) -> tuple[Verdict, int]:
-    """What Eva says of an update, and how many checks it must have come to.
+    """Eva's verdict on an update, and the number of checks that a complete analysis reaches.
 
-    A function that writes another word of the learner than its contract says counts as an alarm.
+    A write of a function to a word of the learner that its contract does not list counts as an alarm.
     """
     name = model.name
     sources, checks = update_step(model, texts)
-    verdict = analyse(sources, ENTRY, "any", options=("-eva-use-spec", f"{name}_beyond", "-out-external"))
+    options = ("-eva-use-spec", f"{name}_beyond", "-eva-split-return", "full", "-out-external")
+    verdict = analyse(sources, ENTRY, "any", options=options)
     alarms = list(verdict.alarms)
-    for function, kind in update_functions(model, texts).items():
-        more = sorted(verdict.fields(f"{name}_{function}", "learner") - set(WRITES[kind]))
+    for function in update_functions(model, texts):
+        more = sorted(verdict.fields(f"{name}_{function}", "learner") - set(WRITES[function]))
         alarms += [f"{name}_{function}: writes {', '.join(more)}: not in its contract"] if more else []
     return dataclasses.replace(verdict, alarms=tuple(alarms)), checks
 
@@ -118,7 +120,7 @@ def _learn_splits(model: Model) -> list[Split]:
 
 
 def _joins(model: Model, box: LearnerBox) -> list[Join]:
-    """What depends on one case is computed between two of these; the mean input and `usable` are known to the end."""
+    """Places where cases are merged; the cases of the mean input and of `usable` stay separate to the end."""
     levels = {level.path: level for level in box.levels}
     low, high = (hexadecimal(end) for end in (model.u_min_V, model.u_max_V))
     return [

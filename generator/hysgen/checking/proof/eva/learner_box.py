@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from hysgen.checking.proof.eva.banks import committed_box
-from hysgen.checking.proof.eva.boxes import parts_box, regressor_sizes
+from hysgen.checking.proof.eva.boxes import parts_box
 from hysgen.checking.proof.eva.intervals import hexadecimal
 from hysgen.float32.coefficients import coefficients
-from hysgen.float32.learner_numbers import FAST, LearnerNumbers, learner_numbers
+from hysgen.float32.learner_numbers import FAST, learner_numbers
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Holds
 from hysgen.model.intervals import Interval, symmetric
@@ -79,8 +79,9 @@ def learner_box(model: Model) -> LearnerBox:
     limit = float(numbers.limit_um)
     y = Interval(float(numbers.y_low_um), float(numbers.y_high_um)).hull(instance["y_um"])
     u = Interval(model.u_min_V, model.u_max_V).outwards().hull(instance["u_V"])
-    sizes = _regressors(model, numbers)
-    error = 2.0 * (y.magnitude + sum(sizes) * limit) + instance["y_um"].magnitude
+    # Largest |x_j| that learning writes, or putting back the prior: in whose turn, intervals cannot tell.
+    regressor = max(FIRING, 1.01 * float(numbers.refresh.max()))
+    error = 2.0 * (y.magnitude + numbers.size * regressor * limit) + instance["y_um"].magnitude
     moved = 2.0 * y.magnitude + 1.0
     levels = (
         Level("scale_um", 1.01 * error + 1.0, float(numbers.floor_um)),
@@ -89,7 +90,7 @@ def learner_box(model: Model) -> LearnerBox:
         Level("reference_error", 1.01 * error**2),
         Level("step_error", 1.01 * moved**2),
     )
-    floats = {f"x[{j}]": symmetric(size).outwards() for j, size in enumerate(sizes)}
+    floats = {f"x[{j}]": symmetric(regressor).outwards() for j in range(numbers.size)}
     floats |= {f"{name}[{j}]": symmetric(limit) for name in PARAMETERS for j in range(numbers.size)}
     floats |= {
         "inflate": Interval(1.0, float(max(numbers.inflate, numbers.inflate_first))),
@@ -101,17 +102,6 @@ def learner_box(model: Model) -> LearnerBox:
     }
     floats |= {level.path: level.box for level in levels}
     floats |= {path: box for path, box in instance.items() if path.startswith(("terms.", "inputs."))}
-    integers = {**parts_box(model).integers, "turn": numbers.size - 1, "phase": numbers.schedule.phases}
+    integers = {**parts_box(model).integers, "turn": numbers.size - 1}
     integers |= {member.name: 1 for member in LearnerWords.described() if member.holds is Holds.FLAG}
     return LearnerBox(floats, integers, levels)
-
-
-def _regressors(model: Model, numbers: LearnerNumbers) -> list[float]:
-    """Largest |x_j| that learning writes, or putting back the prior: in whose turn, intervals cannot tell."""
-    sizes = iter(regressor_sizes(model))
-    refresh = 1.01 * float(numbers.refresh.max())
-    found = []
-    for parameter in numbers.parameters:
-        size = 1.01 * next(sizes) / parameter.scale if parameter.group == "terms" else FIRING
-        found.append(max(size, refresh))
-    return found

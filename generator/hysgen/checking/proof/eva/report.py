@@ -1,4 +1,4 @@
-"""Every call of a model proved, and on demand every guard taken out to see the proof fail."""
+"""The proofs of all calls of a model, and, if asked for, the analyses without each guard, which must raise alarms."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ LEARNER: Final[Mapping[str, Floats]] = {
     "learn": "any",
     "commit": "finite",
 }
-"""beyond and update are what the others lean on; learn takes any 32 bits at once; learn_init and commit no inputs."""
+"""Inputs of the learner's calls. learn_init and commit have none; the other proofs use those of beyond and update."""
 
 
 @dataclass(frozen=True)
 class Proof:
-    """What Eva said of one call; expected: checks that it must have come to, else it saw less than the whole call."""
+    """Eva's result of one call; expected: number of checks that an analysis of the whole call reaches."""
 
     function: str
     inputs: Floats
@@ -48,7 +48,7 @@ class Proof:
 
 @dataclass(frozen=True)
 class TakenOut:
-    """A guard, the call analysed without it, and how many alarms that raised."""
+    """A guard, the call analysed without it, and the number of alarms."""
 
     about: str
     function: str
@@ -57,7 +57,7 @@ class TakenOut:
 
 @dataclass(frozen=True)
 class Proofs:
-    """proofs: of the C as generated. taken_out: of the C without a guard, where this was asked for."""
+    """proofs: of the C as generated. taken_out: of the C without each guard, if asked for."""
 
     model: str
     tool: str
@@ -66,7 +66,7 @@ class Proofs:
 
     @property
     def holds(self) -> bool:
-        """No alarm with the guards, some without any of them."""
+        """Whether every proof holds and every analysis without a guard has an alarm."""
         return bool(self.proofs) and all(p.holds for p in self.proofs) and all(t.alarms for t in self.taken_out)
 
     def to_json(self) -> dict[str, Any]:
@@ -129,7 +129,7 @@ def prove(
 
 
 def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:
-    """What Eva says of one call, and how many checks it must have come to; of `beyond`, what running it says."""
+    """The verdict on one call and the number of checks of a complete analysis; `beyond` is run on every float."""
     if function == "beyond":
         return check_contract(model.name, texts), 1
     if function == "update":
@@ -142,7 +142,7 @@ def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats
 
 
 def learner_functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]:
-    """What is proved of a learner, if the generated header declares one."""
+    """The calls of LEARNER that the generated header has; empty without a learner."""
     known = interface_of(model.name, texts)
     return tuple(f for f in LEARNER if known.has("learn") and (f != "learn_aux" or known.has(f)))
 

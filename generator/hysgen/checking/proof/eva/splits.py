@@ -1,10 +1,9 @@
-"""Where the analysis looks at cases: ghost code in a copy of the generated C.
+"""Case distinctions of the analysis, as ghost code at the hooks of the templates.
 
-Eva knows an interval of every number and no relation between numbers. Code without branches decides by masks, and
-Newton's iteration converges because its seed belongs to its argument: both are relations. Looked at case by case (the
-sign of x, between which two numbers it lies) every mask is a constant and every seed a narrow interval. The cases are
-ghost branches with nothing in them, at the hooks of the templates: they assert nothing, all of them together are all
-there are, and the C around them is the generated text to the byte.
+Eva computes an interval of every number and no relation between numbers. Code without branches selects by masks, and
+Newton's iteration converges because its seed depends on its argument: both are relations. In each case (the sign of x,
+the interval of x) every mask is a constant and every seed a narrow interval. A case is an empty ghost branch. The cases
+cover all values and assert nothing; without them the text is the generated C, byte for byte.
 """
 
 from __future__ import annotations
@@ -23,17 +22,17 @@ from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 
 PIECES_PER_RULE: Final = 12
-"""Pieces of the displacement's range in which numerator and denominator of Eq. (4) stay together."""
+"""Cases per rule of the displacement, for intervals of numerator and denominator of Eq. (4) that fit together."""
 
 SIGN_BIT: Final = 0x80000000
 PIECES_PER_OCTAVE: Final = 4
 PIECES_OF_SUM: Final = 6
-"""Pieces of a state and of what is added to it in which its rounding is seen to stay below the limit."""
+"""Cases of a state and of its increment, so that the interval of the rounded sum stays below the limit."""
 
 
 @dataclass(frozen=True)
 class Split:
-    """Cases that the analysis distinguishes from a hook of the templates on.
+    """Cases that the analysis keeps separate behind a hook of the templates.
 
     hook: name of the hook. borders: conditions on one number, C text, each true wherever the one before it is.
     """
@@ -43,7 +42,7 @@ class Split:
 
 
 def splits(model: Model, kept: float) -> list[Split]:
-    """The cases that the functions of a model's generated C are looked at in.
+    """The cases of the functions of a model's generated C.
 
     kept: largest magnitude of an accumulated state.
     """
@@ -76,9 +75,9 @@ def splits(model: Model, kept: float) -> list[Split]:
 
 @dataclass(frozen=True)
 class Join:
-    """A hook where the cases so far are taken together again.
+    """A hook where the analysis merges the cases so far.
 
-    borders: new cases behind the hook. kept: instead of a join, conditions that stay apart from here on, C text.
+    borders: new cases behind the hook. kept: C conditions whose cases stay separate, in place of the merge.
     """
 
     hook: str
@@ -99,7 +98,7 @@ def case_lines(splits: Sequence[Split], joins: Sequence[Join] = ()) -> dict[str,
 
 
 def _tree(borders: Sequence[str]) -> str:
-    """Nested branches with nothing in them: each case meets only as many conditions as a search by halves.
+    """Nested empty branches, as deep as a binary search over the borders.
 
     >>> _tree(["x < 0.0f", "x <= 0.0f"])
     'if (x <= 0.0f) { if (x < 0.0f) { ; } else { ; } } else { ; }'
@@ -116,7 +115,7 @@ def _bits(x: float) -> int:
 
 
 def _magnitudes(*borders: int) -> tuple[str, ...]:
-    """Both signs of a bit pattern, each divided where its magnitude reaches a border."""
+    """Borders of a bit pattern at magnitudes, for both signs."""
     places = [*borders, SIGN_BIT, *(SIGN_BIT + border for border in borders)]
     return tuple(f"bits < 0x{place:08x}u" for place in places)
 
@@ -139,7 +138,7 @@ def _below(x: str, borders: Sequence[float] | np.ndarray) -> tuple[str, ...]:
 
 
 def _octaves(x: str, over: Interval) -> tuple[str, ...]:
-    """Pieces of equal ratio over positive magnitudes, and the same for negative ones."""
+    """Borders of equal ratio over positive magnitudes, and their negatives."""
     first, last = (int(np.floor(np.log2(end))) for end in (over.low, over.high))
     sizes = [
         2.0**octave * (1.0 + piece / PIECES_PER_OCTAVE)
@@ -150,13 +149,13 @@ def _octaves(x: str, over: Interval) -> tuple[str, ...]:
 
 
 def _roundings(x: str, limit: float) -> tuple[str, ...]:
-    """Where the nearest integer of x changes; the halves themselves are cases of their own."""
+    """Borders where the nearest integer of x changes; each half is a case of its own."""
     halves = np.arange(-np.ceil(limit) - 0.5, limit + 1.0)
     return tuple(f"{x} {sign} {hexadecimal(float(half))}" for half in halves for sign in ("<", "<="))
 
 
 def displacements(numbers: Coefficients) -> tuple[str, ...]:
-    """Pieces of the range, narrower where more rules fire whose strengths rise with r."""
+    """Borders in the displacement range; the cases are narrower where more rules fire whose strengths rise with r."""
     low, high = float(numbers.y_min_um), float(numbers.y_max_um)
     count = PIECES_PER_RULE * (numbers.rules - 1)
     even = np.linspace(0.0, 1.0, count + 1)[1:-1]
@@ -169,7 +168,7 @@ def displacements(numbers: Coefficients) -> tuple[str, ...]:
 
 
 def _sums_range(model: Model) -> Interval:
-    """Magnitudes that the sums over the rules can have in a denominator, generously."""
+    """Bounds, with a margin, of the magnitudes of the denominators: sums over the rules."""
     numbers = coefficients(model)
     if numbers.windowed:
         gains = np.abs(numbers.bank.gain[numbers.bank.gain != 0.0].astype(np.float64))

@@ -22,9 +22,9 @@ ANY_WORD: Final = "Frama_C_unsigned_int_interval(0u, 0xffffffffu)"
 
 @dataclass(frozen=True)
 class Assumed:
-    """A word of the state: what it may be before the call, and what it has to be afterwards, as C and ACSL.
+    """A word of the state: a C expression of its values before the call, an ACSL condition of those after it.
 
-    label: names the check; demanded: empty if the word may have any bits.
+    path: the word in C. label: name of the check. any: the expression. demanded: the condition, empty for any bits.
     """
 
     path: str
@@ -34,7 +34,7 @@ class Assumed:
 
 
 def instance_words(model: Model, texts: Mapping[str, str]) -> list[Assumed]:
-    """Every word of `<name>_t` but the banks: those are of `bank_words`, or as init wrote them."""
+    """Every word of `<name>_t` except the banks, which `bank_words` describes, or init has written."""
     struct = f"{model.name}_t"
     words = [
         word for word in interface_of(model.name, texts).struct(struct).words() if not word.path.startswith("bank[")
@@ -43,9 +43,9 @@ def instance_words(model: Model, texts: Mapping[str, str]) -> list[Assumed]:
 
 
 def bank_words(model: Model) -> list[Assumed]:
-    """Every number of both banks, within what a learner may commit; none if the model has no learner.
+    """Every number of both banks, in the interval that a learner may commit; empty if the model has no learner.
 
-    Not looked at afterwards: no call but commit writes a bank.
+    There are no conditions after the call, because only commit writes a bank.
     """
     boxes = bank_box(model) if model.learner else {}
     words = [float_word("self", f"bank[{b}].{path}", box) for b in range(2) for path, box in boxes.items()]
@@ -57,8 +57,8 @@ def assumed(
 ) -> list[Assumed]:
     """Words of the C object `name`, of type `struct`: each float in its box, each integer up to its largest value.
 
-    An integer without a largest value may have any. Raises ModelError for a float that has no box: a float taken for
-    any 32 bits, of which nothing is demanded afterwards, would make the proof say nothing of that float.
+    An integer without a largest value may have any value. Raises ModelError for a float without a box: the proof would
+    assume any 32 bits and show nothing of that float.
     """
     known: list[Assumed] = []
     for word in words:
@@ -93,7 +93,7 @@ def between(interval: Interval) -> str:
 
 
 def inside(path: str, interval: Interval) -> str:
-    """That a float is finite and in an interval, as ACSL."""
+    """Condition, in ACSL, that a float is finite and in an interval."""
     low, high = hexadecimal(interval.low)[:-1], hexadecimal(interval.high)[:-1]
     return rf"\is_finite({path}) && {low} <= {path} <= {high}"
 
