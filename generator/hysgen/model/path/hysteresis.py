@@ -27,7 +27,7 @@ from numpy.polynomial import chebyshev
 from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock
-from hysgen.model.path.hysteresis_mirror import GROUP, HysteresisMirror, Numbers
+from hysgen.model.path.hysteresis_mirror import SLACK, STEPS, HysteresisMirror, Numbers
 from hysgen.model.structs import Member
 
 LEAST_HALF_WIDTH = 2.0**-12
@@ -182,18 +182,18 @@ class Hysteresis(InputBlock):
 
     @property
     def curve_degree(self) -> int:
-        """C: degree of the curve."""
-        return len(self.curve_um) - 1
+        """Degree of the curve in the C, at least that of the plays."""
+        return max(len(self.curve_um) - 1, self.degree)
 
     @property
-    def group(self) -> int:
-        """Plays that the C computes side by side."""
-        return GROUP
+    def steps(self) -> int:
+        """Newton steps of the inverse."""
+        return STEPS
 
     @property
-    def rows(self) -> int:
-        """Plays in the C: a whole number of groups."""
-        return -(-self.plays // GROUP) * GROUP
+    def slack(self) -> np.float32:
+        """Distance in half ranges at which the inverse regards a play as taken along."""
+        return SLACK
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
         """Normalised inputs lie in [-1, 1], a play in [r - 1, 1 - r], as far as it is taken along; with e <= 1,
@@ -208,10 +208,10 @@ class Hysteresis(InputBlock):
         """
         number = self.numbers
         ways = [symmetric(float(np.float32(1.0) - row[0])) for row in number.play]
-        size = float(np.abs(number.curve[1:]).sum()) + float(np.abs(number.duhem[:, :2]).sum())
+        size = float(np.abs(number.curve[0, 0, 1:]).sum()) + float(np.abs(number.duhem[:, :2]).sum())
         for way, row in zip(ways, number.play, strict=True):
             size += sum(abs(float(c)) * way.high ** (m + 1) for m, c in enumerate(row[1:]))
-        middle = float(number.curve[0])
+        middle = float(number.curve[0, 0, 0])
         h = Interval(middle, middle).outwards(1.001 * size + 1e-6 * abs(middle))
         floats = {f"play[{j}]": way for j, way in enumerate(ways)}
         if self.states:
@@ -223,7 +223,10 @@ class Hysteresis(InputBlock):
         return BlockBox(floats, h, Interval(float(number.middle) - half, float(number.middle) + half).outwards())
 
     def members(self) -> tuple[Member, ...]:
-        plays = (Member("play", "float", "plays z_j [half ranges]", (self.rows,)),)
+        plays = (
+            Member("play", "float", "plays z_j [half ranges]", (self.plays,)),
+            Member("sum_um", "float", "part of the plays from j on in the output [um]", (self.plays + 1,)),
+        )
         duhem = (
             Member("left", "float", "1 - d_i at the last turn of the input", (self.states,)),
             Member("back", "float", "1 - d_i if the input turned now", (self.states,)),
@@ -233,7 +236,7 @@ class Hysteresis(InputBlock):
             Member("last", "float", "last input [half ranges]"),
             Member("h_um", "float", "last output [um]"),
         )
-        return (*plays[: self.plays], *(duhem if self.states else ()), *last)
+        return (*(plays if self.plays else ()), *(duhem if self.states else ()), *last)
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> HysteresisMirror:
         return HysteresisMirror(self.numbers, self.members(), u_V)
@@ -242,7 +245,7 @@ class Hysteresis(InputBlock):
         number = self.numbers
         found = {
             "range": np.array([number.middle, number.half, number.per_half, *number.slope]),
-            "curve": np.concatenate([number.curve, number.curve_slope]),
+            "curve": number.curve.ravel(),
         }
         if self.plays:
             found["play"] = number.play.ravel()

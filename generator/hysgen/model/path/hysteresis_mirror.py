@@ -19,6 +19,7 @@ of the last bit of its smaller part, and no product falls below 2^-126.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Final
 
@@ -28,16 +29,17 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import HysteresisSeries
+from hysgen.machine.reproducible import total
 from hysgen.model.float32_arithmetic import flushed, power_of_two, reciprocal
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockMirror, Floats, Floats32, limited
 from hysgen.model.structs import Member
 
-GROUP: Final = 4
-"""Plays that one pass of the loop of the C computes side by side; plays without effect fill the last group."""
+SLACK: Final = np.float32(2.0**-22)
+"""Distance in half ranges at which `solve` regards a play as taken along, above the rounding of z + r."""
 
-STEPS: Final = 4
+STEPS: Final = 3
 """Newton steps of `solve`."""
 
 LEAST_SLOPE: Final = 0.02
@@ -54,18 +56,20 @@ Flags = NDArray[np.bool_]
 class Numbers:
     """The float32 constants.
 
-    middle, half, per_half: of the input range in V and 1/V. curve, curve_slope: (C + 1,) and (C,) coefficients of the
-    powers of x in um, and of their derivative. play: (rows, 1 + D) half-width and coefficients of z .. z^D, rows a
-    multiple of GROUP. rate: exponent of the first Duhem state, -log2(e) / reach. duhem: (s, 3) b, c, 1 / reach.
-    slope: least and largest dh/dx of a Newton step, and 1 / mean dh/dx.
+    middle, half, per_half: of the input range in V and 1/V. play: (m, 1 + D) half-width and coefficients of z .. z^D.
+    curve: (2, m + 1, C + 1) coefficients of the powers of x in um, of g0 and the first n plays taken along,
+
+        g0(x) + sum_(j < n) g_j(x - side r_j),   first for side = 1, then for side = -1
+
+    rate: exponent of the first Duhem state, -log2(e) / reach. duhem: (s, 3) b, c, 1 / reach. slope: least and largest
+    dh/dx of a Newton step, and 1 / mean dh/dx.
     """
 
     middle: np.float32
     half: np.float32
     per_half: np.float32
-    curve: Floats32
-    curve_slope: Floats32
     play: Floats32
+    curve: Floats32
     rate: np.float32
     duhem: Floats32
     slope: Floats32
@@ -77,22 +81,21 @@ class Numbers:
         Raises ModelError if h does not change over the input range.
         """
         middle, half = np.float32(0.5 * (range_V.low + range_V.high)), 0.5 * range_V.width
-        curve = _powers(series.curve)
-        plays, degree = len(series.half_width), series.plays.shape[1]
-        play = np.zeros((-(-plays // GROUP) * GROUP, 1 + degree))
-        play[:, 0] = 1.0
-        for row, r, coefficients in zip(play, series.half_width, series.plays, strict=False):
-            powers = _powers(np.concatenate([[0.0], coefficients]))
-            curve[0] += powers[0]
-            row[0], row[1:] = r, powers[1:]
+        plays, degree = series.plays.shape
+        powers = np.zeros((plays, 1 + degree))
+        for row, coefficients in zip(powers, series.plays, strict=True):
+            row[:] = _powers(np.concatenate([[0.0], coefficients]))
+        curve = np.zeros(max(series.curve.size, 1 + degree))
+        curve[: series.curve.size] = _powers(series.curve)
+        curve[0] += total(powers[:, 0])
+        powers[:, 0] = 0.0
         duhem = np.column_stack([_coefficients(series.duhem), (1.0 / series.reach).astype(np.float32)])
         return cls(
             middle if abs(middle) >= LEAST else ZERO,
             np.float32(half),
             np.float32(1.0 / half),
-            _coefficients(curve),
-            _coefficients(curve[1:] * np.arange(1.0, curve.size)),
-            np.column_stack([play[:, :1].astype(np.float32), _coefficients(play[:, 1:])]),
+            np.column_stack([series.half_width.astype(np.float32), _coefficients(powers[:, 1:])]),
+            _coefficients(np.stack([_taken_along(curve, powers, side * series.half_width) for side in (1.0, -1.0)])),
             np.float32(-LOG2_E / series.reach[0]) if series.reach.size else ZERO,
             duhem,
             _newton_slopes(slopes, mean_slope),
@@ -105,6 +108,20 @@ def _powers(series: Floats) -> Floats:
     powers = chebyshev.cheb2poly(series)
     found[: powers.size] = powers
     return found
+
+
+def _taken_along(curve: Floats, plays: Floats, shifts: Floats) -> Floats:
+    """(m + 1, C + 1) coefficients of curve(x) + sum_(j < n) play_j(x - shift_j), n = 0 .. m."""
+    rows = [curve]
+    for play, shift in zip(plays, shifts, strict=True):
+        moved = np.zeros(1)
+        for coefficient in play[::-1]:
+            moved = np.append(0.0, moved) - shift * np.append(moved, 0.0)
+            moved[0] += coefficient
+        row = rows[-1].copy()
+        row[: play.size] += moved[: play.size]
+        rows.append(row)
+    return np.stack(rows)
 
 
 def _coefficients(exact: Floats) -> Floats32:
@@ -134,6 +151,7 @@ class HysteresisMirror(BlockMirror):
         self._numbers = numbers
         x = self._normalised(v_V)
         self.play = [limited(x, -(ONE - row[0]), ONE - row[0]) for row in self._numbers.play]
+        self.sum_um = [np.zeros_like(x) for _ in range(len(self.play) + 1)]
         self.left = [np.ones_like(x) for _ in self._numbers.duhem]
         self.back = [np.ones_like(x) for _ in self._numbers.duhem]
         self.turn = self.last = self.h_um = x
@@ -148,8 +166,11 @@ class HysteresisMirror(BlockMirror):
             z, low, high = self.play[j], x - row[0], x + row[0]
             pulled = np.where(z > high, high, z)
             self.play[j] = np.where(pulled < low, low, pulled)
-        values = [_polynomial(z, row) for z, row in zip(self.play, self._numbers.play, strict=True)]
-        h = _grouped(_series(x, self._numbers.curve), values)
+        h = _series(x, self._numbers.curve[0, 0])
+        if self.play:
+            for j in reversed(range(len(self.play))):
+                self.sum_um[j] = self.sum_um[j + 1] + _play(self.play[j], self._numbers.play[j])
+            h = h + self.sum_um[0]
         if len(self._numbers.duhem):
             falls = (x < self.last) | ((self.last < self.turn) & (x <= self.last))
             self.turn, self.left = self._turned(falls)
@@ -168,38 +189,29 @@ class HysteresisMirror(BlockMirror):
         from the last x; h' limited to the constants `slope`, x to the side of the last x on which `wanted` lies.
         """
         least, largest, per_mean = self._numbers.slope
-        falls = (wanted - self.h_um) * per_mean < 0.0
-        side = np.where(falls, -ONE, ONE)
+        way = (wanted - self.h_um) * per_mean
+        falls = way < 0.0
+        side: Floats32 = np.where(falls, -ONE, ONE)
         low, high = np.where(falls, -ONE, self.last), np.where(falls, self.last, ONE)
+        taken = [side * z + row[0] - SLACK for z, row in zip(self.play, self._numbers.play, strict=True)]
         turn, left = self._turned(falls)
-        x = self.last
+        sums, lane = np.array(self.sum_um), np.arange(wanted.size)
+        x = flushed(limited(self.last + way, low, high))
         for _ in range(STEPS):
-            h, slope = self._ahead(x, side, turn, left)
+            n = sum(((side * x > start).astype(np.int64) for start in taken), np.zeros(wanted.size, np.int64))
+            h, slope = _polynomial(x, self._numbers.curve[falls.astype(np.int64), n].T)
+            if taken:
+                h = h + sums[n, lane]
+            if left:
+                parts = [
+                    _duhem(missing * e, row)
+                    for missing, e, row in zip(left, self._decays(x, turn), self._numbers.duhem, strict=True)
+                ]
+                h = h + side * _total([part for part, _ in parts])
+                slope = slope + _total([rise for _, rise in parts])
             per_slope = reciprocal(limited(slope, least, largest))
             x = flushed(limited(x - (h - wanted) * per_slope, low, high))
         return self._numbers.middle + x * self._numbers.half
-
-    def _ahead(self, x: Floats32, side: Floats32, turn: Floats32, left: list[Floats32]) -> tuple[Floats32, Floats32]:
-        """h and dh/dx at an input that has moved on to x in the direction `side` (1 up, -1 down)."""
-        plays, rises = [], []
-        for z, row in zip(self.play, self._numbers.play, strict=True):
-            edge = x - side * row[0]
-            taken = side * (edge - z) >= 0.0
-            place = np.where(taken, edge, z)
-            plays.append(_polynomial(place, row))
-            rises.append(np.where(taken, _slope(place, row), ZERO))
-        h = _grouped(_series(x, self._numbers.curve), plays)
-        slope = _grouped(_series(x, self._numbers.curve_slope), rises)
-        if left:
-            values, rises = [], []
-            for missing, e, (b, c, per_reach) in zip(left, self._decays(x, turn), self._numbers.duhem, strict=True):
-                ahead = missing * e
-                d = ONE - ahead
-                bent = c * np.abs(d)
-                values.append(d * (b + bent))
-                rises.append((b + (bent + bent)) * (ahead * per_reach))
-            h, slope = h + side * _total(values), slope + _total(rises)
-        return h, slope
 
     def _normalised(self, v_V: Floats32) -> Floats32:
         """x of the voltages v_V."""
@@ -228,35 +240,34 @@ def _series(x: Floats32, coefficients: Floats32) -> Floats32:
 
 def _horner(x: Floats32, coefficients: Floats32) -> Floats32:
     """c_0 + x (c_1 + x (c_2 + ...))"""
-    total = np.full_like(x, coefficients[-1])
+    value = np.full_like(x, coefficients[-1])
     for coefficient in coefficients[-2::-1]:
-        total = coefficient + x * total
-    return total
+        value = coefficient + x * value
+    return value
 
 
-def _polynomial(z: Floats32, row: Floats32) -> Floats32:
-    """g(z) = z q(z),  q(z) = c_1 + z (c_2 + z (c_3 + ...)),  row: half-width, c_1, c_2, ..."""
+def _play(z: Floats32, row: Floats32) -> Floats32:
+    """g(z) = z (c_1 + z (c_2 + z (c_3 + ...))),  row: half-width, c_1, c_2, ..."""
     return z * _horner(z, row[1:])
 
 
-def _slope(z: Floats32, row: Floats32) -> Floats32:
-    """g'(z) = q(z) + z q'(z), with q' by Horner's scheme on the partial sums of q."""
-    q, rise = np.full_like(z, row[-1]), np.zeros_like(z)
-    for coefficient in row[-2:0:-1]:
-        q, rise = coefficient + z * q, q + z * rise
-    return q + z * rise
+def _polynomial(x: Floats32, coefficients: Floats32) -> tuple[Floats32, Floats32]:
+    """sum_m c_m x^m and its derivative by Horner's scheme; coefficients: (C + 1, lanes)."""
+    value = slope = coefficients[-1]
+    value = coefficients[-2] + x * value
+    for coefficient in coefficients[-3::-1]:
+        value, slope = coefficient + x * value, value + x * slope
+    return value, slope
 
 
-def _grouped(total: Floats32, parts: list[Floats32]) -> Floats32:
-    """total + sum of the parts, GROUP after GROUP."""
-    for j in range(0, len(parts), GROUP):
-        total = total + ((parts[j] + parts[j + 1]) + (parts[j + 2] + parts[j + 3]))
-    return total
+def _duhem(ahead: Floats32, row: Floats32) -> tuple[Floats32, Floats32]:
+    """Part of a Duhem state d = 1 - ahead in h, and its slope; row: b, c, 1 / reach."""
+    b, c, per_reach = row
+    d = ONE - ahead
+    bent = c * np.abs(d)
+    return d * (b + bent), (b + (bent + bent)) * (ahead * per_reach)
 
 
 def _total(parts: list[Floats32]) -> Floats32:
     """Sum of the parts in their order."""
-    total = parts[0]
-    for part in parts[1:]:
-        total = total + part
-    return total
+    return functools.reduce(np.add, parts)
