@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.fitting.path import PathSize
+from hysgen.fitting.operator import PathSize
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.terms import Term

@@ -23,16 +23,14 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
 from hysgen.fitting import (
-    CURVE,
     FitSettings,
     PathColumns,
-    PathTask,
     estimate_starts,
     fit,
     fit_path,
-    partition,
     path_columns,
     path_model,
+    path_task,
 )
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
@@ -107,18 +105,8 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     """The path with the blocks of the chosen extensions over the identification part; a curve without memory."""
     lags_s = [extension.lag_s for extension in chosen if extension.lag_s is not None]
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
-    task = PathTask(
-        record=part,
-        whole=level,
-        grid=partition(part, settings.rules, settings.margin, settings.displacement_range_um),
-        input_range_V=settings.input_range_V or part.u_range_V,
-        blocks=settings.blocks,
-        terms=settings.terms,
-        lag_s=lags_s[0] if lags_s else part.Ts_s,
-        size=next((extension.size for extension in chosen if extension.size is not None), CURVE),
-        searched=True,
-        name=settings.name,
-    )
+    size = next((extension.size for extension in chosen if extension.size is not None), None)
+    task = path_task(part, dataclasses.replace(settings, memory=size, lag_s=lags_s[0] if lags_s else None), level)
     content = tuple(extension.content for extension in chosen)
     trust = _by_segment(prepared.trust, [s.samples for s in part.segments])
     return prepared.paths.get(content, lambda: path_columns(task, trust))

@@ -1,8 +1,9 @@
 """Fitting: from a record to a model whose certificates hold."""
 
-from hysgen.fitting.identify import fit, fit_path, partition
+from hysgen.fitting.identify import fit, fit_path, path_task
 from hysgen.fitting.initial_state import estimate_starts
-from hysgen.fitting.path import CURVE, PathColumns, PathSize, PathTask, path_columns, path_model
+from hysgen.fitting.operator import CURVE, PathSize
+from hysgen.fitting.path import PathColumns, PathTask, path_columns, path_model
 from hysgen.fitting.settings import FitSettings, Method
 from hysgen.fitting.shape import ShapeFit, fit_shape
 
@@ -18,7 +19,7 @@ __all__ = [
     "fit",
     "fit_path",
     "fit_shape",
-    "partition",
     "path_columns",
     "path_model",
+    "path_task",
 ]

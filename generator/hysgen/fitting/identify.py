@@ -14,12 +14,13 @@ from hysgen.errors import FitError
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fitting.free_run import free_run_error
 from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
-from hysgen.fitting.path import PathColumns, path_model
+from hysgen.fitting.operator import CURVE
+from hysgen.fitting.path import PathColumns, PathTask, path_columns, path_model
 from hysgen.fitting.refine import Progress, refine
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Grid, Model
-from hysgen.model.regression import Starts, Structure, Trust, structure_of
+from hysgen.model.regression import Starts, Structure, Trust, full_trust, structure_of
 from hysgen.model.simulate import free_run
 from hysgen.model.terms import past_input
 from hysgen.record import Record
@@ -45,6 +46,9 @@ def fit(
     Raises FitError, ModelError or RecordError with one line.
     """
     chosen = settings or FitSettings()
+    if chosen.on_path:
+        weights = full_trust(record) if trust is None else trust
+        return fit_path(path_columns(path_task(record, chosen), weights), chosen, weights)
     structure = structure_for(record, chosen)
     weighting = chosen.weighting(trust, starts)
     if chosen.method == "rls":
@@ -63,6 +67,29 @@ def fit(
 
 CHECKED_BLOCKS = 12
 """Blocks of the record's rows, of which every third is left out to compare the refined rules with one lag."""
+
+
+LAGS = (0.3, 1.0, 3.0, 10.0, 30.0)
+"""Starting values of the lag in samples; the lag is searched between a fifth and five times each."""
+
+
+def path_task(record: Record, settings: FitSettings, whole: Record | None = None) -> PathTask:
+    """The path that `settings` define for a record; without memory its hysteresis is a curve.
+
+    whole: record of all commands that are known in advance, by default `record`.
+    """
+    lags_s = [settings.lag_s] if settings.lag_s is not None else [lag * record.Ts_s for lag in LAGS]
+    return PathTask(
+        record=record,
+        whole=whole or record,
+        grid=partition(record, settings.rules, settings.margin, settings.displacement_range_um),
+        input_range_V=settings.input_range_V or record.u_range_V,
+        blocks=settings.blocks,
+        terms=settings.terms,
+        lags_s=tuple(lags_s),
+        size=settings.memory or CURVE,
+        name=settings.name,
+    )
 
 
 @one_blas_thread()

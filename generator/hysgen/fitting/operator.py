@@ -13,6 +13,7 @@ which are not Preisach operators.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -131,6 +132,32 @@ class Operator:
         On the major loop the values of the plays are those of a record; elsewhere the polynomials would extrapolate.
         """
         return _middle(self, u_V)
+
+
+@dataclass(frozen=True)
+class PathSize:
+    """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states."""
+
+    plays: int = 8
+    degree: int = 3
+    states: int = 5
+    hats: int = 4
+    curve: int = 7
+
+    def to_json(self) -> dict[str, int]:
+        """Plain JSON values."""
+        return dataclasses.asdict(self)
+
+    def operator(self, low_V: float, high_V: float) -> Operator:
+        """The operator of this size over an input range."""
+        reaches = tuple(0.5**i for i in range(self.states))
+        if not self.plays:
+            return Operator(low_V, high_V, hats=0, curve=self.curve, reaches=reaches)
+        return Operator(low_V, high_V, self.plays, self.hats, self.curve, self.degree, reaches)
+
+
+CURVE = PathSize(plays=0, states=0)
+"""A single-valued curve, for a path without memory."""
 
 
 def _slope(x: Floats, order: int) -> Floats:

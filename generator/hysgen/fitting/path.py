@@ -25,7 +25,7 @@ from scipy.optimize import minimize_scalar
 
 from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
-from hysgen.fitting.operator import Operator
+from hysgen.fitting.operator import Operator, PathSize
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import exp
 from hysgen.model.intervals import Interval
@@ -59,34 +59,13 @@ CREPT = (1 / 30, 1 / 8)
 """Time constants of the creep that the motion before a record has caused, as shares of its length."""
 
 
-@dataclass(frozen=True)
-class PathSize:
-    """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states."""
-
-    plays: int = 8
-    degree: int = 3
-    states: int = 5
-    hats: int = 4
-    curve: int = 7
-
-    def operator(self, low_V: float, high_V: float) -> Operator:
-        """The operator of this size over an input range."""
-        reaches = tuple(0.5**i for i in range(self.states))
-        if not self.plays:
-            return Operator(low_V, high_V, hats=0, curve=self.curve, reaches=reaches)
-        return Operator(low_V, high_V, self.plays, self.hats, self.curve, self.degree, reaches)
-
-
-CURVE = PathSize(plays=0, states=0)
-"""A single-valued curve, for a path without memory."""
-
-
 @dataclass(frozen=True, eq=False)
 class PathTask:
     """What a path is fitted to.
 
-    blocks: all blocks but the hysteresis. lag_s: time constant of the rules. searched: whether the lag is fitted too,
-    from lag_s on. whole: record of all commands that are known in advance; the grid covers the response to them.
+    blocks: all blocks but the hysteresis. lags_s: starting values for the lag of the rules; with modes, whose shape
+    belongs to a lag, only the first counts. whole: record of all commands that are known in advance; the grid covers
+    the response to them.
     """
 
     record: Record
@@ -95,9 +74,8 @@ class PathTask:
     input_range_V: tuple[float, float]
     blocks: tuple[InputBlock, ...]
     terms: tuple[Term, ...]
-    lag_s: float
+    lags_s: tuple[float, ...]
     size: PathSize
-    searched: bool = False
     name: str = "stage"
 
 
@@ -111,10 +89,10 @@ class PathColumns:
 
 
 def path_columns(task: PathTask, trust: Trust) -> PathColumns:
-    """The columns of a path, with the lag of least error on the rows of `trust` if the task asks for one."""
+    """The columns of a path, with the lag of least error on the rows of `trust`; with modes, the lag is theirs."""
     behind = [_behind(task, segment) for segment in task.record.segments]
-    lag_s = task.lag_s
-    if task.searched and not any(isinstance(block, Modes) for block in task.blocks):
+    lag_s = task.lags_s[0]
+    if not any(isinstance(block, Modes) for block in task.blocks):
         lag_s = _searched_lag(task, _Kept.of(task, trust), behind)
     return PathColumns(task, lag_s, np.hstack([_lagged(task, *columns, lag_s) for columns in behind]))
 
@@ -216,7 +194,7 @@ def _lagged(task: PathTask, columns: Floats, extra: Floats, lag_s: float) -> Flo
 
 
 def _searched_lag(task: PathTask, kept: _Kept, held: Sequence[tuple[Floats, Floats]]) -> float:
-    """The lag of least error without constraints, between a fifth and five times that of the task."""
+    """The lag of least error without constraints, between a fifth and five times the best of the task's."""
     few = dataclasses.replace(kept, rows=kept.rows[::4], weight=kept.weight[::4], y_um=kept.y_um[::4])
 
     def error(log_lag: float) -> float:
@@ -225,10 +203,10 @@ def _searched_lag(task: PathTask, kept: _Kept, held: Sequence[tuple[Floats, Floa
         # ||A x - b||^2 = ||b||^2 - ||d||^2 at the least-squares solution.
         return -float(d @ d)
 
-    middle = float(np.log(task.lag_s))
+    middle = min((float(np.log(lag_s)) for lag_s in task.lags_s), key=error)
     low = max(middle - np.log(5.0), float(np.log(0.02 * task.record.Ts_s)))
     best = minimize_scalar(error, bounds=(low, middle + np.log(5.0)), method="bounded", options={"xatol": 1e-3})
-    return float(np.exp(best.x)) if best.fun < error(middle) else task.lag_s
+    return float(np.exp(best.x)) if best.fun < error(middle) else float(np.exp(middle))
 
 
 def _triangular(columns: Floats, kept: _Kept) -> tuple[Floats, Floats, Floats]:

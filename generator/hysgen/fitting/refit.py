@@ -13,9 +13,10 @@ import numpy as np
 
 from hysgen.certify.certificates import certify
 from hysgen.errors import ModelError
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.refine import Progress
 from hysgen.model.model import Model
+from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import Scores, score
 from hysgen.record import Record
 
@@ -102,7 +103,8 @@ def settings_of(model: Model) -> FitSettings:
         "name": model.name,
         "rules": model.grid.rules,
         "terms": tuple(term for term in model.terms if not term.follows_measurements),
-        "blocks": model.blocks,
+        "blocks": tuple(block for block in model.blocks if not isinstance(block, Hysteresis)),
+        "memory": None if stored.get("memory") is None else PathSize(**stored["memory"]),
         "input_range_V": (model.u_min_V, model.u_max_V),
     }
     return FitSettings(**({key: value for key, value in stored.items() if key in known} | structure))

@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 
 from hysgen.errors import FitError
 from hysgen.fitting.least_squares import Weighting
+from hysgen.fitting.operator import PathSize
 from hysgen.model.path import InputBlock
 from hysgen.model.regression import Starts, Trust
 from hysgen.model.terms import Term
@@ -26,7 +27,10 @@ class FitSettings:
     margin: part of the displacement range added to the grid at each end; the paper's is 0.
     input_range_V: inputs that the model is valid for; None: the range in the record.
     displacement_range_um: displacements that the grid covers in any case; None: the range in the record.
-    terms: additive terms, fitted together with the rules. blocks: input blocks between the command and the stage.
+    terms: additive terms, fitted together with the rules. blocks: blocks of the path between command and rules, without
+    the hysteresis. memory: size of the hysteresis of the path. With it, or with a block that responds (creep, modes), a
+    path is fitted, behind which the rules start as one lag (`fitting.path`).
+    lag_s: time constant from which this lag is searched; None: the best of several.
     settle: burn-in, the samples at the start of each segment that are simulated but not scored in the refinement,
     because the state of the terms before the record is unknown; None: samples have a reduced weight until the terms no
     longer depend on that state, but at most for a quarter of the segment (see `free_run`).
@@ -49,6 +53,8 @@ class FitSettings:
     displacement_range_um: tuple[float, float] | None = None
     terms: tuple[Term, ...] = ()
     blocks: tuple[InputBlock, ...] = ()
+    memory: PathSize | None = None
+    lag_s: float | None = None
     settle: int | None = None
     certified: bool = True
     slope_limit: float = 0.999
@@ -68,6 +74,11 @@ class FitSettings:
         _demand(self.iterations >= 1, "iterations", self.iterations, "at least 1")
         _demand(self.settle is None or self.settle >= 0, "settle", self.settle or 0, "at least 0 samples")
 
+    @property
+    def on_path(self) -> bool:
+        """Whether a physical path is fitted."""
+        return self.memory is not None or any(block.responds for block in self.blocks)
+
     def weighting(self, trust: Trust | None, starts: Starts | None) -> Weighting:
         """Forgetting and prior of these settings, with the weights of samples and the initial states of a record."""
         return Weighting(self.forgetting, self.alpha, self.epsilon, trust, starts)
@@ -86,6 +97,7 @@ class FitSettings:
             "slope_limit": self.slope_limit,
             "loop_limit": self.loop_limit if math.isfinite(self.loop_limit) else None,
             "iterations": self.iterations,
+            "memory": None if self.memory is None else self.memory.to_json(),
         }
 
 

@@ -11,7 +11,7 @@ from scipy.stats import binom
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
-from hysgen.fitting.path import PathSize
+from hysgen.fitting.operator import PathSize
 from hysgen.machine.kernels import play_operators
 from hysgen.record.series import turning_rows
 
