@@ -98,6 +98,9 @@ class InputBlock(ModelPart):
         """Whether a response has a stable inverse (`BlockMirror.solve`); the inverse of the model omits it if not."""
         return True
 
+    unit: ClassVar[str] = ""
+    """Unit of the output; that of the input by default."""
+
     @property
     def preview(self) -> int:
         """Samples of preview that the inverse needs for this block."""
