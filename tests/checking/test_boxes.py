@@ -109,7 +109,7 @@ def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
     ran = of_instance(Host(found.name, generate(found)), function, seed=6)
     v = np.where(np.isfinite(ran["inputs.v_V"]), ran["inputs.v_V"], np.float32(0.0))
     for term in ALL_TERMS:
-        box = terms.box_of(term, parts_box(found).applied_V, found.Ts_s)
+        box = terms.box_of(term, parts_box(found).applied, found.Ts_s)
         mirror = term.mirror(v[:1], found.Ts_s)
         seen = np.zeros(term.size)
         for k in range(0, SAMPLES, 4):

@@ -139,9 +139,7 @@ def test_command_arrives_after_the_preview(samples: float) -> None:
     block = Delay(samples)
     wanted = (50 + 40 * np.sin(2 * np.pi * np.arange(2000) / 500)).astype(np.float32)
     ahead, plant = (block.mirror(wanted[:1], TS_S) for _ in range(2))
-    pairs = [wanted[max(k - 1, 0) :][:1] for k in range(wanted.size)]
-    commanded = [ahead.command(before, wanted[k : k + 1]) for k, before in enumerate(pairs)]
-    arrived = np.array([plant.apply(u)[0] for u in commanded])
+    arrived = np.array([plant.apply(ahead.command(wanted[k : k + 1]))[0] for k in range(wanted.size)])
     late = arrived[block.preview + 1 :] - wanted[1 : wanted.size - block.preview]
     mu, w = samples % 1, 2 * np.pi / 500
     # Two interpolations, each loses mu (1 - mu) w^2 / 2 of the 40 V; the rest is float32 rounding.

@@ -69,7 +69,11 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
     facts = _algorithm_facts(model, numbers, certificates, inverse=chosen.inverse)
     features = facts["features"]
-    sections = [range_section(numbers, responds=model.responds), rule_section(numbers, upper), *block_sections(model)]
+    sections = [
+        range_section(numbers, responds=model.responds),
+        rule_section(numbers, upper, model.w_unit),
+        *block_sections(model),
+    ]
     sections += term_sections(model, numbers, upper)
     sections += [section for feature in features for section in feature.sections]
     facts |= {

@@ -92,8 +92,8 @@ def error_section(errors: Accuracy, *, inverse: bool) -> Section:
     )
 
 
-def rule_section(numbers: Coefficients, upper: str) -> Section:
-    """The partition, and the consequents multiplied by the rules' strengths."""
+def rule_section(numbers: Coefficients, upper: str, unit: str) -> Section:
+    """The partition, and the consequents multiplied by the rules' strengths; unit: of the rules' input."""
     rows = f"{upper}_BANK_RULES"
     tables = [
         Table("strength", f"{upper}_WINDOW" if numbers.windowed else f"{upper}_RULES", numbers.strength),
@@ -106,7 +106,7 @@ def rule_section(numbers: Coefficients, upper: str) -> Section:
     scale = "steps per um from the lowest centre" if numbers.windowed else "octaves per um from the middle"
     return Section(
         f"Rules, Eqs (1) to (7): {scale}; strengths w;\n"
-        "consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/V].",
+        f"consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/{unit}].",
         [Constant("ORIGIN_UM", numbers.origin_um), Constant("PER_STEP", numbers.per_step)],
         tables,
     )

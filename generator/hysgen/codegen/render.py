@@ -185,6 +185,8 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "omitted": next((block.kind for block in responses if not block.solves), ""),
         "delay": late,
         "ahead": late is not None and bool(responses),
+        "w_min": f"{model.name.upper()}_{'W_MIN' if responses else 'U_MIN_V'}",
+        "w_max": f"{model.name.upper()}_{'W_MAX' if responses else 'U_MAX_V'}",
         "input": "w" if responses else "v" if blocks else "u",
         "preview": preview(model.blocks),
         "status_rows": _status_rows(model.name.upper(), bool(responses)),

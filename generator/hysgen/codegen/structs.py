@@ -49,7 +49,7 @@ def terms_struct(model: Model) -> Struct:
 def bank_struct(model: Model, numbers: Coefficients) -> Struct:
     """`<name>_bank_t`: the parameters, multiplied by the rules' strengths (`hysgen.float32.coefficients`)."""
     upper = model.name.upper()
-    groups = {"slope": "q1 [um/um]", "offset": "q3 [um]", "gain": "q2 [um/V]"}
+    groups = {"slope": "q1 [um/um]", "offset": "q3 [um]", "gain": f"q2 [um/{model.w_unit}]"}
     members = [
         Member(group, "float", meaning, (numbers.bank_rules,), (f"{upper}_BANK_RULES",))
         for group, meaning in groups.items()

@@ -144,7 +144,8 @@ def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int
     _, _, second, third = membership_derivatives(fine, grid)
     c2, c3 = (SAFETY * float(total(np.abs(derivative)).max()) for derivative in (second, third))
     q1, q2, q3 = model.consequents.T
-    corners = [q1 * y + q2 * u + q3 for y in (grid.y_min_um, grid.y_max_um) for u in (model.u_min_V, model.u_max_V)]
+    w = model.w_range
+    corners = [q1 * y + q2 * end + q3 for y in (grid.y_min_um, grid.y_max_um) for end in (w.low, w.high)]
     rest = 3.0 * c2 * 0.5 * np.ptp(q1) + c3 * 0.5 * max(float(np.ptp(v)) for v in corners)
     for points in POINTS if settings.points is None else (settings.points,):
         half = 0.5 * (grid.y_max_um - grid.y_min_um) / points

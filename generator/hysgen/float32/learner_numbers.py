@@ -107,7 +107,7 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
     if numbers.windowed:
         raise ModelError(f"learner: {numbers.rules} rules; it learns models of up to 12 rules, fit with fewer")
     y_scale = _power_of_two(max(abs(model.grid.y_min_um), abs(model.grid.y_max_um)))
-    u_scale = _power_of_two(max(abs(model.u_min_V), abs(model.u_max_V)))
+    u_scale = _power_of_two(model.w_range.magnitude)
     strengths = numbers.fold.astype(np.float64)
     firing = np.array([_power_of_two(w) for w in strengths])
     parameters, strength = _parameters(model, settings, y_scale, u_scale, strengths, firing)

@@ -182,6 +182,11 @@ class Model(Displayed):
         return any(block.responds for block in self.blocks)
 
     @property
+    def w_unit(self) -> str:
+        """Unit of w: um behind a hysteresis, V otherwise."""
+        return next((block.unit for block in self.blocks if block.unit), "V")
+
+    @property
     def w_range(self) -> Interval:
         """Range of w, the input of the rules behind all blocks, see `path_range`."""
         return path_range(self.blocks, Interval(self.u_min_V, self.u_max_V))

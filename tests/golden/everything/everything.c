@@ -259,6 +259,7 @@ static float everything_delay_init(everything_delay_t *self, float u)
         self->ring[i] = u;
     }
     self->newest = 0u;
+    self->wanted_V = u;
     return u;
 }
 
@@ -277,6 +278,7 @@ EVERYTHING_INLINE float everything_delay_past(const everything_delay_t *self, ui
 /* v(k) = u(k-d) + mu (u(k-d-1) - u(k-d)) */
 EVERYTHING_INLINE float everything_delay_apply(everything_delay_t *self, float u)
 {
+    self->wanted_V = u;
     everything_delay_push(self, u);
 
     const float late = everything_delay_past(self, 2u);
@@ -286,10 +288,11 @@ EVERYTHING_INLINE float everything_delay_apply(everything_delay_t *self, float u
 }
 
 /* u(k) = v(k+n-1) + mu (v(k+n) - v(k+n-1)),  n the preview */
-EVERYTHING_INLINE float everything_delay_command(everything_delay_t *self, float before, float v)
+EVERYTHING_INLINE float everything_delay_command(everything_delay_t *self, float v)
 {
-    const float u = before + everything_delay_part[0] * (v - before);
+    const float u = self->wanted_V + everything_delay_part[0] * (v - self->wanted_V);
 
+    self->wanted_V = v;
     everything_delay_push(self, u);
     return u;
 }
@@ -335,7 +338,7 @@ EVERYTHING_INLINE float everything_inputs_invert(everything_inputs_t *inputs, fl
     u = everything_slew_apply(&inputs->slew, u);
     found->v = u;
     found->unreachable = found->u_clamped | (uint32_t)(everything_bits(u) != everything_bits(allowed));
-    u = everything_delay_command(&inputs->delay, inputs->v_V, u);
+    u = everything_delay_command(&inputs->delay, u);
     inputs->v_V = found->v;
     return u;
 }

@@ -44,6 +44,7 @@ typedef struct {
 typedef struct {
     float ring[4];    /**< past inputs [V] */
     uint32_t newest;  /**< index of the last input */
+    float wanted_V;   /**< v of the last command, or the last input [V] */
 } everything_delay_t;
 
 /** What the input passes through before it reaches the stage. */
@@ -107,7 +108,7 @@ typedef struct {
     float weight[EVERYTHING_WEIGHTS];     /**< theta_j of the terms, in their order */
 } everything_bank_t;
 
-/** One instance of the model, 396 bytes. */
+/** One instance of the model, 400 bytes. */
 typedef struct {
     uint32_t active;             /**< index of the bank in use, 0 or 1 */
     float y_um;                  /**< last model output [um]: the state of the free run */
@@ -140,8 +141,8 @@ void everything_init(everything_t *self, float y_um, float u_V);
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM in everything_params.h.
- * 112 float +-, 73 float *, 18 float comparisons, 150 integer, 121 loads, 31 stores.
- * C674x: about 439 cycles (estimate). */
+ * 112 float +-, 73 float *, 18 float comparisons, 150 integer, 121 loads, 32 stores.
+ * C674x: about 440 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
 /** One step of the free run: as everything_predict, from the last output instead of a measured displacement.
@@ -153,8 +154,8 @@ float everything_predict(everything_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in everything_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 105 float +-, 72 float *, 16 float comparisons, 125 integer, 113 loads, 28 stores.
- * C674x: about 404 cycles (estimate). */
+ * 105 float +-, 72 float *, 16 float comparisons, 125 integer, 113 loads, 29 stores.
+ * C674x: about 405 cycles (estimate). */
 float everything_simulate(everything_t *self, float u_V);
 
 /** Auxiliary channels of the coming sample, before the call that uses them:
@@ -179,8 +180,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
  * Worst error against float64 over these ranges: EVERYTHING_INVERSE_ERROR_V in everything_params.h.
- * 110 float +-, 80 float *, 18 float comparisons, 153 integer, 110 loads, 29 stores.
- * C674x: about 435 cycles (estimate). */
+ * 110 float +-, 80 float *, 18 float comparisons, 153 integer, 111 loads, 30 stores.
+ * C674x: about 436 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 #endif

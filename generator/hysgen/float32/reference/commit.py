@@ -139,7 +139,7 @@ class Committer:
         """Bounds of the Taylor remainders of gain and slope within half a cell of a check point."""
         numbers, model = self.numbers, self.learner.model_numbers
         common = numbers.slope_remainder_1 * self._half_span(_ONE, _ZERO, _ZERO)
-        for end, u in enumerate((model.u_min_V, model.u_max_V)):
+        for end, u in enumerate((model.w_min, model.w_max)):
             corners = [self._half_span(y, u, _ONE) for y in (model.y_min_um, model.y_max_um)]
             rest = common + numbers.slope_remainder_3 * np.maximum(*corners)
             self.slope_remainder[end] = np.where(where, rest, self.slope_remainder[end])
@@ -157,7 +157,7 @@ class Committer:
         weak = (gain - away <= numbers.gain_floor) | (gain + away >= numbers.gain_ceiling)
         slope, curve = (a[0] + a[1] * y) + c[1], ((a[1] + a[1]) + a[2] * y) + c[2]
         steep = np.zeros(at.size, np.bool_)
-        for end, u in enumerate((model.u_min_V, model.u_max_V)):
+        for end, u in enumerate((model.w_min, model.w_max)):
             near = numbers.half_um * magnitude(curve + b[2] * u)
             steep |= magnitude(slope + b[1] * u) + (near + self.slope_remainder[end]) >= numbers.slope_limit
         steep_or_not = np.where(steep, np.uint32(Commit.REFUSED_SLOPE), np.uint32(Commit.BUSY))

@@ -68,10 +68,10 @@ class BlockMirror(MirroredStruct, abc.ABC):
         """
         raise NotImplementedError
 
-    def command(self, before_V: Floats32, v_V: Floats32) -> Floats32:
+    def command(self, v_V: Floats32) -> Floats32:
         """The command for which v arrives `preview` samples later, (lanes,); moves the state by one sample.
 
-        before_V: v of the call before. Called for delays only.
+        Called for delays only.
         """
         raise NotImplementedError
 
@@ -97,6 +97,9 @@ class InputBlock(ModelPart):
     def solves(self, Ts_s: float) -> bool:
         """Whether a response has a stable inverse (`BlockMirror.solve`); the inverse of the model omits it if not."""
         return True
+
+    unit: ClassVar[str] = ""
+    """Unit of the output; that of the input by default."""
 
     @property
     def preview(self) -> int:

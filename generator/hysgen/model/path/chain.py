@@ -102,7 +102,7 @@ class ChainMirror:
             v = block.apply(v)
         u = v
         for block in self._delays:
-            u = block.command(self.v_V, u)
+            u = block.command(u)
         self.v_V = v
         reached, met = self._respond(responses, v)
         if self._interpolates and responses:

@@ -75,16 +75,19 @@ class Delay(InputBlock):
         return np.asarray(late[1:] + self.part * (late[:-1] - late[1:]))
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
-        """ring[i] in u_V [V] for every place of the ring, newest <= ring - 1, and for what comes out and is commanded
+        """newest <= ring - 1, wanted_V in u_V [V], and a wider range for every place of the ring and what comes out:
 
-            late + mu (later - late)   in   [u_low - mu (u_high - u_low),  u_high + mu (u_high - u_low)]
+            a + mu (b - a)   in   [low - mu (high - low),  high + mu (high - low)]      for a, b in [low, high]
 
-        as intervals of each operation make it (mu times 1.01 for the roundings); in truth it stays between late and
-        later.
+        as intervals of each operation make it (mu times 1.01 for the roundings), once for the commands of the inverse,
+        which the ring holds, and once more for the output; in truth both stay between a and b.
         """
-        through = u_V.outwards(1.01 * float(self.constants(Ts_s)["part"][0]) * u_V.width)
-        ring = {f"ring[{i}]": u_V for i in range(self.ring)}
-        return BlockBox(ring, through, through, {"newest": self.ring - 1})
+        part = 1.01 * float(self.constants(Ts_s)["part"][0])
+        commands = u_V.outwards(part * u_V.width)
+        floats = {f"ring[{i}]": commands for i in range(self.ring)}
+        if self.interpolates:
+            floats["wanted_V"] = u_V
+        return BlockBox(floats, commands.outwards(part * commands.width), commands, {"newest": self.ring - 1})
 
     def shape(self) -> Floats:
         """(1,) samples."""
@@ -97,10 +100,12 @@ class Delay(InputBlock):
         return np.zeros(1), np.array([float(min(MOST_SAMPLES, u_V.size // 4))])
 
     def members(self) -> tuple[Member, ...]:
-        return (
+        ring = (
             Member("ring", "float", "past inputs [V]", (self.ring,)),
             Member("newest", "uint32_t", "index of the last input"),
         )
+        wanted = Member("wanted_V", "float", "v of the last command, or the last input [V]")
+        return (*ring, wanted) if self.interpolates else ring
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> DelayMirror:
         return DelayMirror(self, self.constants(Ts_s)["part"][0], u_V)
@@ -121,13 +126,16 @@ class DelayMirror(BlockMirror):
         self._whole, self._part = block.whole, part
         self.ring = np.tile(u_V, (block.ring, 1))
         self.newest = np.zeros(u_V.shape, dtype=np.uint32)
+        self.wanted_V = u_V.copy()
 
     def apply(self, u_V: Floats32) -> Floats32:
+        self.wanted_V = u_V
         self._push(u_V)
         return self._between(self._whole)
 
-    def command(self, before_V: Floats32, v_V: Floats32) -> Floats32:
-        u = v_V if self._part == 0 else before_V + self._part * (v_V - before_V)
+    def command(self, v_V: Floats32) -> Floats32:
+        u = v_V if self._part == 0 else self.wanted_V + self._part * (v_V - self.wanted_V)
+        self.wanted_V = v_V
         self._push(u)
         return u
 

@@ -56,6 +56,7 @@ class Hysteresis(InputBlock):
     place: ClassVar[int] = 3
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
+    unit: ClassVar[str] = "um"
 
     low_V: float
     high_V: float

@@ -52,7 +52,7 @@ def committed_box(model: Model) -> dict[str, Interval]:
     box, banks, numbers = instance_box(model), bank_box(model), coefficients(model)
     most = {group: _most(banks, group, numbers.strength) for group in ("slope", "offset", "gain")}
     y = max(abs(model.grid.y_min_um), abs(model.grid.y_max_um))
-    u = max(abs(model.u_min_V), abs(model.u_max_V))
+    u = model.w_range.magnitude
     extra = sum(banks[f"weight[{j}]"].magnitude * size for j, size in enumerate(regressor_sizes(model)))
     reach = INTERVAL_EXCESS * (most["slope"] * y + most["offset"] + most["gain"] * u + extra)
     return box | {"y_um": symmetric(reach).hull(box["y_um"]).outwards()}

@@ -36,13 +36,13 @@ class PartsBox:
     """The boxes of the terms and the input blocks of a model.
 
     floats: C path in `<name>_t` -> interval; integers: C path -> largest value, of the integers that have one.
-    applied_V: voltage behind the input blocks. command_V: voltage commanded by the caller or by the inverse.
+    applied: input of the rules. command_V: voltage commanded by the caller or by the inverse.
     regressors: largest magnitude of the regressors of every term, term by term.
     """
 
     floats: Mapping[str, Interval]
     integers: Mapping[str, int]
-    applied_V: Interval
+    applied: Interval
     command_V: Interval
     regressors: tuple[tuple[float, ...], ...]
 
@@ -55,7 +55,7 @@ def instance_box(model: Model) -> dict[str, Interval]:
     parts = parts_box(model)
     sizes = [size for regressors in parts.regressors for size in regressors]
     extra = sum(abs(w) * size for w, size in zip(model.weights, sizes, strict=True))
-    rules = _rules(model, parts.applied_V)
+    rules = _rules(model, parts.applied)
     y = rules.outwards(WIDENED * rules.width + 1.01 * extra)
     return {"y_um": y, "u_V": parts.command_V, **parts.floats}
 
@@ -73,9 +73,13 @@ def parts_box(model: Model) -> PartsBox:
         passed = block.box(applied, model.Ts_s)
         floats |= {f"inputs.{block.kind}.{path}": interval for path, interval in passed.floats.items()}
         integers |= {f"inputs.{block.kind}.{path}": largest for path, largest in passed.integers.items()}
-        applied, command = passed.through, command.hull(passed.solved)
-    if model.blocks:
-        floats["inputs.v_V"] = applied
+        applied = passed.through
+        if not block.responds:
+            floats["inputs.v_V"] = applied
+            command = command.hull(passed.solved)
+    if model.responds:
+        floats.setdefault("inputs.v_V", command)
+        applied = Interval(float(numbers.w_min), float(numbers.w_max))
     regressors: list[tuple[float, ...]] = []
     for term in model.terms:
         box = terms.box_of(term, applied, model.Ts_s)
