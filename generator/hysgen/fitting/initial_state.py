@@ -28,6 +28,9 @@ from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
 
+CORRUPTED = 10.0
+"""A row counts up to this multiple of the median distance from the median: 6.7 standard deviations of white noise."""
+
 FEWEST = 20
 """Rows that the estimate needs; with less, a segment starts at rest."""
 
@@ -62,6 +65,8 @@ def _start(model: Model, record: Record, segment: Segment, error_um: Floats, cou
     if rows.size < FEWEST:
         return _usual(model, record, segment)
     slow = _creep(model)
+    away = np.abs(error_um[rows] - np.median(error_um[rows]))
+    rows = rows[away <= CORRUPTED * np.median(away)]
     columns = _columns(model, slow, count)[:, rows]
     mean, spread = float(np.mean(error_um[rows])), float(np.std(error_um[rows]))
     # The prior of every deviation is the one that contributes the mean: a slow state contributes `amount` um per um.

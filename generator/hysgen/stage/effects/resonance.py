@@ -27,7 +27,11 @@ class ResonanceEffect(Effect):
     rank = 12
     most = 4
     bank_index = 1
-    tolerances: ClassVar = {"resonance.f_Hz": Tolerance(0.02), "resonance.zeta": Tolerance(0.30)}
+    tolerances: ClassVar = {
+        "resonance.f_Hz": Tolerance(0.02),
+        "resonance.zeta": Tolerance(0.30),
+        "resonance.share": None,
+    }
 
     def __post_init__(self) -> None:
         require_finite(self)
@@ -45,7 +49,7 @@ class ResonanceEffect(Effect):
         return cls(f_Hz, float(rng.uniform(0.01, 0.06)), float(rng.uniform(0.1, 0.7)))
 
     def true_parameters(self) -> dict[str, float]:
-        return {"resonance.f_Hz": self.f_Hz, "resonance.zeta": self.zeta}
+        return {"resonance.f_Hz": self.f_Hz, "resonance.zeta": self.zeta, "resonance.share": self.share}
 
 
 def modes_and_lag(modes: Sequence[ResonanceEffect], period: Period) -> Linear:
