@@ -9,9 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hysgen.diagnosis.causes import causes, in_ladder_order
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import checked_error
+from hysgen.diagnosis.ladder import Rows, checked_error
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
@@ -32,6 +35,16 @@ def with_best_forms(
         if len(forms) < 2:
             continue
         trials = [{**best, name: form} for form in forms]
-        levels_um = in_threads(lambda trial: rms(checked_error(prepared, trial, names, settings)[1]), trials)
+        checked = in_threads(lambda trial: checked_error(prepared, trial, names, settings), trials)
+        levels_um = [rms(error_um[_trusted(best, names, rows)]) for rows, error_um in checked]
         best = next(t for t, level in zip(trials, levels_um, strict=True) if level <= TOLERATED * min(levels_um))
     return best
+
+
+def _trusted(extensions: dict[str, Extension], names: Sequence[str], rows: Rows) -> NDArray[np.bool_]:
+    """Which of the rows count: not those that the extension of a cause takes out of the fit as corrupted."""
+    kept = np.ones(len(rows), dtype=bool)
+    for trust in (extensions[name].trust for name in names):
+        if trust is not None:
+            kept &= trust[rows] > 0.0
+    return kept
