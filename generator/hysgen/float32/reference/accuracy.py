@@ -68,7 +68,8 @@ def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1)
     steepest = float(np.abs(model.consequents[:, 1]).max())
     worst[0] += steepest * path
     worst[3] += steepest * residual
-    return Accuracy(samples, *(float(error) for error in worst), path, residual)
+    predict_um, inverse_V, again_V, again_um = worst.tolist()
+    return Accuracy(samples, predict_um, inverse_V, again_V, again_um, path, residual)
 
 
 def _path_errors(model: Model, seed: int, inverse: bool) -> tuple[float, float]:
