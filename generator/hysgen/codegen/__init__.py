@@ -24,7 +24,7 @@ from hysgen.codegen.render import Feature, context, render
 from hysgen.codegen.selftest import chains
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import Coefficients, coefficients
-from hysgen.float32.reference.accuracy import accuracy
+from hysgen.float32.reference.accuracy import Accuracy, accuracy
 from hysgen.machine.files import write_whole
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
@@ -78,7 +78,7 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     sections += [section for feature in features for section in feature.sections]
     facts |= {
         "prototypes": interface(model, inverse=chosen.inverse).prototypes,
-        "sections": [*sections, error_section(errors, inverse=chosen.inverse)],
+        "sections": [*sections, error_section(errors, inverse=chosen.inverse, responds=model.responds)],
         "chains": chains(model, inverse=chosen.inverse),
     }
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
@@ -93,12 +93,22 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
         "certificates": certificates.to_json(),
         "worst_error": {
             "predict_um": rounded_up(errors.predict_um, ERROR_DIGITS),
-            "inverse_V": rounded_up(errors.inverse_V, ERROR_DIGITS),
+            **_inverse_error(model, errors),
             "samples": errors.samples,
         },
         "cost": _cost(model, counted, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}
+
+
+def _inverse_error(model: Model, errors: Accuracy) -> dict[str, float]:
+    """Error of the inverse for the manifest: of the voltage or, behind responses of the stage, of what is reached."""
+    if not model.responds:
+        return {"inverse_V": rounded_up(errors.inverse_V, ERROR_DIGITS)}
+    return {
+        "path": rounded_up(errors.path, ERROR_DIGITS),
+        "inverse_um": rounded_up(errors.predict_of_inverse_um, ERROR_DIGITS),
+    }
 
 
 def marked_source(model: Model, *, inverse: bool) -> str:

@@ -80,14 +80,22 @@ def range_section(numbers: Coefficients, *, responds: bool) -> Section:
     )
 
 
-def error_section(errors: Accuracy, *, inverse: bool) -> Section:
-    """Largest measured differences between float32 and float64 in one step."""
+def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section:
+    """Largest measured differences between float32 and float64 in one step; responds: whether u and w differ."""
     constants = [Constant("PREDICT_ERROR_UM", _stated(errors.predict_um))]
-    if inverse:
+    if responds:
+        constants.append(Constant("PATH_ERROR", _stated(errors.path)))
+    if inverse and responds:
+        constants.append(Constant("INVERSE_ERROR_UM", _stated(errors.predict_of_inverse_um)))
+    elif inverse:
         constants.append(Constant("INVERSE_ERROR_V", _stated(errors.inverse_V)))
+    path = (
+        "\nPATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the"
+        "\nreference where no limit acts."
+    )
     return Section(
         "Worst error of one step against the float64 model, measured when this file was generated\n"
-        f"over {errors.samples} samples of the whole range, rounded up.",
+        f"over {errors.samples} samples of the whole range, rounded up." + (path if responds else ""),
         constants,
     )
 

@@ -17,6 +17,8 @@ from hysgen.model.status import COUNTERS
 Words = NDArray[np.uint32]
 
 ROWS: Final = 32
+RAMP: Final = 16
+"""Samples between the levels of a ramp."""
 SEED: Final = 20120321
 
 
@@ -53,7 +55,7 @@ def _chain(model: Model, function: str, seed: int) -> CallSequence:
     lane = Instance(model, np.full(1, y0), np.full(1, u0))
     y, u, y_next = (_column(rng, *limits) for limits in _limits(model))
     ordinary = np.arange(ROWS) % 3 != 2
-    y_next[ordinary] = _reachable(model, y, rng)[ordinary]
+    y_next[ordinary] = (_followed if model.responds else _reachable)(model, y, rng)[ordinary]
     arguments = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
     channels = [_column(rng, np.float32(-1.0), np.float32(40.0)) for _ in lane.channels]
     rows, comments = [], []
@@ -80,6 +82,15 @@ def _reachable(model: Model, y: NDArray[np.float32], rng: np.random.Generator) -
     u = drawn(rng, model.u_min_V, model.u_max_V, ROWS).astype(np.float32)
     with np.errstate(all="ignore"):
         return Instance(model, y, np.zeros(ROWS, dtype=np.float32)).predict(y, u)
+
+
+def _followed(model: Model, y: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
+    """Displacements y(k+1), (ROWS,), that the model predicts from y along a random ramp: what the path allows."""
+    levels = np.append(0.0, drawn(rng, model.u_min_V, model.u_max_V, ROWS // RAMP))
+    u = np.interp(np.arange(ROWS) / RAMP, np.arange(levels.size), levels).astype(np.float32)
+    lane = Instance(model, y[:1], u[:1])
+    with np.errstate(all="ignore"):
+        return np.concatenate([lane.predict(y[k : k + 1], u[k : k + 1]) for k in range(ROWS)])
 
 
 def _limits(model: Model) -> list[tuple[np.float32, np.float32]]:

@@ -192,6 +192,12 @@ class Model(Displayed):
         return path_range(self.blocks, Interval(self.u_min_V, self.u_max_V))
 
     @property
+    def behind_path(self) -> Model:
+        """The rules and terms alone, with w as their input."""
+        w = self.w_range
+        return dataclasses.replace(self, blocks=(), u_min_V=w.low, u_max_V=w.high, scores={}, certificates={})
+
+    @property
     def parameters(self) -> Floats:
         """(3 L + T,) all linear parameters in the order of Eq. (9): q_11, q_12, q_13, q_21, ..., then the weights."""
         return np.concatenate([self.consequents.ravel(), self.weights])

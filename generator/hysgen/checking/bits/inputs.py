@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.model import Model
+from hysgen.model.path import applied
 from hysgen.model.simulate import simulate
 from hysgen.model.terms import Drive, channels_of
 
@@ -82,7 +83,11 @@ def weaker_stage(model: Model, u: Words, rng: np.random.Generator) -> Words:
 
 
 def _next_displacement(model: Model, y: Words, u: Words) -> Words:
-    """y(k+1) of the model, at rest at y(k), under u(k)."""
+    """y(k+1) of the model from y(k) under u(k): its path along all of u, its terms at rest."""
+    if model.responds:
+        u_V = np.clip(u.view(np.float32).astype(np.float64), model.u_min_V, model.u_max_V)
+        u = applied(model.blocks, u_V, model.Ts_s, model.w_range).astype(np.float32).view(np.uint32)
+        model = model.behind_path
     at_rest = Instance(model, y.view(np.float32), np.zeros(y.size, dtype=np.float32))
     return at_rest.predict(y.view(np.float32), u.view(np.float32)).view(np.uint32)
 

@@ -16,6 +16,7 @@ from hysgen.model.terms import kinds as term_kinds
 
 T = TypeVar("T", Term, InputBlock)
 
+SPAN_V: Final = 140.0
 RULES: Final = (6, 13, 3, 12, 50, 2, 9, 25, 4, 11, 17, 7, 33, 5, 8, 10)
 """Every dense size, the first windowed one, and larger ones; mixed, so that the first few differ much."""
 
@@ -39,6 +40,11 @@ def complete_model(seed: int) -> Model:
 
 
 def _model(name: str, rules: int, terms: list[Term], blocks: list[InputBlock], rng: np.random.Generator) -> Model:
+    """The model; behind responses of the stage, its gains are those of the same span of w instead of SPAN_V.
+
+    A term whose kind is that of a block too is left out: in C their functions would have the same names.
+    """
+    terms = [term for term in terms if term.kind not in block_kinds()]
     low = rng.uniform(-5.0, 5.0)
     span = rng.uniform(0.5, 20.0)
     sign = rng.choice([-1.0, 1.0])
@@ -49,7 +55,7 @@ def _model(name: str, rules: int, terms: list[Term], blocks: list[InputBlock], r
             rng.uniform(low, low + span, rules) * rng.uniform(0.0, 0.5, rules),
         ]
     )
-    return Model(
+    model = Model(
         name=name,
         Ts_s=float(rng.choice([1e-5, 2e-5, 1e-4])),
         grid=Grid(low, low + span, rules),
@@ -60,6 +66,9 @@ def _model(name: str, rules: int, terms: list[Term], blocks: list[InputBlock], r
         weights=np.concatenate([np.zeros(0), *(rng.normal(0.0, 1e-4, term.size) for term in terms)]),
         blocks=tuple(sorted(blocks, key=lambda block: block.place)),
     )
+    if model.responds:
+        model.consequents[:, 1] *= SPAN_V / model.w_range.width
+    return model
 
 
 def perturbed_model(model: Model, seed: int) -> Model:

@@ -5,7 +5,12 @@
     round trip inverse(predict) - u and predict(inverse) - y(k+1), both in float32
 
 Both models get the same float32 inputs and the same term states, those of the float32 mirrors after a random run; the
-difference is that of one step's arithmetic. Input blocks are omitted: u is the input after the blocks.
+difference is that of one step's arithmetic. Limiters and delay are omitted: u is the input after them. With responses
+of the stage (hysteresis, creep, modes), w is in place of u, and the responses add what they leave over whole runs:
+
+    path       w of the float32 path minus w in float64, from rest along random ramps; |b| times that is part of predict
+    residual   w' of the inverse of the path minus the wanted w, in float32; |b| times that is part of the round trip
+
 `python -m hysgen.float32.reference.accuracy MODEL...` prints the figures.
 """
 
@@ -13,7 +18,6 @@ from __future__ import annotations
 
 import argparse
 import copy
-import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -27,32 +31,70 @@ from hysgen.model.file import load_model
 from hysgen.model.float32_arithmetic import Floats32
 from hysgen.model.membership import memberships
 from hysgen.model.model import Model
+from hysgen.model.path import applied
 
 Floats = NDArray[np.float64]
 
 LANES: Final = 1 << 16
 WARM_UP: Final = 20
+PATH_LANES: Final = 256
+PATH_SAMPLES: Final = 256
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Largest absolute differences over `samples` pairs (y, u); inverse and round trips are 0 without an inverse."""
+    """Largest absolute differences over `samples` pairs (y, u); inverse and round trips are 0 without an inverse.
+
+    path, residual: differences of w, in its unit; 0 without responses of the stage.
+    """
 
     samples: int
     predict_um: float
     inverse_V: float
     inverse_of_predict_V: float
     predict_of_inverse_um: float
+    path: float = 0.0
+    residual: float = 0.0
 
 
 def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1) -> Accuracy:
     """The differences over pairs (y, u): half on a grid of both ranges, limits included, half uniformly distributed."""
-    bare = dataclasses.replace(model, blocks=())
+    bare = model.behind_path
     worst = np.zeros(4)
     for y, u in _pairs(bare, samples, seed):
         instance = _warm(bare, y.size, seed)
         worst = np.maximum(worst, _step_errors(bare, instance, y, u, inverse))
-    return Accuracy(samples, *(float(error) for error in worst))
+    path, residual = _path_errors(model, seed, inverse) if model.responds else (0.0, 0.0)
+    steepest = float(np.abs(model.consequents[:, 1]).max())
+    worst[0] += steepest * path
+    worst[3] += steepest * residual
+    predict_um, inverse_V, again_V, again_um = worst.tolist()
+    return Accuracy(samples, predict_um, inverse_V, again_V, again_um, path, residual)
+
+
+def _path_errors(model: Model, seed: int, inverse: bool) -> tuple[float, float]:
+    """Largest |w - w in float64| and, where no limit acts, |w' - w| of the inverse, over PATH_LANES random runs.
+
+    The commands are ramps between random levels of the range; the levels of a lane are 1 to 64 samples apart.
+    """
+    rng = np.random.default_rng(seed + 2)
+    apart = 4 ** (np.arange(PATH_LANES) % 4)
+    levels = drawn(rng, model.u_min_V, model.u_max_V, PATH_LANES * (PATH_SAMPLES + 2)).reshape(PATH_LANES, -1)
+    k = np.arange(PATH_SAMPLES)
+    lanes, places = np.arange(PATH_LANES)[:, None], k // apart[:, None]
+    before, after = levels[lanes, places], levels[lanes, places + 1]
+    u = (before + (after - before) * (k / apart[:, None] - places)).astype(np.float32)
+    start = Instance(model, np.full(PATH_LANES, np.float32(model.grid.y_min_um)), u[:, 0])
+    forward, backward = start.inputs, copy.deepcopy(start.inputs)
+    w, residual = np.empty(u.shape, dtype=np.float32), 0.0
+    for sample in range(PATH_SAMPLES):
+        w[:, sample] = forward.apply(u[:, sample])
+        if inverse:
+            found = backward.invert(w[:, sample])
+            missed = np.abs(found.w - w[:, sample].astype(np.float64))
+            residual = max(residual, float(np.where(found.unreachable, 0.0, missed).max()))
+    exact = [applied(model.blocks, lane.astype(np.float64), model.Ts_s, model.w_range) for lane in u]
+    return float(np.abs(w - np.array(exact)).max()), residual
 
 
 def _step_errors(model: Model, instance: Instance, y: Floats32, u: Floats32, inverse: bool) -> Floats:
@@ -133,7 +175,8 @@ def main() -> None:
         print(
             f"{name}: {errors.samples} samples, float32 against float64: predict {errors.predict_um:.3g} um, "
             f"inverse {errors.inverse_V:.3g} V; inverse(predict) {errors.inverse_of_predict_V:.3g} V, "
-            f"predict(inverse) {errors.predict_of_inverse_um:.3g} um"
+            f"predict(inverse) {errors.predict_of_inverse_um:.3g} um; "
+            f"path {errors.path:.3g}, its inverse {errors.residual:.3g}"
         )
 
 
