@@ -123,9 +123,13 @@ class Prepared:
 
     @cached_property
     def unscored(self) -> list[int]:
-        """Rows of each segment before the first that is fitted or scored: they show what the stage remembers."""
+        """Rows of each held-out segment before the first that is scored: they show what the stage remembers.
+
+        0 for a segment of the identification part, whose offset is fitted.
+        """
         ends = np.cumsum([0, *(segment.samples for segment in self.record.segments)])
-        return [int(np.argmax(self.use[a:b] >= Use.MODEL)) for a, b in itertools.pairwise(ends)]
+        firsts = [int(np.argmax(self.use[a:b] >= Use.MODEL)) for a, b in itertools.pairwise(ends)]
+        return [first if start >= self.cut else 0 for first, start in zip(firsts, ends[:-1].tolist(), strict=True)]
 
     @property
     def y_um(self) -> Floats:
