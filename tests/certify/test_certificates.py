@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from typing import Any
 
 import numpy as np
@@ -10,16 +11,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fixtures.generated_models import path
 from fixtures.random_models import TS_S, random_drive, random_model
-from hysgen.certify.certificates import certify, inverse_stability
+from hysgen.certify.certificates import certify
 from hysgen.certify.enclosure import gain, gain_extrema, slope, slope_extremum
+from hysgen.certify.path_inverse import POINTS, sampled_slopes, slopes_along
+from hysgen.codegen import generate
+from hysgen.errors import CertificateError
 from hysgen.model.file import load_model
+from hysgen.model.intervals import Interval
 from hysgen.model.membership import rule_regressors
-from hysgen.model.model import Grid, Model
+from hysgen.model.model import Model
+from hysgen.model.path.creep import Creep
+from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.model.path.modes import Modes
 from hysgen.model.simulate import simulate
 from hysgen.model.terms import Drive
-from hysgen.model.terms.creep import Creep
-from hysgen.model.terms.memory import Memory
 
 seeds = st.integers(0, 2**31)
 sizes = st.integers(2, 40)
@@ -59,8 +66,8 @@ def test_enclosures_are_as_narrow_as_asked_and_met_where_they_say(seed: int, rul
     model = random_model(seed, rules, wild)
     steepest = slope_extremum(model)
     assert 0.0 <= steepest.bound - steepest.value <= 1e-6 * (1 + 1e-6)
-    assert steepest.u_V is not None
-    met = abs(float(slope(model, np.array([steepest.y_um]), np.array([steepest.u_V]))[0]))
+    assert steepest.w is not None
+    met = abs(float(slope(model, np.array([steepest.y_um]), np.array([steepest.w]))[0]))
     # The series ends at order 12: what is left is far below 1e-6, but y in um is known to 1e-16 of 100 um only.
     assert met == pytest.approx(steepest.value, abs=1e-6)
     for extremum in gain_extrema(model):
@@ -101,11 +108,11 @@ def test_appendix_a_holds_everywhere_and_appendix_b_says_how_far() -> None:
     assert a.gain_holds
     assert a.contraction_holds
     assert a.inverse_holds
-    assert a.contracting_V == (-20.0, 120.0)
+    assert a.contracting == (-20.0, 120.0)
     assert b.gain_holds
     assert not b.contraction_holds
-    assert b.contracting_V is not None
-    low, high = b.contracting_V
+    assert b.contracting is not None
+    low, high = b.contracting
     model, y = load_model("appendix_b"), dense(load_model("appendix_b"))
     for u in (low, high):
         assert np.abs(slope(model, y, np.full_like(y, u))).max() < 1.0
@@ -119,7 +126,7 @@ def test_appendix_a_holds_everywhere_and_appendix_b_says_how_far() -> None:
 @settings(max_examples=40, deadline=None, derandomize=True)
 def test_contraction_holds_for_every_input_that_is_said_to_contract(seed: int, wild: float) -> None:
     model = random_model(seed, wild=wild)
-    inputs = certify(model).contracting_V
+    inputs = certify(model).contracting
     if inputs is not None:
         y = dense(model, 1001)
         for u in np.linspace(*inputs, 5):
@@ -141,98 +148,78 @@ def test_a_gain_that_changes_sign_or_fades_is_not_certified() -> None:
         assert "NOT certified" in certificate.lines()[0]
 
 
-def run_inverse(model: Model, y_um: Any) -> Any:
-    """u of Eq. (11) along a reference for a model with terms, unclamped, by the loop."""
-    plays = [term for term in model.terms if isinstance(term, Memory)]
-    u = np.zeros(y_um.size - 1)
-    z = np.full(sum(term.size for term in plays), 50.0)
-    r = np.concatenate([np.asarray(term.thresholds_V) for term in plays])
-    for k in range(u.size):
-        here = np.array([y_um[k]])
-        rest = float(output(model, here, np.zeros(1))[0]) + model.weights @ z
-        u[k] = (y_um[k + 1] - rest) / float(gain(model, here)[0])
-        z = np.maximum(u[k] - r, np.minimum(u[k] + r, z))
-    return u
+HYSTERESIS = next(block for block in path().blocks if isinstance(block, Hysteresis))
 
 
-@pytest.mark.parametrize(("loop", "certified"), [(0.5, True), (0.97, True), (1.5, False)])
-def test_small_gain_tells_whether_the_inverse_with_memory_stays_bounded(loop: float, certified: bool) -> None:
-    # One rule for all y, and alternating weights on narrow plays: past inputs come back through the inverse.
-    grid, b = Grid(0.0, 10.0, 6), 0.005
-    plays = Memory((0.01, 0.02))
-    weights = loop * b * np.array([0.5, 0.5])
-    model = Model("m", TS_S, grid, np.tile([0.95, b, 0.0], (6, 1)), 0, 100, (plays,), weights)
-    certificate = certify(model)
-    assert certificate.loop == pytest.approx(loop, rel=1e-9)
-    assert certificate.inverse_holds is certified
-    k = np.arange(2000)
-    with np.errstate(over="ignore"):
-        u = run_inverse(model, 5.0 + 0.5 * np.sin(2e-3 * k))
-        settled = bool(np.abs(np.diff(u[-100:])).max() < 1.0)
-    assert settled is certified
+def test_slopes_along_a_path_are_the_differences_of_the_hysteresis() -> None:
+    turns = np.array([-1.0, 1.0, -0.4, 0.3, -0.05, 0.02])
+    slopes = slopes_along(HYSTERESIS, turns).reshape(len(turns) - 1, 2, POINTS)
+    fine = 200
+    for stroke, (a, b) in enumerate(itertools.pairwise(turns)):
+        before = [np.linspace(c, d, 4001) for c, d in itertools.pairwise(turns[: stroke + 1])]
+        x = np.concatenate([*before, np.linspace(a, b, (POINTS - 1) * fine + 1)])
+        h = HYSTERESIS.apply(70.0 * x + 50.0, TS_S)[-(POINTS - 1) * fine - 1 :]
+        x = x[-(POINTS - 1) * fine - 1 :]
+        difference = (h[fine:-1:fine] - h[fine - 1 : -2 : fine]) / (x[fine:-1:fine] - x[fine - 1 : -2 : fine])
+        along = slopes[stroke, 0 if b > a else 1, 1:-1]
+        # A play that is taken along from the point on changes the slope there: all points but a few agree.
+        agree = np.isclose(difference, along, rtol=1e-2)
+        assert np.count_nonzero(~agree) <= HYSTERESIS.plays
 
 
-@pytest.mark.parametrize(("ahead", "certified"), [(0.0, False), (1.0, True)])
-def test_a_past_input_below_zero_lets_the_inverse_follow_plays_that_weigh_more_than_the_input(
-    ahead: float, certified: bool
-) -> None:
-    # The same hysteresis twice: the input moves b, the plays 2 b. With half of that in the input, and taken from the
-    # past input again, the steps of the inverse die out; without it they grow to where the input's range ends.
-    grid, b = Grid(0.0, 10.0, 6), 0.005
-    plays, weights = Memory((0.0, 0.01, 0.02)), b * np.array([-ahead, 1.0, 1.0])
-    model = Model("m", TS_S, grid, np.tile([0.95, (1.0 + ahead) * b, 0.0], (6, 1)), 0, 100, (plays,), weights)
-    certificate = certify(model)
-    assert certificate.loop == pytest.approx(2.0 if ahead == 0.0 else 0.5)
-    assert certificate.inverse_holds is certified
-    with np.errstate(over="ignore", invalid="ignore"):
-        u = run_inverse(model, 5.0 + 0.5 * np.sin(2e-3 * np.arange(2000)))
-        settled = bool(np.abs(np.diff(u[-100:])).max() < 1.0)
-    assert settled is certified
+def test_a_hysteresis_that_falls_back_after_a_turn_has_no_certified_inverse() -> None:
+    whole = certify(path())
+    assert whole.inverse_holds
+    assert whole.w_unit == "um"
+    assert whole.path.slopes is not None
+    low, high = HYSTERESIS.slope_range()
+    assert low <= HYSTERESIS.mean_slope * whole.path.slopes.least
+    assert HYSTERESIS.mean_slope * whole.path.slopes.largest <= high
+    # A Duhem state that lowers h after every turn by more than curve and plays raise it.
+    fallen = dataclasses.replace(HYSTERESIS, duhem_um=(-1.2, 0.0, 0.0, 0.0))
+    blocks = tuple(fallen if block == HYSTERESIS else block for block in path().blocks)
+    certificate = certify(dataclasses.replace(path(), blocks=blocks))
+    assert certificate.gain_holds
+    assert certificate.path.slopes is not None
+    assert certificate.path.slopes.least < 0.0
+    assert not certificate.inverse_holds
+    assert "NOT certified" in certificate.lines()[2]
+    with pytest.raises(CertificateError, match="slope of the hysteresis"):
+        generate(dataclasses.replace(path(), blocks=blocks))
 
 
-def test_zeros_of_the_inverse_are_where_a_linear_term_puts_them() -> None:
-    # y+ = a y + b u + theta x, x+ = x + q (u - x): u = (y+ - a y - theta x)/b moves x by 1 - q - q theta/b.
-    term = Creep((1e-3,))
-    q = 1.0 - np.exp(-TS_S / 1e-3)
-    b = 0.004
-    for theta in (0.001, -0.002, -0.0045):
-        model = Model("m", TS_S, Grid(0, 10, 3), np.tile([0.9, b, 0.0], (3, 1)), 0, 100, (term,), np.array([theta]))
-        zero, loop = inverse_stability(model, b, b)
-        system = term.linear(TS_S)
-        assert system.A[0, 0] == pytest.approx(1.0 - q, rel=1e-12)
-        assert zero == pytest.approx(abs(1.0 - q - q * theta / b), rel=1e-12)
-        assert loop == 0.0
-        assert certify(model).inverse_holds is (theta > -b)
-
-
-def test_linear_and_nonlinear_terms_close_one_loop_with_the_filters_gain() -> None:
-    b, theta = 0.004, 0.001
-    creep, plays = Creep((1e-3,)), Memory((1.0, 2.0))
-    model = Model(
-        "m",
-        TS_S,
-        Grid(0, 10, 3),
-        np.tile([0.9, b, 0.0], (3, 1)),
-        0,
-        100,
-        (creep, plays),
-        np.array([theta, 0.001, -0.0005]),
+def test_the_slopes_of_a_stage_that_falls_with_the_voltage_are_those_of_its_mirror_image() -> None:
+    turned = dataclasses.replace(
+        HYSTERESIS,
+        curve_um=tuple(-c for c in HYSTERESIS.curve_um),
+        plays_um=tuple(-c for c in HYSTERESIS.plays_um),
+        duhem_um=tuple(-c for c in HYSTERESIS.duhem_um),
     )
-    # Impulse response of (b + T)^-1 by the recurrence; its absolute sum is the gain around which the plays close.
-    q, x, total = 1.0 - np.exp(-TS_S / 1e-3), 0.0, 0.0
-    for k in range(4000):
-        u = ((1.0 if k == 0 else 0.0) - theta * x) / b
-        x += q * (u - x)
-        total += abs(u)
-    _, loop = inverse_stability(model, b, b)
-    assert loop == pytest.approx(total * 0.001, rel=1e-6)
+    one, other = (sampled_slopes(block, Interval(-20.0, 120.0)) for block in (HYSTERESIS, turned))
+    assert (one.least, one.largest) == (other.least, other.largest)
+    assert one.mean_um_per_V == pytest.approx(-other.mean_um_per_V, rel=1e-8)
+
+
+def test_zero_is_the_largest_of_the_blocks_that_the_inverse_solves_and_others_are_left_out() -> None:
+    creep = Creep(0.02, (1e-3, 1.0))
+    stiff, light = Modes((730.0,), (0.05,), (0.3,), 4e-4), Modes((730.0,), (0.001,), (1.0,), 4e-4)
+    assert stiff.solves(TS_S)
+    assert not light.solves(TS_S)
+    for modes, left_out in ((stiff, ()), (light, ("modes",))):
+        found = certify(dataclasses.replace(path(), blocks=(HYSTERESIS, creep, modes)))
+        zeros = [block.zero(TS_S) for block in (creep, modes) if block.solves(TS_S)]
+        assert found.path.zero == pytest.approx(max(zeros), rel=1e-9)
+        assert max(zeros) <= found.path.zero < 1.0
+        assert found.path.left_out == left_out
+        assert found.inverse_holds
+        assert ("left out" in found.lines()[2]) is bool(left_out)
 
 
 def test_certificates_are_plain_json_and_one_line_each() -> None:
     import json
 
-    for name in ("appendix_a", "appendix_b"):
-        certificate = certify(load_model(name))
+    for model in (load_model("appendix_a"), load_model("appendix_b"), path()):
+        certificate = certify(model)
         assert json.loads(json.dumps(certificate.to_json(), allow_nan=False)) == certificate.to_json()
         assert len(certificate.lines()) == 3
         assert not any("\n" in line for line in certificate.lines())

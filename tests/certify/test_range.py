@@ -26,12 +26,11 @@ from hysgen.model.model import Model
 from hysgen.model.simulate import simulate
 from hysgen.model.status import Status
 from hysgen.model.terms import Drive
-from hysgen.model.terms.memory import Memory
 
 
 def singular(rules: int = 6) -> Model:
     """The gain goes through zero at 7.3 um of 0.5 .. 9 um; with 20 rules the C has a window."""
-    model = smooth(rules, (Memory.uniform(2, 40.0),))
+    model = smooth(rules)
     consequents = model.consequents.copy()
     consequents[:, 1] = np.linspace(2e-3, -5e-4, rules)
     return dataclasses.replace(model, consequents=consequents)

@@ -15,7 +15,7 @@ import pytest
 
 from fixtures.generated_models import diagnosed
 from fixtures.proof_models import model, shipped, texts
-from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, hard_inputs, model_with
+from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, RESPONSES, TERMS, hard_inputs, model_with
 from fixtures.tools import need
 from hysgen.checking.host import Host
 from hysgen.checking.proof.eva.banks import state_box
@@ -40,7 +40,13 @@ from hysgen.model.terms.creep import Creep
 
 SAMPLES = 8000
 ALL_TERMS = [*TERMS, *OTHERS, diagnosed().terms[0]]
-CHAINS: list[list[InputBlock]] = [*([block] for block in BLOCKS), BLOCKS, [Delay(0.0)], [Delay(0.7)]]
+CHAINS: list[list[InputBlock]] = [
+    *([block] for block in (*BLOCKS, *RESPONSES)),
+    BLOCKS,
+    [Delay(0.0)],
+    [Delay(0.7)],
+    [*BLOCKS, *RESPONSES],
+]
 
 
 @functools.lru_cache(maxsize=4)

@@ -15,10 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy._core import _multiarray_umath as umath
 
-from hysgen.certify.certificates import certify, inverse_filter
-from hysgen.certify.zeros import rational, zeros
+from fixtures.generated_models import path
+from hysgen.certify.certificates import certify
 from hysgen.codegen import generate
 from hysgen.firmware.reference_models import firmware_models
+from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.files import digest
 from hysgen.machine.reproducible import expm1, exponential, geometric, power, rounded_down, rounded_up, sine, total
 
@@ -63,42 +64,18 @@ def test_the_firmwares_models_generate_to_the_same_bytes_on_other_machines(
 
 def test_other_last_digits_of_lapack_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     """By a thousand units of the last place, more than processors differ by."""
-    extended = firmware_models()[1]
     exact, rng = np.linalg.eigvals, np.random.default_rng(1)
 
     def noisy(matrix: np.ndarray) -> np.ndarray:
         found = exact(matrix)
         return np.asarray(found * (1.0 + 2e-13 * rng.standard_normal(found.shape)))
 
-    before = certify(extended)
-    gains = before.gain_lowest.value, before.gain_highest.value
-    exactly = inverse_filter(extended, *gains)
+    matrix = np.diag(np.array([0.9, 0.99, 0.999])) - 1e-3
+    exactly = spectral_radius(matrix)
+    before = certify(path())
     monkeypatch.setattr(np.linalg, "eigvals", noisy)
-    assert inverse_filter(extended, *gains) == exactly
-    assert certify(extended) == before
-
-
-def test_zeros_and_response_are_those_of_the_eigenvalues() -> None:
-    """A slow lag and a light mode with weights of either sign, against the sum of the impulse response itself."""
-    A = np.array([[0.9, 0.0, 0.0], [0.0, 0.8, -0.3], [0.0, 0.3, 0.8]])
-    B, theta_C, b = np.array([0.1, 0.2, 0.3]), np.array([3e-4, -2e-4, 1e-4]), 1e-3
-    radius, size = zeros(rational(A, B, theta_C), b)
-    closed = A - np.outer(B, theta_C) / b
-    assert radius == pytest.approx(np.abs(np.linalg.eigvals(closed)).max(), rel=1e-13)
-    response, state = 1.0 / b, B / b**2
-    for _ in range(2000):
-        response += abs(theta_C @ state)
-        state = closed @ state
-    # The sum over modes bounds the response of several modes; of one mode it is that response.
-    assert response <= size <= 3.0 * response
-    lag = zeros(rational(A[:1, :1], B[:1], theta_C[:1]), b)
-    assert lag == pytest.approx((0.87, 1.0 / b + 30.0 / (1.0 - 0.87)), rel=1e-12)
-
-
-def test_roots_that_coincide_leave_the_response_unbounded() -> None:
-    twice = rational(np.array([[0.5, 1.0], [0.0, 0.5]]), np.array([0.0, 1.0]), np.zeros(2))
-    assert zeros(twice, 1e-3) == (0.5, math.inf)
-    assert zeros(rational(np.array([[1.5]]), np.ones(1), np.zeros(1)), 1e-3) == (1.5, math.inf)
+    assert spectral_radius(matrix) == exactly
+    assert certify(path()) == before
 
 
 @given(st.floats(-745.0, 700.0))

@@ -214,14 +214,28 @@ EXTENDED_INLINE extended_sums_t extended_rule_sums(const extended_bank_t *bank, 
     return sums;
 }
 
+/* (high, low) + delta: `low` keeps what the rounding of `high` loses, for states that move by less than their last bit.
+ * Adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word ever becomes denormal. */
+EXTENDED_INLINE void extended_accumulate(float *high, float *low, float delta)
+{
+    const float step = (delta + 1.09139364e-11f) - 1.09139364e-11f;
+    const float t = *low + step;
+    const float sum = *high + t;
+
+    *low = t - (sum - *high);
+    *high = extended_inside(sum, 1048576.0f);
+}
+
 /* ---- Input blocks ---------------------------------------------------------------------------------------------- */
 
-static void extended_delay_init(extended_delay_t *self, float u)
+static float extended_delay_init(extended_delay_t *self, float u)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
         self->ring[i] = u;
     }
     self->newest = 0u;
+    self->wanted_V = u;
+    return u;
 }
 
 EXTENDED_INLINE void extended_delay_push(extended_delay_t *self, float u)
@@ -239,6 +253,7 @@ EXTENDED_INLINE float extended_delay_past(const extended_delay_t *self, uint32_t
 /* v(k) = u(k-d) + mu (u(k-d-1) - u(k-d)) */
 EXTENDED_INLINE float extended_delay_apply(extended_delay_t *self, float u)
 {
+    self->wanted_V = u;
     extended_delay_push(self, u);
 
     const float late = extended_delay_past(self, 1u);
@@ -250,22 +265,24 @@ EXTENDED_INLINE float extended_delay_apply(extended_delay_t *self, float u)
 /* u(k) = v(k+n-1) + mu (v(k+n) - v(k+n-1)),  n the preview */
 EXTENDED_INLINE float extended_delay_command(extended_delay_t *self, float v)
 {
-    const float before = extended_delay_past(self, 0u);
+    const float u = self->wanted_V + extended_delay_part[0] * (v - self->wanted_V);
 
-    extended_delay_push(self, v);
-    return before + extended_delay_part[0] * (v - before);
+    self->wanted_V = v;
+    extended_delay_push(self, u);
+    return u;
 }
 
-/* At rest under the command u. */
-static void extended_inputs_init(extended_inputs_t *inputs, float u)
+/* At rest under the command u; returns v at rest. */
+static float extended_inputs_init(extended_inputs_t *inputs, float u)
 {
     float v = u;
 
-    extended_delay_init(&inputs->delay, v);
+    v = extended_delay_init(&inputs->delay, v);
     inputs->v_V = v;
+    return v;
 }
 
-/* What reaches the stage of the command u. */
+/* v of the command u. */
 EXTENDED_INLINE float extended_inputs_apply(extended_inputs_t *inputs, float u)
 {
     float v = u;
@@ -275,37 +292,27 @@ EXTENDED_INLINE float extended_inputs_apply(extended_inputs_t *inputs, float u)
     return v;
 }
 
-/* The nearest to v that can be made to reach the stage: the limiters hold it back. */
-EXTENDED_INLINE float extended_inputs_reach(extended_inputs_t *inputs, float v)
+/** What the inverse of the input blocks finds besides the command. */
+typedef struct {
+    float v;               /**< input of the rules that follows from the command */
+    uint32_t u_clamped;    /**< 1: the voltage lay outside the input range */
+    uint32_t unreachable;  /**< 1: a limit keeps the stage from the wanted input */
+} extended_found_t;
+
+/* The command for which `solved` reaches the stage, or the nearest voltage to it. */
+EXTENDED_INLINE float extended_inputs_invert(extended_inputs_t *inputs, float solved, extended_found_t *found)
 {
-    float reached = v;
+    const float allowed = extended_limited(solved, EXTENDED_U_MIN_V, EXTENDED_U_MAX_V, &found->u_clamped);
+    float u = allowed;
 
-    inputs->v_V = reached;
-    return reached;
-}
-
-/* What to command so that v reaches the stage. */
-EXTENDED_INLINE float extended_inputs_command(extended_inputs_t *inputs, float v)
-{
-    float u = v;
-
+    found->v = u;
+    found->unreachable = found->u_clamped | (uint32_t)(extended_bits(u) != extended_bits(allowed));
     u = extended_delay_command(&inputs->delay, u);
+    inputs->v_V = found->v;
     return u;
 }
 
 /* ---- Terms ----------------------------------------------------------------------------------------------------- */
-
-/* (high, low) + delta: `low` keeps what the rounding of `high` loses, for states that move by less than their last bit.
- * Adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word ever becomes denormal. */
-EXTENDED_INLINE void extended_accumulate(float *high, float *low, float delta)
-{
-    const float step = (delta + 1.09139364e-11f) - 1.09139364e-11f;
-    const float t = *low + step;
-    const float sum = *high + t;
-
-    *low = t - (sum - *high);
-    *high = extended_inside(sum, 1048576.0f);
-}
 
 static void extended_memory_init(extended_memory_t *self, float u)
 {
@@ -436,8 +443,7 @@ void extended_init(extended_t *self, float y_um, float u_V)
     self->y_um = extended_checked_y(self, y_um, &events);
     self->u_V = extended_checked_u(self, u_V, &events);
     extended_count_events(self, &events);
-    extended_inputs_init(&self->inputs, self->u_V);
-    extended_terms_init(&self->terms, self->inputs.v_V);
+    extended_terms_init(&self->terms, extended_inputs_init(&self->inputs, self->u_V));
 }
 
 /* The model's output under the input u that reaches the stage, Eq. (4), with base = y S + O; the input acts on the state. */
@@ -512,16 +518,16 @@ float extended_inverse(extended_t *self, float y_um, float y_next_um)
     const float per_gain = extended_reciprocal(sums.gain);
     const float per_weight = extended_reciprocal(sums.weight);
     const float exact = extended_flushed(numerator * per_gain);
-    const float inside = extended_limited(exact, EXTENDED_U_MIN_V, EXTENDED_U_MAX_V, &events.u_clamped);
-    const float v = extended_inputs_reach(&self->inputs, inside);
-    const float u = extended_inputs_command(&self->inputs, v);
-    const uint32_t unreachable = events.u_clamped | (uint32_t)(extended_bits(v) != extended_bits(inside));
+    extended_found_t found;
+    const float u = extended_inputs_invert(&self->inputs, exact, &found);
+    const uint32_t unreachable = found.unreachable;
 
     self->status |= (clamped * EXTENDED_STATUS_REFERENCE_CLAMPED) | (unreachable * EXTENDED_STATUS_UNREACHABLE);
+    events.u_clamped = found.u_clamped;
     events.y_rejected |= rejected;
     extended_count_events(self, &events);
     self->u_V = u;
-    (void)extended_apply(self, base, sums.gain, per_weight, extra, v);
+    (void)extended_apply(self, base, sums.gain, per_weight, extra, found.v);
     return u;
 }
 
@@ -2012,6 +2018,7 @@ static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self
 static void extended_delay_copy(extended_delay_t *to, const extended_delay_t *from)
 {
     to->newest = from->newest;
+    to->wanted_V = from->wanted_V;
     for (uint32_t i = 0u; i < 4u; ++i) {
         to->ring[i] = from->ring[i];
     }

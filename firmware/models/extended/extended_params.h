@@ -262,10 +262,10 @@ static const float extended_learn_firing[EXTENDED_RULES] = {
 #define EXTENDED_COMMIT_SLOPE_REMAINDER_1  3.75558884e-05f  /* 0x381d8554 */
 #define EXTENDED_COMMIT_SLOPE_REMAINDER_3  3.01831624e-05f  /* 0x37fd31d9 */
 #define EXTENDED_COMMIT_SIGN                          1.0f  /* 0x3f800000 */
-#define EXTENDED_COMMIT_GAIN_FLOOR         0.000753078551f  /* 0x3a456a3f */
+#define EXTENDED_COMMIT_GAIN_FLOOR         0.000396357122f  /* 0x39cfce27 */
 #define EXTENDED_COMMIT_GAIN_CEILING        0.00439830218f  /* 0x3b901fa2 */
 #define EXTENDED_COMMIT_SLOPE_LIMIT           0.999873757f  /* 0x3f7ff7ba */
-#define EXTENDED_COMMIT_WEIGHT_BUDGET      1.98784528e-05f  /* 0x37a6c0a7 */
+#define EXTENDED_COMMIT_WEIGHT_BUDGET      0.000396357122f  /* 0x39cfce27 */
 
 static const float extended_commit_unfold[EXTENDED_RULES] = {
         22.7598953f,  /* 0x41b61444 */

@@ -1,7 +1,7 @@
 """Gain and slope of a model, and rigorous enclosures of their extrema over its operating range.
 
-    gain   b(y) = df/du = E[q2]
-    slope  df/dy = E[q1] + Cov(l, v)/h,     v_l = q_l1 y + q_l2 u + q_l3
+    gain   b(y) = df/dw = E[q2]
+    slope  df/dy = E[q1] + Cov(l, v)/h,     v_l = q_l1 y + q_l2 w + q_l3
 
 E and Cov are taken over the rules with the firing strengths p_l. With s = (y - y_min)/h these are p_l ~ exp(s l -
 l^2/2), so about the middle s_i of a cell, with t = s - s_i, p_l = p_l(s_i), o_l = l - E[l] there, and any numbers g_l,
@@ -15,8 +15,8 @@ from the moments sum p_l o_l^k g_l. Their remainder is bounded by Cauchy's estim
 
 hence the k-th coefficient of G/D is at most gamma/delta rho^-k. In a cell the extremum of the quadratic part is exact,
 and the higher terms are bounded by their absolute values. Cells that may contain the extremum are split until the
-enclosure has the requested width. df/dy is affine in u, so its extrema over u are at u_min and u_max. The bounds do not
-include rounding, about 1e-15 of the largest v_l.
+enclosure has the requested width. df/dy is affine in w, so its extrema over w are at the ends of its range. The
+bounds do not include rounding, about 1e-15 of the largest v_l.
 """
 
 from __future__ import annotations
@@ -47,34 +47,34 @@ MOST_CELLS = 200_000
 
 @dataclass(frozen=True)
 class Extremum:
-    """An extremum over the operating range: the value attained at (y, u), and a bound that no point exceeds.
+    """An extremum over the operating range: the value attained at (y, w), and a bound that no point exceeds.
 
-    u_V is None where the quantity does not depend on u.
+    w: input of the rules in its unit (`Model.w_unit`), None where the quantity does not depend on w.
     """
 
     value: float
     bound: float
     y_um: float
-    u_V: float | None = None
+    w: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return {"value": self.value, "bound": self.bound, "y_um": self.y_um, "u_V": self.u_V}
+        return {"value": self.value, "bound": self.bound, "y_um": self.y_um, "w": self.w}
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Intervals of s: middle, half-width, and the input u of each, (n,) each."""
+    """Intervals of s: middle, half-width, and the input w of each, (n,) each."""
 
     middle: Floats
     half: Floats
-    u_V: Floats
+    w: Floats
 
     def thirds(self, chosen: NDArray[np.bool_]) -> Cells:
         """The chosen cells, each split in three."""
         shift = np.array([-2.0, 0.0, 2.0]) / 3.0
         middle = (self.middle[chosen, None] + self.half[chosen, None] * shift).ravel()
-        return Cells(middle, np.repeat(self.half[chosen] / 3.0, 3), np.repeat(self.u_V[chosen], 3))
+        return Cells(middle, np.repeat(self.half[chosen] / 3.0, 3), np.repeat(self.w[chosen], 3))
 
 
 @dataclass(frozen=True)
@@ -89,31 +89,31 @@ Quantity = Callable[[Cells], Series]
 
 
 def gain(model: Model, y_um: Floats) -> Floats:
-    """b(y) in um/V, (n,), at displacements (n,)."""
+    """b(y), (n,), at displacements (n,), in um/V or, behind a hysteresis, in um/um."""
     return np.asarray(product(memberships(y_um, model.grid), model.consequents[:, 1]))
 
 
-def slope(model: Model, y_um: Floats, u_V: Floats) -> Floats:
+def slope(model: Model, y_um: Floats, w: Floats) -> Floats:
     """df/dy, (n,), at displacements inside the grid and inputs, (n,) each: factor of a deviation over one step."""
     p = memberships(y_um, model.grid)
     q1, q2, q3 = model.consequents.T
-    v = q1 * y_um[:, None] + q2 * u_V[:, None] + q3
+    v = q1 * y_um[:, None] + q2 * w[:, None] + q3
     v = v - product(p, v)[:, None]
     rule = np.arange(model.grid.rules, dtype=np.float64)
     return np.asarray(product(p, q1) + product(p * v, rule) / model.grid.step_um)
 
 
 def gain_extrema(model: Model, narrow: float = NARROW) -> tuple[Extremum, Extremum]:
-    """Smallest and largest gain b(y) in um/V, enclosed within `narrow` times the largest |b|."""
+    """Smallest and largest gain b(y), enclosed within `narrow` times the largest |b|."""
     scale = narrow * max(float(np.abs(gain(model, model.grid.centres_um)).max()), np.finfo(np.float64).tiny)
     lowest = _largest(gain_series(model, -1.0), model, (0.0,), scale, absolute=False)
     highest = _largest(gain_series(model, 1.0), model, (0.0,), scale, absolute=False)
     return Extremum(-lowest.value, -lowest.bound, lowest.y_um), Extremum(highest.value, highest.bound, highest.y_um)
 
 
-def slope_extremum(model: Model, u_V: tuple[float, ...] | None = None, narrow: float = NARROW) -> Extremum:
-    """Largest |df/dy| over the displacement range and the inputs `u_V`, by default the ends of the input range."""
-    return _largest(slope_series(model), model, u_V or (model.w_range.low, model.w_range.high), narrow, absolute=True)
+def slope_extremum(model: Model, w: tuple[float, ...] | None = None, narrow: float = NARROW) -> Extremum:
+    """Largest |df/dy| over the displacement range and the inputs `w`, by default the ends of the range of w."""
+    return _largest(slope_series(model), model, w or (model.w_range.low, model.w_range.high), narrow, absolute=True)
 
 
 def gain_series(model: Model, sign: float = 1.0) -> Quantity:
@@ -136,7 +136,7 @@ def slope_series(model: Model) -> Quantity:
     def quantity(cells: Cells) -> Series:
         firing = _Firing(model, cells.middle)
         y = model.grid.ends_um[0] + h * cells.middle
-        v = q1 * y[:, None] + q2 * cells.u_V[:, None] + q3
+        v = q1 * y[:, None] + q2 * cells.w[:, None] + q3
         _, quotient, size = firing.expectation(v, h * np.broadcast_to(q1, v.shape))
         slopes = quotient[:, 1:] * np.arange(1.0, ORDER + 1.0) / h
         slopes[:, 0] += product(firing.p, q1)
@@ -206,7 +206,7 @@ def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow
         value, bound, at = _peak(quantity(cells), cells.half, absolute)
         top = int(np.argmax(value))
         if value[top] > best:
-            best, place = float(value[top]), (float(cells.middle[top] + at[top]), float(cells.u_V[top]))
+            best, place = float(value[top]), (float(cells.middle[top] + at[top]), float(cells.w[top]))
         undecided = bound > best + narrow
         excluded = max(excluded, float(np.max(bound[~undecided], initial=-np.inf)))
         if not undecided.any() or 3 * np.count_nonzero(undecided) > MOST_CELLS:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from hysgen.certify.certificates import Certificates, certify, least_stable
+from hysgen.certify.certificates import Certificates, certify
 from hysgen.codegen.commit import commit_feature
 from hysgen.codegen.interface import interface
 from hysgen.codegen.learning import learner_feature
@@ -135,21 +135,20 @@ def _algorithm_facts(
 
 
 def _require_inverse(model: Model, certificates: Certificates) -> None:
-    """Raise CertificateError, with place and value, if Eq. (11) of `model` is singular or not certified stable."""
+    """Raise CertificateError, with place and value, if Eq. (11) of `model` is singular or its path has no inverse."""
     remedy = "restrict the range (generate --displacement-range), or generate without the inverse"
     if not certificates.gain_holds:
         low, high = certificates.gain_lowest, certificates.gain_highest
+        unit = f"um/{certificates.w_unit}"
         worst = low if abs(low.value) <= abs(high.value) or low.value * high.value < 0.0 else high
         raise CertificateError(
-            f"{model.name}: the gain df/du is {worst.value:.4g} um/V at y = {worst.y_um:.4g} um and "
-            f"{high.value:.4g} um/V at y = {high.y_um:.4g} um, so the inverse is singular or nearly so; {remedy}"
+            f"{model.name}: the gain df/d{certificates.w_name} is {worst.value:.4g} {unit} at y = {worst.y_um:.4g} um "
+            f"and {high.value:.4g} {unit} at y = {high.y_um:.4g} um, so the inverse is singular or nearly so; {remedy}"
         )
     if not certificates.inverse_holds:
-        y_um, gain_um_per_V = least_stable(model, certificates.gain_lowest.value, certificates.gain_highest.value)
         raise CertificateError(
-            f"{model.name}: the inverse is not certified stable (zeros within {certificates.zero:.4g}, loop gain of "
-            f"its nonlinear terms {certificates.loop:.4g}; both must be below 1), least so at y = {y_um:.4g} um, where "
-            f"the gain is {gain_um_per_V:.4g} um/V: past inputs may build up; {remedy}"
+            f"{model.name}: the inverse of the path is not certified ({'; '.join(certificates.path.parts())}): a "
+            "voltage may not exist; fit the model again, or generate without the inverse"
         )
 
 

@@ -178,6 +178,7 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "weights": sum(term.size for term in model.terms),
         "corrected": any(term.corrects for term in terms),
         "two_words": twofloat.FACTS if any(part.two_words for part in (*model.terms, *model.blocks)) else None,
+        "accumulates": any(term.two_words for term in model.terms),
         "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
         "channels": channels_of(model.terms),
         "blocks": blocks,

@@ -107,8 +107,8 @@ class CertifiedSet:
         s, cut = self.structure, 3 * self.structure.grid.rules
         rules = Model("candidate", 1.0, s.grid, q[:cut].reshape(-1, 3), s.w_range.low, s.w_range.high)
         worst = slope_extremum(rules, narrow=NARROW)
-        assert worst.u_V is not None
-        return _slope_limits(s, np.array([worst.y_um]), worst.u_V, self.slope_limit)
+        assert worst.w is not None
+        return _slope_limits(s, np.array([worst.y_um]), worst.w, self.slope_limit)
 
     def _loop(self, q: Floats) -> HalfSpaces:
         """row theta <= limit sign b(y): the `loop_row` of the terms at this theta, at the y of the smallest gain."""

@@ -23,7 +23,7 @@ from typing import Final
 
 import numpy as np
 
-from hysgen.certify.certificates import Certificates, inverse_filter
+from hysgen.certify.certificates import Certificates
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import Coefficients, Floats, Floats32
 from hysgen.machine.reproducible import exponential, product, total
@@ -36,8 +36,8 @@ POINTS: Final = (32, 64, 128, 256, 512)
 SAFETY: Final = 1.01
 """Factor on C2 and C3, whose maxima are taken over a fine grid, and on the bounds, for the rounding in float32."""
 
-FLOORS: Final = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
-"""Candidates of (least committed gain)/(least gain of the model); the first is chosen with a loop gain below 1."""
+FLOOR: Final = 0.5
+"""(Least committed gain)/(least gain of the model)."""
 
 GAIN_CEILING: Final = 4.0
 """(Largest committed gain)/(largest gain of the model)."""
@@ -88,9 +88,9 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
     if steepest >= min(limit, 1.0):
         slope = certificates.slope
         raise CertificateError(
-            f"{model.name}: learner: |df/dy| is {slope.value:.4g} at y = {slope.y_um:.4g} um, u = {slope.u_V:.4g} V, "
-            f"not below the limit {min(limit, 1.0):.4g} that commit keeps; restrict the range "
-            "(generate --input-range), or fit again"
+            f"{model.name}: learner: |df/dy| is {slope.value:.4g} at y = {slope.y_um:.4g} um, "
+            f"{certificates.w_name} = {slope.w:.4g} {certificates.w_unit}, not below the limit {min(limit, 1.0):.4g} "
+            "that commit keeps; restrict the range (generate --input-range), or fit again"
         )
     floor, ceiling, budget = _inverse_limits(model, certificates, settings)
     points, c2, c3 = _points(model, settings, limit - steepest)
@@ -158,37 +158,24 @@ def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int
 
 
 def _inverse_limits(model: Model, certificates: Certificates, settings: LearnerSettings) -> tuple[float, float, float]:
-    """Least and largest |b| [um/V], and the limit W of sum_j gamma_j |change of theta_j|, with a stable inverse.
+    """Least and largest |b|, and the limit of sum_j gamma_j |change of theta_j|.
 
-    With T the identified linear terms and N the other terms, the loop gain is below 1 (small-gain condition) if
-    (gamma' |theta_N| + W) ||(b + T)^-1||_1 < 1 for every gain b between the limits.
-    Raises CertificateError if no limits with W > 0 exist.
+    Regressors that do not depend on the input have gamma = 0. Raises CertificateError if the gain does not hold, or if
+    the settings require a larger least gain than the model has.
     """
-    ends = [certificates.gain_lowest.bound, certificates.gain_highest.bound]
+    ends, unit = [certificates.gain_lowest.bound, certificates.gain_highest.bound], f"um/{certificates.w_unit}"
     if not certificates.gain_holds:
         low = certificates.gain_lowest
         raise CertificateError(
-            f"{model.name}: learner: the gain df/du is {low.value:.4g} um/V at y = {low.y_um:.4g} um and does not stay "
-            "away from zero, so no shadow could be committed; restrict the range (generate --displacement-range), or "
-            "fit again"
+            f"{model.name}: learner: the gain df/d{certificates.w_name} is {low.value:.4g} {unit} at "
+            f"y = {low.y_um:.4g} um and does not stay away from zero, so no shadow could be committed; restrict the "
+            "range (generate --displacement-range), or fit again"
         )
-    sign = math.copysign(1.0, ends[0])
     weakest, strongest = sorted(abs(end) for end in ends)
     chosen = settings.gain_floor_um_per_V
     if chosen is not None and chosen >= weakest:
         raise CertificateError(
-            f"{model.name}: learner: gain_floor_um_per_V {chosen:.4g} is not below the model's own {weakest:.4g} um/V"
+            f"{model.name}: learner: gain_floor_um_per_V {chosen:.4g} is not below the model's own {weakest:.4g} {unit}"
         )
-    ceiling = GAIN_CEILING * strongest
-    floors = [share * weakest for share in FLOORS] if chosen is None else [chosen]
-    for floor in floors:
-        if not model.terms:
-            return floor, ceiling, 0.0
-        zero, size, nonlinear = inverse_filter(model, *sorted((sign * floor, sign * ceiling)))
-        budget = 0.95 / size - nonlinear
-        if zero < 1.0 and budget > 0.0:
-            return floor, ceiling, budget
-    raise CertificateError(
-        f"{model.name}: learner: the inverse is only just stable, the weights of the terms leave no room for another "
-        "gain; fit a model with smaller weights, or generate with --learn none"
-    )
+    floor = FLOOR * weakest if chosen is None else chosen
+    return floor, GAIN_CEILING * strongest, floor if model.terms else 0.0

@@ -215,15 +215,35 @@ EVERYTHING_INLINE everything_sums_t everything_rule_sums(const everything_bank_t
 }
 
 /* (high, low) + delta: `low` keeps what the rounding of `high` loses, for states that move by less than their last bit.
- * Adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word ever becomes denormal. */
-EVERYTHING_INLINE void everything_accumulate(float *high, float *low, float delta)
+ * t = low + delta; adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word becomes denormal. */
+EVERYTHING_INLINE float everything_carried(float low, float delta)
 {
     const float step = (delta + 1.09139364e-11f) - 1.09139364e-11f;
-    const float t = *low + step;
-    const float sum = *high + t;
 
-    *low = t - (sum - *high);
-    *high = everything_inside(sum, 1048576.0f);
+    return low + step;
+}
+
+/* The new `high`. */
+EVERYTHING_INLINE float everything_total(float high, float t)
+{
+    return everything_inside(high + t, 1048576.0f);
+}
+
+/* The new `low`, the rounding error of high + t. */
+EVERYTHING_INLINE float everything_lost(float high, float t)
+{
+    const float sum = high + t;
+
+    return t - (sum - high);
+}
+
+EVERYTHING_INLINE void everything_accumulate(float *high, float *low, float delta)
+{
+    const float before = *high;
+    const float t = everything_carried(*low, delta);
+
+    *low = everything_lost(before, t);
+    *high = everything_total(before, t);
 }
 
 /* ---- Input blocks ---------------------------------------------------------------------------------------------- */

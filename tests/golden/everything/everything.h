@@ -141,7 +141,7 @@ void everything_init(everything_t *self, float y_um, float u_V);
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM in everything_params.h.
- * 112 float +-, 73 float *, 18 float comparisons, 150 integer, 121 loads, 32 stores.
+ * 118 float +-, 73 float *, 18 float comparisons, 150 integer, 115 loads, 32 stores.
  * C674x: about 440 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
@@ -154,7 +154,7 @@ float everything_predict(everything_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in everything_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 105 float +-, 72 float *, 16 float comparisons, 125 integer, 113 loads, 29 stores.
+ * 110 float +-, 72 float *, 16 float comparisons, 125 integer, 108 loads, 29 stores.
  * C674x: about 405 cycles (estimate). */
 float everything_simulate(everything_t *self, float u_V);
 
@@ -180,7 +180,7 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
  * Worst error against float64 over these ranges: EVERYTHING_INVERSE_ERROR_V in everything_params.h.
- * 110 float +-, 80 float *, 18 float comparisons, 153 integer, 111 loads, 30 stores.
+ * 115 float +-, 80 float *, 18 float comparisons, 153 integer, 106 loads, 30 stores.
  * C674x: about 436 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 

@@ -98,6 +98,10 @@ class InputBlock(ModelPart):
         """Whether a response has a stable inverse (`BlockMirror.solve`); the inverse of the model omits it if not."""
         return True
 
+    def zero(self, Ts_s: float) -> float:
+        """Largest |eigenvalue| of the inverse of a linear response; 0 of a block whose inverse has no state."""
+        return 0.0
+
     unit: ClassVar[str] = ""
     """Unit of the output; that of the input by default."""
 

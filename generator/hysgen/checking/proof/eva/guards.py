@@ -118,7 +118,7 @@ GUARDS: Final = (
         "predict",
         "finite",
         "accumulate",
-        ("*high = sum;",),
+        ("return high + t;",),
     ),
     Guard(
         "the bias of a drift is limited",

@@ -1,0 +1,162 @@
+"""Certificates of the inverse of a path: slope of the hysteresis, zeros of creep and modes, blocks that it leaves out.
+
+    hysteresis       dh/dx keeps the sign of its mean: then h(x) = w has one solution x, which Newton steps find
+    creep and modes  zero = largest |eigenvalue| of the block's inverse, below 1: errors of the state decay
+
+The slope is computed along fixed paths of random turns over the whole input range, for a rising and for a falling input
+at every point. Paths are a sample of all pasts: the smallest and largest slope are no bounds for other pasts.
+Source of the Newton steps and of the states: `model.path.hysteresis`.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from hysgen.machine.reproducible import drawn, exponential, rounded_down, rounded_up, total
+from hysgen.model.intervals import Interval
+from hysgen.model.model import Model
+from hysgen.model.path.hysteresis import Hysteresis
+
+Floats = NDArray[np.float64]
+
+DIGITS = 9
+"""Significant digits of slopes and zeros, rounded outward."""
+
+TURNS, SMALL_LOOPS, POINTS = 120, 60, 33
+"""Turns anywhere in the range, turns of loops of random sizes after them, and points of the path between two turns."""
+
+TOUCHING = 1e-9
+"""Distance from the end of its play, in half ranges, up to which the input takes the play along."""
+
+
+@dataclass(frozen=True)
+class SampledSlopes:
+    """Smallest and largest dh/dx along the sampled paths, as parts of the mean slope, in um/V."""
+
+    least: float
+    largest: float
+    mean_um_per_V: float
+
+
+@dataclass(frozen=True)
+class PathInverse:
+    """What the inverse of a path rests on.
+
+    slopes: of the hysteresis, None without one. zero: the largest of creep and modes that the inverse solves, 0 without
+    one. left_out: kinds of responses without a stable inverse, which the inverse of the model leaves out.
+    """
+
+    slopes: SampledSlopes | None
+    zero: float
+    left_out: tuple[str, ...]
+
+    @property
+    def holds(self) -> bool:
+        """The hysteresis keeps the sign of its slope, and every zero is inside the unit circle."""
+        return (self.slopes is None or self.slopes.least > 0.0) and self.zero < 1.0
+
+    def parts(self) -> list[str]:
+        """Text of slopes, zero and blocks that are left out; empty without responses of the stage."""
+        texts = []
+        if self.slopes is not None:
+            found = self.slopes
+            texts.append(
+                f"slope of the hysteresis {found.least:.3g} .. {found.largest:.3g} of its mean "
+                f"{found.mean_um_per_V:.3g} um/V (sampled, not proved)"
+            )
+        if self.zero > 0.0:
+            texts.append(f"zeros of creep and modes within {self.zero:.6f}")
+        return texts + [f"{kind} left out" for kind in self.left_out]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        slopes = None
+        if self.slopes is not None:
+            slopes = {
+                "least_of_mean": self.slopes.least,
+                "largest_of_mean": self.slopes.largest,
+                "mean_um_per_V": self.slopes.mean_um_per_V,
+                "proved": False,
+            }
+        return {"hysteresis_slopes": slopes, "zero": self.zero, "left_out": list(self.left_out)}
+
+
+def path_inverse(model: Model) -> PathInverse:
+    """The certificates of a model's path over its input range."""
+    u_V, slopes, zero, left_out = Interval(model.u_min_V, model.u_max_V), None, 0.0, []
+    for block in model.blocks:
+        if isinstance(block, Hysteresis):
+            slopes = sampled_slopes(block, u_V)
+        if block.responds and not block.solves(model.Ts_s):
+            left_out.append(block.kind)
+        elif block.responds:
+            zero = max(zero, block.zero(model.Ts_s))
+        u_V = block.image(u_V)
+    return PathInverse(slopes, rounded_up(zero, DIGITS), tuple(left_out))
+
+
+@functools.lru_cache(maxsize=16)
+def sampled_slopes(block: Hysteresis, v_V: Interval) -> SampledSlopes:
+    """Slopes of a hysteresis along paths of random turns of the voltages v_V."""
+    x = np.clip(block.normalised(np.array([v_V.low, v_V.high])), -1.0, 1.0)
+    mean = block.mean_slope
+    slopes = slopes_along(block, _turns(float(x[0]), float(x[1]))) * (1.0 if mean > 0.0 else -1.0) / abs(mean)
+    return SampledSlopes(
+        rounded_down(float(slopes.min()), DIGITS),
+        rounded_up(float(slopes.max()), DIGITS),
+        rounded_down(2.0 * mean / (block.high_V - block.low_V), DIGITS),
+    )
+
+
+def slopes_along(block: Hysteresis, turns: Floats) -> Floats:
+    """dh/dx, um per half range, at POINTS points between two turns, for an input that rises and one that falls there.
+
+    turns: (n,) turning points in half ranges; the path starts at rest at the first one.
+    """
+    half = 0.5 * (block.high_V - block.low_V)
+    state = block.start(0.5 * (block.low_V + block.high_V) + half * float(turns[0]))
+    z, d = state[: block.plays], state[block.plays : block.plays + block.states]
+    found = []
+    for a, b in itertools.pairwise(turns):
+        path = np.linspace(a, b, POINTS)[:, None]
+        z_on, d_on = _moved(block, path, z, d)
+        found += [_slope(block, path, z_on, d_on, sign) for sign in (1.0, -1.0)]
+        z, d = z_on[-1], d_on[-1]
+    return np.concatenate(found)
+
+
+def _moved(block: Hysteresis, path: Floats, z: Floats, d: Floats) -> tuple[Floats, Floats]:
+    """(n, plays) plays and (n, states) Duhem states along a path, (n, 1), without turns."""
+    r = np.array(block.half_widths)
+    rising = path[-1, 0] > path[0, 0]
+    taken = np.maximum(z, path - r) if rising else np.minimum(z, path + r)
+    sign = 1.0 if rising else -1.0
+    left = exponential(-np.abs(path - path[0]) / np.array(block.reaches))
+    return taken, sign - (sign - d) * left
+
+
+def _slope(block: Hysteresis, x: Floats, z: Floats, d: Floats, sign: float) -> Floats:
+    """(n,) dh/dx where the input moves on in the direction `sign`."""
+    series = block.series
+    slope = chebyshev.chebval(x[:, 0], chebyshev.chebder(series.curve))
+    for j, (r, row) in enumerate(zip(series.half_width, series.plays, strict=True)):
+        along = sign * (x[:, 0] - z[:, j]) >= r - TOUCHING
+        slope = slope + along * chebyshev.chebval(z[:, j], chebyshev.chebder(np.array([0.0, *row])))
+    b, c = series.duhem.T
+    return np.asarray(slope + total((b + 2.0 * c * np.abs(d)) * (1.0 - sign * d) / np.array(block.reaches)))
+
+
+def _turns(low: float, high: float) -> Floats:
+    """Turning points in low .. high: the major loop, turns anywhere, and loops of random sizes about random places."""
+    rng = np.random.default_rng(0)
+    anywhere = drawn(rng, low, high, TURNS)
+    places, sizes = drawn(rng, low, high, SMALL_LOOPS), drawn(rng, 0.0, 0.25 * (high - low), SMALL_LOOPS)
+    loops = np.stack([places - sizes, places + sizes], axis=1).ravel()
+    return np.concatenate([[low, high, low], anywhere, np.clip(loops, low, high)])
