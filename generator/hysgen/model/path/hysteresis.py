@@ -219,12 +219,16 @@ class Hysteresis(InputBlock):
         """
         number = self.numbers
         ways = [symmetric(float(np.float32(1.0) - row[0])) for row in number.play]
-        size = float(np.abs(number.curve[0, 0, 1:]).sum()) + float(np.abs(number.duhem[:, :2]).sum())
-        for way, row in zip(ways, number.play, strict=True):
-            size += sum(abs(float(c)) * way.high ** (m + 1) for m, c in enumerate(row[1:]))
+        sizes = [
+            sum(abs(float(c)) * way.high ** (m + 1) for m, c in enumerate(row[1:]))
+            for way, row in zip(ways, number.play, strict=True)
+        ]
+        size = float(np.abs(number.curve[0, 0, 1:]).sum()) + sum(sizes) + float(np.abs(number.duhem[:, :2]).sum())
         middle = float(number.curve[0, 0, 0])
         h = Interval(middle, middle).outwards(1.001 * size + 1e-6 * abs(middle))
         floats = {f"play[{j}]": way for j, way in enumerate(ways)}
+        if self.plays:
+            floats |= {f"sum_um[{j}]": symmetric(1.001 * sum(sizes[j:])).outwards() for j in range(self.plays + 1)}
         if self.states:
             lacked = Interval(0.0, 2.0)
             floats |= {f"{name}[{i}]": lacked for name in ("left", "back") for i in range(self.states)}
