@@ -26,8 +26,8 @@ from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
-from hysgen.model.terms.creep import Creep
-from hysgen.model.terms.memory import Memory
+from hysgen.model.path.creep import Creep
+from hysgen.model.terms.periodic import Periodic
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -42,11 +42,16 @@ def paper(learned: str = "rules") -> Model:
 
 
 def remembering() -> Model:
-    """Four rules, six plays and a creep state: its inverse feeds past inputs back."""
-    base = smooth(4, (Memory.uniform(6, 60.0),))
-    weights = np.array([1e-5] * 6 + [2e-5])
-    terms = (*base.terms, Creep((0.01,)))
-    return dataclasses.replace(base, name="remembering", terms=terms, weights=weights, learner=LearnerSettings())
+    """Four rules behind six plays and a creep state, with a disturbance whose weights are not learned."""
+    base = smooth(4, 6)
+    return dataclasses.replace(
+        base,
+        name="remembering",
+        blocks=(*base.blocks, Creep(0.01, (0.01,))),
+        terms=(Periodic((50.0,)),),
+        weights=np.array([1e-3, 2e-3]),
+        learner=LearnerSettings(),
+    )
 
 
 def everything_learned() -> Model:

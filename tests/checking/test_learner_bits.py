@@ -23,7 +23,6 @@ from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.structs import Member
-from hysgen.model.terms.memory import Memory
 
 SUBSETS = [LEARNED["bias"], LEARNED["rules"], LEARNED["gain"], ("offset",), ("slope", "offset")]
 
@@ -38,9 +37,7 @@ def test_generated_learner_equals_reference_bit_for_bit_sample_by_sample(size: i
 @pytest.mark.parametrize("learned", SUBSETS, ids="+".join)
 @pytest.mark.slow
 def test_a_subset_of_the_parameters_learns_bit_for_bit(learned: tuple[str, ...]) -> None:
-    model = dataclasses.replace(
-        smooth(5, (Memory.uniform(3, 60.0),)), learner=LearnerSettings(learned=learned, settle=128)
-    )
+    model = dataclasses.replace(smooth(5, 3), learner=LearnerSettings(learned=learned, settle=128))
     assert Pair(model).first_difference(*corrupted(600)) is None
 
 

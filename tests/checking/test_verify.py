@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fixtures.generated_models import hysteresis
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.checking.bits import Report, VerifySettings, verify, verify_texts
@@ -21,23 +22,20 @@ from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import kinds as block_kinds
+from hysgen.model.path.creep import Creep
 from hysgen.model.path.slew import Slew
 from hysgen.model.terms import kinds as term_kinds
-from hysgen.model.terms.creep import Creep
-from hysgen.model.terms.memory import Memory
 
 SAMPLES = 30_000
 
 
 @functools.lru_cache(maxsize=1)
 def extended() -> Model:
-    """Appendix A with plays, creep and a slew limit, called `stage`."""
+    """Appendix A behind a slew limit, plays and creep, called `stage`."""
     return dataclasses.replace(
         load_model("appendix_a"),
         name="stage",
-        terms=(Memory.uniform(3, 50.0), Creep.log_spaced(2, 0.001, 1.0)),
-        weights=np.array([1e-4, 2e-4, 3e-4, -2e-4, 1e-4]),
-        blocks=(Slew(4e5, 3e5),),
+        blocks=(Slew(4e5, 3e5), hysteresis(3), Creep(0.01, (1e-3, 1.0))),
     )
 
 
@@ -100,24 +98,24 @@ FAULTS = {
     ),
     "wrong bank": ("stage.c", "&self->bank[self->active]", "&self->bank[0]", "predict", "result"),
     "last good input not kept": ("stage.c", "    self->u_V = u;\n", "", "predict", "u_V"),
-    "state of a term": (
+    "state of a play": (
         "stage.c",
-        "stage_memory_play(self->play[1], u,",
-        "stage_memory_play(self->play[1], self->play[1],",
+        "self->play[1] = z1;",
+        "self->play[1] = z0;",
         "predict",
-        "terms.memory.play[1]",
+        "inputs.hysteresis.play[1]",
     ),
     "low word of a slow state": (
         "stage.c",
         "*low = t - (sum - *high);",
         "*low = 0.0f;",
         "predict",
-        "terms.creep.low[0]",
+        "inputs.creep.low[0]",
     ),
     "what the input blocks hold back arrives": (
         "stage.c",
-        "stage_apply(self, base, sums.gain, per_weight, extra, v)",
-        "stage_apply(self, base, sums.gain, per_weight, extra, u)",
+        "stage_apply(self, base, sums.gain, per_weight, w)",
+        "stage_apply(self, base, sums.gain, per_weight, u)",
         "predict",
         "result",
     ),
@@ -179,13 +177,13 @@ def test_drawn_models_cover_every_number_of_rules_and_repeat() -> None:
     assert np.array_equal(random_model(3).consequents, random_model(3).consequents)
 
 
-def test_drawn_models_hold_every_form_of_term_that_a_diagnosis_delivers() -> None:
+def test_a_complete_model_has_every_kind_in_the_form_that_a_diagnosis_delivers() -> None:
     terms = {term.kind: term.to_json() for term in complete_model(1).terms}
+    blocks = {block.kind: block.to_json() for block in complete_model(1).blocks}
     assert set(terms) == set(term_kinds())
-    assert {block.kind for block in complete_model(1).blocks} == set(block_kinds())
-    assert terms["creep"]["shared"]
-    assert terms["memory"]["thresholds_V"][0] == 0.0
-    assert terms["memory"]["degree"] == 3
+    assert set(blocks) == set(block_kinds())
+    assert blocks["hysteresis"]["plays_um"]
+    assert blocks["hysteresis"]["duhem_um"]
     assert terms["coupling"]["taps"] > 1
 
 

@@ -7,7 +7,8 @@ import itertools
 import numpy as np
 import pytest
 
-from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, RESPONSES, TERMS, hard_inputs, model_with
+from fixtures.generated_models import hysteresis
+from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, hard_inputs, model_with
 from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
@@ -15,13 +16,12 @@ from hysgen.float32.reference.instance import Instance
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
+from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes
 from hysgen.model.terms import Term, channels_of
 from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.resonance import Resonance
 
 
 def assert_equal_bits(model: Model, function: str, samples: int, start_V: float = 30.0) -> None:
@@ -45,7 +45,7 @@ def assert_equal_bits(model: Model, function: str, samples: int, start_V: float 
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize("term", [*TERMS, *OTHERS], ids=lambda term: f"{term.kind}{term.size}")
+@pytest.mark.parametrize("term", TERMS, ids=lambda term: f"{term.kind}{term.size}")
 @pytest.mark.slow
 def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None:
     assert_equal_bits(model_with([term]), function, 20_000)
@@ -62,6 +62,9 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
         [BLOCKS[0], BLOCKS[2]],
         *([block] for block in RESPONSES),
         [*BLOCKS, *RESPONSES],
+        [hysteresis(0)],
+        [hysteresis(3)],
+        [hysteresis(0, 1)],
         [Modes((730.0,), (0.05,), (1.0,), 4e-4)],
         [Delay(0.7), Modes((50.0, 730.0), (0.01, 0.3), (0.2, 0.9), 4e-4)],
     ],
@@ -75,25 +78,26 @@ def test_input_blocks_equal_their_reference(blocks: list[InputBlock], function: 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.slow
 def test_all_terms_and_blocks_together_equal_their_reference(function: str) -> None:
-    assert_equal_bits(model_with(TERMS, BLOCKS), function, 20_000)
+    assert_equal_bits(model_with(TERMS, [*BLOCKS, *RESPONSES]), function, 20_000)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.slow
 def test_a_start_beyond_the_saturation_rests_at_its_level(function: str) -> None:
-    model = model_with(TERMS[:3], BLOCKS)
+    model = model_with(TERMS, [*BLOCKS, RESPONSES[1]])
     assert_equal_bits(model, function, 200, start_V=110.0)
     host = Host(model.name, generate(model))
     struct, layout = host.instance(2.0, 110.0), host.layout(f"{model.name}_t")
     words = host.words_of(struct).view(np.float32)
-    for path in ("inputs.v_V", "inputs.slew.last_V", "inputs.delay.ring[0]", "terms.memory.play[0]"):
+    for path in ("inputs.v_V", "inputs.slew.last_V", "inputs.delay.ring[0]", "inputs.creep.high[0]"):
         assert words[layout[path]] == 95.0
     assert words[layout["u_V"]] == 110.0
 
 
 def test_flushing_denormals_to_zero_changes_no_bit() -> None:
-    terms = [Creep((1e-4, 1e-3)), Resonance((5000.0,), (0.5,)), Drift(1e-4, 0.05), Coupling(("t",), (-1.0,), (1.0,))]
-    model = model_with(terms, BLOCKS)
+    terms = [Drift(1e-4, 0.05), Coupling(("t",), (-1.0,), (1.0,))]
+    decaying = [Creep(0.01, (1e-4, 1e-3)), Modes((5000.0,), (0.5,), (0.3,), 4e-4)]
+    model = model_with(terms, [*BLOCKS, *decaying])
     host = Host(model.name, generate(model))
     if not host.flushes:
         pytest.skip("this machine cannot be told to flush denormal numbers")
@@ -112,7 +116,7 @@ def test_flushing_denormals_to_zero_changes_no_bit() -> None:
 
 @pytest.mark.slow
 def test_order_of_the_terms_does_not_matter_to_the_equality() -> None:
-    for terms in itertools.islice(itertools.permutations(TERMS), 100, 720, 211):
+    for terms in itertools.permutations(TERMS):
         assert_equal_bits(model_with(terms, BLOCKS), "predict", 2000)
 
 
