@@ -32,11 +32,13 @@ from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
+from hysgen.model.path.base import BlockBox
+from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.terms import Term, TermBox
 from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.creep import Creep
+from hysgen.model.terms.periodic import Periodic
 
 SAMPLES = 8000
 CHAINS: list[list[InputBlock]] = [
@@ -123,7 +125,7 @@ def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
         assert (seen <= np.array(box.regressors)).all(), term.kind
 
 
-@pytest.mark.parametrize("name", ["plays", "extended", "everything"])
+@pytest.mark.parametrize("name", ["diagnosed", "extended", "everything"])
 @pytest.mark.slow
 def test_every_float_of_a_learner_stays_in_its_box(name: str) -> None:
     """What is not WILD, after every sample that is learnt from or refused."""
@@ -168,26 +170,35 @@ def test_a_box_that_is_too_small_is_left(name: str) -> None:
 
 
 class Halved(Creep):
-    """The fault that there was: with one weight for all lags, a box for the first of them only."""
+    """A box of the first slow state only."""
 
-    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
-        told = super().box(v_V, Ts_s)
-        return TermBox({path: told.floats[path] for path in ("high[0]", "low[0]")}, told.regressors)
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        whole = super().box(u_V, Ts_s)
+        return dataclasses.replace(whole, floats={path: whole.floats[path] for path in ("high[0]", "low[0]")})
 
 
-def halved_creep() -> tuple[Model, Mapping[str, str]]:
-    found = model("extended")
-    memory, creep = found.terms
-    assert isinstance(creep, Creep)
-    assert creep.shared
-    return dataclasses.replace(found, terms=(memory, Halved(creep.tau_s, shared=True))), shipped("extended").texts
+class Small(Creep):
+    """A box of the third slow state that is too small."""
+
+    def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
+        whole = super().box(u_V, Ts_s)
+        return dataclasses.replace(whole, floats={**whole.floats, "high[2]": u_V, "low[2]": Interval(0.0, 0.0)})
+
+
+def with_creep(kind: type[Creep], name: str) -> Model:
+    """A model with a creep block of another class, whose C is the same."""
+    found = model(name)
+    blocks = [kind(block.amount, block.tau_s) if isinstance(block, Creep) else block for block in found.blocks]
+    altered = dataclasses.replace(found)
+    object.__setattr__(altered, "blocks", tuple(blocks))
+    return altered
 
 
 def test_a_float_without_a_box_is_refused() -> None:
-    altered, generated = halved_creep()
-    with pytest.raises(ModelError, match=r"extended_t: terms\.creep\.high\[1\]: a float without a box"):
+    altered, generated = with_creep(Halved, "diagnosed"), texts("diagnosed")
+    with pytest.raises(ModelError, match=r"diagnosed_t: inputs\.creep\.high\[1\]: a float without a box"):
         step(altered, generated, "predict", "finite")
-    with pytest.raises(ModelError, match=r"extended_learner_t: terms\.creep\.high\[1\]: a float without a box"):
+    with pytest.raises(ModelError, match=r"diagnosed_learner_t: inputs\.creep\.high\[1\]: a float without a box"):
         learn_step(altered, generated, "learn")
 
 
@@ -201,7 +212,7 @@ def test_every_float_of_the_state_is_assumed_in_a_box_and_demanded_afterwards(na
             assert rf"\is_finite(self.{path}) && " in sources["step.c"], path
 
 
-@pytest.mark.parametrize("name", ["plays", "extended", "everything"])
+@pytest.mark.parametrize("name", ["diagnosed", "extended", "everything"])
 @pytest.mark.slow
 def test_every_float_that_learn_reads_is_assumed_and_demanded(name: str) -> None:
     """The bank that a learner started from among them: it is any that was committed before, not the generated one."""
@@ -213,20 +224,19 @@ def test_every_float_that_learn_reads_is_assumed_and_demanded(name: str) -> None
 
 
 def test_a_kind_without_a_box_and_one_with_too_few_regressors_are_refused() -> None:
-    class BoxlessTerm(Creep):
+    class BoxlessTerm(Periodic):
         box = Term.box
 
-    class ShortTerm(Creep):
+    class ShortTerm(Periodic):
         def box(self, v_V: Interval, Ts_s: float) -> TermBox:
             return TermBox({}, (1.0,))
 
     class BoxlessBlock(Saturation):
         box = InputBlock.box
 
-    times_s = (1e-3, 1e-2)
     for part, about in (
-        (BoxlessTerm(times_s), "terms: creep: gives no box"),
-        (ShortTerm(times_s), "bounds 1 regressors, the term has 2"),
+        (BoxlessTerm((50.0,)), "terms: periodic: gives no box"),
+        (ShortTerm((50.0,)), "bounds 1 regressors, the term has 2"),
     ):
         with pytest.raises(ModelError, match=about):
             parts_box(model_with([part]))
@@ -244,15 +254,7 @@ def test_a_saturation_beyond_the_range_holds_the_input_at_its_level() -> None:
 @pytest.mark.slow
 def test_eva_says_that_a_box_of_the_creep_that_is_too_small_is_left() -> None:
     need("frama-c")
-
-    class Small(Creep):
-        def box(self, v_V: Interval, Ts_s: float) -> TermBox:
-            told = super().box(v_V, Ts_s)
-            return TermBox({**told.floats, "high[2]": v_V, "low[2]": Interval(0.0, 0.0)}, told.regressors)
-
-    found = diagnosed()
-    small = dataclasses.replace(found, terms=(found.terms[0], Small((1e-3, 1e-2, 0.1, 1.0), shared=True)))
-    verdict, _ = prove_call(small, texts("diagnosed"), "predict", "finite")
+    verdict, _ = prove_call(with_creep(Small, "small_diagnosed"), texts("small_diagnosed"), "predict", "finite")
     assert any("low_2" in alarm for alarm in verdict.alarms), verdict.alarms
 
 

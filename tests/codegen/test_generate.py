@@ -20,7 +20,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fixtures.generated_models import everything, learning, smooth
+from fixtures.generated_models import diagnosed, everything, learning, smooth
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.manifest import read_folder
 from hysgen.codegen.parameters import literal
@@ -33,7 +33,9 @@ from hysgen.model.model import Model
 GOLDEN = Path(__file__).parents[1] / "golden"
 
 
-@pytest.mark.parametrize("model", [load_model("appendix_a"), everything(), smooth(50)], ids=lambda model: model.name)
+@pytest.mark.parametrize(
+    "model", [load_model("appendix_a"), everything(), diagnosed(), smooth(50)], ids=lambda model: model.name
+)
 def test_generated_files_are_the_golden_ones(model: Model, request: pytest.FixtureRequest) -> None:
     """Update with `pytest tests/codegen/test_generate.py --update-golden` and look at the diff."""
     folder = GOLDEN / model.name

@@ -246,7 +246,7 @@ EVERYTHING_INLINE void everything_accumulate(float *high, float *low, float delt
     *high = everything_total(before, t);
 }
 
-/* ---- Input blocks ---------------------------------------------------------------------------------------------- */
+/* ---- Path -------------------------------------------------------------------------------------------------------- */
 
 /* v = min(max(u, low), high) */
 EVERYTHING_INLINE float everything_saturation_apply(float u)
@@ -317,7 +317,342 @@ EVERYTHING_INLINE float everything_delay_command(everything_delay_t *self, float
     return u;
 }
 
-/* At rest under the command u; returns v at rest. */
+/* What arrives one sample before v of the last command: nothing that comes later changes it. */
+EVERYTHING_INLINE float everything_delay_arrived(const everything_delay_t *self)
+{
+    const float late = everything_delay_past(self, 0u);
+    const float later = everything_delay_past(self, 1u);
+
+    return late + everything_delay_part[0] * (later - late);
+}
+
+/* x = (v - middle) / half range, limited to -1 .. 1 */
+EVERYTHING_INLINE float everything_hysteresis_normalised(float v)
+{
+    uint32_t beyond;
+    const float x = (v - everything_hysteresis_range[0]) * everything_hysteresis_range[2];
+
+    return everything_flushed(everything_limited(x, -1.0f, 1.0f, &beyond));
+}
+
+/* g0(x): even and odd powers apart */
+EVERYTHING_INLINE float everything_hysteresis_curve_um(float x)
+{
+    const float square = x * x;
+    const float even = everything_hysteresis_curve[0] + square * everything_hysteresis_curve[2];
+    const float odd = everything_hysteresis_curve[1] + square * everything_hysteresis_curve[3];
+
+    return even + x * odd;
+}
+
+/* z = min(max(z, x - r), x + r) */
+EVERYTHING_INLINE float everything_hysteresis_moved(float z, float x, float r)
+{
+    const float low = x - r;
+    const float high = x + r;
+    const float pulled = (z > high) ? high : z;
+
+    return (pulled < low) ? low : pulled;
+}
+
+/* g(z), the polynomial of a play without constant; play: its row, half-width and coefficients. */
+EVERYTHING_INLINE float everything_hysteresis_play_um(float z, const float play[4])
+{
+    return z * (play[1] + z * (play[2] + z * play[3]));
+}
+
+EVERYTHING_INLINE float everything_hysteresis_magnitude(float x)
+{
+    return everything_float(everything_bits(x) & 0x7fffffffu);
+}
+
+/* The first Duhem state's decay over a way >= 0, at most 1; that of each next state is its square. */
+EVERYTHING_INLINE float everything_hysteresis_decay(float way)
+{
+    const float e = everything_power_of_two(way * everything_hysteresis_rate[0]);
+
+    const uint32_t bits = everything_bits(e);
+
+    return everything_float((bits > 0x3f800000u) ? 0x3f800000u : bits);
+}
+
+/* Part of a Duhem state in the output, b d + c d |d|; duhem: its row b, c, 1/reach. */
+EVERYTHING_INLINE float everything_hysteresis_duhem_um(float d, const float duhem[3])
+{
+    return d * (duhem[0] + duhem[1] * everything_hysteresis_magnitude(d));
+}
+
+/* The Duhem states follow the input to x, each by d = 1 - left e in its direction. */
+EVERYTHING_INLINE float everything_hysteresis_followed_um(everything_hysteresis_t *self, float x)
+{
+    const uint32_t fell = (uint32_t)(self->last < self->turn);
+    const uint32_t step = everything_bits(x - self->last);
+    const uint32_t falls = (step >> 31) | (fell & (uint32_t)(step == 0u));
+    const uint32_t turns = falls ^ fell;
+    const float side = (falls != 0u) ? -1.0f : 1.0f;
+    const float turn = (turns != 0u) ? self->last : self->turn;
+    const float left0 = (turns != 0u) ? self->back[0] : self->left[0];
+    const float left1 = (turns != 0u) ? self->back[1] : self->left[1];
+    const float e0 = everything_hysteresis_decay(side * (x - turn));
+    const float e1 = e0 * e0;
+    const float d0 = 1.0f - left0 * e0;
+    const float d1 = 1.0f - left1 * e1;
+
+    self->turn = turn;
+    self->left[0] = left0;
+    self->back[0] = 1.0f + d0;
+    self->left[1] = left1;
+    self->back[1] = 1.0f + d1;
+    return side * (everything_hysteresis_duhem_um(d0, &everything_hysteresis_duhem[0]) + everything_hysteresis_duhem_um(d1, &everything_hysteresis_duhem[3]));
+}
+
+static float everything_hysteresis_apply(everything_hysteresis_t *self, float v)
+{
+    const float x = everything_hysteresis_normalised(v);
+    const float memory = everything_hysteresis_followed_um(self, x);
+    float h = everything_hysteresis_curve_um(x);
+
+    float sum = 0.0f;
+
+    const float z5 = everything_hysteresis_moved(self->play[5], x, everything_hysteresis_play[20]);
+    const float z4 = everything_hysteresis_moved(self->play[4], x, everything_hysteresis_play[16]);
+    const float z3 = everything_hysteresis_moved(self->play[3], x, everything_hysteresis_play[12]);
+    const float z2 = everything_hysteresis_moved(self->play[2], x, everything_hysteresis_play[8]);
+    const float z1 = everything_hysteresis_moved(self->play[1], x, everything_hysteresis_play[4]);
+    const float z0 = everything_hysteresis_moved(self->play[0], x, everything_hysteresis_play[0]);
+    self->play[5] = z5;
+    self->play[4] = z4;
+    self->play[3] = z3;
+    self->play[2] = z2;
+    self->play[1] = z1;
+    self->play[0] = z0;
+    sum = sum + everything_hysteresis_play_um(z5, &everything_hysteresis_play[20]);
+    self->sum_um[5] = sum;
+    sum = sum + everything_hysteresis_play_um(z4, &everything_hysteresis_play[16]);
+    self->sum_um[4] = sum;
+    sum = sum + everything_hysteresis_play_um(z3, &everything_hysteresis_play[12]);
+    self->sum_um[3] = sum;
+    sum = sum + everything_hysteresis_play_um(z2, &everything_hysteresis_play[8]);
+    self->sum_um[2] = sum;
+    sum = sum + everything_hysteresis_play_um(z1, &everything_hysteresis_play[4]);
+    self->sum_um[1] = sum;
+    sum = sum + everything_hysteresis_play_um(z0, &everything_hysteresis_play[0]);
+    self->sum_um[0] = sum;
+    h = h + sum;
+    h = h + memory;
+    self->last = x;
+    self->h_um = h;
+    return h;
+}
+
+/* At rest under v; returns the output. */
+static float everything_hysteresis_init(everything_hysteresis_t *self, float v)
+{
+    const float x = everything_hysteresis_normalised(v);
+
+    for (uint32_t j = 0u; j < 6u; ++j) {
+        const float most = 1.0f - everything_hysteresis_play[4u * j];
+        uint32_t beyond;
+
+        self->play[j] = everything_limited(x, -most, most, &beyond);
+    }
+    self->sum_um[6] = 0.0f;
+    for (uint32_t i = 0u; i < 2u; ++i) {
+        self->left[i] = 1.0f;
+        self->back[i] = 1.0f;
+    }
+    self->turn = x;
+    self->last = x;
+    return everything_hysteresis_apply(self, v);
+}
+
+/* 1/x with a relative error below 0.3 %, enough for the slope of a Newton step. */
+EVERYTHING_INLINE float everything_hysteresis_rough_reciprocal(float x)
+{
+    const float r = everything_float(0x7ef311c7u - everything_bits(x));
+
+    return r * (2.0f - x * r);
+}
+
+/** h [um] and dh/dx [um per half range]. */
+typedef struct {
+    float um;
+    float slope;
+} everything_hysteresis_ahead_t;
+
+/* How many plays the input takes along before it gets to `ahead`: those of small half-width, whose `taken` is smallest. */
+EVERYTHING_INLINE uint32_t everything_hysteresis_count(const float taken[6], float ahead)
+{
+    return (uint32_t)(ahead > taken[0]) + (uint32_t)(ahead > taken[1]) + (uint32_t)(ahead > taken[2]) + (uint32_t)(ahead > taken[3])
+        + (uint32_t)(ahead > taken[4]) + (uint32_t)(ahead > taken[5]);
+}
+
+/* Value and slope of the polynomial of x with these coefficients. */
+EVERYTHING_INLINE everything_hysteresis_ahead_t everything_hysteresis_polynomial(const float c[4], float x)
+{
+    float um = c[3];
+    float slope = um;
+
+    um = c[2] + x * um;
+    slope = um + x * slope;
+    um = c[1] + x * um;
+    slope = um + x * slope;
+    um = c[0] + x * um;
+    const everything_hysteresis_ahead_t found = { um, slope };
+
+    return found;
+}
+
+/* Part of a Duhem state in the output and its slope, d = 1 - left e. */
+EVERYTHING_INLINE everything_hysteresis_ahead_t everything_hysteresis_duhem_ahead(float left, float e, const float duhem[3])
+{
+    const float ahead = left * e;
+    const float d = 1.0f - ahead;
+    const float bent = duhem[1] * everything_hysteresis_magnitude(d);
+
+    const everything_hysteresis_ahead_t found = { d * (duhem[0] + bent), (duhem[0] + (bent + bent)) * (ahead * duhem[2]) };
+
+    return found;
+}
+
+/* v for which everything_hysteresis_apply would return `wanted`, by 3 Newton steps from the last x in the direction of `wanted`:
+ *     x <- x - (h(x) - wanted) / h'(x) */
+static float everything_hysteresis_solve(const everything_hysteresis_t *self, float wanted)
+{
+    const float way = (wanted - self->h_um) * everything_hysteresis_range[5];
+    const uint32_t falls = (uint32_t)(way < 0.0f);
+    const float side = (falls != 0u) ? -1.0f : 1.0f;
+    const float low = (falls != 0u) ? -1.0f : self->last;
+    const float high = (falls != 0u) ? self->last : 1.0f;
+    const float *row = &everything_hysteresis_curve[falls * 28u];
+    float taken[6];
+    const uint32_t turns = falls ^ (uint32_t)(self->last < self->turn);
+    const float turn = (turns != 0u) ? self->last : self->turn;
+    const float left0 = (turns != 0u) ? self->back[0] : self->left[0];
+    const float left1 = (turns != 0u) ? self->back[1] : self->left[1];
+    uint32_t beyond;
+    float x = everything_flushed(everything_limited(self->last + way, low, high, &beyond));
+
+    taken[0] = side * self->play[0] + everything_hysteresis_play[0] - 2.38418579e-07f;
+    taken[1] = side * self->play[1] + everything_hysteresis_play[4] - 2.38418579e-07f;
+    taken[2] = side * self->play[2] + everything_hysteresis_play[8] - 2.38418579e-07f;
+    taken[3] = side * self->play[3] + everything_hysteresis_play[12] - 2.38418579e-07f;
+    taken[4] = side * self->play[4] + everything_hysteresis_play[16] - 2.38418579e-07f;
+    taken[5] = side * self->play[5] + everything_hysteresis_play[20] - 2.38418579e-07f;
+    for (uint32_t step = 0u; step < 3u; ++step) {
+        const uint32_t n = everything_hysteresis_count(taken, side * x);
+        const everything_hysteresis_ahead_t moved = everything_hysteresis_polynomial(&row[4u * n], x);
+        float h = moved.um + self->sum_um[n];
+        float slope = moved.slope;
+        const float e0 = everything_hysteresis_decay(side * (x - turn));
+        const float e1 = e0 * e0;
+        const everything_hysteresis_ahead_t d0 = everything_hysteresis_duhem_ahead(left0, e0, &everything_hysteresis_duhem[0]);
+        const everything_hysteresis_ahead_t d1 = everything_hysteresis_duhem_ahead(left1, e1, &everything_hysteresis_duhem[3]);
+
+        h = h + side * (d0.um + d1.um);
+        slope = slope + (d0.slope + d1.slope);
+        slope = everything_limited(slope, everything_hysteresis_range[3], everything_hysteresis_range[4], &beyond);
+        x = everything_limited(x - (h - wanted) * everything_hysteresis_rough_reciprocal(slope), low, high, &beyond);
+        x = everything_flushed(x);
+    }
+    return everything_hysteresis_range[0] + x * everything_hysteresis_range[1];
+}
+
+/* amount sum_i s_i */
+EVERYTHING_INLINE float everything_creep_slow(const everything_creep_t *self)
+{
+    float sum = self->high[0];
+
+    sum = sum + self->high[1];
+    sum = sum + self->high[2];
+    sum = sum + self->high[3];
+    return everything_creep_amount[0] * sum;
+}
+
+static float everything_creep_init(everything_creep_t *self, float x)
+{
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        self->high[i] = x;
+        self->low[i] = 0.0f;
+    }
+    return x + everything_creep_slow(self);
+}
+
+/* y = x + amount sum_i s_i,   s_i = s_i + a_i (x - s_i) */
+EVERYTHING_INLINE float everything_creep_apply(everything_creep_t *self, float x)
+{
+    const float y = x + everything_creep_slow(self);
+    const float high0 = self->high[0];
+    const float t0 = everything_carried(self->low[0], everything_creep_rate[0] * (x - high0));
+    const float high1 = self->high[1];
+    const float t1 = everything_carried(self->low[1], everything_creep_rate[1] * (x - high1));
+    const float high2 = self->high[2];
+    const float t2 = everything_carried(self->low[2], everything_creep_rate[2] * (x - high2));
+    const float high3 = self->high[3];
+    const float t3 = everything_carried(self->low[3], everything_creep_rate[3] * (x - high3));
+
+    self->low[0] = everything_lost(high0, t0);
+    self->high[0] = everything_total(high0, t0);
+    self->low[1] = everything_lost(high1, t1);
+    self->high[1] = everything_total(high1, t1);
+    self->low[2] = everything_lost(high2, t2);
+    self->high[2] = everything_total(high2, t2);
+    self->low[3] = everything_lost(high3, t3);
+    self->high[3] = everything_total(high3, t3);
+    return y;
+}
+
+/* x = y - amount sum_i s_i */
+EVERYTHING_INLINE float everything_creep_solve(const everything_creep_t *self, float wanted)
+{
+    return wanted - everything_creep_slow(self);
+}
+
+
+/* sum_j q_j (Re M_j position_j - Im M_j velocity_j) */
+EVERYTHING_INLINE float everything_modes_moving(const everything_modes_t *self)
+{
+    float sum = everything_modes_of_position[0] * self->position[0] + everything_modes_of_velocity[0] * self->velocity[0];
+
+    return sum;
+}
+
+static float everything_modes_init(everything_modes_t *self, float x)
+{
+    for (uint32_t j = 0u; j < 1u; ++j) {
+        self->position[j] = x;
+        self->position_low[j] = 0.0f;
+        self->velocity[j] = 0.0f;
+        self->velocity_low[j] = 0.0f;
+    }
+    return everything_modes_direct[0] * x + everything_modes_moving(self);
+}
+
+/* w = direct x + the share of the modes;   c = c + s (x - c),  c = position + i velocity */
+EVERYTHING_INLINE float everything_modes_apply(everything_modes_t *self, float x)
+{
+    const float w = everything_modes_direct[0] * x + everything_modes_moving(self);
+    const float position0 = self->position[0];
+    const float velocity0 = self->velocity[0];
+    const float away0 = x - position0;
+    const float forward0 = everything_carried(self->position_low[0], everything_modes_real[0] * away0 + everything_modes_imag[0] * velocity0);
+    const float turn0 = everything_carried(self->velocity_low[0], everything_modes_imag[0] * away0 - everything_modes_real[0] * velocity0);
+
+    self->position_low[0] = everything_lost(position0, forward0);
+    self->position[0] = everything_total(position0, forward0);
+    self->velocity_low[0] = everything_lost(velocity0, turn0);
+    self->velocity[0] = everything_total(velocity0, turn0);
+    return w;
+}
+
+/* x = (w - the share of the modes) / direct */
+EVERYTHING_INLINE float everything_modes_solve(const everything_modes_t *self, float wanted)
+{
+    return (wanted - everything_modes_moving(self)) * everything_modes_per_direct[0];
+}
+
+
+/* At rest under the command u; returns w at rest. */
 static float everything_inputs_init(everything_inputs_t *inputs, float u)
 {
     float v = u;
@@ -326,10 +661,27 @@ static float everything_inputs_init(everything_inputs_t *inputs, float u)
     v = everything_slew_init(&inputs->slew, v);
     v = everything_delay_init(&inputs->delay, v);
     inputs->v_V = v;
-    return v;
+    uint32_t outside;
+
+    v = everything_flushed(everything_hysteresis_init(&inputs->hysteresis, v));
+    v = everything_flushed(everything_creep_init(&inputs->creep, v));
+    v = everything_flushed(everything_modes_init(&inputs->modes, v));
+    return everything_limited(v, EVERYTHING_W_MIN, EVERYTHING_W_MAX, &outside);
 }
 
-/* v of the command u. */
+/* w of the voltage v that reaches the stage. */
+EVERYTHING_INLINE float everything_inputs_respond(everything_hysteresis_t *hysteresis, everything_creep_t *creep, everything_modes_t *modes, float v)
+{
+    uint32_t outside;
+    float w = v;
+
+    w = everything_flushed(everything_hysteresis_apply(hysteresis, w));
+    w = everything_flushed(everything_creep_apply(creep, w));
+    w = everything_flushed(everything_modes_apply(modes, w));
+    return everything_limited(w, EVERYTHING_W_MIN, EVERYTHING_W_MAX, &outside);
+}
+
+/* w of the command u. */
 EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, float u)
 {
     float v = u;
@@ -338,28 +690,94 @@ EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, flo
     v = everything_slew_apply(&inputs->slew, v);
     v = everything_delay_apply(&inputs->delay, v);
     inputs->v_V = v;
-    return v;
+    return everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v);
 }
 
-/** What the inverse of the input blocks finds besides the command. */
+static void everything_hysteresis_copy(everything_hysteresis_t *to, const everything_hysteresis_t *from)
+{
+    to->turn = from->turn;
+    to->last = from->last;
+    to->h_um = from->h_um;
+    for (uint32_t i = 0u; i < 2u; ++i) {
+        to->left[i] = from->left[i];
+        to->back[i] = from->back[i];
+    }
+    for (uint32_t i = 0u; i < 6u; ++i) {
+        to->play[i] = from->play[i];
+    }
+    for (uint32_t i = 0u; i < 7u; ++i) {
+        to->sum_um[i] = from->sum_um[i];
+    }
+}
+
+static void everything_creep_copy(everything_creep_t *to, const everything_creep_t *from)
+{
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        to->high[i] = from->high[i];
+        to->low[i] = from->low[i];
+    }
+}
+
+static void everything_modes_copy(everything_modes_t *to, const everything_modes_t *from)
+{
+    for (uint32_t i = 0u; i < 1u; ++i) {
+        to->position[i] = from->position[i];
+        to->position_low[i] = from->position_low[i];
+        to->velocity[i] = from->velocity[i];
+        to->velocity_low[i] = from->velocity_low[i];
+    }
+}
+
+
+/** What the inverse of the path finds besides the command. */
 typedef struct {
-    float v;               /**< input of the rules that follows from the command */
+    float w;               /**< input of the rules that follows from the command */
     uint32_t u_clamped;    /**< 1: the voltage lay outside the input range */
     uint32_t unreachable;  /**< 1: a limit keeps the stage from the wanted input */
+    uint32_t residual;     /**< 1: the wanted input is missed although no limit acted */
 } everything_found_t;
 
-/* The command for which `solved` reaches the stage, or the nearest voltage to it. */
-EVERYTHING_INLINE float everything_inputs_invert(everything_inputs_t *inputs, float solved, everything_found_t *found)
+/* The command for which w is the input of the rules, 3 samples later. */
+static float everything_inputs_invert(everything_inputs_t *inputs, float w, everything_found_t *found)
 {
-    const float allowed = everything_limited(solved, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &found->u_clamped);
-    float u = allowed;
+    everything_hysteresis_t hysteresis;
+    everything_creep_t creep;
+    everything_modes_t modes;
+    uint32_t beyond;
+    const float wanted = everything_limited(w, EVERYTHING_W_MIN, EVERYTHING_W_MAX, &beyond);
+    float solved = wanted;
 
-    u = everything_saturation_apply(u);
-    u = everything_slew_apply(&inputs->slew, u);
-    found->v = u;
-    found->unreachable = found->u_clamped | (uint32_t)(everything_bits(u) != everything_bits(allowed));
+    /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
+     * goes ahead by the voltage that the call before asked for. */
+    everything_hysteresis_copy(&hysteresis, &inputs->hysteresis);
+    everything_creep_copy(&creep, &inputs->creep);
+    everything_modes_copy(&modes, &inputs->modes);
+    (void)everything_inputs_respond(&hysteresis, &creep, &modes, inputs->v_V);
+    solved = everything_flushed(everything_modes_solve(&modes, solved));
+    solved = everything_flushed(everything_creep_solve(&creep, solved));
+    solved = everything_flushed(everything_hysteresis_solve(&hysteresis, solved));
+    const float allowed = everything_limited(solved, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &found->u_clamped);
+    float v = allowed;
+
+    v = everything_saturation_apply(v);
+    v = everything_slew_apply(&inputs->slew, v);
+    float u = v;
+
     u = everything_delay_command(&inputs->delay, u);
-    inputs->v_V = found->v;
+    inputs->v_V = v;
+    found->w = everything_inputs_respond(&hysteresis, &creep, &modes, v);
+    const float arrived = everything_delay_arrived(&inputs->delay);
+
+    (void)everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, arrived);
+
+    const float less = found->w - wanted;
+    const float more = wanted - found->w;
+    const uint32_t missed = (uint32_t)(less > EVERYTHING_W_TOLERANCE) | (uint32_t)(more > EVERYTHING_W_TOLERANCE);
+    const uint32_t at_end = (uint32_t)(v <= EVERYTHING_U_MIN_V) | (uint32_t)(v >= EVERYTHING_U_MAX_V);
+    const uint32_t held = beyond | found->u_clamped | (uint32_t)(everything_bits(v) != everything_bits(allowed));
+
+    found->unreachable = held | (missed & at_end);
+    found->residual = missed & ~(held | at_end) & 1u;
     return u;
 }
 
@@ -384,93 +802,6 @@ EVERYTHING_INLINE void everything_cosine_sine(uint32_t phase, float *cosine, flo
 
     *cosine = everything_float((c ^ swap) ^ (((quadrant + 1u) & 2u) << 30));
     *sine = everything_float((s ^ swap) ^ ((quadrant & 2u) << 30));
-}
-
-static void everything_memory_init(everything_memory_t *self, float u)
-{
-    for (uint32_t j = 0u; j < 4u; ++j) {
-        self->play[j] = u;
-    }
-}
-
-EVERYTHING_INLINE void everything_memory_regressors(const everything_memory_t *self, float phi[4])
-{
-    phi[0] = self->play[0];
-    phi[1] = self->play[1];
-    phi[2] = self->play[2];
-    phi[3] = self->play[3];
-}
-
-/* z = max(u - r, min(u + r, z)) */
-EVERYTHING_INLINE float everything_memory_play(float z, float u, float half_width)
-{
-    const float low = u - half_width;
-    const float high = u + half_width;
-    const float pulled = (z > high) ? high : z;
-
-    return (pulled < low) ? low : pulled;
-}
-
-EVERYTHING_INLINE void everything_memory_advance(everything_memory_t *self, float u)
-{
-    self->play[0] = everything_memory_play(self->play[0], u, everything_memory_half_width[0]);
-    self->play[1] = everything_memory_play(self->play[1], u, everything_memory_half_width[1]);
-    self->play[2] = everything_memory_play(self->play[2], u, everything_memory_half_width[2]);
-    self->play[3] = everything_memory_play(self->play[3], u, everything_memory_half_width[3]);
-}
-
-static void everything_creep_init(everything_creep_t *self, float u)
-{
-    for (uint32_t j = 0u; j < 3u; ++j) {
-        self->high[j] = u;
-        self->low[j] = 0.0f;
-    }
-}
-
-EVERYTHING_INLINE void everything_creep_regressors(const everything_creep_t *self, float phi[3])
-{
-    phi[0] = self->high[0];
-    phi[1] = self->high[1];
-    phi[2] = self->high[2];
-}
-
-/* s = s + a (u - s) */
-EVERYTHING_INLINE void everything_creep_advance(everything_creep_t *self, float u)
-{
-    everything_accumulate(&self->high[0], &self->low[0], everything_creep_rate[0] * (u - self->high[0]));
-    everything_accumulate(&self->high[1], &self->low[1], everything_creep_rate[1] * (u - self->high[1]));
-    everything_accumulate(&self->high[2], &self->low[2], everything_creep_rate[2] * (u - self->high[2]));
-}
-
-static void everything_resonance_init(everything_resonance_t *self, float u)
-{
-    for (uint32_t j = 0u; j < 1u; ++j) {
-        self->position[j] = u;
-        self->position_low[j] = 0.0f;
-        self->velocity[j] = 0.0f;
-        self->velocity_low[j] = 0.0f;
-    }
-}
-
-EVERYTHING_INLINE void everything_resonance_regressors(const everything_resonance_t *self, float phi[2])
-{
-    phi[0] = self->position[0];
-    phi[1] = self->velocity[0];
-}
-
-/* c = c + q (u - c),  c = position + i velocity */
-EVERYTHING_INLINE void everything_resonance_turn(everything_resonance_t *self, uint32_t j, float real, float imag, float u)
-{
-    const float away = u - self->position[j];
-    const float velocity = self->velocity[j];
-
-    everything_accumulate(&self->position[j], &self->position_low[j], real * away + imag * velocity);
-    everything_accumulate(&self->velocity[j], &self->velocity_low[j], imag * away - real * velocity);
-}
-
-EVERYTHING_INLINE void everything_resonance_advance(everything_resonance_t *self, float u)
-{
-    everything_resonance_turn(self, 0u, everything_resonance_real[0], everything_resonance_imag[0], u);
 }
 
 static void everything_periodic_init(everything_periodic_t *self, float u)
@@ -568,9 +899,6 @@ EVERYTHING_INLINE void everything_drift_advance(everything_drift_t *self, float 
 /* Every term at rest under the input u. */
 static void everything_terms_init(everything_terms_t *terms, float u)
 {
-    everything_memory_init(&terms->memory, u);
-    everything_creep_init(&terms->creep, u);
-    everything_resonance_init(&terms->resonance, u);
     everything_periodic_init(&terms->periodic, u);
     everything_coupling_init(&terms->coupling, u);
     everything_drift_init(&terms->drift, u);
@@ -579,12 +907,9 @@ static void everything_terms_init(everything_terms_t *terms, float u)
 /* phi(k), in the order of the weights. */
 EVERYTHING_INLINE void everything_terms_regressors(const everything_terms_t *terms, float phi[EVERYTHING_WEIGHTS])
 {
-    everything_memory_regressors(&terms->memory, &phi[0]);
-    everything_creep_regressors(&terms->creep, &phi[4]);
-    everything_resonance_regressors(&terms->resonance, &phi[7]);
-    everything_periodic_regressors(&terms->periodic, &phi[9]);
-    everything_coupling_regressors(&terms->coupling, &phi[11]);
-    everything_drift_regressors(&terms->drift, &phi[13]);
+    everything_periodic_regressors(&terms->periodic, &phi[0]);
+    everything_coupling_regressors(&terms->coupling, &phi[2]);
+    everything_drift_regressors(&terms->drift, &phi[4]);
 }
 
 /* y(k) - yhat(k) corrects the terms that follow it. */
@@ -602,12 +927,9 @@ EVERYTHING_INLINE uint32_t everything_terms_listen(everything_terms_t *terms, co
     return status;
 }
 
-/* v(k) acts. */
+/* w(k) acts. */
 EVERYTHING_INLINE void everything_terms_advance(everything_terms_t *terms, float u)
 {
-    everything_memory_advance(&terms->memory, u);
-    everything_creep_advance(&terms->creep, u);
-    everything_resonance_advance(&terms->resonance, u);
     everything_periodic_advance(&terms->periodic, u);
     everything_coupling_advance(&terms->coupling, u);
     everything_drift_advance(&terms->drift, u);
@@ -625,15 +947,6 @@ EVERYTHING_INLINE float everything_terms_sum(const everything_bank_t *bank, cons
     sum = sum + bank->weight[2] * phi[2];
     sum = sum + bank->weight[3] * phi[3];
     sum = sum + bank->weight[4] * phi[4];
-    sum = sum + bank->weight[5] * phi[5];
-    sum = sum + bank->weight[6] * phi[6];
-    sum = sum + bank->weight[7] * phi[7];
-    sum = sum + bank->weight[8] * phi[8];
-    sum = sum + bank->weight[9] * phi[9];
-    sum = sum + bank->weight[10] * phi[10];
-    sum = sum + bank->weight[11] * phi[11];
-    sum = sum + bank->weight[12] * phi[12];
-    sum = sum + bank->weight[13] * phi[13];
     return sum;
 }
 
@@ -690,7 +1003,7 @@ float everything_predict(everything_t *self, float y_um, float u_V)
     everything_events_t events;
     const float y = everything_checked_y(self, y_um, &events);
     const float u = everything_checked_u(self, u_V, &events);
-    const float v = everything_inputs_apply(&self->inputs, u);
+    const float w = everything_inputs_apply(&self->inputs, u);
     const everything_sums_t sums = everything_rule_sums(bank, y);
 
     everything_terms_correct(&self->terms, y - self->y_um);
@@ -700,7 +1013,7 @@ float everything_predict(everything_t *self, float y_um, float u_V)
     const float per_weight = everything_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, v);
+    const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, w);
 
     everything_count_events(self, &events);
     return y_next;
@@ -715,14 +1028,14 @@ float everything_simulate(everything_t *self, float u_V)
     everything_events_t events = { 0u, 0u, 0u, 0u };
     const float y = everything_limited(self->y_um, EVERYTHING_Y_MIN_UM, EVERYTHING_Y_MAX_UM, &events.y_clamped);
     const float u = everything_checked_u(self, u_V, &events);
-    const float v = everything_inputs_apply(&self->inputs, u);
+    const float w = everything_inputs_apply(&self->inputs, u);
     const everything_sums_t sums = everything_rule_sums(bank, y);
     const float extra = everything_terms_sum(bank, &self->terms);
     const float base = y * sums.slope + sums.offset;
     const float per_weight = everything_reciprocal(sums.weight);
 
     self->u_V = u;
-    const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, v);
+    const float y_next = everything_apply(self, base, sums.gain, per_weight, extra, w);
 
     everything_count_events(self, &events);
     return y_next;
@@ -752,10 +1065,11 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     const uint32_t unreachable = found.unreachable;
 
     self->status |= (clamped * EVERYTHING_STATUS_REFERENCE_CLAMPED) | (unreachable * EVERYTHING_STATUS_UNREACHABLE);
+    self->status |= found.residual * EVERYTHING_STATUS_INVERSE_RESIDUAL;
     events.u_clamped = found.u_clamped;
     events.y_rejected |= rejected;
     everything_count_events(self, &events);
     self->u_V = u;
-    (void)everything_apply(self, base, sums.gain, per_weight, extra, found.v);
+    (void)everything_apply(self, base, sums.gain, per_weight, extra, found.w);
     return u;
 }

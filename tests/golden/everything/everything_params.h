@@ -12,17 +12,20 @@
 #ifndef EVERYTHING_SELFTEST_NUMBERS
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
-#define EVERYTHING_Y_MIN_UM           0.66079998f  /* 0x3f292a30 */
-#define EVERYTHING_Y_MAX_UM           3.73589993f  /* 0x406f18fc */
-#define EVERYTHING_Y_REST_UM          2.19834995f  /* 0x400cb1c4 */
-#define EVERYTHING_U_MIN_V                 -20.0f  /* 0xc1a00000 */
-#define EVERYTHING_U_MAX_V                 120.0f  /* 0x42f00000 */
-#define EVERYTHING_U_REST_V                  0.0f  /* 0x00000000 */
-#define EVERYTHING_REFERENCE_MIN_UM  -2.41429996f  /* 0xc01a83e4 */
-#define EVERYTHING_REFERENCE_MAX_UM   6.81099987f  /* 0x40d9f3b6 */
+#define EVERYTHING_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
+#define EVERYTHING_Y_MAX_UM              3.73589993f  /* 0x406f18fc */
+#define EVERYTHING_Y_REST_UM             2.19834995f  /* 0x400cb1c4 */
+#define EVERYTHING_U_MIN_V                    -20.0f  /* 0xc1a00000 */
+#define EVERYTHING_U_MAX_V                    120.0f  /* 0x42f00000 */
+#define EVERYTHING_U_REST_V                     0.0f  /* 0x00000000 */
+#define EVERYTHING_REFERENCE_MIN_UM     -2.41429996f  /* 0xc01a83e4 */
+#define EVERYTHING_REFERENCE_MAX_UM      6.81099987f  /* 0x40d9f3b6 */
+#define EVERYTHING_W_MIN               -0.710765958f  /* 0xbf35f4c2 */
+#define EVERYTHING_W_MAX                 5.38415861f  /* 0x40ac4b07 */
+#define EVERYTHING_W_TOLERANCE       5.81257291e-06f  /* 0x36c3099f */
 
 /* Rules, Eqs (1) to (7): octaves per um from the middle; strengths w;
- * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/V]. */
+ * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/um]. */
 #define EVERYTHING_ORIGIN_UM  2.19834995f  /* 0x400cb1c4 */
 #define EVERYTHING_PER_STEP   2.34576941f  /* 0x40162116 */
 
@@ -36,30 +39,30 @@ static const float everything_strength[EVERYTHING_RULES] = {
 };
 
 static const float everything_slope[EVERYTHING_BANK_RULES] = {
-      0.0268937983f,  /* 0x3cdc5062 */
-      0.0225958116f,  /* 0x3cb91ada */
-       0.530115902f,  /* 0x3f07b5ad */
-       0.911089778f,  /* 0x3f693d2e */
-       0.270305634f,  /* 0x3e8a6580 */
-       0.038370125f,  /* 0x3d1d29fe */
+      0.0417400859f,  /* 0x3d2af7a7 */
+       0.309069157f,  /* 0x3e9e3e50 */
+       0.841902018f,  /* 0x3f5786e4 */
+        0.84366703f,  /* 0x3f57fa90 */
+       0.311017066f,  /* 0x3e9f3da1 */
+      0.0421794578f,  /* 0x3d2cc45e */
 };
 
 static const float everything_offset[EVERYTHING_BANK_RULES] = {
-     -0.0112039177f,  /* 0xbc3790a3 */
-       0.362019956f,  /* 0x3eb95aae */
-        1.02466714f,  /* 0x3f83284b */
-      -0.154966459f,  /* 0xbe1eaf87 */
-       0.106615864f,  /* 0x3dda596b */
-      0.0197320767f,  /* 0x3ca1a52a */
+               0.0f,  /* 0x00000000 */
+    0.000273185608f,  /* 0x398f3a5a */
+    0.000802452152f,  /* 0x3a525ba7 */
+    0.000124537968f,  /* 0x39029668 */
+    -0.000245697796f,  /* 0xb980d100 */
+    -4.21321929e-05f,  /* 0xb830b719 */
 };
 
 static const float everything_gain[EVERYTHING_BANK_RULES] = {
-    7.02990947e-05f,  /* 0x38936d8a */
-    0.000551909208f,  /* 0x3a10ae00 */
-     0.00132374535f,  /* 0x3aad8186 */
-     0.00150024472f,  /* 0x3ac4a3dc */
-    0.000454513443f,  /* 0x39ee4bc3 */
-    9.22675608e-05f,  /* 0x38c17fc5 */
+     0.00224078353f,  /* 0x3b12da1c */
+       0.015751712f,  /* 0x3c8109bc */
+      0.0402569883f,  /* 0x3d24e483 */
+      0.0380610377f,  /* 0x3d1be5e4 */
+      0.0134571502f,  /* 0x3c5c7b61 */
+     0.00176744792f,  /* 0x3ae7a9b6 */
 };
 
 /* Input block `saturation`: input saturates at -15 and 110 V. */
@@ -88,31 +91,153 @@ static const float everything_delay_part[1] = {
        0.400000006f,  /* 0x3ecccccd */
 };
 
-/* Term `memory`: 4 play operators, half-widths 12 .. 48 V. */
+/* Input block `hysteresis`: 6 plays of degree 3, 2 Duhem states, curve of degree 3. */
 
-static const float everything_memory_half_width[4] = {
-              12.0f,  /* 0x41400000 */
-              24.0f,  /* 0x41c00000 */
-              36.0f,  /* 0x42100000 */
-              48.0f,  /* 0x42400000 */
+static const float everything_hysteresis_range[6] = {
+              50.0f,  /* 0x42480000 */
+              70.0f,  /* 0x428c0000 */
+      0.0142857144f,  /* 0x3c6a0ea1 */
+        1.08666754f,  /* 0x3f8b17ec */
+        2.10994387f,  /* 0x40070952 */
+       0.711679876f,  /* 0x3f3630a7 */
 };
 
-/* Term `creep`: creep, a weight for each of the time constants 0.001, 0.1, 10 s. */
+static const float everything_hysteresis_curve[56] = {
+        2.13800001f,  /* 0x4008d4fe */
+        1.16999996f,  /* 0x3f95c28f */
+       0.100000001f,  /* 0x3dcccccd */
+      0.0399999991f,  /* 0x3d23d70a */
+        2.13251615f,  /* 0x40087b25 */
+        1.22633803f,  /* 0x3f9cf8a5 */
+       0.102838382f,  /* 0x3dd29cee */
+      0.0439999998f,  /* 0x3d343958 */
+        2.11999369f,  /* 0x4007adfa */
+        1.28215241f,  /* 0x3fa41d92 */
+       0.104169682f,  /* 0x3dd556ea */
+      0.0480000004f,  /* 0x3d449ba6 */
+        2.09970713f,  /* 0x4006619a */
+        1.33782876f,  /* 0x3fab3df9 */
+        0.10382849f,  /* 0x3dd4a408 */
+      0.0520000011f,  /* 0x3d54fdf4 */
+        2.07109523f,  /* 0x40048cd3 */
+        1.39387393f,  /* 0x3fb26a76 */
+        0.10169743f,  /* 0x3dd046be */
+      0.0560000017f,  /* 0x3d656042 */
+        2.03362322f,  /* 0x400226e2 */
+        1.45088291f,  /* 0x3fb9b688 */
+       0.097683832f,  /* 0x3dc80e76 */
+      0.0599999987f,  /* 0x3d75c28f */
+        1.98671603f,  /* 0x3ffe4cb6 */
+        1.50952315f,  /* 0x3fc1380e */
+      0.0917103887f,  /* 0x3dbbd2a8 */
+       0.064000003f,  /* 0x3d83126f */
+        2.13800001f,  /* 0x4008d4fe */
+        1.16999996f,  /* 0x3f95c28f */
+       0.100000001f,  /* 0x3dcccccd */
+      0.0399999991f,  /* 0x3d23d70a */
+        2.14355874f,  /* 0x40093011 */
+        1.22788692f,  /* 0x3f9d2b66 */
+       0.105161622f,  /* 0x3dd75efa */
+      0.0439999998f,  /* 0x3d343958 */
+        2.15647697f,  /* 0x400a03b8 */
+        1.28725946f,  /* 0x3fa4c4eb */
+       0.111830316f,  /* 0x3de5074b */
+      0.0480000004f,  /* 0x3d449ba6 */
+        2.17781043f,  /* 0x400b613f */
+        1.34872413f,  /* 0x3faca2fe */
+        0.12017151f,  /* 0x3df61c7b */
+      0.0520000011f,  /* 0x3d54fdf4 */
+        2.20851064f,  /* 0x400d583d */
+        1.41294396f,  /* 0x3fb4db59 */
+       0.130302578f,  /* 0x3e056e0a */
+      0.0560000017f,  /* 0x3d656042 */
+        2.24955034f,  /* 0x400ff8a2 */
+        1.48063791f,  /* 0x3fbd858b */
+       0.142316177f,  /* 0x3e11bb55 */
+      0.0599999987f,  /* 0x3d75c28f */
+        2.30198359f,  /* 0x401353b3 */
+        1.55257595f,  /* 0x3fc6bacf */
+       0.156289607f,  /* 0x3e200a62 */
+       0.064000003f,  /* 0x3d83126f */
+};
 
-static const float everything_creep_rate[3] = {
+static const float everything_hysteresis_play[24] = {
+      0.0968015566f,  /* 0x3dc63fe5 */
+             0.057f,  /* 0x3d6978d5 */
+     0.00400000019f,  /* 0x3b83126f */
+     0.00400000019f,  /* 0x3b83126f */
+        0.22239159f,  /* 0x3e63ba9f */
+             0.057f,  /* 0x3d6978d5 */
+     0.00400000019f,  /* 0x3b83126f */
+     0.00400000019f,  /* 0x3b83126f */
+         0.3617661f,  /* 0x3eb93968 */
+             0.057f,  /* 0x3d6978d5 */
+     0.00400000019f,  /* 0x3b83126f */
+     0.00400000019f,  /* 0x3b83126f */
+       0.510921717f,  /* 0x3f02cbc4 */
+             0.057f,  /* 0x3d6978d5 */
+     0.00400000019f,  /* 0x3b83126f */
+     0.00400000019f,  /* 0x3b83126f */
+        0.66779989f,  /* 0x3f2af4ef */
+             0.057f,  /* 0x3d6978d5 */
+     0.00400000019f,  /* 0x3b83126f */
+     0.00400000019f,  /* 0x3b83126f */
+       0.831120253f,  /* 0x3f54c44c */
+             0.057f,  /* 0x3d6978d5 */
+     0.00400000019f,  /* 0x3b83126f */
+     0.00400000019f,  /* 0x3b83126f */
+};
+
+static const float everything_hysteresis_rate[1] = {
+       -1.80336881f,  /* 0xbfe6d4ca */
+};
+
+static const float everything_hysteresis_duhem[6] = {
+      0.0299999993f,  /* 0x3cf5c28f */
+     0.00999999978f,  /* 0x3c23d70a */
+              1.25f,  /* 0x3fa00000 */
+      0.0199999996f,  /* 0x3ca3d70a */
+    9.09494702e-13f,  /* 0x2b800000 */
+               2.5f,  /* 0x40200000 */
+};
+
+/* Input block `creep`: creep by 0.01 per state, 4 states of 0.001 .. 1 s. */
+
+static const float everything_creep_rate[4] = {
       0.0198013261f,  /* 0x3ca23664 */
+     0.00199800124f,  /* 0x3b02f0e6 */
     0.000199980001f,  /* 0x3951b1b9 */
-    1.99999795e-06f,  /* 0x360637b4 */
+    1.99997994e-05f,  /* 0x37a7c53e */
 };
 
-/* Term `resonance`: resonance at 730 Hz (damping 0.05). */
+static const float everything_creep_amount[1] = {
+     0.00999999978f,  /* 0x3c23d70a */
+};
 
-static const float everything_resonance_real[1] = {
+/* Input block `modes`: modes at 730 Hz (damping 0.05, share 0.3). */
+
+static const float everything_modes_real[1] = {
      0.00875118468f,  /* 0x3c0f6121 */
 };
 
-static const float everything_resonance_imag[1] = {
+static const float everything_modes_imag[1] = {
       0.0910729542f,  /* 0x3dba8475 */
+};
+
+static const float everything_modes_of_position[1] = {
+        0.29957512f,  /* 0x3e9961e9 */
+};
+
+static const float everything_modes_of_velocity[1] = {
+    -0.00115762639f,  /* 0xba97bb7f */
+};
+
+static const float everything_modes_direct[1] = {
+        0.70042485f,  /* 0x3f334f0b */
+};
+
+static const float everything_modes_per_direct[1] = {
+        1.42770481f,  /* 0x3fb6bf08 */
 };
 
 /* Term `periodic`: periodic disturbance at 50 Hz. */
@@ -154,24 +279,18 @@ static const float everything_drift_limit[1] = {
 static const float everything_weight[EVERYTHING_WEIGHTS] = {
     9.99999975e-06f,  /* 0x3727c5ac */
     -9.99999975e-06f,  /* 0xb727c5ac */
-    9.99999975e-06f,  /* 0x3727c5ac */
-    -9.99999975e-06f,  /* 0xb727c5ac */
-    9.99999975e-06f,  /* 0x3727c5ac */
-    -9.99999975e-06f,  /* 0xb727c5ac */
-    9.99999975e-06f,  /* 0x3727c5ac */
-    3.16227761e-06f,  /* 0x36543784 */
-    -3.16227761e-06f,  /* 0xb6543784 */
-    9.99999975e-06f,  /* 0x3727c5ac */
-    -9.99999975e-06f,  /* 0xb727c5ac */
     4.99999987e-06f,  /* 0x36a7c5ac */
     -4.99999987e-06f,  /* 0xb6a7c5ac */
     0.000199999995f,  /* 0x3951b717 */
 };
 
 /* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up. */
-#define EVERYTHING_PREDICT_ERROR_UM  9.69999974e-07f  /* 0x358230f2 */
-#define EVERYTHING_INVERSE_ERROR_V   0.000479999988f  /* 0x39fba882 */
+ * over 20000 samples of the whole range, rounded up.
+ * PATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the
+ * reference where no limit acts. */
+#define EVERYTHING_PREDICT_ERROR_UM  1.20000004e-06f  /* 0x35a10fb0 */
+#define EVERYTHING_PATH_ERROR        7.50000027e-07f  /* 0x3549539c */
+#define EVERYTHING_INVERSE_ERROR_UM  5.30000023e-07f  /* 0x350e4553 */
 
 #else
 
@@ -187,38 +306,38 @@ static const float everything_weight[EVERYTHING_WEIGHTS] = {
 #define EVERYTHING_SELFTEST_PREDICT_U_REJECTED 3u
 
 static const uint32_t everything_selftest_predict_rows[32][4] = {
-    { 0x40130acbu, 0x40e16fbau, 0x420cb568u, 0x400dda7bu },  /* 2.29753, 7.04489, 35.1772 -> 2.21646 */
-    { 0x4018d62eu, 0x42a9dcb1u, 0x41e1b040u, 0x40138877u },  /* 2.38807, 84.931, 28.2111 -> 2.3052 */
-    { 0x000116c2u, 0xf149f2cau, 0x42a20000u, 0x3f1e10f0u },  /* 9.99995e-41, -1e+30, 81 -> 0.617446 */
-    { 0x4054ca65u, 0x42e2ffafu, 0x40c0cb26u, 0x405147f8u },  /* 3.32485, 113.499, 6.0248 -> 3.27002 */
-    { 0x3fd97f40u, 0x426db281u, 0x402dd92du, 0x3fd67766u },  /* 1.6992, 59.4243, 2.71638 -> 1.67552 */
-    { 0x7fc00000u, 0xff800000u, 0xff800000u, 0x3fd5f532u },  /* nan, -inf, -inf -> 1.67155 */
-    { 0x4037e929u, 0xc1055a2fu, 0x41b353dbu, 0x4038003eu },  /* 2.87361, -8.33452, 22.4159 -> 2.87501 */
-    { 0x40603901u, 0x42b4ed3bu, 0x4143dc08u, 0x405f9acfu },  /* 3.50348, 90.4633, 12.2412 -> 3.49382 */
-    { 0x00000000u, 0xc1a00000u, 0x7f800000u, 0x3f2d9fcbu },  /* 0, -20, inf -> 0.678219 */
-    { 0x40051f51u, 0x426bce0cu, 0x416fbf64u, 0x4005ab81u },  /* 2.08004, 58.9512, 14.9842 -> 2.08859 */
-    { 0x3fffe6ccu, 0x4291b005u, 0x406f2000u, 0x400063fbu },  /* 1.99923, 72.8438, 3.73633 -> 2.0061 */
-    { 0x40d9f3b6u, 0x7fc00000u, 0x80000000u, 0x406d303fu },  /* 6.811, nan, -0 -> 3.70607 */
-    { 0x3ff8895cu, 0x42a43af7u, 0x40515c8au, 0x3ffcccb4u },  /* 1.94169, 82.1152, 3.27127 -> 1.975 */
-    { 0x403b66d1u, 0x41efe1d4u, 0x41927839u, 0x403cede4u },  /* 2.92815, 29.9853, 18.3087 -> 2.95202 */
-    { 0x406f18fcu, 0x42f00000u, 0x000116c2u, 0x40705f1eu },  /* 3.7359, 120, 9.99995e-41 -> 3.75581 */
-    { 0x400bbf81u, 0x42bd456eu, 0x40d12b68u, 0x400d43f8u },  /* 2.18356, 94.6356, 6.53655 -> 2.20727 */
-    { 0x3fe0ca87u, 0x419110cdu, 0x420111e2u, 0x3fe751e9u },  /* 1.75618, 18.1332, 32.2675 -> 1.80719 */
-    { 0x80000000u, 0xc3200000u, 0x42200000u, 0x3f436551u },  /* -0, -160, 40 -> 0.763265 */
-    { 0x40452245u, 0x40247e78u, 0x41e18009u, 0x4046e4ceu },  /* 3.08022, 2.57022, 28.1875 -> 3.10772 */
-    { 0x400623f8u, 0x428ec970u, 0x421709d7u, 0x4005fbaeu },  /* 2.09595, 71.3934, 37.7596 -> 2.09349 */
-    { 0xf149f2cau, 0x000116c2u, 0x7fc00000u, 0x3f2346aeu },  /* -1e+30, 9.99995e-41, nan -> 0.637797 */
-    { 0x40103482u, 0x42e2ea73u, 0x421608e4u, 0x400e00dbu },  /* 2.2532, 113.458, 37.5087 -> 2.2188 */
-    { 0x40509284u, 0x40ad7765u, 0x406edd2fu, 0x404cb559u },  /* 3.25894, 5.42082, 3.73225 -> 3.19857 */
-    { 0xff800000u, 0x7f800000u, 0xc2280000u, 0x404a3ea9u },  /* -inf, inf, -42 -> 3.16007 */
-    { 0x3ffef8acu, 0x42eb0910u, 0x40cd449fu, 0x3ffcd6c1u },  /* 1.99196, 117.518, 6.41463 -> 1.9753 */
-    { 0x3ffd6a37u, 0x42cac53cu, 0x41ff9794u, 0x3ff6810bu },  /* 1.9798, 101.385, 31.949 -> 1.92581 */
-    { 0x7f800000u, 0x80000000u, 0x00000000u, 0x3ff30c54u },  /* inf, -0, 0 -> 1.89881 */
-    { 0x3fff579du, 0x4107ea96u, 0x41e7929bu, 0x4001f555u },  /* 1.99486, 8.49477, 28.9466 -> 2.0306 */
-    { 0x4005525au, 0x42ce6710u, 0x4123f69cu, 0x40074ff2u },  /* 2.08315, 103.201, 10.2477 -> 2.11425 */
-    { 0x3f292a30u, 0x00000000u, 0xf149f2cau, 0x3f2c08e4u },  /* 0.6608, 0, -1e+30 -> 0.672011 */
-    { 0x4069e6a1u, 0x42b69faeu, 0x42193f1fu, 0x4067f15au },  /* 3.6547, 91.3119, 38.3116 -> 3.62411 */
-    { 0x3f554929u, 0xc177c691u, 0x4018f725u, 0x3f5b3d41u },  /* 0.833148, -15.486, 2.39008 -> 0.856403 */
+    { 0x40130acbu, 0x40e16fbau, 0x41d210e4u, 0x400fecf1u },  /* 2.29753, 7.04489, 26.2582 -> 2.24884 */
+    { 0x4018d62eu, 0x42a9dcb1u, 0x41cc2959u, 0x4015796bu },  /* 2.38807, 84.931, 25.5202 -> 2.33554 */
+    { 0x000116c2u, 0xf149f2cau, 0x000116c2u, 0x3f3109f0u },  /* 9.99995e-41, -1e+30, 9.99995e-41 -> 0.691558 */
+    { 0x4054ca65u, 0x42e2ffafu, 0x4117627au, 0x40501a7cu },  /* 3.32485, 113.499, 9.46154 -> 3.25162 */
+    { 0x3fd97f40u, 0x426db281u, 0x4199366cu, 0x3fd8d3ceu },  /* 1.6992, 59.4243, 19.1516 -> 1.69396 */
+    { 0x7fc00000u, 0xff800000u, 0xff800000u, 0x3fd9264fu },  /* nan, -inf, -inf -> 1.69648 */
+    { 0x4037e929u, 0xc1055a2fu, 0x41644234u, 0x403562c4u },  /* 2.87361, -8.33452, 14.2662 -> 2.83415 */
+    { 0x40603901u, 0x42b4ed3bu, 0x40a1dc8au, 0x405c2ce6u },  /* 3.50348, 90.4633, 5.05817 -> 3.44024 */
+    { 0x00000000u, 0xc1a00000u, 0x7fc00000u, 0x3f379346u },  /* 0, -20, nan -> 0.717091 */
+    { 0x40051f51u, 0x426bce0cu, 0x4056f5dfu, 0x4004b15du },  /* 2.08004, 58.9512, 3.35876 -> 2.07333 */
+    { 0x3fffe6ccu, 0x4291b005u, 0x41b120afu, 0x3fff7592u },  /* 1.99923, 72.8438, 22.141 -> 1.99578 */
+    { 0x40d9f3b6u, 0x7fc00000u, 0x7f800000u, 0x406a4e01u },  /* 6.811, nan, inf -> 3.66101 */
+    { 0x3ff8895cu, 0x42a43af7u, 0x412c2f8au, 0x3ff9e9a6u },  /* 1.94169, 82.1152, 10.7616 -> 1.95244 */
+    { 0x403b66d1u, 0x41efe1d4u, 0x41a10c53u, 0x40398973u },  /* 2.92815, 29.9853, 20.131 -> 2.89901 */
+    { 0x406f18fcu, 0x42f00000u, 0x42200000u, 0x406b7e62u },  /* 3.7359, 120, 40 -> 3.67959 */
+    { 0x400bbf81u, 0x42bd456eu, 0x419cb17eu, 0x400bcf4cu },  /* 2.18356, 94.6356, 19.5867 -> 2.18453 */
+    { 0x3fe0ca87u, 0x419110cdu, 0x4133df15u, 0x3fe4aa38u },  /* 1.75618, 18.1332, 11.242 -> 1.78644 */
+    { 0x80000000u, 0xc3200000u, 0x42a20000u, 0x3f4372b8u },  /* -0, -160, 81 -> 0.763469 */
+    { 0x40452245u, 0x40247e78u, 0x4146476fu, 0x404373f5u },  /* 3.08022, 2.57022, 12.3924 -> 3.05395 */
+    { 0x400623f8u, 0x428ec970u, 0x42076512u, 0x4006304du },  /* 2.09595, 71.3934, 33.8487 -> 2.0967 */
+    { 0xf149f2cau, 0x000116c2u, 0x00000000u, 0x3f373930u },  /* -1e+30, 9.99995e-41, 0 -> 0.715716 */
+    { 0x40103482u, 0x42e2ea73u, 0x41b45333u, 0x400f3eeeu },  /* 2.2532, 113.458, 22.5406 -> 2.23822 */
+    { 0x40509284u, 0x40ad7765u, 0x3fb48717u, 0x404cf086u },  /* 3.25894, 5.42082, 1.41037 -> 3.20218 */
+    { 0xff800000u, 0x7f800000u, 0xc2280000u, 0x4049ece6u },  /* -inf, inf, -42 -> 3.15508 */
+    { 0x3ffef8acu, 0x42eb0910u, 0x415274bcu, 0x3fffac4bu },  /* 1.99196, 117.518, 13.1535 -> 1.99745 */
+    { 0x3ffd6a37u, 0x42cac53cu, 0x40937cdcu, 0x3ffca1d1u },  /* 1.9798, 101.385, 4.60899 -> 1.97369 */
+    { 0x7f800000u, 0x80000000u, 0x80000000u, 0x3ffd2b2du },  /* inf, -0, -0 -> 1.97788 */
+    { 0x3fff579du, 0x4107ea96u, 0x41a51c30u, 0x4001776bu },  /* 1.99486, 8.49477, 20.6388 -> 2.02291 */
+    { 0x4005525au, 0x42ce6710u, 0x41cef07au, 0x4006ce1bu },  /* 2.08315, 103.201, 25.8674 -> 2.10633 */
+    { 0x3f292a30u, 0x00000000u, 0xf149f2cau, 0x3f3d4630u },  /* 0.6608, 0, -1e+30 -> 0.739352 */
+    { 0x4069e6a1u, 0x42b69faeu, 0x420cb568u, 0x40667e9bu },  /* 3.6547, 91.3119, 35.1772 -> 3.60148 */
+    { 0x3f554929u, 0xc177c691u, 0x41e1b040u, 0x3f690105u },  /* 0.833148, -15.486, 28.2111 -> 0.910172 */
 };
 
 /* simulate: arguments, auxiliary channels, expected result. */
@@ -231,82 +350,82 @@ static const uint32_t everything_selftest_predict_rows[32][4] = {
 #define EVERYTHING_SELFTEST_SIMULATE_U_REJECTED 2u
 
 static const uint32_t everything_selftest_simulate_rows[32][3] = {
-    { 0x429f4944u, 0x41237b55u, 0x4007a060u },  /* 79.6431, 10.2176 -> 2.11916 */
-    { 0xbf41a05bu, 0x41a24316u, 0x4002a770u },  /* -0.756353, 20.2828 -> 2.04147 */
-    { 0xc3200000u, 0x00000000u, 0x40003992u },  /* -160, 0 -> 2.00351 */
-    { 0x428d34ddu, 0x42184987u, 0x3ffb49dau },  /* 70.6032, 38.0718 -> 1.96319 */
-    { 0x4279bfd0u, 0x421bc533u, 0x3ff0b176u },  /* 62.4373, 38.9426 -> 1.88042 */
-    { 0x000116c2u, 0x7f800000u, 0x3fe923d1u },  /* 9.99995e-41, inf -> 1.82141 */
-    { 0x4202092cu, 0x40606654u, 0x3fe9996bu },  /* 32.509, 3.50625 -> 1.82499 */
-    { 0x4266cbc5u, 0x4214725cu, 0x3fe974c2u },  /* 57.699, 37.1117 -> 1.82388 */
-    { 0xf149f2cau, 0x000116c2u, 0x3fe6dbe6u },  /* -1e+30, 9.99995e-41 -> 1.80359 */
-    { 0x422115cau, 0x41947063u, 0x3fe76a9bu },  /* 40.2713, 18.5549 -> 1.80794 */
-    { 0x3fc31fb7u, 0x4031aa51u, 0x3fe656d7u },  /* 1.52441, 2.77602 -> 1.79953 */
-    { 0x43820000u, 0x80000000u, 0x3fe45e25u },  /* 260, -0 -> 1.78412 */
-    { 0x415884d8u, 0x4200ce7cu, 0x3fdfc603u },  /* 13.5324, 32.2016 -> 1.74823 */
-    { 0x4261fa3du, 0x42168c86u, 0x3fddb852u },  /* 56.4944, 37.6372 -> 1.73219 */
-    { 0x42f00000u, 0xbf800000u, 0x3fdb4a7eu },  /* 120, -1 -> 1.71321 */
-    { 0x4217ca18u, 0x408bab62u, 0x3fdae8c6u },  /* 37.9474, 4.36467 -> 1.71023 */
-    { 0x401918aeu, 0x41d55968u, 0x3fe2727au },  /* 2.39213, 26.6687 -> 1.76912 */
-    { 0x80000000u, 0xf149f2cau, 0x3fe96d01u },  /* -0, -1e+30 -> 1.82364 */
-    { 0xc030b7c5u, 0x408277d2u, 0x3fea1fc1u },  /* -2.76122, 4.07713 -> 1.82909 */
-    { 0x42b4c6a3u, 0x420393f7u, 0x3fe4a75cu },  /* 90.388, 32.8945 -> 1.78636 */
-    { 0xff800000u, 0x42200000u, 0x3fdba7ffu },  /* -inf, 40 -> 1.71606 */
-    { 0x41cf0dbeu, 0x41cb5e5bu, 0x3fd6f91eu },  /* 25.8817, 25.4211 -> 1.67948 */
-    { 0x42bd649fu, 0x415cf4f6u, 0x3fda98e4u },  /* 94.6965, 13.8098 -> 1.70779 */
-    { 0x7fc00000u, 0xff800000u, 0x3fddc6c5u },  /* nan, -inf -> 1.73263 */
-    { 0x42b4ea76u, 0x41a05b82u, 0x3fe35ccau },  /* 90.4579, 20.0447 -> 1.77627 */
-    { 0x405df404u, 0x420dbeefu, 0x3fed0c3du },  /* 3.46802, 35.4365 -> 1.85194 */
-    { 0xc1a00000u, 0x42a20000u, 0x3ff6a4d3u },  /* -20, 81 -> 1.92691 */
-    { 0x42ed8cf3u, 0xbef9ecceu, 0x3ffc0600u },  /* 118.775, -0.488135 -> 1.96893 */
-    { 0x42075ad3u, 0x40c99217u, 0x3ffb2b8du },  /* 33.8387, 6.29908 -> 1.96227 */
-    { 0x00000000u, 0x7fc00000u, 0x3ffcc284u },  /* 0, nan -> 1.97469 */
-    { 0xc1918f1fu, 0x410a64f2u, 0x3ffdea05u },  /* -18.1949, 8.64964 -> 1.9837 */
-    { 0x42d72899u, 0x40c597ddu, 0x3ff8ea06u },  /* 107.579, 6.17479 -> 1.94464 */
+    { 0x429f4944u, 0x416a15bcu, 0x4009d969u },  /* 79.6431, 14.6303 -> 2.15389 */
+    { 0xbf41a05bu, 0x3f761e21u, 0x400720ddu },  /* -0.756353, 0.961397 -> 2.11138 */
+    { 0xc3200000u, 0x7f800000u, 0x40055f6au },  /* -160, inf -> 2.08395 */
+    { 0x428d34ddu, 0x41843fbfu, 0x4003a0abu },  /* 70.6032, 16.5311 -> 2.05668 */
+    { 0x4279bfd0u, 0x4026e2fdu, 0x400104b7u },  /* 62.4373, 2.6076 -> 2.01591 */
+    { 0x000116c2u, 0xbf800000u, 0x3ffe0662u },  /* 9.99995e-41, -1 -> 1.98457 */
+    { 0x4202092cu, 0x41a1c4c8u, 0x3ffd17e1u },  /* 32.509, 20.2211 -> 1.97729 */
+    { 0x4266cbc5u, 0x41a413beu, 0x3ffbffaeu },  /* 57.699, 20.5096 -> 1.96874 */
+    { 0xf149f2cau, 0x7fc00000u, 0x3ffa1b43u },  /* -1e+30, nan -> 1.95396 */
+    { 0x422115cau, 0x41b34065u, 0x3ff96c97u },  /* 40.2713, 22.4064 -> 1.94863 */
+    { 0x3fc31fb7u, 0x420d82deu, 0x3ff83d87u },  /* 1.52441, 35.3778 -> 1.93938 */
+    { 0x43820000u, 0x80000000u, 0x3ff6d993u },  /* 260, -0 -> 1.92851 */
+    { 0x415884d8u, 0x40606b8au, 0x3ff4a6ccu },  /* 13.5324, 3.50656 -> 1.91134 */
+    { 0x4261fa3du, 0x40f7ba2du, 0x3ff37b27u },  /* 56.4944, 7.74148 -> 1.9022 */
+    { 0x42f00000u, 0xff800000u, 0x3ff24c94u },  /* 120, -inf -> 1.89296 */
+    { 0x4217ca18u, 0x41af7546u, 0x3ff1f7beu },  /* 37.9474, 21.9323 -> 1.89037 */
+    { 0x401918aeu, 0x41efc4a5u, 0x3ff50926u },  /* 2.39213, 29.971 -> 1.91434 */
+    { 0x80000000u, 0xc2280000u, 0x3ff7e186u },  /* -0, -42 -> 1.93657 */
+    { 0xc030b7c5u, 0xbe800ce0u, 0x3ff85436u },  /* -2.76122, -0.250098 -> 1.94007 */
+    { 0x42b4c6a3u, 0x417bd119u, 0x3ff6934du },  /* 90.388, 15.7385 -> 1.92637 */
+    { 0xff800000u, 0x000116c2u, 0x3ff3ab51u },  /* -inf, 9.99995e-41 -> 1.90367 */
+    { 0x41cf0dbeu, 0x42056f76u, 0x3ff27d0cu },  /* 25.8817, 33.3588 -> 1.89444 */
+    { 0x42bd649fu, 0x40a8531au, 0x3ff48d78u },  /* 94.6965, 5.26014 -> 1.91057 */
+    { 0x7fc00000u, 0x42a20000u, 0x3ff67880u },  /* nan, 81 -> 1.92555 */
+    { 0x42b4ea76u, 0x420f9894u, 0x3ff9635eu },  /* 90.4579, 35.899 -> 1.94834 */
+    { 0x405df404u, 0x3f6201a9u, 0x3ffe28cbu },  /* 3.46802, 0.882838 -> 1.98562 */
+    { 0xc1a00000u, 0x42200000u, 0x40016ec0u },  /* -20, 40 -> 2.02238 */
+    { 0x42ed8cf3u, 0x413635cbu, 0x4002e8eau },  /* 118.775, 11.3881 -> 2.04547 */
+    { 0x42075ad3u, 0x40d4bc0bu, 0x400335b2u },  /* 33.8387, 6.64795 -> 2.05015 */
+    { 0x00000000u, 0xf149f2cau, 0x40040241u },  /* 0, -1e+30 -> 2.06264 */
+    { 0xc1918f1fu, 0x41237b55u, 0x4004c328u },  /* -18.1949, 10.2176 -> 2.07441 */
+    { 0x42d72899u, 0x41a24316u, 0x400468dbu },  /* 107.579, 20.2828 -> 2.0689 */
 };
 
 /* inverse: arguments, auxiliary channels, expected result. */
 #define EVERYTHING_SELFTEST_INVERSE_START_Y 0x400cb1c4u
 #define EVERYTHING_SELFTEST_INVERSE_START_U 0x00000000u
-#define EVERYTHING_SELFTEST_INVERSE_STATUS 0x000000f7u
+#define EVERYTHING_SELFTEST_INVERSE_STATUS 0x000000f5u
 #define EVERYTHING_SELFTEST_INVERSE_Y_CLAMPED 5u
-#define EVERYTHING_SELFTEST_INVERSE_U_CLAMPED 6u
+#define EVERYTHING_SELFTEST_INVERSE_U_CLAMPED 0u
 #define EVERYTHING_SELFTEST_INVERSE_Y_REJECTED 5u
 #define EVERYTHING_SELFTEST_INVERSE_U_REJECTED 0u
 
 static const uint32_t everything_selftest_inverse_rows[32][4] = {
-    { 0x4059dc88u, 0x4052c69bu, 0x414eaf86u, 0x3b18ddb3u },  /* 3.40409, 3.29337, 12.9179 -> 0.00233255 */
-    { 0x3fbf3b6bu, 0x3fb6ac62u, 0x41acd8cfu, 0x3aca7940u },  /* 1.494, 1.42714, 21.6059 -> 0.00154475 */
-    { 0x406f18fcu, 0x3f292a30u, 0xbf800000u, 0xc0c01804u },  /* 3.7359, 0.6608, -1 -> -6.00293 */
-    { 0x3f824051u, 0x3f75a4f1u, 0x41acc975u, 0xc10feaa4u },  /* 1.01759, 0.959548, 21.5984 -> -8.99479 */
-    { 0x3f9065a1u, 0x3f88b4f4u, 0x421ccae5u, 0x3c4769a2u },  /* 1.1281, 1.06802, 39.1981 -> 0.0121712 */
-    { 0xff800000u, 0x80000000u, 0x42200000u, 0xc0bfca8au },  /* -inf, -0, 40 -> -5.99347 */
-    { 0x3f911acdu, 0x3f8966c7u, 0x417ece2au, 0xc10fcdcau },  /* 1.13363, 1.07345, 15.9253 -> -8.98774 */
-    { 0x3fa4d84au, 0x3f9cc604u, 0x417572c9u, 0x3cd5018eu },  /* 1.28785, 1.22479, 15.3405 -> 0.0260017 */
-    { 0x80000000u, 0xf149f2cau, 0xf149f2cau, 0xc0bfa26fu },  /* -0, -1e+30, -1e+30 -> -5.98858 */
-    { 0x3f794288u, 0x3f6a9c61u, 0x42174abau, 0xc10ff42au },  /* 0.973671, 0.916449, 37.823 -> -8.99711 */
-    { 0x3ffbdc0du, 0x3ff24322u, 0x41bde437u, 0x3c53b15eu },  /* 1.96765, 1.89267, 23.7364 -> 0.0129207 */
-    { 0x7f800000u, 0x40d9f3b6u, 0x42a20000u, 0x41802bf6u },  /* inf, 6.811, 81 -> 16.0215 */
-    { 0x40350e16u, 0x402f205du, 0x41d60a7bu, 0x41e02bf6u },  /* 2.82898, 2.73635, 26.7551 -> 28.0215 */
-    { 0x4006ba40u, 0x4001c585u, 0x41cee51du, 0x40bfb02cu },  /* 2.10512, 2.02768, 25.8619 -> 5.99026 */
-    { 0x3f292a30u, 0x000116c2u, 0x7f800000u, 0xc0c11602u },  /* 0.6608, 9.99995e-41, inf -> -6.03394 */
-    { 0x404ec247u, 0x40480f57u, 0x41df62b3u, 0xc10faa58u },  /* 3.23061, 3.12594, 27.9232 -> -8.97909 */
-    { 0x3f764e8cu, 0x3f67b696u, 0x42104b94u, 0x3d59e27du },  /* 0.962136, 0.90513, 36.0738 -> 0.0531945 */
-    { 0x7fc00000u, 0xff800000u, 0xc2280000u, 0x415cb75bu },  /* nan, -inf, -42 -> 13.7948 */
-    { 0x3fb8c7bcu, 0x3fb056a8u, 0x40bc45f6u, 0x41b33d90u },  /* 1.4436, 1.37764, 5.88354 -> 22.4051 */
-    { 0x3f89abffu, 0x3f821b1bu, 0x40d54fd5u, 0x4027c16bu },  /* 1.07556, 1.01645, 6.666 -> 2.62118 */
-    { 0x40d9f3b6u, 0x406f18fcu, 0x00000000u, 0x417f2033u },  /* 6.811, 3.7359, 0 -> 15.9454 */
-    { 0x40652288u, 0x405da23eu, 0x40e9bc1bu, 0x41df901au },  /* 3.58023, 3.46303, 7.30421 -> 27.9454 */
-    { 0x4056bef3u, 0x404fc565u, 0x41da92b7u, 0x40be212fu },  /* 3.3554, 3.24642, 27.3216 -> 5.94155 */
-    { 0x00000000u, 0x00000000u, 0x7fc00000u, 0xc0c13b65u },  /* 0, 0, nan -> -6.0385 */
-    { 0x4048ff21u, 0x40427ce6u, 0x41d2877cu, 0xc10fae78u },  /* 3.14057, 3.03887, 26.3162 -> -8.98009 */
-    { 0x40314e01u, 0x402b7856u, 0x414d6233u, 0x3d60295du },  /* 2.77039, 2.67922, 12.8365 -> 0.0547269 */
-    { 0xf149f2cau, 0x7fc00000u, 0x80000000u, 0x41467146u },  /* -1e+30, nan, -0 -> 12.4027 */
-    { 0x4015142du, 0x400fd981u, 0x421eda1cu, 0x41974e97u },  /* 2.32936, 2.24765, 39.713 -> 18.9134 */
-    { 0x3ff463d2u, 0x3feaebe5u, 0x41f742d6u, 0x3f06c9ccu },  /* 1.9093, 1.83532, 30.9076 -> 0.526517 */
-    { 0x000116c2u, 0x7f800000u, 0xff800000u, 0x4144b5b9u },  /* 9.99995e-41, inf, -inf -> 12.2944 */
-    { 0x40218d04u, 0x401c11ddu, 0x41488e0au, 0x41968854u },  /* 2.52423, 2.43859, 12.5347 -> 18.8166 */
-    { 0x4067a433u, 0x40600b5eu, 0x42126525u, 0x3eedb383u },  /* 3.6194, 3.50069, 36.5988 -> 0.46426 */
+    { 0x4059dc88u, 0x4053f6ecu, 0x41479b95u, 0x3c07799au },  /* 3.40409, 3.31195, 12.4755 -> 0.00826874 */
+    { 0x3fbf3b6bu, 0x3fbda4e1u, 0x3ff007f8u, 0x3c4ab000u },  /* 1.494, 1.48159, 1.87524 -> 0.0123711 */
+    { 0x406f18fcu, 0x3f292a30u, 0x80000000u, 0xc0c00065u },  /* 3.7359, 0.6608, -0 -> -6.00005 */
+    { 0x3f824051u, 0x3f83e3f7u, 0x421c2225u, 0xc0f06e9du },  /* 1.01759, 1.03039, 39.0333 -> -7.5135 */
+    { 0x3f9065a1u, 0x3f91d02bu, 0x41a3084au, 0x40c99798u },  /* 1.1281, 1.13917, 20.379 -> 6.29976 */
+    { 0xff800000u, 0x80000000u, 0x42a20000u, 0x3dd71100u },  /* -inf, -0, 81 -> 0.105013 */
+    { 0x3f911acdu, 0x3f937b5cu, 0x41a23091u, 0x3e3e8400u },  /* 1.13363, 1.1522, 20.2737 -> 0.18605 */
+    { 0x3fa4d84au, 0x3fa6c1c9u, 0x41ca4847u, 0x41cc6d86u },  /* 1.28785, 1.30279, 25.2853 -> 25.5535 */
+    { 0x80000000u, 0xf149f2cau, 0x42200000u, 0x418b7cf2u },  /* -0, -1e+30, 40 -> 17.436 */
+    { 0x3f794288u, 0x3f81a980u, 0x4199a3c4u, 0x4176f9e4u },  /* 0.973671, 1.01299, 19.205 -> 15.436 */
+    { 0x3ffbdc0du, 0x3ffb29a0u, 0x40f30d07u, 0x422d46e2u },  /* 1.96765, 1.96221, 7.59534 -> 43.3192 */
+    { 0x7f800000u, 0x40d9f3b6u, 0x000116c2u, 0x428249c0u },  /* inf, 6.811, 9.99995e-41 -> 65.144 */
+    { 0x40350e16u, 0x4032d218u, 0x42011eb0u, 0x429a883au },  /* 2.82898, 2.79407, 32.28 -> 77.2661 */
+    { 0x4006ba40u, 0x4006d88du, 0x41b8db8du, 0x427cb59fu },  /* 2.10512, 2.10697, 23.1072 -> 63.1774 */
+    { 0x3f292a30u, 0x000116c2u, 0xf149f2cau, 0x4263143cu },  /* 0.6608, 9.99995e-41, -1e+30 -> 56.7698 */
+    { 0x404ec247u, 0x404c6333u, 0x410c78fau, 0x425b143cu },  /* 3.23061, 3.19355, 8.77954 -> 54.7698 */
+    { 0x3f764e8cu, 0x3f84f674u, 0x40741415u, 0x42a5040au },  /* 0.962136, 1.03877, 3.81373 -> 82.5079 */
+    { 0x7fc00000u, 0xff800000u, 0x7fc00000u, 0x42983aebu },  /* nan, -inf, nan -> 76.1151 */
+    { 0x3fb8c7bcu, 0x3fc0f280u, 0x40ea0454u, 0x42943aebu },  /* 1.4436, 1.5074, 7.31303 -> 74.1151 */
+    { 0x3f89abffu, 0x3f94bb7au, 0x40c65246u, 0x42c7e65fu },  /* 1.07556, 1.16197, 6.19754 -> 99.9499 */
+    { 0x40d9f3b6u, 0x406f18fcu, 0xff800000u, 0x42d33e22u },  /* 6.811, 3.7359, -inf -> 105.621 */
+    { 0x40652288u, 0x4063221au, 0x4218d5d2u, 0x42d305fcu },  /* 3.58023, 3.54896, 38.2088 -> 105.512 */
+    { 0x4056bef3u, 0x40555b3fu, 0x41921bc7u, 0x42c51cfeu },  /* 3.3554, 3.33369, 18.2636 -> 98.5566 */
+    { 0x00000000u, 0x00000000u, 0xc2280000u, 0x42ac720bu },  /* 0, 0, -42 -> 86.2227 */
+    { 0x4048ff21u, 0x404844e4u, 0x40421597u, 0x429ec79du },  /* 3.14057, 3.1292, 3.03257 -> 79.3899 */
+    { 0x40314e01u, 0x4031a50du, 0x3fa7b779u, 0x42bf0511u },  /* 2.77039, 2.7757, 1.31029 -> 95.5099 */
+    { 0xf149f2cau, 0x7fc00000u, 0x7f800000u, 0x42a520b6u },  /* -1e+30, nan, inf -> 82.5639 */
+    { 0x4015142du, 0x4016db34u, 0x4219ff23u, 0x4297144du },  /* 2.32936, 2.35713, 38.4992 -> 75.5396 */
+    { 0x3ff463d2u, 0x3ffacb43u, 0x41fcb356u, 0x42b6b231u },  /* 1.9093, 1.95933, 31.5876 -> 91.348 */
+    { 0x000116c2u, 0x7f800000u, 0x00000000u, 0x429cbaf2u },  /* 9.99995e-41, inf, 0 -> 78.3651 */
+    { 0x40218d04u, 0x4022e9b2u, 0x414eaf86u, 0x428ea518u },  /* 2.52423, 2.54551, 12.9179 -> 71.3224 */
+    { 0x4067a433u, 0x4066169bu, 0x41acd8cfu, 0x42ae005cu },  /* 3.6194, 3.59513, 21.6059 -> 87.0007 */
 };
 
 #endif

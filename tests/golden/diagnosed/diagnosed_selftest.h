@@ -1,0 +1,15 @@
+/** @file
+ * diagnosed_selftest.h: is this diagnosed.c, on this machine, what it was verified to be? */
+
+#ifndef DIAGNOSED_SELFTEST_H
+#define DIAGNOSED_SELFTEST_H
+
+#include <stdint.h>
+
+/** Runs every function over fixed inputs and compares results, status words and counters with those of the reference,
+ * bit for bit. Needs no library.
+ *
+ * @return the number of mismatches: 0 if all is well */
+uint32_t diagnosed_selftest(void);
+
+#endif
