@@ -49,7 +49,7 @@ def splits(model: Model, kept: float) -> list[Split]:
     numbers = coefficients(model)
     least, limit = (_bits(size) for size in (float(LEAST), kept))
     cases = [
-        *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited", "magnitude")),
+        *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited")),
         Split("finite: bits", _magnitudes(least, INFINITY_BITS)),
         Split("finite", signs("held")),
         Split("flushed: bits", _magnitudes(least)),
@@ -68,6 +68,8 @@ def splits(model: Model, kept: float) -> list[Split]:
         Split("coupling_channel: finite", ("rejected == 0u",)),
         Split("coupling_channel: inside", _around("inside", f"{model.name}_coupling_middle[c]")),
     ]
+    if any(block.kind == "hysteresis" for block in model.blocks):
+        cases.append(Split("magnitude", signs("x")))
     for function in ("predict", "simulate", "inverse"):
         cases.append(Split(f"{function}: y", displacements(numbers)))
     return cases
