@@ -24,7 +24,7 @@ from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.twofloat import LIMIT
 
-WIDENED: Final = 0.5
+WIDENED: Final = 0.75
 """Part of its width by which the interval of a sum over the rules is widened at either end."""
 
 KEPT: Final = float(LIMIT)
