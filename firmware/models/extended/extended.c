@@ -215,15 +215,35 @@ EXTENDED_INLINE extended_sums_t extended_rule_sums(const extended_bank_t *bank, 
 }
 
 /* (high, low) + delta: `low` keeps what the rounding of `high` loses, for states that move by less than their last bit.
- * Adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word ever becomes denormal. */
-EXTENDED_INLINE void extended_accumulate(float *high, float *low, float delta)
+ * t = low + delta; adding and taking off 1.09139364e-11f makes steps below 2^-61 zero, so that no word becomes denormal. */
+EXTENDED_INLINE float extended_carried(float low, float delta)
 {
     const float step = (delta + 1.09139364e-11f) - 1.09139364e-11f;
-    const float t = *low + step;
-    const float sum = *high + t;
 
-    *low = t - (sum - *high);
-    *high = extended_inside(sum, 1048576.0f);
+    return low + step;
+}
+
+/* The new `high`. */
+EXTENDED_INLINE float extended_total(float high, float t)
+{
+    return extended_inside(high + t, 1048576.0f);
+}
+
+/* The new `low`, the rounding error of high + t. */
+EXTENDED_INLINE float extended_lost(float high, float t)
+{
+    const float sum = high + t;
+
+    return t - (sum - high);
+}
+
+EXTENDED_INLINE void extended_accumulate(float *high, float *low, float delta)
+{
+    const float before = *high;
+    const float t = extended_carried(*low, delta);
+
+    *low = extended_lost(before, t);
+    *high = extended_total(before, t);
 }
 
 /* ---- Input blocks ---------------------------------------------------------------------------------------------- */

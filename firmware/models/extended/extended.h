@@ -101,7 +101,7 @@ void extended_init(extended_t *self, float y_um, float u_V);
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EXTENDED_PREDICT_ERROR_UM in extended_params.h.
- * 87 float +-, 53 float *, 16 float comparisons, 101 integer, 89 loads, 25 stores.
+ * 91 float +-, 53 float *, 16 float comparisons, 101 integer, 85 loads, 25 stores.
  * C674x: about 338 cycles (estimate). */
 float extended_predict(extended_t *self, float y_um, float u_V);
 
@@ -114,7 +114,7 @@ float extended_predict(extended_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in extended_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 87 float +-, 53 float *, 16 float comparisons, 91 integer, 89 loads, 25 stores.
+ * 91 float +-, 53 float *, 16 float comparisons, 91 integer, 85 loads, 25 stores.
  * C674x: about 331 cycles (estimate). */
 float extended_simulate(extended_t *self, float u_V);
 
@@ -132,7 +132,7 @@ float extended_simulate(extended_t *self, float u_V);
  * The arguments belong to a sample EXTENDED_PREVIEW later than the result.
  *
  * Worst error against float64 over these ranges: EXTENDED_INVERSE_ERROR_V in extended_params.h.
- * 92 float +-, 61 float *, 18 float comparisons, 119 integer, 87 loads, 26 stores.
+ * 96 float +-, 61 float *, 18 float comparisons, 119 integer, 83 loads, 26 stores.
  * C674x: about 362 cycles (estimate). */
 float extended_inverse(extended_t *self, float y_um, float y_next_um);
 
@@ -231,7 +231,7 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
- * 1149 float +-, 835 float *, 66 float comparisons, 609 integer, 780 loads, 591 stores, 15 branches.
+ * 1153 float +-, 835 float *, 66 float comparisons, 609 integer, 776 loads, 591 stores, 15 branches.
  * C674x: about 2697 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
