@@ -143,6 +143,15 @@ def test_a_ring_that_is_left_open_is_missed() -> None:
     assert any("index" in alarm or "< 4" in alarm for alarm in verdict.alarms), verdict.alarms
 
 
+@pytest.mark.slow
+def test_without_the_limits_of_w_the_path_is_not_proved() -> None:
+    need("frama-c")
+    guard = next(guard for guard in GUARDS if guard.name == "path")
+    opened = without(guard, model("small_everything"), texts("small_everything"))
+    verdict, _ = prove_call(model("small_everything"), opened, guard.function, guard.inputs)
+    assert any("y_um" in alarm for alarm in verdict.alarms), verdict.alarms
+
+
 def test_every_guard_stands_in_one_of_three_models() -> None:
     names = ("appendix_a", "diagnosed", "everything")
     found = {guard for name in names for guard in guards(model(name), texts(name))}
