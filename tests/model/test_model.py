@@ -14,7 +14,7 @@ from hysgen.errors import ModelError
 from hysgen.model.file import load_model
 from hysgen.model.membership import membership_slopes, memberships, rule_regressors
 from hysgen.model.model import Grid, Model
-from hysgen.model.terms.memory import Memory
+from hysgen.model.terms.periodic import Periodic
 
 GRIDS = st.builds(
     lambda low, span, rules: Grid(low, low + span, rules),
@@ -57,7 +57,7 @@ def test_regressors_of_the_rules_are_those_of_equation_9() -> None:
 
 def test_parameters_keep_the_order_of_equation_9_and_drop_scores_and_certificates() -> None:
     consequents = np.array([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
-    terms, weights = (Memory((1.0, 2.0)),), np.array([6.0, 7.0])
+    terms, weights = (Periodic((50.0,)),), np.array([6.0, 7.0])
     known: dict[str, Any] = {"history": {"fit": 0}, "scores": {"a": 1}, "certificates": {"b": 2}}
     model = Model("m", 1e-3, Grid(0.0, 1.0, 2), consequents, 0.0, 1.0, terms, weights, **known)
     np.testing.assert_array_equal(model.parameters, np.arange(8.0))
@@ -75,8 +75,9 @@ FAULTS: dict[str, dict[str, Any]] = {
     "parameters: not all finite": {"consequents": np.full((2, 3), np.nan)},
     "Ts_s: 0.0 is not a sampling period": {"Ts_s": 0.0},
     "input range: 1.0 .. 1.0 V is empty": {"u_min_V": 1.0},
-    "terms: memory, memory: a kind of term may stand once": {
-        "terms": (Memory((1.0,)), Memory((2.0,))),
+    "terms: periodic, periodic: a kind of term may stand once": {
+        "terms": (Periodic((50.0,)), Periodic((60.0,))),
+        "weights": np.zeros(4),
     },
 }
 
@@ -90,7 +91,7 @@ def test_a_model_that_contradicts_itself_is_refused_in_one_line(message: str, ch
         "consequents": np.zeros((2, 3)),
         "u_min_V": 0.0,
         "u_max_V": 1.0,
-        "terms": (Memory((1.0, 2.0)),),
+        "terms": (Periodic((50.0,)),),
         "weights": np.zeros(2),
     }
     Model(**sound)

@@ -21,10 +21,10 @@ from hysgen.model.file import dump_model, load_model, parse_model, save_model, s
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.saturation import Saturation
-from hysgen.model.terms.creep import Creep
-from hysgen.model.terms.memory import Memory
+from hysgen.model.terms.drift import Drift
+from hysgen.model.terms.periodic import Periodic
 
-TERMS = (Memory.uniform(3, 40.0), Creep.log_spaced(2, 1e-3, 1.0))
+TERMS = (Periodic((50.0, 101.7)), Drift(0.1, 0.05))
 
 
 def same(one: Model, other: Model) -> bool:
@@ -104,9 +104,9 @@ MALFORMED: dict[str, Callable[[dict[str, Any]], None]] = {
     "consequents: shape (7, 3) does not fit 6 rules": lambda data: data["consequents"].append([0, 0, 0]),
     "consequents[2][1]: 'x' is not a finite number": change("consequents.2.1", "x"),
     "consequents[1]: 2 numbers instead of 3": change("consequents.1", [1.0, 2.0]),
-    "terms[0]: 'memory' is not an object": change("terms.0", "memory"),
+    "terms[0]: 'drift' is not an object": change("terms.0", "drift"),
     "terms: kind 'magic' is unknown": change("terms.0.kind", "magic"),
-    "terms: memory: thresholds_V must be rising": change("terms.0.thresholds_V", [3.0, 2.0, 1.0]),
+    "terms: periodic: f_Hz must be positive and rising": change("terms.0.f_Hz", [3.0, 2.0]),
     "weights[0]: False is not a finite number": change("weights.0", False),
     "weights: 1 given": change("weights", [1.0]),
     "blocks: 3 is not a list": change("blocks", 3),

@@ -19,21 +19,19 @@ from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, applied, block_from_json, kinds, preview
 from hysgen.model.path.chain import ChainMirror, PathLimits
-from hysgen.model.path.creep import Creep as CreepBlock
+from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
 from hysgen.model.simulate import simulate
 from hysgen.model.terms import Drive
-from hysgen.model.terms.creep import Creep
-from hysgen.model.terms.memory import Memory
-from hysgen.model.terms.resonance import Resonance
+from hysgen.model.terms.drift import Drift
 
 TS_S = 2e-5
 LAST_BIT = 2.0**-24
 LIMITERS: list[InputBlock] = [Saturation(-5.0, 95.0), Slew(1.2e5, 0.9e5)]
-RESPONSES: list[InputBlock] = [CreepBlock(0.01, (1e-3, 0.1, 10.0)), Modes((730.0,), (0.05,), (0.3,), 4e-4)]
+RESPONSES: list[InputBlock] = [Creep(0.01, (1e-3, 0.1, 10.0)), Modes((730.0,), (0.05,), (0.3,), 4e-4)]
 ORDER = "saturation, slew, delay, hysteresis, creep, modes"
 BLOCKS: list[InputBlock] = [*LIMITERS, Delay(3.4), *RESPONSES]
 by_kind = pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.kind)
@@ -175,10 +173,10 @@ def test_malformed_blocks_are_refused_in_one_line(data: dict[str, Any], complain
 
 
 def extended(*blocks: InputBlock) -> Model:
-    """Appendix A with memory, creep and a resonance, certified for the inverse."""
-    terms = (Memory.uniform(5, 60.0), Creep((0.01, 1.0)), Resonance((900.0,), (0.2,)))
-    weights = np.array([8e-5] * 5 + [1e-4, -5e-5] + [5e-5, 5e-5])
-    model = dataclasses.replace(load_model("appendix_a"), terms=terms, weights=weights, blocks=blocks)
+    """Appendix A with drift, certified for the inverse."""
+    model = dataclasses.replace(
+        load_model("appendix_a"), terms=(Drift(0.1, 0.05),), weights=np.array([1.0]), blocks=blocks
+    )
     assert certify(model).inverse_holds
     return model
 

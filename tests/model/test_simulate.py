@@ -20,10 +20,10 @@ from hysgen.model.regression import regression_rows, structure_of
 from hysgen.model.simulate import default_horizons, free_run, horizon_curve, one_step, simulate
 from hysgen.model.terms import Drive
 from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.memory import Memory
+from hysgen.model.terms.periodic import Periodic
 from hysgen.record import Record, Segment
 
-MEMORY = (Memory((5.0, 20.0)),)
+DISTURBED = (Periodic((50.0,)),)
 
 # Kernel and loop sum the same products in another order, over at most 60 steps from measured values, so they differ
 # by some last bits of the largest consequent value; in the free run errors fade because the models contract.
@@ -38,24 +38,18 @@ def by_the_equations(model: Model, y: float, u: float, w: float) -> float:
     return float(np.sum(p * (q1 * clamped + q2 * u + q3)) + w)
 
 
-def play_by_the_definition(model: Model, u: Any) -> Any:
-    """w(k) = theta . z(k-1) for the model's memory term, loop over samples."""
+def disturbance_by_the_definition(model: Model, samples: int) -> Any:
+    """theta_1 cos(2 pi f Ts k) + theta_2 sin(2 pi f Ts k) of the model's periodic term."""
     if not model.terms:
-        return np.zeros(u.size)
-    term = model.terms[0]
-    assert isinstance(term, Memory)
-    r = np.asarray(term.thresholds_V)
-    z, w = np.full(r.size, u[0]), np.empty(u.size)
-    for k in range(u.size):
-        w[k] = model.weights @ z
-        z = np.maximum(u[k] - r, np.minimum(u[k] + r, z))
-    return w
+        return np.zeros(samples)
+    angle = 2 * np.pi * 50.0 * TS_S * np.arange(samples)
+    return model.weights @ [np.cos(angle), np.sin(angle)]
 
 
 def made_by(model: Model, samples: int, seed: int, noise_um: float = 0.0) -> Record:
     """A record that the model itself answers to a random drive, by the loop."""
     u = random_drive(samples, seed)
-    w = play_by_the_definition(model, u)
+    w = disturbance_by_the_definition(model, u.size)
     y = np.empty(samples)
     y[0] = model.grid.centres_um[0]
     for k in range(samples - 1):
@@ -66,8 +60,8 @@ def made_by(model: Model, samples: int, seed: int, noise_um: float = 0.0) -> Rec
 
 @given(st.integers(0, 10_000), st.integers(2, 40), st.booleans())
 @settings(max_examples=25, deadline=None, derandomize=True)
-def test_free_run_kernel_is_the_loop_over_the_equations(seed: int, rules: int, memory: bool) -> None:
-    model = random_model(seed, rules, wild=0.05, terms=MEMORY if memory else ())
+def test_free_run_kernel_is_the_loop_over_the_equations(seed: int, rules: int, disturbed: bool) -> None:
+    model = random_model(seed, rules, wild=0.05, terms=DISTURBED if disturbed else ())
     record = made_by(model, 300, seed)
     run = free_run(model, record)[0]
     scale = model.grid.y_max_um - model.grid.y_min_um
@@ -76,14 +70,14 @@ def test_free_run_kernel_is_the_loop_over_the_equations(seed: int, rules: int, m
 
 @given(st.integers(0, 10_000), st.integers(2, 40), st.booleans())
 @settings(max_examples=25, deadline=None, derandomize=True)
-def test_one_step_kernel_is_the_loop_over_the_equations(seed: int, rules: int, memory: bool) -> None:
-    model = random_model(seed, rules, terms=MEMORY if memory else ())
+def test_one_step_kernel_is_the_loop_over_the_equations(seed: int, rules: int, disturbed: bool) -> None:
+    model = random_model(seed, rules, terms=DISTURBED if disturbed else ())
     u = random_drive(200, seed)
     rng = np.random.default_rng(seed)
     span = model.grid.y_max_um - model.grid.y_min_um
     y = rng.uniform(model.grid.y_min_um - 0.2 * span, model.grid.y_max_um + 0.2 * span, 200)
     record = Record.from_segments([Segment("0", u, y)], TS_S)
-    w = play_by_the_definition(model, u)
+    w = disturbance_by_the_definition(model, u.size)
     expected = [y[0], *(by_the_equations(model, y[k], u[k], w[k]) for k in range(199))]
     run = one_step(model, record)[0]
     np.testing.assert_allclose(run.y_um, expected, atol=CLOSE * max(span, 100.0), rtol=0)
@@ -110,7 +104,7 @@ def test_the_regression_never_pairs_samples_of_two_segments() -> None:
 
 
 def test_regression_rows_times_parameters_are_the_one_step_predictions() -> None:
-    model = random_model(3, terms=MEMORY)
+    model = random_model(3, terms=DISTURBED)
     record = lag_record(samples=400, segments=2)
     rows = np.vstack([part.regressors for part in regression_rows(record, structure_of(model), chunk=100)])
     predicted = np.concatenate([run.y_um[1:] for run in one_step(model, record)])
@@ -119,7 +113,7 @@ def test_regression_rows_times_parameters_are_the_one_step_predictions() -> None
 
 
 def test_segments_are_run_apart_each_from_its_own_first_sample() -> None:
-    model = random_model(5, wild=0.05, terms=MEMORY)
+    model = random_model(5, wild=0.05, terms=DISTURBED)
     both = lag_record(samples=300, segments=2)
     runs = free_run(model, both)
     for segment, run in zip(both.segments, runs, strict=True):
@@ -147,10 +141,10 @@ def test_inputs_outside_the_range_are_clamped_and_counted_and_blocks_come_after(
 
 
 def test_horizon_curve_is_the_error_of_short_free_runs() -> None:
-    model = random_model(7, wild=0.05, terms=MEMORY)
+    model = random_model(7, wild=0.05, terms=DISTURBED)
     record = lag_record(samples=120)
     y, u = record.segments[0].y_um, record.segments[0].u_V
-    w = play_by_the_definition(model, u)
+    w = disturbance_by_the_definition(model, u.size)
     curve = horizon_curve(model, record, [1, 3, 20])
     for place, horizon in enumerate((1, 3, 20)):
         longest = 20 if horizon == 20 else 3
