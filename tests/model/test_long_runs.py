@@ -12,20 +12,19 @@ from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
 from hysgen.machine.kernels import lag_states, mode_states
 from hysgen.model.model import Grid, Model
-from hysgen.model.terms import Term
-from hysgen.model.terms.creep import Creep
+from hysgen.model.path import InputBlock
+from hysgen.model.path.creep import Creep
+from hysgen.model.path.modes import Modes
 from hysgen.model.terms.periodic import Periodic
-from hysgen.model.terms.resonance import Resonance
 
 TS_S = 2e-5
 CHUNK = 1_000_000
 
 
-def flat(term: Term, weights: list[float]) -> Model:
-    """Two equal rules that leave y where it is, so that a prediction shows the term alone."""
+def flat(*blocks: InputBlock) -> Model:
+    """Two equal rules that leave y where it is, so that a prediction shows the path alone."""
     rules = np.tile([0.0, 1e-3, 0.0], (2, 1))
-    model = Model("flat", TS_S, Grid(-1.0, 1.0, 2), rules, -200.0, 200.0)
-    return dataclasses.replace(model, terms=(term,), weights=np.array(weights))
+    return Model("flat", TS_S, Grid(-1.0, 1.0, 2), rules, -200.0, 200.0, blocks=blocks)
 
 
 def chunk_of_input(number: int) -> np.ndarray[tuple[int], np.dtype[np.float32]]:
@@ -37,18 +36,18 @@ def chunk_of_input(number: int) -> np.ndarray[tuple[int], np.dtype[np.float32]]:
 
 
 def test_creep_of_10_s_at_50_khz_is_right_over_1e7_samples() -> None:
-    term = Creep((10.0, 1000.0))
-    model = flat(term, [1e-3, 1e-3])
+    block = Creep(0.01, (10.0, 1000.0))
+    model = flat(block)
     host = Host(model.name, generate(model, Options(inverse=False)))
     first = chunk_of_input(0)
     struct, truth = host.instance(0.0, first[0]), np.full(2, float(first[0]))
-    at = host.layout("flat_t")["terms.creep.high[0]"]
+    at = host.layout("flat_t")["inputs.creep.high[0]"]
     worst = swing = 0.0
     for number in range(10):
         u = chunk_of_input(number)
         _, trace = host.run("simulate", struct, [u.view(np.uint32)], first=at, words=2)
-        states = lag_states(u.astype(np.float64), term.rates(TS_S), truth)
-        truth = states[-1] + term.rates(TS_S) * (float(u[-1]) - states[-1])
+        states = lag_states(u.astype(np.float64), block.rates(TS_S), truth)
+        truth = states[-1] + block.rates(TS_S) * (float(u[-1]) - states[-1])
         worst = max(worst, np.abs(trace[:-1].view(np.float32) - states[1:]).max())
         swing = max(swing, np.ptp(states[:, 0]))
     # One float would stand still wherever |u - s| < 2^-24 |s| tau/Ts, 3 V of 100 V at 10 s. Two leave half the last bit
@@ -58,32 +57,32 @@ def test_creep_of_10_s_at_50_khz_is_right_over_1e7_samples() -> None:
 
 
 def test_a_light_slow_mode_is_right_over_1e6_samples() -> None:
-    term = Resonance((2.0,), (0.01,))
-    model = flat(term, [1e-3, 1e-3])
+    block = Modes((2.0,), (0.01,), (0.3,), 4e-4)
+    model = flat(block)
     host = Host(model.name, generate(model, Options(inverse=False)))
     u = chunk_of_input(3)
     struct = host.instance(0.0, u[0])
     layout = host.layout("flat_t")
-    position = layout["terms.resonance.position[0]"]
+    position = layout["inputs.modes.position[0]"]
     _, trace = host.run("simulate", struct, [u.view(np.uint32)], first=position, words=4)
-    truth = mode_states(u.astype(np.float64), term.steps(TS_S), np.array([float(u[0]), 0.0]))
+    truth = mode_states(u.astype(np.float64), block.steps(TS_S), np.array([float(u[0]), 0.0]))
     error = np.abs(trace[:-1, [0, 2]].view(np.float32) - truth[1:]).max()
     # f/fs = 4e-5. The pole's rounding, 6e-8 of its distance from 1, turns into 1/zeta = 100 times that of the motion.
     assert error < 100 * 2.0**-24 * np.abs(truth).max()
 
 
 def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> None:
-    term = Resonance((5.0, 50.0, 500.0, 5000.0, 20_000.0), (0.01, 0.02, 0.01, 0.3, 0.01))
-    model = flat(term, [1e-4] * term.size)
+    block = Modes((5.0, 50.0, 500.0, 5000.0, 20_000.0), (0.01, 0.02, 0.01, 0.3, 0.01), (0.1,) * 5, 4e-4)
+    model = flat(block)
     host = Host(model.name, generate(model, Options(inverse=False)))
     u = chunk_of_input(5)[:200_000]
     struct = host.instance(0.0, u[0])
     layout = host.layout("flat_t")
-    first = layout["terms.resonance.position[0]"]
+    first = layout["inputs.modes.position[0]"]
     _, trace = host.run("simulate", struct, [u.view(np.uint32)], first=first, words=20)
-    truth = mode_states(u.astype(np.float64), term.steps(TS_S), term.start(float(u[0])))
+    truth = mode_states(u.astype(np.float64), block.steps(TS_S), block.start(float(u[0])))
     single = trace[:-1].view(np.float32)
-    for j, zeta in enumerate(term.zeta):
+    for j, zeta in enumerate(block.zeta):
         for part, column in ((0, j), (1, 10 + j)):
             motion = truth[1:, 2 * j + part]
             error = np.abs(single[:, column] - motion).max()
@@ -93,7 +92,7 @@ def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> No
 @pytest.mark.slow
 def test_amplitude_and_phase_do_not_drift_over_1e8_samples() -> None:
     f_Hz, samples, look = 49.9873, 10**8, 500_000
-    model = flat(Periodic((f_Hz,)), [1.0, 0.0])
+    model = dataclasses.replace(flat(), terms=(Periodic((f_Hz,)),), weights=np.array([1.0, 0.0]))
     host = Host(model.name, generate(model, Options(inverse=False)))
     struct = host.instance(0.0, 0.0)
     rest = np.zeros(CHUNK, dtype=np.uint32)
