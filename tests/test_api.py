@@ -29,7 +29,7 @@ def record() -> hysgen.Record:
 
 @pytest.fixture(scope="module")
 def model(record: hysgen.Record) -> hysgen.Model:
-    return hysgen.fit(record, plays=6)
+    return hysgen.fit(record, memory=True)
 
 
 @pytest.fixture(scope="module")

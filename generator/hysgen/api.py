@@ -2,7 +2,7 @@
 
 record = hysgen.load_record("record.csv")
 study = hysgen.diagnose(record)             # errors of the simulation, their causes, an extended model
-model = study.model                         # or hysgen.fit(record, plays=12)
+model = study.model                         # or hysgen.fit(record, memory=True)
 code = hysgen.generate(model)               # the C, as text
 hysgen.verify(code)                         # the C compared with its reference, bit for bit
 """
@@ -24,12 +24,11 @@ from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
 from hysgen.errors import HysgenError
-from hysgen.fitting import FitSettings
+from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores, score
-from hysgen.model.terms.memory import Memory
 from hysgen.record import Columns, Record, load_record
 from hysgen.report.words import price_of
 
@@ -82,18 +81,20 @@ class Generated(Displayed):
 
 
 def fit(
-    record: Record, settings: FitSettings | None = None, *, plays: int = 0, progress: Progress | None = None
+    record: Record,
+    settings: FitSettings | None = None,
+    *,
+    memory: bool | PathSize = False,
+    progress: Progress | None = None,
 ) -> Model:
     """A model of a record: by default the paper's structure with refined free run, otherwise as in `settings`.
 
-    plays: number of play operators of an added memory, half-widths up to half the record's voltage range.
+    memory: whether the path before the rules holds a hysteresis, and its size if not the default `PathSize()`.
     Raises FitError or RecordError.
     """
     chosen = settings or FitSettings()
-    if plays > 0:
-        low_V, high_V = record.u_range_V
-        terms = (*chosen.terms, Memory.uniform(plays, 0.5 * (high_V - low_V)))
-        chosen = dataclasses.replace(chosen, terms=terms)
+    if memory is not False:
+        chosen = dataclasses.replace(chosen, memory=PathSize() if memory is True else memory)
     return fit_model(record, chosen, progress=progress)
 
 

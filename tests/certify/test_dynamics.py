@@ -13,8 +13,8 @@ from hysgen.errors import ModelError
 from hysgen.model.file import load_model
 from hysgen.model.membership import rule_regressors
 from hysgen.model.model import Grid, Model
+from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.memory import Memory
 
 TS_S = 2e-5
 A, B, C = 0.98, 0.0016, 0.02
@@ -36,11 +36,13 @@ def test_appendix_a_is_a_lag_of_a_millisecond_whose_loop_closes() -> None:
 
 
 def test_play_operators_keep_the_loop_open_at_any_frequency() -> None:
-    model = dataclasses.replace(LAG, terms=(Memory((5.0, 15.0)),), weights=np.array([2e-4, 2e-4]))
+    # A curve of 0.08 um/V and two plays of 5 and 15 V with 0.01 um/V each, in half ranges of 50 V.
+    block = Hysteresis(0.0, 100.0, (5.0, 4.0), (0.1, 0.3), (0.5, 0.5))
+    model = dataclasses.replace(LAG, consequents=np.tile([A, 1.0 - A, 0.0], (6, 1)), blocks=(block,))
     found = dynamics(model, f_Hz=[0.2, 2.0, 20.0], amplitude_V=40.0)
     assert found.has_memory
     # In the steady state a play under amplitude A traces a parallelogram: 2 r across, 2 (A - r) high in its own output.
-    area = sum(2e-4 / (1 - A) * 4 * r * (40.0 - r) for r in (5.0, 15.0))
+    area = sum(0.01 * 4 * r * (40.0 - r) for r in (5.0, 15.0))
     # The lag of 1 ms adds pi/4 of 2 pi 0.2 Hz 1 ms, 0.1 % of its box, of which the plays fill 3.6 %.
     assert area < found.loops[0].area_umV < 1.04 * area
     assert "has memory" in found.describe()

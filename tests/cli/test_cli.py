@@ -32,7 +32,7 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def model(record: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("model") / "axis one.json"
-    assert main(["fit", str(record), "--rows", "0:6000", "--plays", "6", "-o", str(path)]) == 0
+    assert main(["fit", str(record), "--rows", "0:6000", "--memory", "-o", str(path)]) == 0
     return path
 
 

@@ -36,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_record(folder / "first.csv", stage, 1)
     write_record(folder / "second.csv", dataclasses.replace(stage, stroke_um=STROKE * stage.stroke_um), 2)
     write_record(folder / "hum.csv", stage, 3, hum_um=0.3)
-    assert main(["fit", f"{folder}/first.csv", "--plays", "6", "-o", f"{folder}/axis.json"]) == 0
+    assert main(["fit", f"{folder}/first.csv", "--memory", "-o", f"{folder}/axis.json"]) == 0
     assert main(["generate", f"{folder}/axis.json", "-o", f"{folder}/c"]) == 0
     return folder
 

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from fixtures.bank_records import QUICK, record_of
 from hysgen.cli import main
-from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose, ladder, procedure
+from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose
 from hysgen.diagnosis.evaluation import evaluate
-from hysgen.diagnosis.ladder import Rung, fit_ladder
-from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.errors import RecordError
 from hysgen.fitting import FitSettings
@@ -46,7 +41,8 @@ def test_ladder_begins_at_the_papers_model_and_ends_at_the_extended_one(hum: tup
     assert found.names == ("memory", "periodic")
     assert found.causes[0].step.before_um == found.base_rms_um
     assert found.causes[-1].step.after_um == found.extended_rms_um
-    assert [term.kind for term in found.model.terms] == ["memory", "periodic"]
+    assert [block.kind for block in found.model.blocks] == ["hysteresis"]
+    assert [term.kind for term in found.model.terms] == ["periodic"]
     # What is left of the power above the noise and the shares of the causes are one whole.
     assert sum(cause.share for cause in found.causes) + found.unexplained_fraction == pytest.approx(1.0, abs=1e-9)
 
@@ -62,24 +58,6 @@ def test_a_named_cause_has_evidence_and_gain_and_a_refused_cause_a_reason(
         assert cause.alone.low_um > 0.0, "the 95 % interval of the fall of the free-run error"
     assert not {cause.name for cause in hum[1].causes} & {one.name for one in hum[1].refused}
     assert all(one.why for one in hum[1].refused)
-
-
-@pytest.mark.slow
-def test_a_cause_whose_extension_has_no_gain_with_certificates_is_named_but_not_extended(
-    hum: tuple[Record, Diagnosis], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def worse(prepared: Prepared, extensions: Any, names: Sequence[str], settings: FitSettings, *rest: Any) -> Rung:
-        rung = fit_ladder(prepared, extensions, names, dataclasses.replace(settings, certified=False), *rest)
-        spoilt = math.isfinite(settings.loop_limit) and "periodic" in names  # what is to have an inverse
-        return dataclasses.replace(rung, error_um=1e3 * rung.error_um) if spoilt else rung
-
-    monkeypatch.setattr(ladder, "fit_ladder", worse)
-    monkeypatch.setattr(procedure, "fit_ladder", worse)
-    found = diagnose(hum[0])
-    assert {cause.name: cause.extended for cause in found.causes} == {"memory": True, "periodic": False}
-    assert [term.kind for term in found.model.terms] == ["memory"]
-    assert found.causes[-1].share == 0.0
-    assert "periodic is not extended" in str(evaluate(found, hum[0], None, 0.65))
 
 
 def test_a_certificate_that_the_extended_model_lacks_is_reported(hum: tuple[Record, Diagnosis]) -> None:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
-from fixtures.bank_records import built, measured
+from fixtures.bank_records import built, measured, prepared_of
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import GainChange
@@ -17,7 +15,6 @@ from hysgen.diagnosis.ladder import checked_error, fit_ladder, levelled
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, linear_fit, rms
 from hysgen.fitting import FitSettings
-from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
 from hysgen.studies.bank.excitation import good
 from hysgen.studies.bank.truth import true_extensions
@@ -65,34 +62,31 @@ def test_the_top_of_the_first_stroke_is_fitted_if_the_held_out_part_returns_to_i
 
 
 @pytest.mark.slow
-def test_a_mode_with_nearly_all_of_the_gain_does_not_raise_the_error() -> None:
-    """One rule beside the mode has a gain of next to nothing, and so would have limits that are multiples of it."""
-    hidden = built(lag_s=2e-3, resonance=(18.0, 0.055, 0.685))
-    prepared = prepare(measured(hidden))
-    extensions = true_extensions(hidden) | {"memory": Extension(term=Memory.polynomial(6, 3, 0.0, 100.0, True))}
-    without, beside = (
-        rms(fit_ladder(prepared, extensions, names, FitSettings()).error_um[prepared.training_rows])
-        for names in (["memory"], ["memory", "resonance"])
-    )
-    assert beside < 1.02 * without
-
-
-@pytest.mark.slow
-def test_a_model_that_only_simulates_follows_a_mode_that_no_certified_inverse_can_follow() -> None:
+def test_a_mode_that_no_inverse_can_follow_is_simulated_all_the_same() -> None:
+    """A lightly damped mode without a stiff share has no stable inverse; that must not press on the model."""
     hidden = built(lag_s=8e-3, resonance=(48.0, 0.034, 0.67))
     prepared, extensions = prepare(measured(hidden)), true_extensions(hidden)
 
-    def left_um(names: list[str], settings: FitSettings) -> float:
-        return rms(checked_error(prepared, extensions, names, settings)[1])
+    def left_um(names: list[str]) -> float:
+        return rms(checked_error(prepared, extensions, names, FitSettings())[1])
 
-    simulating, inverted = FitSettings(loop_limit=math.inf), FitSettings()
-    memory, both = ["memory"], ["memory", "resonance"]
-    assert left_um(both, simulating) < 0.6 * left_um(memory, simulating)
-    assert left_um(both, inverted) > 0.9 * left_um(memory, inverted)
-    found = certify(fit_ladder(prepared, extensions, both, simulating).model)
+    assert left_um(["memory", "resonance"]) < 0.2 * left_um(["memory"])
+    found = certify(fit_ladder(prepared, extensions, ["memory", "resonance"], FitSettings()).model)
     assert found.gain_holds
     assert found.contraction_holds
-    assert not found.inverse_holds
+    assert found.inverse_holds
+
+
+def test_the_grid_reaches_where_the_command_leads_on_rows_that_are_held_out() -> None:
+    """On at least seven of eight drawn stages, by the command alone, and by no more than 20 % of what is measured."""
+    reached = []
+    for seed in range(8):
+        prepared = prepared_of("memory", seed)
+        low, high = prepared.predicted_range_um
+        held_um = prepared.y_um[prepared.held_rows]
+        assert high - low < 1.2 * np.ptp(prepared.y_um)
+        reached.append(low <= held_um.min() and held_um.max() <= high)
+    assert sum(reached) >= 7
 
 
 def test_the_range_of_a_channel_is_that_of_the_whole_record() -> None:

@@ -18,10 +18,7 @@ from hysgen.fitting.identify import linear_gain, structure_for
 from hysgen.fitting.least_squares import Information, information
 from hysgen.fitting.regularisation import disagreement
 from hysgen.model.membership import memberships
-from hysgen.model.model import Grid, Model
-from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive
-from hysgen.model.terms.memory import Memory
+from hysgen.model.terms.periodic import Periodic
 from hysgen.record import Record, Segment
 
 
@@ -41,7 +38,7 @@ def problem(record: Record, settings_: FitSettings) -> tuple[Information, Certif
     """The least-squares problem of a fit and its certified set."""
     structure = structure_for(record, settings_)
     one_step = information(record, structure)
-    return one_step, certified_set(structure, TS_S, linear_gain(structure, one_step, TS_S), settings_.slope_limit)
+    return one_step, certified_set(structure, linear_gain(structure, one_step), settings_.slope_limit)
 
 
 @pytest.mark.parametrize("rules", [4, 9, 20])
@@ -67,7 +64,7 @@ def test_batch_is_plain_least_squares_where_that_is_certified() -> None:
     assert inside.history["outcome"]["least_squares_certified"] is True
 
 
-@pytest.mark.parametrize("terms", [(), (Memory.uniform(4, 30.0),)])
+@pytest.mark.parametrize("terms", [(), (Periodic((70.0,)),)])
 def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
     one_step, allowed = problem(narrow_record(1), FitSettings(terms=terms))
     found = least_squares_inside(one_step.R, one_step.d, allowed)
@@ -86,7 +83,7 @@ def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
 
 
 def test_active_half_spaces_of_one_solution_save_rounds_in_a_similar_task(monkeypatch: pytest.MonkeyPatch) -> None:
-    one_step, allowed = problem(narrow_record(1), FitSettings(terms=(Memory.polynomial(4, 3, 5.0, 95.0),)))
+    one_step, allowed = problem(narrow_record(1), FitSettings(rules=12))
     edges = least_squares_inside(one_step.R, one_step.d, allowed).edges
     assert 0 < edges.floor.size <= one_step.d.size
     nearby = one_step.d * (1.0 + 1e-3 * np.random.default_rng(0).normal(size=one_step.d.size))
@@ -96,25 +93,9 @@ def test_active_half_spaces_of_one_solution_save_rounds_in_a_similar_task(monkey
     alone = least_squares_inside(one_step.R, nearby, allowed).x
     cold = len(rounds)
     warm = least_squares_inside(one_step.R, nearby, allowed, edges=edges).x
-    assert len(rounds) - cold < 0.6 * cold
+    assert len(rounds) - cold < 0.85 * cold
     # And it leads to the same place; 1e-6 of a limit may be violated.
     np.testing.assert_allclose(one_step.R @ warm, one_step.R @ alone, atol=1e-5 * np.linalg.norm(one_step.d))
-
-
-def test_the_small_gain_of_the_terms_is_kept_below_its_limit() -> None:
-    # The truth feeds 1.5 times as much of the past input back as the present input moves: no inverse is stable.
-    terms = (Memory.uniform(3, 15.0),)
-    weights = 1.5 * 0.004 * np.array([0.5, 0.3, 0.2])
-    truth = Model("t", TS_S, Grid(-5, 25, 6), np.tile([0.9, 0.004, 0.0], (6, 1)), 0, 100, terms, weights)
-    u = random_drive(4000, 5)
-    y = simulate(truth, Drive(u, TS_S), 4.0).y_um
-    record = Record.from_segments([Segment("0", u, y + 1e-4 * np.random.default_rng(0).normal(size=u.size))], TS_S)
-    plain = fit(record, FitSettings(method="batch", terms=terms, certified=False))
-    assert certify(plain).loop > 1.0
-    for method in get_args(Method)[1:]:
-        inside = fit(record, FitSettings(method=method, terms=terms))
-        assert certify(inside).loop <= 0.95 * (1 + 1e-4)
-        assert certify(inside).inverse_holds
 
 
 def test_the_gain_is_bounded_away_from_zero_where_the_record_shows_none() -> None:
@@ -146,12 +127,12 @@ def test_every_certified_fit_holds_its_certificates(seed: int, limit: float) -> 
 
 def test_a_displacement_that_does_not_depend_on_the_voltage_is_refused() -> None:
     with pytest.raises(FitError, match="does not answer to the voltage"):
-        certified_set(structure_for(lag_record(samples=500), FitSettings()), TS_S, 0.0, 0.999)
+        certified_set(structure_for(lag_record(samples=500), FitSettings()), 0.0, 0.999)
 
 
 def test_disagreement_is_the_variance_of_the_rules_over_the_range() -> None:
     record = lag_record(samples=500)
-    structure = structure_for(record, FitSettings(rules=5, terms=(Memory((3.0,)),)))
+    structure = structure_for(record, FitSettings(rules=5, terms=(Periodic((70.0,)),)))
     q = np.random.default_rng(0).normal(size=structure.size)
     y = np.linspace(structure.grid.y_min_um, structure.grid.y_max_um, 8 * 4 + 1)
     p = memberships(y, structure.grid)

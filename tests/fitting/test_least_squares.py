@@ -14,10 +14,10 @@ from hysgen.fitting.identify import partition, structure_for
 from hysgen.fitting.least_squares import Weighting, information, recursive_least_squares
 from hysgen.machine.kernels import triangularise
 from hysgen.model.regression import Structure, regression_rows
-from hysgen.model.terms.memory import Memory
+from hysgen.model.terms.periodic import Periodic
 from hysgen.record import Record, Segment
 
-WITH_MEMORY = FitSettings(terms=(Memory.uniform(4, 40.0),))
+WITH_HUM = FitSettings(terms=(Periodic((130.0, 310.0)),))
 
 
 def stacked(record: Record, structure: Structure) -> tuple[Any, Any]:
@@ -30,7 +30,7 @@ def stacked(record: Record, structure: Structure) -> tuple[Any, Any]:
 @pytest.mark.parametrize("forgetting", [1.0, 0.995])
 def test_rls_is_equation_10_sample_by_sample(forgetting: float, epsilon: float) -> None:
     record = lag_record(samples=300, segments=2)
-    structure = structure_for(record, WITH_MEMORY)
+    structure = structure_for(record, WITH_HUM)
     q, P = np.full(structure.size, epsilon), 1e4 * np.eye(structure.size)
     for x, y in zip(*stacked(record, structure), strict=True):
         K = P @ x / (forgetting + x @ P @ x)
@@ -46,7 +46,7 @@ def test_rls_is_equation_10_sample_by_sample(forgetting: float, epsilon: float) 
 @pytest.mark.parametrize("forgetting", [1.0, 0.999])
 def test_rls_ends_at_the_batch_optimum_with_prior_one_over_alpha(forgetting: float, epsilon: float) -> None:
     record = lag_record(samples=3000)
-    structure = structure_for(record, WITH_MEMORY)
+    structure = structure_for(record, WITH_HUM)
     recursive = recursive_least_squares(record, structure, Weighting(forgetting, 1e6, epsilon))
     batch = information(record, structure, Weighting(forgetting, 1e6, epsilon)).solve()
     regressors, _ = stacked(record, structure)
@@ -58,7 +58,7 @@ def test_rls_ends_at_the_batch_optimum_with_prior_one_over_alpha(forgetting: flo
 @pytest.mark.parametrize("forgetting", [1.0, 0.998])
 def test_batch_is_the_weighted_ridge_optimum(forgetting: float) -> None:
     record = lag_record(samples=800, segments=2)
-    structure = structure_for(record, WITH_MEMORY)
+    structure = structure_for(record, WITH_HUM)
     X, y = stacked(record, structure)
     weight = forgetting ** np.arange(y.size - 1, -1, -1.0)
     prior = forgetting**y.size / 1e2

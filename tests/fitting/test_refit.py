@@ -11,10 +11,9 @@ import pytest
 from hysgen.cli.verbs.fit import as_before
 from hysgen.codegen import generate, write
 from hysgen.errors import ModelError
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.compare import compare
 from hysgen.fitting.refit import refit
-from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
 from hysgen.stage import Stage, run
 from hysgen.stage.signals import nested_amplitudes
@@ -35,7 +34,7 @@ def records() -> tuple[Record, Record]:
 
 
 def test_refit_changes_only_the_numbers_of_the_generated_c(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     new, scores = refit(old, records[1])
     before, after = generate(old), generate(new)
     changed = {file for file in before if before[file] != after[file]}
@@ -45,7 +44,7 @@ def test_refit_changes_only_the_numbers_of_the_generated_c(records: tuple[Record
 
 
 def test_refit_keeps_the_part_of_the_range_to_which_the_model_was_restricted(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3))
     new, _ = refit(part, records[1])
     assert (new.grid.y_min_um, new.grid.y_max_um) == (part.grid.y_min_um, part.grid.y_max_um)
@@ -55,7 +54,7 @@ def test_refit_keeps_the_part_of_the_range_to_which_the_model_was_restricted(rec
 
 
 def test_refit_fits_the_whole_record_and_keeps_a_restricted_input_range(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     part = old.within(None, (0.5 * old.u_max_V, 0.75 * old.u_max_V))
     new, _ = refit(part, records[1])
     assert (new.u_min_V, new.u_max_V) == (part.u_min_V, part.u_max_V)
@@ -65,7 +64,7 @@ def test_refit_fits_the_whole_record_and_keeps_a_restricted_input_range(records:
 def test_refit_generates_again_over_the_ranges_that_the_folder_had(
     records: tuple[Record, Record], tmp_path: Path
 ) -> None:
-    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3), (old.u_min_V, 0.9 * old.u_max_V))
     write(generate(part), tmp_path)
     new, _ = refit(old, records[1])
@@ -77,7 +76,7 @@ def test_refit_generates_again_over_the_ranges_that_the_folder_had(
 
 @pytest.mark.slow
 def test_compare_finds_the_gain_that_moved_by_a_tenth(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", terms=(Memory.uniform(6, 25.0),)))
+    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     new, _ = refit(old, records[1])
     moved = {change.what: change.percent for change in compare(old, new, records).changes}
     # Ten percent were planted; noise and the fit's own freedom are worth a percent.

@@ -11,7 +11,6 @@ turn is left out of the fit and scored.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -44,8 +43,8 @@ CHECK_BLOCKS = 12
 MOST_IN_TURN = 20_000
 """Rows above which only one third of the blocks is left out and scored."""
 
-LOOP_TO_LEARN, SLOPE_TO_LEARN = 0.8, 0.995
-"""Largest loop gain and slope of a model with a learner: a commit accepts only parameters with a margin below 1."""
+SLOPE_TO_LEARN = 0.995
+"""Largest slope of a model with a learner: a commit accepts only parameters with a margin below 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +75,8 @@ def fit_ladder(
         trust[skip] = 0.0
     level = levelled(prepared, chosen)
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
-    if any(extension.learns for extension in chosen) and math.isfinite(settings.loop_limit):
-        loop, slope = min(settings.loop_limit, LOOP_TO_LEARN), min(settings.slope_limit, SLOPE_TO_LEARN)
-        settings = dataclasses.replace(settings, loop_limit=loop, slope_limit=slope)
+    if any(extension.learns for extension in chosen):
+        settings = dataclasses.replace(settings, slope_limit=min(settings.slope_limit, SLOPE_TO_LEARN))
     extended = dataclasses.replace(
         settings,
         terms=terms,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -198,8 +197,8 @@ def _agreement(
             refused.append(Refused(name, f"the error grows only {found.error_growth[name]:.2f} times without it"))
         else:
             candidates.append(name)
-    # Naming depends on the simulation alone: these fits need not have a certified inverse.
-    simulating = dataclasses.replace(settings.fit, certified=True, loop_limit=math.inf)
+    # Whether a cause is named does not depend on the wish for certificates of the delivered model.
+    simulating = dataclasses.replace(settings.fit, certified=True)
     agreed, alone, without_gain = _eliminate_by_gain(prepared, found, extensions, candidates, simulating)
     refused += [
         Refused(name, "its extension does not lower the model's free-run error for certain") for name in without_gain

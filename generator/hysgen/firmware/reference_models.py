@@ -14,14 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.machine.files import write_whole
 from hysgen.model.file import dump_model, load_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
+from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
-from hysgen.model.terms.creep import Creep
-from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
 from hysgen.stage import Stage, StageState
 from hysgen.stage.signals import nested_amplitudes, plateaus
@@ -105,16 +104,14 @@ def identified(drive_V: Floats, settings: FitSettings) -> Model:
 
 
 def extended_settings() -> FitSettings:
-    """Settings of `extended`: memory, creep with one weight, and a delay.
+    """Settings of `extended`: hysteresis, creep, and a delay.
 
-    The delay approximates the amplifier, and the mode far below its frequency. loop_limit keeps the loop gain of the
-    plays below 0.8, which leaves the learner's commit a margin.
+    The delay approximates the amplifier, and the mode far below its frequency.
     """
     return FitSettings(
         name="extended",
-        terms=(Memory.polynomial(6, 1, LOW_V, HIGH_V), Creep((0.03, 0.3, 3.0, 30.0), shared=True)),
-        blocks=(Delay(1.8),),
-        loop_limit=0.8,
+        memory=PathSize(),
+        blocks=(Delay(1.8), Creep(0.012, (0.03, 0.3, 3.0, 30.0))),
     )
 
 

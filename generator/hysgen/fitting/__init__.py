@@ -5,7 +5,6 @@ from hysgen.fitting.initial_state import estimate_starts
 from hysgen.fitting.operator import CURVE, PathSize
 from hysgen.fitting.path import PathColumns, PathTask, path_columns, path_model
 from hysgen.fitting.settings import FitSettings, Method
-from hysgen.fitting.shape import ShapeFit, fit_shape
 
 __all__ = [
     "CURVE",
@@ -14,11 +13,9 @@ __all__ = [
     "PathColumns",
     "PathSize",
     "PathTask",
-    "ShapeFit",
     "estimate_starts",
     "fit",
     "fit_path",
-    "fit_shape",
     "path_columns",
     "path_model",
     "path_task",

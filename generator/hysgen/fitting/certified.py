@@ -2,12 +2,11 @@
 
 At a fixed displacement and input, gain and slope are linear in the parameters:
 
-    b(y) = sum_l p_l q_l2,     df/dy = sum_l (p_l + y p_l') q_l1 + u p_l' q_l2 + p_l' q_l3
+    b(y) = sum_l p_l q_l2,     df/dy = sum_l (p_l + y p_l') q_l1 + w p_l' q_l2 + p_l' q_l3
 
-so {|df/dy| <= limit, low <= sign b(y) <= high for all y and u} is convex, and so are the small-gain condition of the
-inverse, N(theta) <= limit sign b(y) with the terms' bound N (`loop_row`), and the signs of slopes that terms require.
-Least squares over a convex set has one solution, the certified model of least error. Half-spaces are imposed on a fine
-grid of displacements, and only those that an iterate violates.
+so {|df/dy| <= limit, low <= sign b(y) <= high for all y and w} is convex. Least squares over a convex set has one
+solution, the certified model of least error. Half-spaces are imposed on a fine grid of displacements, and only those
+that an iterate violates. w is the voltage, or behind a hysteresis the output of the path in um.
 
 Source of the solver: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23 (LSI to LDP to NNLS).
 """
@@ -25,8 +24,7 @@ from hysgen.certify.enclosure import slope_extremum
 from hysgen.errors import FitError
 from hysgen.model.membership import membership_slopes, memberships
 from hysgen.model.model import Model
-from hysgen.model.regression import Structure, density_rows
-from hysgen.model.terms import loop_row
+from hysgen.model.regression import Structure
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +35,7 @@ GAIN_FLOOR, GAIN_CEILING = 0.05, 4.0
 """Limits of the gain b(y), as multiples of the gain of a single linear rule."""
 
 ROUNDS = 400
-"""Most rounds of adding half-spaces; 30 weights of nonlinear terms needed up to 120."""
+"""Most rounds of adding half-spaces; 30 free weights needed up to 120."""
 
 PIVOTS = 30
 """Most iterations of SciPy's nnls per half-space; its default of 3 is too few for 30 weights."""
@@ -75,31 +73,21 @@ class HalfSpaces:
 
 @dataclass(frozen=True)
 class CertifiedSet:
-    """All parameters (p,) of a structure whose gain, slope and small gain stay inside their limits.
+    """All parameters (p,) of a structure whose gain and slope stay inside their limits.
 
-    gain_um_per_V: gain of a single linear rule, whose sign and size set the limits of b(y).
-    looped: for each term, whether its bound is part of the small-gain condition.
+    grid: the half-spaces of both at a grid of displacements.
     """
 
     structure: Structure
-    Ts_s: float
-    gain_um_per_V: float
     slope_limit: float
-    loop_limit: float
-    looped: tuple[bool, ...]
     grid: HalfSpaces
-
-    @property
-    def invertible(self) -> bool:
-        """Whether the set also guarantees an inverse; without it, models are for simulation only."""
-        return self.loop_limit < np.inf
 
     def violated(self, q: Floats) -> HalfSpaces:
         """Half-spaces that contain the set but not q; none if q is inside.
 
         First those on the grid. If q satisfies them, the one at the steepest point, which may lie between grid points.
         """
-        outside = self.grid.violated(q) + self._loop(q).violated(q)
+        outside = self.grid.violated(q)
         return outside if outside.floor.size else self._steepest(q).violated(q)
 
     def _steepest(self, q: Floats) -> HalfSpaces:
@@ -110,54 +98,27 @@ class CertifiedSet:
         assert worst.w is not None
         return _slope_limits(s, np.array([worst.y_um]), worst.w, self.slope_limit)
 
-    def _loop(self, q: Floats) -> HalfSpaces:
-        """row theta <= limit sign b(y): the `loop_row` of the terms at this theta, at the y of the smallest gain."""
-        if not any(self.looped):
-            return HalfSpaces(np.zeros((0, q.size)), np.zeros(0))
-        cut = 3 * self.structure.grid.rules
-        p = memberships(_displacements(self.structure), self.structure.grid)
-        weakest = p[np.argmin(np.sign(self.gain_um_per_V) * (p @ q[1:cut:3]))]
-        row = np.zeros((1, q.size))
-        row[0, 1:cut:3] = self.loop_limit * np.sign(self.gain_um_per_V) * weakest
-        at = cut
-        for term, looped in zip(self.structure.terms, self.looped, strict=True):
-            if looped:
-                row[0, at : at + term.size] = -loop_row(term, q[at : at + term.size], self.Ts_s)
-            at += term.size
-        return HalfSpaces(row / abs(self.gain_um_per_V), np.zeros(1))
 
-
-def certified_set(
-    structure: Structure,
-    Ts_s: float,
-    gain_um_per_V: float,
-    slope_limit: float,
-    loop_limit: float = 0.95,
-    linear_looped: bool = False,
-) -> CertifiedSet:
+def certified_set(structure: Structure, single_gain: float, slope_limit: float) -> CertifiedSet:
     """The convex set of certified parameters of a structure.
 
-    gain_um_per_V: gain of a single linear rule fitted to the same record. linear_looped: include modes and slow
-    states in the small-gain condition, which then bounds their zeros by the unit circle; otherwise the set does not
-    bound them. loop_limit: inf for models for simulation only.
-    Raises FitError if the gain is zero.
+    single_gain: gain of a single linear rule fitted to the same record, in um per unit of w; its sign and size set the
+    limits of b(y). Raises FitError if it is zero.
     """
-    if gain_um_per_V == 0.0:
+    if single_gain == 0.0:
         raise FitError("the displacement does not answer to the voltage at all; record with more drive")
     y = _displacements(structure)
     cut = 3 * structure.grid.rules
     gain = np.zeros((y.size, structure.size))
-    gain[:, 1:cut:3] = memberships(y, structure.grid) / gain_um_per_V
+    gain[:, 1:cut:3] = memberships(y, structure.grid) / single_gain
     one = np.ones(y.size)
     parts = [HalfSpaces(gain, GAIN_FLOOR * one), HalfSpaces(-gain, -GAIN_CEILING * one)]
-    for u_V in (structure.w_range.low, structure.w_range.high):
-        parts.append(_slope_limits(structure, y, u_V, slope_limit))
-    parts.append(_rising(structure, gain_um_per_V))
+    for w in (structure.w_range.low, structure.w_range.high):
+        parts.append(_slope_limits(structure, y, w, slope_limit))
     grid = parts[0]
     for part in parts[1:]:
         grid = grid + part
-    looped = tuple(loop_limit < np.inf and (linear_looped or term.linear(Ts_s) is None) for term in structure.terms)
-    return CertifiedSet(structure, Ts_s, gain_um_per_V, slope_limit, loop_limit, looped, grid)
+    return CertifiedSet(structure, slope_limit, grid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,26 +173,20 @@ def least_distance(G: Floats, h: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     try:
         u, _ = nnls(matrix, target, maxiter=PIVOTS * G.shape[0])
     except RuntimeError:
-        raise FitError("the certified set has too many edges near the fit; choose fewer rules or plays") from None
+        raise FitError("the certified set has too many edges near the fit; choose fewer rules") from None
     residual = matrix @ u - target
     if abs(residual[-1]) <= np.finfo(np.float64).eps:
         raise FitError("the limits on slope and gain contradict each other; allow a larger slope")
     return np.asarray(-unit * residual[:-1] / residual[-1]), u > 0.0
 
 
-def _rising(structure: Structure, gain_um_per_V: float) -> HalfSpaces:
-    """Signs of slopes that terms require, in units of the gain."""
-    rows = density_rows(structure, lambda term: term.rising()) / gain_um_per_V
-    return HalfSpaces(rows, np.zeros(len(rows)))
-
-
-def _slope_limits(structure: Structure, y_um: Floats, u_V: float, limit: float) -> HalfSpaces:
+def _slope_limits(structure: Structure, y_um: Floats, w: float, limit: float) -> HalfSpaces:
     """|df/dy| <= limit at displacements (n,) and one input, in units of the limit."""
     p, rise = memberships(y_um, structure.grid), membership_slopes(y_um, structure.grid)
     cut = 3 * structure.grid.rules
     slope = np.zeros((y_um.size, structure.size))
     slope[:, 0:cut:3] = p + y_um[:, None] * rise
-    slope[:, 1:cut:3] = u_V * rise
+    slope[:, 1:cut:3] = w * rise
     slope[:, 2:cut:3] = rise
     return HalfSpaces(np.vstack([slope, -slope]) / limit, np.full(2 * y_um.size, -1.0))
 

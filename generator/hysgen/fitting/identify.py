@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +21,6 @@ from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Grid, Model
 from hysgen.model.regression import Starts, Structure, Trust, full_trust, structure_of
 from hysgen.model.simulate import free_run
-from hysgen.model.terms import past_input
 from hysgen.record import Record
 
 Floats = NDArray[np.float64]
@@ -55,13 +53,7 @@ def fit(
         model = _model(record, chosen, structure, recursive_least_squares(record, structure, weighting))
         return _with_history(model, record, chosen, {})
     task = _Task(record, chosen, structure, weighting, information(record, structure, weighting))
-    allowed = allowed_set(record, structure, chosen, task.one_step)
-    model, outcome = _best_inside(task, allowed, progress)
-    zeros_unlimited = allowed is not None and allowed.invertible and not all(allowed.looped)
-    if zeros_unlimited and not certify(model).inverse_holds:
-        # The zeros of modes and slow states form no convex set. A smaller set that is convex bounds them.
-        allowed = allowed_set(record, structure, chosen, task.one_step, linear_looped=True)
-        model, outcome = _best_inside(task, allowed, progress)
+    model, outcome = _best_inside(task, allowed_set(structure, chosen, task.one_step), progress)
     return _with_history(model, record, chosen, outcome)
 
 
@@ -123,7 +115,7 @@ def _refined_rules(record: Record, settings: FitSettings, start: Model, trust: T
     lag, gain = float(start.consequents[0, 0]), float(start.consequents[0, 1])
     # A slow lag sampled fast has a slope next to 1; the rules may use half of what is left.
     limit = max(settings.slope_limit, 0.5 * (1.0 + lag))
-    allowed = certified_set(structure, record.Ts_s, gain, limit, math.inf)
+    allowed = certified_set(structure, gain, limit)
     error = free_run_error(record, structure, settings.settle, trust).penalised(start, one_step)
     return refine(start, error, allowed, settings.iterations).model
 
@@ -171,38 +163,20 @@ def _best_inside(
     return model, outcome
 
 
-def allowed_set(
-    record: Record, structure: Structure, settings: FitSettings, one_step: Information, linear_looped: bool = False
-) -> CertifiedSet | None:
-    """The set of certified parameters that a fit stays in; None if the settings require no certificates.
-
-    linear_looped: as for `certified_set`.
-    """
+def allowed_set(structure: Structure, settings: FitSettings, one_step: Information) -> CertifiedSet | None:
+    """The set of certified parameters that a fit stays in; None if the settings require no certificates."""
     if not settings.certified:
         return None
-    gain_um_per_V = linear_gain(structure, one_step, record.Ts_s)
-    return certified_set(
-        structure, record.Ts_s, gain_um_per_V, settings.slope_limit, settings.loop_limit, linear_looped
-    )
+    return certified_set(structure, linear_gain(structure, one_step), settings.slope_limit)
 
 
-def linear_gain(structure: Structure, one_step: Information, Ts_s: float) -> float:
-    """Gain b in um/V of the least-squares model with one rule, y(k+1) = a y(k) + b u(k) + c + theta . phi(k).
-
-    Regressors that are functions of u(k-1) alone are left out: with them, noise decides the sign of b. A mode in phi
-    can reduce b to nearly 0, and a missing mode can turn its sign. Of b with and without the linear terms, the result
-    is therefore the larger one that has the sign of the static slope s in y = s u + c.
-    """
-    rules, terms = structure.grid.rules, structure.terms
+def linear_gain(structure: Structure, one_step: Information) -> float:
+    """Gain b of the least-squares model with one rule, y(k+1) = a y(k) + b w(k) + c + theta . phi(k)."""
+    rules = structure.grid.rules
     one = np.zeros((structure.size, 3))
     one[: 3 * rules] = np.tile(np.eye(3), (rules, 1))
-    slope_um_per_V = _tied(one_step, one[:, 1:])[0]
-    gains = []
-    for linear in (True, False):
-        kept = [~past_input(term) & (linear or term.linear(Ts_s) is None) for term in terms]
-        phi = np.eye(structure.size)[:, 3 * rules :] * np.concatenate([np.zeros(0), *kept])
-        gains.append(float(_tied(one_step, np.hstack([one, phi]))[1]))
-    return max((b for b in gains if b * slope_um_per_V > 0.0), key=abs, default=gains[0])
+    phi = np.eye(structure.size)[:, 3 * rules :]
+    return float(_tied(one_step, np.hstack([one, phi]))[1])
 
 
 def _tied(one_step: Information, tied: Floats) -> Floats:

@@ -136,7 +136,10 @@ class Operator:
 
 @dataclass(frozen=True)
 class PathSize:
-    """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states."""
+    """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states.
+
+    hats: at most `plays` of them are used.
+    """
 
     plays: int = 8
     degree: int = 3
@@ -153,7 +156,7 @@ class PathSize:
         reaches = tuple(0.5**i for i in range(self.states))
         if not self.plays:
             return Operator(low_V, high_V, hats=0, curve=self.curve, reaches=reaches)
-        return Operator(low_V, high_V, self.plays, self.hats, self.curve, self.degree, reaches)
+        return Operator(low_V, high_V, self.plays, min(self.hats, self.plays), self.curve, self.degree, reaches)
 
 
 CURVE = PathSize(plays=0, states=0)

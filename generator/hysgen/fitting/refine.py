@@ -7,7 +7,7 @@ and Marquardt: D = diag H, mu grows until J falls), subject to the half-spaces o
 lowers J and keeps every certificate that held. J also contains penalties, so the free-run error may rise between steps,
 by at most a tenth of its value at the start. If it ends above the start, the refinement is repeated with no rise
 allowed: the result is never worse than the start.
-x: the linear parameters, possibly followed by shape parameters of terms.
+x: the linear parameters.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def _descend(task: _Task, model: Model, start: Criterion, most_worse: float) -> 
         moved: tuple[Model, Criterion] | None = None
         while moved is None and damping <= MOST_DAMPING:
             step, edges = _step(now, damping, allowed, model.parameters, edges)
-            candidate = error.moved(model, step)
+            candidate = model.with_parameters(model.parameters + step)
             trial = error.criterion(candidate)
             better = trial.value < now.value and trial.rms_um <= most_worse * start.rms_um
             if better and _keeps(held, _holding(candidate, allowed)):
@@ -124,11 +124,11 @@ def _step(
 
 
 def _holding(model: Model, allowed: CertifiedSet | None) -> tuple[bool, ...]:
-    """Which certificates of the set hold for a model: gain, contraction, inverse; () without a set."""
+    """Which certificates of the set hold for a model: gain, contraction; () without a set."""
     if allowed is None:
         return ()
     found = certify(model)
-    return found.gain_holds, found.contraction_holds, found.inverse_holds and allowed.invertible
+    return found.gain_holds, found.contraction_holds
 
 
 def _keeps(before: tuple[bool, ...], now: tuple[bool, ...]) -> bool:

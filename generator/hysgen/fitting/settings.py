@@ -35,9 +35,7 @@ class FitSettings:
     because the state of the terms before the record is unknown; None: samples have a reduced weight until the terms no
     longer depend on that state, but at most for a quarter of the segment (see `free_run`).
     certified: constrain "batch" and "refined" to the set of models whose certificates hold; "rls" is not constrained.
-    slope_limit: the largest |df/dy| in that set. loop_limit: its largest loop gain of the terms around the inverse; a
-    learner that commits needs a margin below 1; inf: a model for simulation only, which need not have an inverse.
-    iterations: largest number of Gauss-Newton steps.
+    slope_limit: the largest |df/dy| in that set. iterations: largest number of Gauss-Newton steps.
 
     Raises FitError naming the field if a value is out of its domain.
     """
@@ -58,7 +56,6 @@ class FitSettings:
     settle: int | None = None
     certified: bool = True
     slope_limit: float = 0.999
-    loop_limit: float = 0.95
     iterations: int = 40
 
     def __post_init__(self) -> None:
@@ -69,8 +66,6 @@ class FitSettings:
         _demand(math.isfinite(self.epsilon), "epsilon", self.epsilon, "finite")
         _demand(0.0 <= self.margin <= 1.0, "margin", self.margin, "between 0 and 1 of the displacement range")
         _demand(0.0 < self.slope_limit < 1.0, "slope_limit", self.slope_limit, "between 0 and 1")
-        open_ended = self.loop_limit == math.inf
-        _demand(open_ended or 0.0 < self.loop_limit < 1.0, "loop_limit", self.loop_limit, "between 0 and 1, or inf")
         _demand(self.iterations >= 1, "iterations", self.iterations, "at least 1")
         _demand(self.settle is None or self.settle >= 0, "settle", self.settle or 0, "at least 0 samples")
 
@@ -95,7 +90,6 @@ class FitSettings:
             "settle": self.settle,
             "certified": self.certified,
             "slope_limit": self.slope_limit,
-            "loop_limit": self.loop_limit if math.isfinite(self.loop_limit) else None,
             "iterations": self.iterations,
             "memory": None if self.memory is None else self.memory.to_json(),
         }

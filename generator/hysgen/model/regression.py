@@ -8,7 +8,7 @@ with p_l at the measured y(k), Eq. (9), and phi the regressors of the terms. A p
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ from hysgen.machine.kernels import rule_rows
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, applied, path_range
-from hysgen.model.terms import DensityTerm, Drive, Term
+from hysgen.model.terms import Drive, Term
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
@@ -74,18 +74,6 @@ class Structure:
     def range_um(self) -> tuple[float, float, float, float]:
         """The partition as an argument of the kernels: y_min, y_max, step and first centre."""
         return (self.grid.y_min_um, self.grid.y_max_um, self.grid.step_um, self.grid.ends_um[0])
-
-
-def density_rows(structure: Structure, rows_of: Callable[[DensityTerm], Floats]) -> Floats:
-    """(n, p) rows_of(term) of every `DensityTerm`, in the columns of its weights; zero in all other columns."""
-    rows, at = [np.zeros((0, structure.size))], 3 * structure.grid.rules
-    for term in structure.terms:
-        if isinstance(term, DensityTerm):
-            block = rows_of(term)
-            rows.append(np.zeros((len(block), structure.size)))
-            rows[-1][:, at : at + term.size] = block
-        at += term.size
-    return np.vstack(rows)
 
 
 def structure_of(model: Model) -> Structure:

@@ -20,14 +20,12 @@ from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import diagnose_and_evaluate
 from hysgen.display import table
 from hysgen.errors import HysgenError
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.compare import Comparison, compare
 from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, model_to_json, save_model
 from hysgen.model.model import Model
 from hysgen.model.scores import score
-from hysgen.model.terms import Term
-from hysgen.model.terms.memory import Memory
 from hysgen.record import Record, check_for_fit
 from hysgen.report.words import price_of, verdict
 
@@ -81,11 +79,12 @@ def fit_arguments(parser: argparse.ArgumentParser) -> None:
         help="voltages for which the model is to answer (default: those of the record)",
     )
     parser.add_argument(
-        "--plays",
+        "--memory",
         type=int,
-        default=0,
-        metavar="N",
-        help="add memory: N play operators, half-widths spread inside half the input range",
+        nargs="?",
+        const=PathSize().plays,
+        metavar="PLAYS",
+        help="a hysteresis before the rules, of PLAYS play operators (default %(const)s) and Duhem states",
     )
     parser.add_argument(
         "--uncertified", action="store_true", help="do not keep the fit inside the models whose certificates hold"
@@ -107,10 +106,13 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
         epsilon=arguments.epsilon,
         margin=arguments.margin,
         input_range_V=tuple(arguments.input_range) if arguments.input_range else None,
-        terms=memory_terms(record, arguments.plays),
+        memory=None if arguments.memory is None else PathSize(plays=arguments.memory),
         certified=not arguments.uncertified,
     )
-    parameters = 3 * settings.rules + sum(term.size for term in settings.terms)
+    low_V, high_V = record.u_range_V
+    parameters = 3 * settings.rules
+    if settings.memory is not None:
+        parameters += settings.memory.operator(low_V, high_V).size
     for warning in check_for_fit(record, settings.rules, parameters):
         console.warn(warning)
     model = fit(record, settings, progress=console.progress)
@@ -123,14 +125,6 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
     console.say("\n".join(certify(model).lines()))
     console.say(f"\nwritten: {arguments.output} ({settings.rules} rules, {parameters} parameters)")
     return console.finish(model_to_json(model))
-
-
-def memory_terms(record: Record, plays: int) -> tuple[Term, ...]:
-    """A memory of `plays` operators with half-widths up to half the record's voltage range; empty for no plays."""
-    if plays <= 0:
-        return ()
-    low_V, high_V = record.u_range_V
-    return (Memory.uniform(plays, 0.5 * (high_V - low_V)),)
 
 
 def c_name(path: str) -> str:

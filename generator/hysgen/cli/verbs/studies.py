@@ -14,12 +14,11 @@ from hysgen.checking.endurance import ALLOWED_RATIO, CASES, HEADINGS, endurance_
 from hysgen.checking.endurance import run as endure
 from hysgen.cli.console import Console
 from hysgen.cli.verbs import Verb
-from hysgen.cli.verbs.fit import memory_terms
 from hysgen.cli.verbs.generate import cost_text
 from hysgen.codegen import generate, write
 from hysgen.display import table
 from hysgen.errors import HysgenError
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
 from hysgen.model.model import Model
@@ -60,7 +59,6 @@ excitation follows; the free-run error of the learned model is divided by that o
 (10) as printed runs in float32 over the same samples. Exit code 1 if a case fails.
 """
 
-PLAYS = 12
 PAPER, EXTENDED = "paper's model", "with memory"
 COLOURS = {PAPER: style.SIMULATED, EXTENDED: style.EXTENDED, "one step": style.BASELINE}
 
@@ -120,8 +118,8 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def demo_models(known: Record, console: Console) -> dict[str, Model]:
-    """The paper's model by Eq. (10), and a refined one with PLAYS play operators, both fitted to `known`."""
-    settings = FitSettings(name="stage", terms=memory_terms(known, PLAYS))
+    """The paper's model by Eq. (10), and a model whose path holds a hysteresis, both fitted to `known`."""
+    settings = FitSettings(name="stage", memory=PathSize())
     paper = fit(known, FitSettings(name="paper", method="rls"))
     return {PAPER: paper, EXTENDED: fit(known, settings, progress=console.progress)}
 

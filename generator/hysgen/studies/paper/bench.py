@@ -12,9 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.model import Model
-from hysgen.model.terms.memory import Memory
 from hysgen.record import Record
 from hysgen.stage import Stage, run
 
@@ -22,7 +21,6 @@ Floats = NDArray[np.float64]
 Variant = Literal["paper", "refined", "memory"]
 
 TS_S = 20e-6
-PLAYS = 10
 
 SENSOR_ZERO_V = 23.0
 """Voltage at which the stage reads 0 um: the zero of Appendix A's static line, 0.66 um at 31 V and 0.083 um/V."""
@@ -50,12 +48,10 @@ def identify(record: Record, name: str, variant: Variant) -> Model:
     """A model of the record.
 
     "paper": L = 6, lambda = 1, alpha = 1e6, epsilon = 0, Eq. (10), as in section 4.
-    "refined": the same structure with minimised free-run error. "memory": "refined" with PLAYS play operators.
+    "refined": the same structure with minimised free-run error. "memory": "refined" behind a hysteresis.
     """
     if variant == "paper":
         return fit(record, FitSettings(name=name, method="rls"))
     if variant == "refined":
         return fit(record, FitSettings(name=name))
-    low_V, high_V = record.u_range_V
-    memory = Memory.uniform(PLAYS, 0.5 * (high_V - low_V))
-    return fit(record, FitSettings(name=name, terms=(memory,)))
+    return fit(record, FitSettings(name=name, memory=PathSize()))
