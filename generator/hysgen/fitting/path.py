@@ -171,9 +171,7 @@ def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
     columns = task.size.operator(*_passed_V(task)).columns(u_V)
     for block in task.blocks:
         if block.responds:
-            # Slow states start where a past like the record leaves them.
-            starts = [block.start(float(np.mean(x))) if isinstance(block, Creep) else None for x in columns]
-            columns = np.stack([block.apply(x, Ts_s, start) for x, start in zip(columns, starts, strict=True)])
+            columns = np.stack([block.apply(column, Ts_s) for column in columns])
     drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
     extra = [np.ones(segment.samples)]
     extra += [column for term in task.terms for column in term.regressors(drive).T]

@@ -7,7 +7,6 @@ with p_l at the measured y(k), Eq. (9), and phi the regressors of the terms. A p
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -59,11 +58,6 @@ class Structure:
     def size(self) -> int:
         """Number of linear parameters, 3 L + T."""
         return 3 * self.grid.rules + sum(term.size for term in self.terms)
-
-    def before(self, block: InputBlock) -> Structure:
-        """The structure whose path ends before a block, without terms."""
-        blocks = self.blocks[: self.blocks.index(block)]
-        return dataclasses.replace(self, terms=(), blocks=blocks)
 
     @property
     def w_range(self) -> Interval:
