@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from fixtures.tools import need
 from hysgen.checking.proof.eva.calls import prove_call
-from hysgen.codegen import generate
+from hysgen.checking.proof.warnings import wall
+from hysgen.codegen import Options, generate
 from hysgen.machine.native import Library, Toolchain, build
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
@@ -246,6 +247,14 @@ def advanced(mirror: HysteresisMirror, wanted: Floats32, solved: np.float32) -> 
 
 def words(mirror: HysteresisMirror) -> NDArray[np.uint32]:
     return np.array([word.view(np.uint32)[0] for word in mirror.state()])
+
+
+@by_block
+@pytest.mark.slow
+def test_the_c_compiles_without_a_warning(block: Hysteresis) -> None:
+    for inverse in (True, False):
+        found = wall("stage", generate(model_of(block), Options(inverse=inverse)))
+        assert found.clean, "\n".join(found.lines())
 
 
 @with_memory
