@@ -301,7 +301,7 @@ DIAGNOSED_INLINE float diagnosed_hysteresis_normalised(float v)
     return diagnosed_flushed(diagnosed_limited(x, -1.0f, 1.0f, &beyond));
 }
 
-/* g0(x): even and odd powers apart */
+/* g0(x) */
 DIAGNOSED_INLINE float diagnosed_hysteresis_curve_um(float x)
 {
     const float square = x * x;
@@ -311,7 +311,7 @@ DIAGNOSED_INLINE float diagnosed_hysteresis_curve_um(float x)
     return even + x * odd;
 }
 
-/* z = min(max(z, x - r), x + r) */
+/* z <- max(x - r, min(x + r, z)) */
 DIAGNOSED_INLINE float diagnosed_hysteresis_moved(float z, float x, float r)
 {
     const float low = x - r;
@@ -321,50 +321,53 @@ DIAGNOSED_INLINE float diagnosed_hysteresis_moved(float z, float x, float r)
     return (pulled < low) ? low : pulled;
 }
 
-/* g(z), the polynomial of a play without constant; play: its row, half-width and coefficients. */
+/* g(z) = c_1 z + c_2 z^2 + ...;  play: row of the half-width and the coefficients c_1, c_2, ... */
 DIAGNOSED_INLINE float diagnosed_hysteresis_play_um(float z, const float play[4])
 {
     return z * (play[1] + z * (play[2] + z * play[3]));
 }
 
+/* |x| */
 DIAGNOSED_INLINE float diagnosed_hysteresis_magnitude(float x)
 {
     return diagnosed_float(diagnosed_bits(x) & 0x7fffffffu);
 }
 
-/* The first Duhem state's decay over a way >= 0, at most 1; that of each next state is its square. */
+/* e = exp(-|way| / reach) of the first Duhem state, at most 1. Positive floats are in the order of their bits. */
 DIAGNOSED_INLINE float diagnosed_hysteresis_decay(float way)
 {
-    const float e = diagnosed_power_of_two(way * diagnosed_hysteresis_rate[0]);
-
-    const uint32_t bits = diagnosed_bits(e);
+    const uint32_t bits = diagnosed_bits(diagnosed_power_of_two(diagnosed_hysteresis_magnitude(way) * diagnosed_hysteresis_rate[0]));
 
     return diagnosed_float((bits > 0x3f800000u) ? 0x3f800000u : bits);
 }
 
-/* Part of a Duhem state in the output, b d + c d |d|; duhem: its row b, c, 1/reach. */
+/* b d + c d |d|, the part of a Duhem state in the output;  duhem: row b, c, 1/reach */
 DIAGNOSED_INLINE float diagnosed_hysteresis_duhem_um(float d, const float duhem[3])
 {
     return d * (duhem[0] + duhem[1] * diagnosed_hysteresis_magnitude(d));
 }
 
-/* The Duhem states follow the input to x, each by d = 1 - left e in its direction. */
+/* Advance the Duhem states to the input x and return their part of the output. Measured in the direction of the input,
+ *     d_i = 1 - left_i e_i,   e_i = exp(-2^i |x - turn| / reach)
+ * where left_i is 1 - d_i at the last turn. After a turn, the direction and with it d_i change sign: left_i = back_i. */
 DIAGNOSED_INLINE float diagnosed_hysteresis_followed_um(diagnosed_hysteresis_t *self, float x)
 {
     const uint32_t fell = (uint32_t)(self->last < self->turn);
-    const uint32_t step = diagnosed_bits(x - self->last);
+    const float from_last = x - self->last;
+    const float from_turn = x - self->turn;
+    const uint32_t step = diagnosed_bits(from_last);
     const uint32_t falls = (step >> 31) | (fell & (uint32_t)(step == 0u));
     const uint32_t turns = falls ^ fell;
     const float side = (falls != 0u) ? -1.0f : 1.0f;
-    const float turn = (turns != 0u) ? self->last : self->turn;
+    const float way = (turns != 0u) ? from_last : from_turn;
     const float left0 = (turns != 0u) ? self->back[0] : self->left[0];
     const float left1 = (turns != 0u) ? self->back[1] : self->left[1];
-    const float e0 = diagnosed_hysteresis_decay(side * (x - turn));
+    const float e0 = diagnosed_hysteresis_decay(way);
     const float e1 = e0 * e0;
     const float d0 = 1.0f - left0 * e0;
     const float d1 = 1.0f - left1 * e1;
 
-    self->turn = turn;
+    self->turn = (turns != 0u) ? self->last : self->turn;
     self->left[0] = left0;
     self->back[0] = 1.0f + d0;
     self->left[1] = left1;
@@ -456,7 +459,7 @@ static float diagnosed_hysteresis_init(diagnosed_hysteresis_t *self, float v)
     return diagnosed_hysteresis_apply(self, v);
 }
 
-/* 1/x with a relative error below 0.3 %, enough for the slope of a Newton step. */
+/* 1/x of a slope, relative error at most 0.27 %: a Newton step converges with it by a factor of 370 or more. */
 DIAGNOSED_INLINE float diagnosed_hysteresis_rough_reciprocal(float x)
 {
     const float r = diagnosed_float(0x7ef311c7u - diagnosed_bits(x));
@@ -470,7 +473,7 @@ typedef struct {
     float slope;
 } diagnosed_hysteresis_ahead_t;
 
-/* How many plays the input takes along before it gets to `ahead`: those of small half-width, whose `taken` is smallest. */
+/* Number of plays that the input has taken along when it reaches `ahead`. `taken` rises with the half-width. */
 DIAGNOSED_INLINE uint32_t diagnosed_hysteresis_count(const float taken[12], float ahead)
 {
     return (uint32_t)(ahead > taken[0]) + (uint32_t)(ahead > taken[1]) + (uint32_t)(ahead > taken[2]) + (uint32_t)(ahead > taken[3])
@@ -478,7 +481,7 @@ DIAGNOSED_INLINE uint32_t diagnosed_hysteresis_count(const float taken[12], floa
         + (uint32_t)(ahead > taken[8]) + (uint32_t)(ahead > taken[9]) + (uint32_t)(ahead > taken[10]) + (uint32_t)(ahead > taken[11]);
 }
 
-/* Value and slope of the polynomial of x with these coefficients. */
+/* c_0 + c_1 x + c_2 x^2 + ... and its derivative */
 DIAGNOSED_INLINE diagnosed_hysteresis_ahead_t diagnosed_hysteresis_polynomial(const float c[4], float x)
 {
     float um = c[3];
@@ -494,20 +497,20 @@ DIAGNOSED_INLINE diagnosed_hysteresis_ahead_t diagnosed_hysteresis_polynomial(co
     return found;
 }
 
-/* Part of a Duhem state in the output and its slope, d = 1 - left e. */
+/* b d + c d |d| and its derivative by x, d = 1 - left e */
 DIAGNOSED_INLINE diagnosed_hysteresis_ahead_t diagnosed_hysteresis_duhem_ahead(float left, float e, const float duhem[3])
 {
     const float ahead = left * e;
     const float d = 1.0f - ahead;
     const float bent = duhem[1] * diagnosed_hysteresis_magnitude(d);
-
     const diagnosed_hysteresis_ahead_t found = { d * (duhem[0] + bent), (duhem[0] + (bent + bent)) * (ahead * duhem[2]) };
 
     return found;
 }
 
-/* v for which diagnosed_hysteresis_apply would return `wanted`, by 3 Newton steps from the last x in the direction of `wanted`:
- *     x <- x - (h(x) - wanted) / h'(x) */
+/* The voltage for which diagnosed_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
+ *     x <- x - (h(x) - wanted) / h'(x)
+ * on h as a function of the input ahead, in the direction of `wanted`; the first x is that of the mean slope. */
 static float diagnosed_hysteresis_solve(const diagnosed_hysteresis_t *self, float wanted)
 {
     const float way = (wanted - self->h_um) * diagnosed_hysteresis_range[5];
@@ -541,7 +544,7 @@ static float diagnosed_hysteresis_solve(const diagnosed_hysteresis_t *self, floa
         const diagnosed_hysteresis_ahead_t moved = diagnosed_hysteresis_polynomial(&row[4u * n], x);
         float h = moved.um + self->sum_um[n];
         float slope = moved.slope;
-        const float e0 = diagnosed_hysteresis_decay(side * (x - turn));
+        const float e0 = diagnosed_hysteresis_decay(x - turn);
         const float e1 = e0 * e0;
         const diagnosed_hysteresis_ahead_t d0 = diagnosed_hysteresis_duhem_ahead(left0, e0, &diagnosed_hysteresis_duhem[0]);
         const diagnosed_hysteresis_ahead_t d1 = diagnosed_hysteresis_duhem_ahead(left1, e1, &diagnosed_hysteresis_duhem[3]);

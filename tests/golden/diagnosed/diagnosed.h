@@ -35,7 +35,7 @@ typedef struct {
     float wanted_V;   /**< v of the last command, or the last input [V] */
 } diagnosed_delay_t;
 
-/** Hysteresis: where the plays stand, and the way since the last turn. */
+/** Hysteresis: state of the play operators and of the Duhem states, last turn, input and output. */
 typedef struct {
     float play[12];    /**< plays z_j [half ranges] */
     float sum_um[13];  /**< part of the plays from j on in the output [um] */
@@ -108,8 +108,8 @@ void diagnosed_init(diagnosed_t *self, float y_um, float u_V);
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: DIAGNOSED_PREDICT_ERROR_UM in diagnosed_params.h.
- * 176 float +-, 112 float *, 33 float comparisons, 173 integer, 146 loads, 54 stores, 3 branches.
- * C674x: about 640 cycles (estimate). */
+ * 176 float +-, 111 float *, 33 float comparisons, 176 integer, 147 loads, 54 stores, 3 branches.
+ * C674x: about 643 cycles (estimate). */
 float diagnosed_predict(diagnosed_t *self, float y_um, float u_V);
 
 /** One step of the free run: as diagnosed_predict, from the last output instead of a measured displacement.
@@ -121,8 +121,8 @@ float diagnosed_predict(diagnosed_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in diagnosed_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 176 float +-, 112 float *, 33 float comparisons, 163 integer, 146 loads, 54 stores, 3 branches.
- * C674x: about 633 cycles (estimate). */
+ * 176 float +-, 111 float *, 33 float comparisons, 166 integer, 147 loads, 54 stores, 3 branches.
+ * C674x: about 635 cycles (estimate). */
 float diagnosed_simulate(diagnosed_t *self, float u_V);
 
 /** The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
@@ -140,8 +140,8 @@ float diagnosed_simulate(diagnosed_t *self, float u_V);
  *
  * Where no limit acts, y(k+1) is missed by at most DIAGNOSED_INVERSE_ERROR_UM, in diagnosed_params.h; where the path is
  * missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
- * 588 float +-, 374 float *, 151 float comparisons, 667 integer, 401 loads, 56 stores, 44 branches.
- * C674x: about 2618 cycles (estimate). */
+ * 588 float +-, 368 float *, 151 float comparisons, 679 integer, 402 loads, 56 stores, 44 branches.
+ * C674x: about 2623 cycles (estimate). */
 float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um);
 
 #define DIAGNOSED_LEARNED 18u  /**< parameters that are learned */
@@ -238,8 +238,8 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in diagnosed_predict
  *
- * 1239 float +-, 894 float *, 83 float comparisons, 676 integer, 836 loads, 620 stores, 18 branches.
- * C674x: about 2942 cycles (estimate). */
+ * 1239 float +-, 893 float *, 83 float comparisons, 679 integer, 837 loads, 620 stores, 18 branches.
+ * C674x: about 2944 cycles (estimate). */
 void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; DIAGNOSED_COMMIT_POINTS check points,

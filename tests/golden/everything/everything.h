@@ -45,7 +45,7 @@ typedef struct {
     float wanted_V;   /**< v of the last command, or the last input [V] */
 } everything_delay_t;
 
-/** Hysteresis: where the plays stand, and the way since the last turn. */
+/** Hysteresis: state of the play operators and of the Duhem states, last turn, input and output. */
 typedef struct {
     float play[6];    /**< plays z_j [half ranges] */
     float sum_um[7];  /**< part of the plays from j on in the output [um] */
@@ -145,8 +145,8 @@ void everything_init(everything_t *self, float y_um, float u_V);
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM in everything_params.h.
- * 169 float +-, 110 float *, 27 float comparisons, 210 integer, 146 loads, 49 stores, 3 branches.
- * C674x: about 653 cycles (estimate). */
+ * 169 float +-, 109 float *, 27 float comparisons, 213 integer, 147 loads, 49 stores, 3 branches.
+ * C674x: about 656 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
 /** One step of the free run: as everything_predict, from the last output instead of a measured displacement.
@@ -158,8 +158,8 @@ float everything_predict(everything_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in everything_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 161 float +-, 109 float *, 25 float comparisons, 185 integer, 139 loads, 46 stores, 3 branches.
- * C674x: about 619 cycles (estimate). */
+ * 161 float +-, 108 float *, 25 float comparisons, 188 integer, 140 loads, 46 stores, 3 branches.
+ * C674x: about 621 cycles (estimate). */
 float everything_simulate(everything_t *self, float u_V);
 
 /** Auxiliary channels of the coming sample, before the call that uses them:
@@ -185,8 +185,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  *
  * Where no limit acts, y(k+1) is missed by at most EVERYTHING_INVERSE_ERROR_UM, in everything_params.h; where the path is
  * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
- * 502 float +-, 329 float *, 101 float comparisons, 623 integer, 328 loads, 48 stores, 32 branches.
- * C674x: about 2148 cycles (estimate). */
+ * 502 float +-, 323 float *, 101 float comparisons, 635 integer, 329 loads, 48 stores, 32 branches.
+ * C674x: about 2154 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 #endif

@@ -88,7 +88,7 @@ class ChainMirror:
     def invert(self, w: Floats32) -> PathInverse:
         """The command for which w, (lanes,), is the input of the rules `preview` samples later."""
         limits = self._limits
-        responses = copy.deepcopy(self._responses) if self._interpolates else self._responses
+        responses = [_copied(block) for block in self._responses] if self._interpolates else self._responses
         if self._interpolates:
             self._respond(responses, self.v_V)
         wanted = self._inside(w) if responses else w
@@ -141,3 +141,10 @@ class ChainMirror:
 
     def _inside(self, w: Floats32) -> Floats32:
         return limited(w, self._limits.w_min, self._limits.w_max)
+
+
+def _copied(block: BlockMirror) -> BlockMirror:
+    """A mirror with the same constants and a state of its own."""
+    other = copy.copy(block)
+    other.restore([word.copy().view(np.uint32) for word in block.state()])
+    return other

@@ -1,7 +1,7 @@
 """Hysteresis: the quasi-static displacement, a rate-independent functional of the voltage.
 
     h(k) = g0(x) + sum_j g_j(z_j) + sum_i (b_i d_i + c_i d_i |d_i|)                              [um]
-    x = (v - middle) / half range,   -1 <= x <= 1
+    x = (v - middle) / half range, limited to -1 .. 1
     z_j(k) = max(x(k) - r_j, min(x(k) + r_j, z_j(k-1)))                                    play operators
     d_i(k) = e_i d_i(k-1) + (1 - e_i) sign(dx),   e_i = exp(-2^i |dx| / reach),   i = 0, 1, ...     Duhem states
 
@@ -31,14 +31,14 @@ from hysgen.model.path.hysteresis_mirror import SLACK, STEPS, HysteresisMirror, 
 from hysgen.model.structs import Member
 
 LEAST_HALF_WIDTH = 2.0**-12
-"""Smallest half-width of a play: a play then stands at 0 or at least 2^-40 away from it, see `hysteresis_mirror`."""
+"""Smallest half-width of a play: the state x - r or x + r of a play is then 0 or at least 2^-40 in magnitude."""
 
 LEAST_REACH, LEAST_LAST_REACH = 0.3607, 0.0451
-"""Over the whole range, 2 half ranges, the first state decays by 2^(-2 log2(e) / reach), at least 2^-8, the limit of
-the float32 power of two, and the last one by at least 2^-64, whose square is still a normal number."""
+"""Smallest decay lengths of the first and of the last Duhem state, in half ranges. Over the whole range the first
+state decays by 2^(-2 log2(e) / reach) >= 2^-8, the limit of the float32 power of two, the last by 2^-64 or more."""
 
 GROUP = 6
-"""Plays that the C computes side by side; on the C674x, groups of 4 and 12 cost more cycles."""
+"""Plays that the C computes side by side: of 12 plays on the C674x, groups of 3, 4 and 6 take 277, 274, 271 cycles."""
 
 PLACES = 257
 """Points of a polynomial at which its range is read; `Chain` clamps the input of the rules, so the range need not be
@@ -52,7 +52,8 @@ class Hysteresis(InputBlock):
     curve_um: of T_0(x) .. T_C(x) in g0. half_widths: r_j in half ranges, rising, below 1. plays_um: of T_1(z_j) ..
     T_D(z_j) in g_j, play after play. reach: the longest decay length of the Duhem states in half ranges. duhem_um: b_0,
     c_0, b_0, c_0, ..., from the longest decay length on.
-    Raises ValueError if sizes disagree, a half-width is not in (0, 1) or the reach is not positive.
+    Raises ValueError if sizes disagree, or if a half-width or a decay length has no float32 form (LEAST_HALF_WIDTH,
+    LEAST_REACH, LEAST_LAST_REACH).
     """
 
     kind: ClassVar[str] = "hysteresis"
@@ -134,8 +135,9 @@ class Hysteresis(InputBlock):
         )
 
     def normalised(self, v_V: Floats) -> Floats:
-        """x, (n,), of the voltages v_V."""
-        return np.asarray((v_V - 0.5 * (self.low_V + self.high_V)) * (2.0 / (self.high_V - self.low_V)))
+        """x, (n,), of the voltages v_V, limited to -1 .. 1."""
+        x = (v_V - 0.5 * (self.low_V + self.high_V)) * (2.0 / (self.high_V - self.low_V))
+        return np.asarray(np.clip(x, -1.0, 1.0))
 
     def start(self, v_V: float) -> Floats:
         """State at rest under v_V: every play as near to the input as its range allows, d = 0, and the input."""
@@ -203,11 +205,11 @@ class Hysteresis(InputBlock):
 
     @property
     def slack(self) -> np.float32:
-        """Distance in half ranges at which the inverse regards a play as taken along."""
+        """Distance in half ranges from which on the inverse takes a play along."""
         return SLACK
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
-        """Normalised inputs lie in [-1, 1], a play in [r - 1, 1 - r], as far as it is taken along; with e <= 1,
+        """Normalised inputs lie in [-1, 1], plays in [r - 1, 1 - r]; with e <= 1,
 
             left in [0, 2],   d = 1 - left e in [-1, 1],   back = 1 + d in [0, 2]
 
@@ -215,7 +217,7 @@ class Hysteresis(InputBlock):
 
             |h - c_0| <= sum_m |c_m| + sum_j sum_m |c_jm| (1 - r_j)^m + sum_i (|b_i| + |c_i|)
 
-        times 1.001 for the roundings. solve: the ends of the input range.
+        times 1.001 for rounding errors. `solve` finds voltages within the input range.
         """
         number = self.numbers
         ways = [symmetric(float(np.float32(1.0) - row[0])) for row in number.play]
@@ -230,8 +232,7 @@ class Hysteresis(InputBlock):
         if self.plays:
             floats |= {f"sum_um[{j}]": symmetric(1.001 * sum(sizes[j:])).outwards() for j in range(self.plays + 1)}
         if self.states:
-            lacked = Interval(0.0, 2.0)
-            floats |= {f"{name}[{i}]": lacked for name in ("left", "back") for i in range(self.states)}
+            floats |= {f"{name}[{i}]": Interval(0.0, 2.0) for name in ("left", "back") for i in range(self.states)}
             floats["turn"] = symmetric(1.0)
         floats |= {"last": symmetric(1.0), "h_um": h}
         half = float(number.half)

@@ -1,20 +1,24 @@
-"""Float32 of the hysteresis: the constants of the generated C, its mirror over lanes, and its inverse by Newton steps.
+"""Hysteresis in float32: constants and mirror of the generated C, forward and inverse.
 
-    h(x) = even(x^2) + x odd(x^2) + sum_j z_j q_j(z_j) + side sum_i d_i (b_i + c_i |d_i|)
-    x = (v - middle) / half range, limited to -1 .. 1
+    h(x) = g0(x) + sum_j g_j(z_j) + side sum_i d_i (b_i + c_i |d_i|)
+    x = (v - middle) / half range, limited to -1 .. 1;   side = 1 while the input rises, -1 while it falls
     d_i = 1 - left_i e_i,   e_0 = 2^(-log2(e) |x - turn| / reach),   e_(i+1) = e_i^2
 
-d_i is the Duhem state measured along the input's direction, side = 1 up and -1 down. On the way from one turn of the
-input to the next it decays from its value at the turn, left_i = 1 - d_i(turn), over the distance from the turn. The
-rounding errors of slow motion therefore do not accumulate, as they would in d_i <- d_i + (1 - e)(1 - d_i), whose
-increments vanish in float32. At a turn the direction changes sign: left_i = 1 + d_i.
+d_i is a Duhem state in the direction of the input. It follows in closed form from its value at the last turn of the
+input, left_i = 1 - d_i(turn), so rounding errors do not accumulate between two turns. The recursion
+d_i <- e d_i + (1 - e) would lose slow motion, because 1 - e is a multiple of 2^-24. At a turn, side and d_i change
+sign, and left_i becomes back_i = 1 + d_i.
 
-solve(wanted): Newton steps from the last x on the function of x at the present state, on the side of the last x on
-which `wanted` lies. h is monotone and piecewise smooth there.
+Inverse: Newton steps on h as a function of the input ahead. Ahead of the present input, in one direction, the plays are
+taken along in the order of their half-widths (z is a 1-Lipschitz function of r). Where n of them are taken along, h is
 
-Denormal numbers: x and every z_j are 0 or at least 2^-40 in magnitude (the half-widths are at least 2^-12), every
-coefficient at least 2^-40. A partial sum c + z q of a polynomial is then 0 or at least 2^-65, because it is a multiple
-of the last bit of its smaller part, and no product falls below 2^-126.
+    h(x) = [g0(x) + sum_(j < n) g_j(x - side r_j)] + sum_(j >= n) g_j(z_j) + Duhem states
+
+The bracket is one polynomial of x; its coefficients for every n and both directions are constants. The second sum,
+sum_um[n], is known from the last sample. The first x follows from the mean slope.
+
+No product is denormal: x and z_j are 0 or at least 2^-40 in magnitude (r_j >= 2^-12), coefficients are at least 2^-40,
+and a partial sum c + z q of a polynomial, a multiple of the last bit of its smaller part, is 0 or at least 2^-65.
 """
 
 from __future__ import annotations
@@ -37,10 +41,11 @@ from hysgen.model.path.base import BlockMirror, Floats, Floats32, limited
 from hysgen.model.structs import Member
 
 SLACK: Final = np.float32(2.0**-22)
-"""Distance in half ranges at which `solve` regards a play as taken along, above the rounding of z + r."""
+"""Distance in half ranges from which on `solve` takes a play along; larger than the rounding error of z + r."""
 
 STEPS: Final = 3
-"""Newton steps of `solve`."""
+"""Newton steps of `solve`. For a stroke of 10 um, the largest residual of 100 Hz over the whole range is 3e-6 um
+(rounding) at 50 kHz and at 2 kHz, of random jumps over the whole range 3e-5 um. Two steps leave 1e-4 um at 2 kHz."""
 
 LEAST_SLOPE: Final = 0.02
 """Smallest slope of a Newton step, as a part of the mean slope."""
@@ -90,6 +95,9 @@ class Numbers:
         curve[0] += total(powers[:, 0])
         powers[:, 0] = 0.0
         duhem = np.column_stack([_coefficients(series.duhem), (1.0 / series.reach).astype(np.float32)])
+        # The factor b + 2 c of the slope of a state at d = 1 must not be tiny unless it is 0.
+        vanishing = np.abs(duhem[:, 0] + (duhem[:, 1] + duhem[:, 1])) < LEAST
+        duhem[vanishing, 1] = np.float32(-0.5) * duhem[vanishing, 0]
         return cls(
             middle if abs(middle) >= LEAST else ZERO,
             np.float32(half),
@@ -103,7 +111,7 @@ class Numbers:
 
 
 def _powers(series: Floats) -> Floats:
-    """Coefficients of the powers of x, of a Chebyshev series; as many."""
+    """Coefficients of the powers of x of a Chebyshev series, in an array of the same size."""
     found = np.zeros(series.size)
     powers = chebyshev.cheb2poly(series)
     found[: powers.size] = powers
@@ -131,10 +139,10 @@ def _coefficients(exact: Floats) -> Floats32:
 
 
 def _newton_slopes(slopes: Interval, mean: float) -> Floats32:
-    """(3,) least and largest slope of a Newton step, in the order of numbers, and 1 / mean slope.
+    """(3,) limits of the slope in a Newton step, the lower one first, and 1 / mean slope.
 
-    `slopes` bounds the parts of h one by one, so its end next to 0 may have the wrong sign; slopes below LEAST_SLOPE of
-    the mean are not believed.
+    slopes: sum of the bounds of every part of h; its end next to 0 may have the wrong sign, and is replaced by
+    LEAST_SLOPE of the mean.
     """
     if abs(mean) < LEAST:
         raise ModelError("hysteresis: the output does not change over the range of the input; fit the model again")
@@ -182,11 +190,11 @@ class HysteresisMirror(BlockMirror):
         return h
 
     def solve(self, wanted: Floats32) -> Floats32:
-        """v for which `apply` would return `wanted`, after STEPS Newton steps
+        """Voltages, (lanes,), for which `apply` would return `wanted`, by STEPS Newton steps
 
             x <- x - (h(x) - wanted) / h'(x)
 
-        from the last x; h' limited to the constants `slope`, x to the side of the last x on which `wanted` lies.
+        with h' limited to the constants `slope`, and x to the side of the last input on which `wanted` lies.
         """
         least, largest, per_mean = self._numbers.slope
         way = (wanted - self.h_um) * per_mean
