@@ -94,7 +94,7 @@ def test_creep_with_one_weight_goes_on_by_the_same_in_every_decade() -> None:
     system = term.linear(TS_S)
     assert system.C.shape == (1, 9)
     assert system.C.sum() == pytest.approx(1.0)
-    assert term.size == len(term.gains(TS_S)) == len(term.scales(1.0)) == 1
+    assert term.size == len(term.gains(TS_S)) == 1
     assert Creep.from_json(term.to_json()) == term
     assert term.with_shape(term.shape()).shared
 
