@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from fixtures.bank_records import hum_study
 from hysgen.cli import main
+from hysgen.diagnosis.evaluation import Study
+from hysgen.record import Record
 from hysgen.stage import Stage, run
 from hysgen.stage.signals import nested_amplitudes
 
@@ -91,16 +96,32 @@ def test_diff_lists_changed_properties_and_scores_both_models_on_both_records(fo
 
 @pytest.mark.slow
 def test_refit_says_that_the_structure_no_longer_fits_and_what_it_lacks(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    once_per_run: Callable[[str, Callable[[], Any]], Any],
 ) -> None:
+    """The diagnosis is that of another stage with memory and hum; made for the new record it takes ten seconds."""
+    diagnosed: list[Record] = []
+
+    def known(read: Record, **_: object) -> Study:
+        diagnosed.append(read)
+        study: Study = once_per_run("hum", hum_study)
+        return study
+
+    monkeypatch.setattr("hysgen.cli.verbs.fit.diagnose_and_evaluate", known)
     call = ["refit", f"{folder}/axis.json", f"{folder}/hum.csv", "-o", f"{tmp_path}/new.json"]
     assert main([*call, "--json", f"{tmp_path}/told.json"]) == 1
     told = json.loads((tmp_path / "told.json").read_text())
     assert not told["structure_fits"]
+    assert [cause["name"] for cause in told["diagnosis"]["causes"]] == ["memory", "periodic"]
     assert told["diagnosis"]["lacking"] == ["periodic"]
+    assert [(read.source, read.samples) for read in diagnosed] == [("hum.csv", 11202)]
     assert "the model does not have: periodic" in capsys.readouterr().out
     assert not (tmp_path / "new.json").exists()
     assert main([*call, "--no-diagnosis", "--anyway"]) == 1
+    assert len(diagnosed) == 1
     assert (tmp_path / "new.json").exists()
 
 

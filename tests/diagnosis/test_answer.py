@@ -6,12 +6,14 @@ import dataclasses
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from fixtures.bank_records import QUICK, record_of
+from fixtures.bank_records import PRICED, QUICK, hum_study, record_of
 from hysgen.cli import main
 from hysgen.diagnosis import DiagnoseSettings, Diagnosis, diagnose
 from hysgen.diagnosis.evaluation import evaluate
@@ -22,9 +24,8 @@ from hysgen.record import Record
 
 
 @pytest.fixture(scope="module")
-def hum() -> tuple[Record, Diagnosis]:
-    record = record_of("periodic", 5)
-    return record, diagnose(record, settings=QUICK)
+def hum(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> tuple[Record, Diagnosis]:
+    return record_of("periodic", 5), once_per_run("hum", hum_study).diagnosis
 
 
 def test_json_contains_the_keys_of_the_design(hum: tuple[Record, Diagnosis]) -> None:
@@ -83,7 +84,7 @@ def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]
 
 @pytest.mark.slow
 def test_same_record_gives_the_same_answer(hum: tuple[Record, Diagnosis]) -> None:
-    assert diagnose(hum[0], settings=QUICK).to_json() == hum[1].to_json()
+    assert diagnose(hum[0], settings=PRICED).to_json() == hum[1].to_json()
 
 
 @pytest.mark.slow
@@ -119,13 +120,13 @@ def test_a_stage_without_a_planted_cause_is_diagnosed_with_none() -> None:
 
 @pytest.mark.slow
 def test_stick_slip_is_unknown_and_described() -> None:
-    naming = name_causes(record_of("unknown", 1))
+    naming = name_causes(record_of("unknown", 0))
     assert naming.names[-1] == "unknown"
     assert naming.unknown is not None
     assert "left" in naming.unknown
 
 
-@pytest.mark.parametrize("seed", [0, 2])
+@pytest.mark.parametrize("seed", [0, 3])
 @pytest.mark.slow
 def test_poor_excitation_is_answered_with_the_next_experiment(seed: int) -> None:
     naming = name_causes(record_of("poor", seed))

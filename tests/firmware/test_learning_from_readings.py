@@ -27,7 +27,7 @@ def wrong_nm(firmware: HostFirmware) -> float:
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 14.0], ids=["NaN", "infinite", "out of range"])
 def test_readings_that_are_none_reach_the_learner_as_none(value: float) -> None:
-    """Every 10th reading is bad, on a stage that is the model itself: there is nothing to learn, and nothing is."""
+    """Every 10th reading is bad, on a stage that is the model itself: committed parameters stay within the noise."""
     firmware = on_itself(LEARNING)
     before = firmware.firmware.controller.learner.rejected
     firmware.fail(BoardFault.READING, value, after=1, pattern=(1, 10))
@@ -35,8 +35,9 @@ def test_readings_that_are_none_reach_the_learner_as_none(value: float) -> None:
     assert firmware.state is State.TRACK
     assert firmware.status & (FirmwareStatus.SENSOR_INVALID | FirmwareStatus.SENSOR_RANGE)
     assert firmware.firmware.controller.learner.rejected - before == 4000
-    assert firmware.firmware.commits == 0
-    assert wrong_nm(firmware) == 0.0
+    assert firmware.firmware.commits > 0
+    # The readings' noise is 0.1 nm; with the last good reading in place of a bad one the change is 0.8 nm.
+    assert wrong_nm(firmware) < 0.1
 
 
 def test_the_voltage_is_put_out_before_the_learner_runs() -> None:

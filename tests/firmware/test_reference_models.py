@@ -75,8 +75,8 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
 def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str) -> None:
     need_compiler()
     compiled = compile_image(generated(name))
-    # Long enough for the extended firmware to learn and commit.
-    run = simulate(MODELS[name], generated(name), compiled, 9500 if name == "extended" else 1500)
+    # Long enough for the firmware to learn and commit.
+    run = simulate(MODELS[name], generated(name), compiled, 2500)
     assert run.equal
     assert run.commits >= 1
     assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()

@@ -201,9 +201,7 @@ def test_shape_parameters_come_back_and_lie_within_their_bounds(term: Term) -> N
 
 
 @by_kind
-def test_scales_and_channels_fit_the_size(term: Term) -> None:
-    assert len(term.scales(SPAN_V)) == term.size
-    assert min(term.scales(SPAN_V)) > 0
+def test_channels_and_description_fit_the_kind(term: Term) -> None:
     assert term.channels == (("temperature", "other_V") if term.kind == "coupling" else ())
     assert "\n" not in term.describe()
 

@@ -13,22 +13,21 @@ from hysgen.studies.bank.limits import PARAMETERS
 from hysgen.studies.bank.result import Judgement
 from hysgen.studies.bank.scenario import CATEGORIES, EFFECTS
 
-SWEEP = ("resonance", "delay", "saturation", "slew", "coupling", "pair", "none")
-"""Categories of the sweep, one draw of each; tests/diagnosis/test_answer.py diagnoses the others.
+SWEEP = (("pair", 0), ("pair", 1), ("coupling", 3), ("creep", 0), ("none", 3))
+"""Category and seed of the records of the sweep. The pairs plant slew and delay, saturation and resonance.
 
-`hysgen bank` draws hundreds of each and holds them to its limits.
+The tests of tests/diagnosis diagnose the other categories, and `hysgen bank` hundreds of records of each.
 """
 
 
 @pytest.fixture(scope="module")
 def sweep(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> BankResult:
-    result = once_per_run("bank_sweep", lambda: run([3], SWEEP))
-    assert isinstance(result, BankResult)
-    return result
+    judged = once_per_run("bank_sweep", lambda: [run([seed], [category]) for category, seed in SWEEP])
+    return BankResult(tuple(record for result in judged for record in result.judgements), (0, 1, 3), len(SWEEP))
 
 
 @pytest.mark.slow
-def test_at_least_six_of_seven_records_are_answered_with_the_planted_causes_and_no_other(sweep: BankResult) -> None:
+def test_at_least_four_of_five_records_are_answered_with_the_planted_causes_and_no_other(sweep: BankResult) -> None:
     wrong = {each.category: (each.required, each.named) for each in sweep.judged() if not each.exact}
     assert len(wrong) <= 1, wrong
     assert sweep.false_alarm_rate == 0.0

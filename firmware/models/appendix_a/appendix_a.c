@@ -1165,13 +1165,14 @@ static uint32_t appendix_a_admit(appendix_a_learner_t *self, float alpha)
 }
 
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
- * The reciprocals are those of appendix_a_reciprocal, several side by side. Returns 1 if the shadow has
- * to start again; *accepted becomes 0 if the sample is not learnt from. */
-static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learner_t *self, uint32_t *accepted)
+ * The reciprocals are those of appendix_a_reciprocal, several side by side. Returns 1 if the update goes on, 0 if the
+ * sample is not learnt from, 2 if the shadow has to start again. */
+static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learner_t *self)
 {
     const float inflate = self->inflate;
     const float least = APPENDIX_A_LEARN_LEAST_VARIANCE;
     uint32_t clamped = 0u;
+    uint32_t outcome;
     const float m0 = self->f[0] * self->g[0];
     const float m1 = self->f[1] * self->g[1];
     const float m2 = self->f[2] * self->g[2];
@@ -1211,11 +1212,14 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learne
 
     /* Only rounding gone wild brings alpha here; in the order of the bits this also finds what is not finite. */
     if (appendix_a_bits(a17) >= appendix_a_bits(APPENDIX_A_LEARN_LARGEST_DENOMINATOR)) {
-        return 1u;
+        outcome = 2u;
+    } else if (self->measuring != 0u) {
+        outcome = appendix_a_admit(self, a17);
+    } else {
+        outcome = 1u;
     }
-    if (self->measuring != 0u && appendix_a_admit(self, a17) == 0u) {
-        *accepted = 0u;
-        return 0u;
+    if (outcome != 1u) {
+        return outcome;
     }
 
     float r0 = appendix_a_float(0x7ef311c7u - appendix_a_bits(a0)),
@@ -1426,7 +1430,7 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learne
             below17 | above17;
     self->per_alpha = r17;
     appendix_a_count_learner_event(self, &self->clamped, clamped & 1u, APPENDIX_A_LEARN_CLAMPED);
-    return 0u;
+    return 1u;
 }
 
 /* |x| as bits: in the order of the magnitudes. */
@@ -1566,12 +1570,13 @@ static APPENDIX_A_STRAIGHT uint32_t appendix_a_step(appendix_a_learner_t *self)
 /* The update that was begun. Returns 1 if the shadow has to start again. */
 APPENDIX_A_INLINE uint32_t appendix_a_update(appendix_a_learner_t *self)
 {
-    uint32_t accepted = 1u;
     uint32_t lost;
+    uint32_t outcome;
 
     appendix_a_project(self);
-    lost = appendix_a_update_diagonal(self, &accepted);
-    if ((accepted & (lost ^ 1u)) != 0u) {
+    outcome = appendix_a_update_diagonal(self);
+    lost = (uint32_t)(outcome == 2u);
+    if (outcome == 1u) {
         appendix_a_factor(self);
         lost = appendix_a_step(self);
     }

@@ -188,8 +188,8 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in appendix_a_predict
  *
- * 1098 float +-, 822 float *, 54 float comparisons, 571 integer, 723 loads, 573 stores, 15 branches.
- * C674x: about 2588 cycles (estimate). */
+ * 1098 float +-, 822 float *, 54 float comparisons, 569 integer, 723 loads, 573 stores, 16 branches.
+ * C674x: about 2607 cycles (estimate). */
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; APPENDIX_A_COMMIT_POINTS check points,

@@ -1407,13 +1407,14 @@ static uint32_t extended_admit(extended_learner_t *self, float alpha)
 }
 
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
- * The reciprocals are those of extended_reciprocal, several side by side. Returns 1 if the shadow has
- * to start again; *accepted becomes 0 if the sample is not learnt from. */
-static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *self, uint32_t *accepted)
+ * The reciprocals are those of extended_reciprocal, several side by side. Returns 1 if the update goes on, 0 if the
+ * sample is not learnt from, 2 if the shadow has to start again. */
+static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *self)
 {
     const float inflate = self->inflate;
     const float least = EXTENDED_LEARN_LEAST_VARIANCE;
     uint32_t clamped = 0u;
+    uint32_t outcome;
     const float m0 = self->f[0] * self->g[0];
     const float m1 = self->f[1] * self->g[1];
     const float m2 = self->f[2] * self->g[2];
@@ -1453,11 +1454,14 @@ static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *s
 
     /* Only rounding gone wild brings alpha here; in the order of the bits this also finds what is not finite. */
     if (extended_bits(a17) >= extended_bits(EXTENDED_LEARN_LARGEST_DENOMINATOR)) {
-        return 1u;
+        outcome = 2u;
+    } else if (self->measuring != 0u) {
+        outcome = extended_admit(self, a17);
+    } else {
+        outcome = 1u;
     }
-    if (self->measuring != 0u && extended_admit(self, a17) == 0u) {
-        *accepted = 0u;
-        return 0u;
+    if (outcome != 1u) {
+        return outcome;
     }
 
     float r0 = extended_float(0x7ef311c7u - extended_bits(a0)),
@@ -1662,7 +1666,7 @@ static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *s
             below17 | above17;
     self->per_alpha = r17;
     extended_count_learner_event(self, &self->clamped, clamped & 1u, EXTENDED_LEARN_CLAMPED);
-    return 0u;
+    return 1u;
 }
 
 /* |x| as bits: in the order of the magnitudes. */
@@ -1802,12 +1806,13 @@ static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
 /* The update that was begun. Returns 1 if the shadow has to start again. */
 EXTENDED_INLINE uint32_t extended_update(extended_learner_t *self)
 {
-    uint32_t accepted = 1u;
     uint32_t lost;
+    uint32_t outcome;
 
     extended_project(self);
-    lost = extended_update_diagonal(self, &accepted);
-    if ((accepted & (lost ^ 1u)) != 0u) {
+    outcome = extended_update_diagonal(self);
+    lost = (uint32_t)(outcome == 2u);
+    if (outcome == 1u) {
         extended_factor(self);
         lost = extended_step(self);
     }

@@ -44,7 +44,7 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
     model = load_model(arguments.model)
     if model.learner is None:
         model = with_learner(model)
-        console.say(f"{model.name}: no learner settings in the file; one of all parameters is added")
+        console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
     texts = firmware_model(model)
     if arguments.output:
         write(texts, Path(arguments.output))

@@ -7,7 +7,7 @@ Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules,
 blocks, compiled as in hysgen.c674x) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
 constant is the latency of exponential, sums and reciprocal in sequence; a branch costs its jump and the overlap of
 operations that it prevents. The elements of an update are independent and overlap: learners of 1 to 36 parameters
-took 0.91 to 1.15 times the second estimate (benchmarks/target_cycles.py).
+took 0.89 to 1.1 times the second estimate (benchmarks/target_cycles.py).
 tests/c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
 """
 

@@ -155,10 +155,6 @@ class Term(ModelPart):
     channels: tuple[str, ...] = ()
     """Names of the auxiliary channels that the term reads."""
 
-    def scales(self, span_V: float) -> tuple[float, ...]:
-        """Typical magnitude of each regressor for inputs with this span; the learner divides by it."""
-        return (span_V,) * self.size
-
     @abc.abstractmethod
     def describe(self) -> str:
         """One line of text: the shape parameters with units."""

@@ -61,10 +61,6 @@ class Coupling(Term):
         middle = 0.5 * (np.asarray(self.low) + np.asarray(self.high))
         return np.asarray(middle.astype(np.float32), dtype=np.float64)
 
-    def scales(self, span_V: float) -> tuple[float, ...]:
-        half = 0.5 * (np.asarray(self.high) - np.asarray(self.low))
-        return tuple(float(h) for h in np.repeat(half, self.taps))
-
     def describe(self) -> str:
         taps = f", {self.taps} samples of each" if self.taps > 1 else ""
         return "coupling to " + ", ".join(self.channels) + taps

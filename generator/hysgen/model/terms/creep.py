@@ -63,9 +63,6 @@ class Creep(Term):
         """(m,) a_j: the part of the distance to u that a state moves in one sample."""
         return np.array([-expm1(-Ts_s / tau) for tau in self.tau_s])
 
-    def scales(self, span_V: float) -> tuple[float, ...]:
-        return (span_V,) * self.size
-
     def describe(self) -> str:
         weights = "one weight for" if self.shared else "a weight for each of"
         return f"creep, {weights} the time constants " + ", ".join(f"{tau:.3g}" for tau in self.tau_s) + " s"

@@ -50,9 +50,6 @@ class Drift(Term):
         """g: the part of a one-step error that is added to the bias in one sample."""
         return -expm1(-Ts_s / self.tau_s)
 
-    def scales(self, span_V: float) -> tuple[float, ...]:
-        return (self.limit_um,)
-
     def describe(self) -> str:
         return f"drift followed over {self.tau_s:.3g} s, bias within {self.limit_um:.3g} um per sample"
 

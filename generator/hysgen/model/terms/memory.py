@@ -103,9 +103,6 @@ class Memory(Term):
         """(m,) a_j: largest |x_j|."""
         return np.asarray(1.0 - np.asarray(self.thresholds_V) / self.middle_and_half_V[1])
 
-    def scales(self, span_V: float) -> tuple[float, ...]:
-        return (span_V,) * self.plays + (1.0,) * (self.size - self.plays)
-
     def describe(self) -> str:
         polynomials = "" if self.degree == 1 else f", polynomials up to degree {self.degree}"
         widths = f"half-widths {self.thresholds_V[0]:.3g} .. {self.thresholds_V[-1]:.3g} V"

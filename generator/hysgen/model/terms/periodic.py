@@ -46,9 +46,6 @@ class Periodic(Term):
     def size(self) -> int:
         return 2 * len(self.f_Hz)
 
-    def scales(self, span_V: float) -> tuple[float, ...]:
-        return (1.0,) * self.size
-
     def describe(self) -> str:
         return "periodic disturbance at " + ", ".join(f"{f:.6g}" for f in self.f_Hz) + " Hz"
 

@@ -73,10 +73,6 @@ class Resonance(Term):
         steps.real, steps.imag = fading * 2.0 * (half * half) - faded, fading * whole
         return steps
 
-    def scales(self, span_V: float) -> tuple[float, ...]:
-        """span / sqrt(2 zeta): the geometric mean of the amplification at rest, 1, and at resonance, 1/(2 zeta)."""
-        return tuple(float(span_V / np.sqrt(2 * zeta)) for zeta in self.zeta for _ in range(2))
-
     def describe(self) -> str:
         modes = (f"{f:.5g} Hz (damping {zeta:.3g})" for f, zeta in zip(self.f_Hz, self.zeta, strict=True))
         return "resonance at " + ", ".join(modes)

@@ -72,7 +72,7 @@ def prove_learn(model: Model, texts: Mapping[str, str], function: str) -> tuple[
     sources, checks = learn_step(model, texts, function)
     name = model.name
     trusted = [f"{name}_{function}" for function in update_functions(model, texts)]
-    apart = ",".join(f"{name}_{function}:0" for function in ("update_diagonal", "update", "evaluate_reading"))
+    apart = ",".join(f"{name}_{answers}" for answers in ("update_diagonal:0:2", "update:0", "evaluate_reading:0"))
     options = ("-eva-use-spec", ",".join(trusted), "-eva-split-return-function", apart)
     return analyse(sources, ENTRY, "finite" if function == "learn_init" else "any", options=options), checks
 
