@@ -231,8 +231,8 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
- * 1153 float +-, 835 float *, 66 float comparisons, 609 integer, 776 loads, 591 stores, 15 branches.
- * C674x: about 2697 cycles (estimate). */
+ * 1153 float +-, 835 float *, 66 float comparisons, 607 integer, 776 loads, 591 stores, 16 branches.
+ * C674x: about 2716 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; EXTENDED_COMMIT_POINTS check points,

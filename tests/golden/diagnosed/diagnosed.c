@@ -1740,13 +1740,14 @@ static uint32_t diagnosed_admit(diagnosed_learner_t *self, float alpha)
 }
 
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
- * The reciprocals are those of diagnosed_reciprocal, several side by side. Returns 1 if the shadow has
- * to start again; *accepted becomes 0 if the sample is not learnt from. */
-static DIAGNOSED_STRAIGHT uint32_t diagnosed_update_diagonal(diagnosed_learner_t *self, uint32_t *accepted)
+ * The reciprocals are those of diagnosed_reciprocal, several side by side. Returns 1 if the update goes on, 0 if the
+ * sample is not learnt from, 2 if the shadow has to start again. */
+static DIAGNOSED_STRAIGHT uint32_t diagnosed_update_diagonal(diagnosed_learner_t *self)
 {
     const float inflate = self->inflate;
     const float least = DIAGNOSED_LEARN_LEAST_VARIANCE;
     uint32_t clamped = 0u;
+    uint32_t outcome;
     const float m0 = self->f[0] * self->g[0];
     const float m1 = self->f[1] * self->g[1];
     const float m2 = self->f[2] * self->g[2];
@@ -1786,11 +1787,14 @@ static DIAGNOSED_STRAIGHT uint32_t diagnosed_update_diagonal(diagnosed_learner_t
 
     /* Only rounding gone wild brings alpha here; in the order of the bits this also finds what is not finite. */
     if (diagnosed_bits(a17) >= diagnosed_bits(DIAGNOSED_LEARN_LARGEST_DENOMINATOR)) {
-        return 1u;
+        outcome = 2u;
+    } else if (self->measuring != 0u) {
+        outcome = diagnosed_admit(self, a17);
+    } else {
+        outcome = 1u;
     }
-    if (self->measuring != 0u && diagnosed_admit(self, a17) == 0u) {
-        *accepted = 0u;
-        return 0u;
+    if (outcome != 1u) {
+        return outcome;
     }
 
     float r0 = diagnosed_float(0x7ef311c7u - diagnosed_bits(a0)),
@@ -1997,7 +2001,7 @@ static DIAGNOSED_STRAIGHT uint32_t diagnosed_update_diagonal(diagnosed_learner_t
             below17 | above17;
     self->per_alpha = r17;
     diagnosed_count_learner_event(self, &self->clamped, clamped & 1u, DIAGNOSED_LEARN_CLAMPED);
-    return 0u;
+    return 1u;
 }
 
 /* |x| as bits: in the order of the magnitudes. */
@@ -2137,12 +2141,13 @@ static DIAGNOSED_STRAIGHT uint32_t diagnosed_step(diagnosed_learner_t *self)
 /* The update that was begun. Returns 1 if the shadow has to start again. */
 DIAGNOSED_INLINE uint32_t diagnosed_update(diagnosed_learner_t *self)
 {
-    uint32_t accepted = 1u;
     uint32_t lost;
+    uint32_t outcome;
 
     diagnosed_project(self);
-    lost = diagnosed_update_diagonal(self, &accepted);
-    if ((accepted & (lost ^ 1u)) != 0u) {
+    outcome = diagnosed_update_diagonal(self);
+    lost = (uint32_t)(outcome == 2u);
+    if (outcome == 1u) {
         diagnosed_factor(self);
         lost = diagnosed_step(self);
     }

@@ -238,8 +238,8 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in diagnosed_predict
  *
- * 1239 float +-, 893 float *, 83 float comparisons, 679 integer, 837 loads, 620 stores, 18 branches.
- * C674x: about 2944 cycles (estimate). */
+ * 1239 float +-, 893 float *, 83 float comparisons, 677 integer, 837 loads, 620 stores, 19 branches.
+ * C674x: about 2962 cycles (estimate). */
 void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; DIAGNOSED_COMMIT_POINTS check points,
