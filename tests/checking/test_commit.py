@@ -218,15 +218,6 @@ def test_a_planted_shadow_is_refused_with_the_reason_and_what_is_active_stays(re
     assert planted.active[0] != before[0]
 
 
-def test_weights_of_an_image_that_are_far_from_the_model_are_refused() -> None:
-    """The learner never changes weights; it takes over those of the active bank, which an image may have replaced."""
-    planted = Planted(compiled_once())
-    planted.learner.base.weight[1] *= 1e3
-    before = planted.active
-    assert planted.answer(planted.own) == Commit.REFUSED_WEIGHTS
-    assert planted.active == before
-
-
 def test_a_shadow_that_has_just_restarted_is_too_young() -> None:
     planted = Planted(compiled_once())
     planted.learner.age = LearnerSettings().mature - 1

@@ -67,9 +67,9 @@ def test_phase_after_1e8_samples_is_the_exact_one() -> None:
 def test_mirror_counts_the_phase_with_every_carry() -> None:
     term = Periodic((50.0, 12_345.678))
     constants = term.constants(TS_S)
-    mirror = term.mirror(np.zeros(3, dtype=np.float32), TS_S)
+    mirror = term.mirror(3, TS_S)
     for _ in range(5000):
-        mirror.advance(np.zeros(3, dtype=np.float32))
+        mirror.advance()
     words = [int(word[2]) for word in mirror.state()]
     for j in range(2):
         turn = (int(constants["turn_high"][j]) << 32) + int(constants["turn_low"][j])

@@ -20,12 +20,12 @@ def test_coupling_counts_a_channel_beyond_its_range_as_at_its_edge() -> None:
 
 
 def test_coupling_holds_the_last_finite_sample() -> None:
-    mirror = Coupling(("t",), (20.0,), (24.0,)).mirror(np.zeros(1, dtype=np.float32), TS_S)
+    mirror = Coupling(("t",), (20.0,), (24.0,)).mirror(1, TS_S)
     seen = []
     for value in (21.0, np.nan, np.inf, -np.inf, 23.0):
         mirror.listen({"t": np.array([value], dtype=np.float32)})
         seen.append(float(mirror.regressors()[0][0]))
-        mirror.advance(np.zeros(1, dtype=np.float32))
+        mirror.advance()
     assert seen == [-1.0, -1.0, -1.0, -1.0, 1.0]
 
 
@@ -56,7 +56,7 @@ def test_drift_uses_past_samples_only() -> None:
 
 
 def test_drift_stays_within_its_limit_in_float32() -> None:
-    mirror = Drift(1e-4, 0.25).mirror(np.zeros(2, dtype=np.float32), TS_S)
+    mirror = Drift(1e-4, 0.25).mirror(2, TS_S)
     for _ in range(200):
         mirror.correct(np.array([1e3, -1e3], dtype=np.float32))
     assert [float(bias) for bias in mirror.regressors()[0]] == [0.25, -0.25]

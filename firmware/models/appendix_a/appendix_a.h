@@ -114,9 +114,8 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
 #define APPENDIX_A_COMMITTED        1u  /**< the shadow's parameters are active now */
 #define APPENDIX_A_REFUSED_YOUNG    2u  /**< too few updates since the shadow restarted */
 #define APPENDIX_A_REFUSED_LIMIT    3u  /**< a parameter is not finite or beyond its limit */
-#define APPENDIX_A_REFUSED_WEIGHTS  4u  /**< the terms' weights moved so far that the inverse might build up past inputs */
-#define APPENDIX_A_REFUSED_GAIN     5u  /**< the gain b(y) would come too close to zero or change its sign */
-#define APPENDIX_A_REFUSED_SLOPE    6u  /**< the slope |df/dy| would come too close to 1 */
+#define APPENDIX_A_REFUSED_GAIN     4u  /**< the gain b(y) would come too close to zero or change its sign */
+#define APPENDIX_A_REFUSED_SLOPE    5u  /**< the slope |df/dy| would come too close to 1 */
 
 /** A shadow on its way to become active. */
 typedef struct {

@@ -31,11 +31,10 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
         ],
         "members": rows(candidate_struct(model, numbers).members),
         "bias": "bias" in model.learner.learned,
-        "weights": bool(model.terms),
         "points_per_call": model.learner.points_per_call,
         "kept": _kept(model, numbers),
     }
-    return Feature("commit.c.j2", {"commit": facts}, [_section(found, upper, weights=bool(facts["weights"]))])
+    return Feature("commit.c.j2", {"commit": facts}, [_section(found, upper)])
 
 
 def _kept(model: Model, numbers: Coefficients) -> list[str]:
@@ -47,7 +46,7 @@ def _kept(model: Model, numbers: Coefficients) -> list[str]:
     return kept + [f"weight[{j}]" for j in range(weights)]
 
 
-def _section(found: CommitNumbers, upper: str, *, weights: bool) -> Section:
+def _section(found: CommitNumbers, upper: str) -> Section:
     constants = [
         Constant("COMMIT_MATURE", np.uint32(found.settings.mature)),
         Constant("COMMIT_POINTS", np.uint32(found.points)),
@@ -65,9 +64,6 @@ def _section(found: CommitNumbers, upper: str, *, weights: bool) -> Section:
         Table("commit_y", f"{found.points}", found.y_um),
         Table("commit_table", f"{found.table.size}", found.table.ravel()),
     ]
-    if weights:
-        constants.append(Constant("COMMIT_WEIGHT_BUDGET", found.weight_budget))
-        tables.append(Table("commit_gamma", f"{upper}_WEIGHTS", found.gammas))
     return Section(
         "Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the\n"
         "memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''\n"

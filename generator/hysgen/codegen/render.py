@@ -132,7 +132,7 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
     first = 0
     for term in model.terms:
         prefix = f"{model.name}_{term.kind}"
-        mirror = type(term.mirror(numbers.rest_V.reshape(1), model.Ts_s))
+        mirror = type(term.mirror(1, model.Ts_s))
         channels = tuple(channels_of(model.terms).index(name) for name in term.channels)
         texts.append(
             TermText(part_struct(model, term), prefix, term, first, mirror.correct is not Mirror.correct, channels)

@@ -50,8 +50,6 @@ class CommitNumbers:
     y_um: (G,) check points. table: (G, 3 L), rows p_l, p_l', p_l'' divided by the strengths w_l.
     unfold: (L,) 1/w_l. half_um: h. gain_remainder, slope_remainder_1, slope_remainder_3: h^2/2 times C2, 3 C2, C3.
     sign: sign of the gain b; gain_floor, gain_ceiling: limits of |b| [um/V]; slope_limit: limit of |df/dy|.
-    gammas, weights: (T,) gains of the terms and their weights in the model; weight_budget: limit of
-    sum_j gamma_j |theta_j - weight_j|.
     """
 
     settings: LearnerSettings
@@ -66,9 +64,6 @@ class CommitNumbers:
     gain_floor: np.float32
     gain_ceiling: np.float32
     slope_limit: np.float32
-    gammas: Floats32
-    weights: Floats32
-    weight_budget: np.float32
 
     @property
     def points(self) -> int:
@@ -92,12 +87,11 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
             f"{certificates.w_name} = {slope.w:.4g} {certificates.w_unit}, not below the limit {min(limit, 1.0):.4g} "
             "that commit keeps; restrict the range (generate --input-range), or fit again"
         )
-    floor, ceiling, budget = _inverse_limits(model, certificates, settings)
+    floor, ceiling = _gain_limits(model, certificates, settings)
     points, c2, c3 = _points(model, settings, limit - steepest)
     half = 0.5 * (model.grid.y_max_um - model.grid.y_min_um) / points
     y: Floats = model.grid.y_min_um + half * (2.0 * np.arange(points, dtype=np.float64) + 1.0)
     table = np.concatenate(membership_derivatives(y, model.grid)[:3], axis=1)
-    gammas = [gain for term in model.terms for gain in term.gains(model.Ts_s)]
     return CommitNumbers(
         settings=settings,
         y_um=y.astype(np.float32),
@@ -111,9 +105,6 @@ def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificat
         gain_floor=np.float32(floor),
         gain_ceiling=np.float32(ceiling),
         slope_limit=np.float32(1.0 - SAFETY * (1.0 - limit)),
-        gammas=np.array(gammas, dtype=np.float32),
-        weights=model.weights.astype(np.float32),
-        weight_budget=np.float32(budget),
     )
 
 
@@ -157,11 +148,11 @@ def _points(model: Model, settings: LearnerSettings, margin: float) -> tuple[int
     )
 
 
-def _inverse_limits(model: Model, certificates: Certificates, settings: LearnerSettings) -> tuple[float, float, float]:
-    """Least and largest |b|, and the limit of sum_j gamma_j |change of theta_j|.
+def _gain_limits(model: Model, certificates: Certificates, settings: LearnerSettings) -> tuple[float, float]:
+    """Least and largest |b|.
 
-    Regressors that do not depend on the input have gamma = 0. Raises CertificateError if the gain does not hold, or if
-    the settings require a larger least gain than the model has.
+    Raises CertificateError if the gain does not hold, or if the settings require a larger least gain than the model
+    has.
     """
     ends, unit = [certificates.gain_lowest.bound, certificates.gain_highest.bound], f"um/{certificates.w_unit}"
     if not certificates.gain_holds:
@@ -178,4 +169,4 @@ def _inverse_limits(model: Model, certificates: Certificates, settings: LearnerS
             f"{model.name}: learner: gain_floor_um_per_V {chosen:.4g} is not below the model's own {weakest:.4g} {unit}"
         )
     floor = FLOOR * weakest if chosen is None else chosen
-    return floor, GAIN_CEILING * strongest, floor if model.terms else 0.0
+    return floor, GAIN_CEILING * strongest

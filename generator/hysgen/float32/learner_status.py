@@ -55,9 +55,8 @@ class Commit(enum.IntEnum):
     COMMITTED = 1
     REFUSED_YOUNG = 2
     REFUSED_LIMIT = 3
-    REFUSED_WEIGHTS = 4
-    REFUSED_GAIN = 5
-    REFUSED_SLOPE = 6
+    REFUSED_GAIN = 4
+    REFUSED_SLOPE = 5
 
 
 COMMIT_MEANINGS = {
@@ -65,7 +64,6 @@ COMMIT_MEANINGS = {
     Commit.COMMITTED: "the shadow's parameters are active now",
     Commit.REFUSED_YOUNG: "too few updates since the shadow restarted",
     Commit.REFUSED_LIMIT: "a parameter is not finite or beyond its limit",
-    Commit.REFUSED_WEIGHTS: "the terms' weights moved so far that the inverse might build up past inputs",
     Commit.REFUSED_GAIN: "the gain b(y) would come too close to zero or change its sign",
     Commit.REFUSED_SLOPE: "the slope |df/dy| would come too close to 1",
 }

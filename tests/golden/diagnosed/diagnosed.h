@@ -163,9 +163,8 @@ float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um);
 #define DIAGNOSED_COMMITTED        1u  /**< the shadow's parameters are active now */
 #define DIAGNOSED_REFUSED_YOUNG    2u  /**< too few updates since the shadow restarted */
 #define DIAGNOSED_REFUSED_LIMIT    3u  /**< a parameter is not finite or beyond its limit */
-#define DIAGNOSED_REFUSED_WEIGHTS  4u  /**< the terms' weights moved so far that the inverse might build up past inputs */
-#define DIAGNOSED_REFUSED_GAIN     5u  /**< the gain b(y) would come too close to zero or change its sign */
-#define DIAGNOSED_REFUSED_SLOPE    6u  /**< the slope |df/dy| would come too close to 1 */
+#define DIAGNOSED_REFUSED_GAIN     4u  /**< the gain b(y) would come too close to zero or change its sign */
+#define DIAGNOSED_REFUSED_SLOPE    5u  /**< the slope |df/dy| would come too close to 1 */
 
 /** A shadow on its way to become active. */
 typedef struct {

@@ -807,9 +807,8 @@ EVERYTHING_INLINE void everything_cosine_sine(uint32_t phase, float *cosine, flo
     *sine = everything_float((s ^ swap) ^ ((quadrant & 2u) << 30));
 }
 
-static void everything_periodic_init(everything_periodic_t *self, float u)
+static void everything_periodic_init(everything_periodic_t *self)
 {
-    (void)u;
     for (uint32_t j = 0u; j < 1u; ++j) {
         self->phase[j] = 0u;
         self->phase_low[j] = 0u;
@@ -821,16 +820,14 @@ EVERYTHING_INLINE void everything_periodic_regressors(const everything_periodic_
     everything_cosine_sine(self->phase[0], &phi[0], &phi[1]);
 }
 
-EVERYTHING_INLINE void everything_periodic_advance(everything_periodic_t *self, float u)
+EVERYTHING_INLINE void everything_periodic_advance(everything_periodic_t *self)
 {
-    (void)u;
     self->phase_low[0] += everything_periodic_turn_low[0];
     self->phase[0] += everything_periodic_turn_high[0] + (uint32_t)(self->phase_low[0] < everything_periodic_turn_low[0]);
 }
 
-static void everything_coupling_init(everything_coupling_t *self, float u)
+static void everything_coupling_init(everything_coupling_t *self)
 {
-    (void)u;
     for (uint32_t c = 0u; c < 1u; ++c) {
         for (uint32_t i = 0u; i < 2u; ++i) {
             self->sample[c][i] = 0.0f;
@@ -866,15 +863,13 @@ EVERYTHING_INLINE void everything_coupling_regressors(const everything_coupling_
     phi[1] = self->sample[0][1];
 }
 
-EVERYTHING_INLINE void everything_coupling_advance(everything_coupling_t *self, float u)
+EVERYTHING_INLINE void everything_coupling_advance(everything_coupling_t *self)
 {
-    (void)u;
     self->sample[0][1] = self->sample[0][0];
 }
 
-static void everything_drift_init(everything_drift_t *self, float u)
+static void everything_drift_init(everything_drift_t *self)
 {
-    (void)u;
     self->bias_um = 0.0f;
     self->bias_low_um = 0.0f;
 }
@@ -893,18 +888,16 @@ EVERYTHING_INLINE void everything_drift_regressors(const everything_drift_t *sel
     phi[0] = self->bias_um;
 }
 
-EVERYTHING_INLINE void everything_drift_advance(everything_drift_t *self, float u)
+EVERYTHING_INLINE void everything_drift_advance(everything_drift_t *self)
 {
     (void)self;
-    (void)u;
 }
 
-/* Every term at rest under the input u. */
-static void everything_terms_init(everything_terms_t *terms, float u)
+static void everything_terms_init(everything_terms_t *terms)
 {
-    everything_periodic_init(&terms->periodic, u);
-    everything_coupling_init(&terms->coupling, u);
-    everything_drift_init(&terms->drift, u);
+    everything_periodic_init(&terms->periodic);
+    everything_coupling_init(&terms->coupling);
+    everything_drift_init(&terms->drift);
 }
 
 /* phi(k), in the order of the weights. */
@@ -930,12 +923,12 @@ EVERYTHING_INLINE uint32_t everything_terms_listen(everything_terms_t *terms, co
     return status;
 }
 
-/* w(k) acts. */
-EVERYTHING_INLINE void everything_terms_advance(everything_terms_t *terms, float u)
+/* One sample later. */
+EVERYTHING_INLINE void everything_terms_advance(everything_terms_t *terms)
 {
-    everything_periodic_advance(&terms->periodic, u);
-    everything_coupling_advance(&terms->coupling, u);
-    everything_drift_advance(&terms->drift, u);
+    everything_periodic_advance(&terms->periodic);
+    everything_coupling_advance(&terms->coupling);
+    everything_drift_advance(&terms->drift);
 }
 
 /* sum_j theta_j phi_j(k). */
@@ -980,7 +973,8 @@ void everything_init(everything_t *self, float y_um, float u_V)
     self->y_um = everything_checked_y(self, y_um, &events);
     self->u_V = everything_checked_u(self, u_V, &events);
     everything_count_events(self, &events);
-    everything_terms_init(&self->terms, everything_inputs_init(&self->inputs, self->u_V));
+    (void)everything_inputs_init(&self->inputs, self->u_V);
+    everything_terms_init(&self->terms);
 }
 
 void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS])
@@ -994,7 +988,7 @@ EVERYTHING_INLINE float everything_apply(everything_t *self, float base, float g
     const float rules = (base + u * gain) * per_weight;
     const float y_next = everything_flushed(rules + extra);
 
-    everything_terms_advance(&self->terms, u);
+    everything_terms_advance(&self->terms);
     self->y_um = y_next;
     return y_next;
 }

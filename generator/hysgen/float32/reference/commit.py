@@ -90,18 +90,16 @@ class Committer:
         return named
 
     def _snapshot(self, where: Mask, answer: Words) -> Words:
-        """Copy theta into the candidate; refuse too few updates, numbers above the limit, weights over the budget."""
+        """Copy theta into the candidate; refuse too few updates and numbers above the limit."""
         learner, numbers = self.learner, self.numbers
         young = where & (learner.age < numbers.settings.mature)
         where = where & ~young
         self.theta = np.where(where, learner.theta, self.theta)
         self._fold(where)
         beyond = where & (bits_of(magnitude(self.theta)) >= bits_of(np.asarray(learner.numbers.limit_um))).any(axis=0)
-        far = where & ~beyond & self._over_budget()
         answer = np.where(young, np.uint32(Commit.REFUSED_YOUNG), answer)
         answer = np.where(beyond, np.uint32(Commit.REFUSED_LIMIT), answer)
-        answer = np.where(far, np.uint32(Commit.REFUSED_WEIGHTS), answer)
-        where = where & ~beyond & ~far
+        where = where & ~beyond
         self._bound_remainders(where)
         self.point = np.where(where, np.uint32(0), self.point)
         self.phase = np.where(where, _CHECKED, self.phase)
@@ -121,13 +119,6 @@ class Committer:
             rows = self.bank[parameter.group]
             number = self.theta[i] * learner.numbers.per_scale[i]
             rows[parameter.index] = np.where(where, number, rows[parameter.index])
-
-    def _over_budget(self) -> Mask:
-        """Whether sum_j gamma_j |theta_j - weight_j|, weight_j of the model, exceeds the budget; (lanes,)."""
-        moved = np.zeros_like(self.gain_remainder_um_per_V)
-        for j, weight in enumerate(self.bank["weight"]):
-            moved = moved + self.numbers.gammas[j] * magnitude(weight - self.numbers.weights[j])
-        return np.asarray(moved > self.numbers.weight_budget)
 
     def _half_span(self, y: np.float32, u: np.float32, one: np.float32) -> Floats32:
         """R(g) = (max_l g_l - min_l g_l)/2 of g = y q1 + u q2 + one q3, (lanes,)."""

@@ -47,7 +47,7 @@ class Instance(InstanceWords):
         self.u_V = np.full(lanes, self.numbers.rest_V)
         self.y_um, self.u_V = self._checked_y(y_um), self._checked_u(u_V)
         self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s, self._limits())
-        self.terms = [term.mirror(self.inputs.rest, self._model.Ts_s) for term in self._model.terms]
+        self.terms = [term.mirror(self.inputs.rest.size, self._model.Ts_s) for term in self._model.terms]
 
     def aux(self, values: Sequence[Floats32]) -> None:
         """Set the auxiliary channels of the next sample, (lanes,) each, in the order of `channels`."""
@@ -108,7 +108,7 @@ class Instance(InstanceWords):
         rules = ((y * sums.slope + sums.offset) + w * sums.gain) * reciprocal(sums.weight)
         self.y_um = flushed(rules if extra is None else rules + extra)
         for term in self.terms:
-            term.advance(w)
+            term.advance()
         return self.y_um
 
     def _extra(self) -> Floats32 | None:

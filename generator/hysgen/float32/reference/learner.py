@@ -55,7 +55,7 @@ class Learner(LearnerState):
         self.mean_u_V = flushed(self.mean_u_V + _FAST * away)
         self.u_V = u
         for term in self.terms:
-            term.advance(w)
+            term.advance()
 
     def _evaluate_reading(self, where: Mask, y: Floats32) -> tuple[Floats32, Mask]:
         """Innovation e = y - x' theta - fixed_um [um], (lanes,), and the lanes in which an update with e begins."""

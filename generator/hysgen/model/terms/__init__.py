@@ -1,4 +1,4 @@
-"""Additive terms.
+"""Additive terms: disturbances, which do not depend on the input.
 
 Each kind is one module `<kind>.py` here, which defines `TERM`, a class that satisfies `Term`, and one template
 `terms/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
@@ -13,23 +13,22 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.model.terms.base import DensityTerm, Drive, Mirror, StateSpace, Term, TermBox, box_of, loop_row, past_input
+from hysgen.model.terms.base import Drive, Mirror, Term, TermBox, box_of
 
 __all__ = [
-    "DensityTerm",
     "Drive",
     "Mirror",
-    "StateSpace",
     "Term",
     "TermBox",
     "box_of",
     "channels_of",
     "kinds",
-    "loop_row",
     "part_facts",
-    "past_input",
     "term_from_json",
 ]
+
+FORMER = ("memory", "creep", "resonance")
+"""Kinds of terms of earlier versions; blocks of the path (`model.path`) have taken their place."""
 
 
 @functools.lru_cache(maxsize=1)
@@ -57,6 +56,8 @@ def channels_of(terms: Sequence[Term]) -> tuple[str, ...]:
 def term_from_json(data: Mapping[str, Any]) -> Term:
     """Inverse of `Term.to_json`. Raises ModelError if the kind is unknown or a field malformed."""
     kind = str(data.get("kind"))
+    if kind in FORMER:
+        raise ModelError(f"terms: {kind}: this hysgen has it in the path, ahead of the rules; fit the model again")
     if kind not in kinds():
         raise ModelError(f"terms: kind {kind!r} is unknown; this hysgen knows {', '.join(kinds()) or 'none'}")
     try:

@@ -1,13 +1,14 @@
-"""The interface of an additive term: regressors in float64, float32 mirror, linear dynamics, JSON.
+"""The interface of an additive term, a disturbance: regressors in float64, float32 mirror, JSON.
 
 Model, mirror and generated C process a sample in this order:
 
     listen      the auxiliary channels of sample k, if the model has any
     correct     the innovation y(k) - yhat(k), where y(k) is measured (predict, learn), not in a free run or an inverse
     regressors  phi_j(k), whose weighted sum is added to y(k+1)
-    advance     u(k) acts on the state
+    advance     the state moves on by one sample
 
-Thus phi_j(k) does not depend on u(k), the model is affine in u(k), and Eq. (11) inverts it.
+No regressor depends on the input: what the stage makes of the input is the path's part (`model.path`), and Eq. (11)
+inverts the rules alone.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol, Self, runtime_checkable
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,11 +34,11 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Drive:
-    """The inputs of the terms over one segment.
+    """The inputs of rules and terms over one segment.
 
-    u_V: (n,) the input of the stage, after the model's input blocks; aux: channels of (n,).
+    u_V: (n,) the input of the rules, after the path; aux: channels of (n,).
     Ts_s: sampling period; first: index of sample 0 in absolute time.
-    start: state of a term before sample 0, by its kind; terms that are not named start at `Term.start`.
+    start: state of a term before sample 0, by its kind; terms that are not named start as after `_init`.
     innovation_um: (n,) y(k) minus its one-step prediction by the model without drift; only the drift term reads it, and
     only past samples. None in a free run without measurements.
     """
@@ -48,24 +49,6 @@ class Drive:
     first: int = 0
     start: Mapping[str, Floats] = field(default_factory=dict)
     innovation_um: Floats | None = None
-
-
-@dataclass(frozen=True)
-class StateSpace:
-    """A term that is linear in the input: x(k+1) = A x(k) + B u(k), phi(k) = C x(k).
-
-    A: (m, m); B: (m,); C: (size, m); m may be 0 (a term that the input does not drive). The free run is stable if A is.
-    The inverse at a frozen gain b has the state matrix A - B theta C / b.
-    """
-
-    A: Floats
-    B: Floats
-    C: Floats
-
-    @classmethod
-    def undriven(cls, size: int) -> Self:
-        """The system of regressors that do not depend on the input."""
-        return cls(np.zeros((0, 0)), np.zeros(0), np.zeros((size, 0)))
 
 
 @dataclass(frozen=True)
@@ -98,47 +81,18 @@ class Mirror(MirroredStruct, abc.ABC):
 
     @abc.abstractmethod
     def regressors(self) -> list[Floats32]:
-        """phi_j(k), one (lanes,) array each, before u(k) acts."""
+        """phi_j(k), one (lanes,) array each."""
 
     @abc.abstractmethod
-    def advance(self, u_V: Floats32) -> None:
-        """Let u(k), (lanes,), act on the state."""
-
-
-@runtime_checkable
-class SlopeBounded(Protocol):
-    """A nonlinear term with a bound of its slope that is sharper than the sum over the gains of its regressors."""
-
-    def steepest(self, weights: Floats) -> Floats:
-        """(size,) a row: row @ weights bounds |change of theta . phi| / |change of u| for theta = weights.
-
-        For other weights theta, row @ theta is at most the bound of theta.
-        """
-        ...
-
-
-@runtime_checkable
-class DensityTerm(Protocol):
-    """A term whose weights are samples of a physical density, which is not negative and is smooth."""
-
-    def rising(self) -> Floats:
-        """(n, size) rows: certified fits keep each row @ weights at 0 or at the sign of the gain."""
-        ...
-
-    def roughness(self) -> Floats:
-        """(n, size) rows: ||rows @ weights||^2, in the unit of the gain squared, is the penalty of rough densities."""
-        ...
-
-    def past_input(self) -> Flags:
-        """(size,) which regressors are functions of u(k-1) alone."""
-        ...
+    def advance(self) -> None:
+        """Move the state on by one sample."""
 
 
 class Term(ModelPart):
-    """A source of regressors phi_j(k) that do not depend on u(k).
+    """A source of regressors phi_j(k) that do not depend on the input.
 
-    A kind is a frozen dataclass whose fields are the shape parameters. The defaults here are right for one regressor in
-    V without auxiliary channels, shape parameters that are not optimised, and C without constants.
+    A kind is a frozen dataclass whose fields are its parameters. The defaults here are right for one regressor without
+    auxiliary channels, and for C without constants.
     """
 
     parts: ClassVar[tuple[str, ...]] = ()
@@ -157,44 +111,22 @@ class Term(ModelPart):
 
     @abc.abstractmethod
     def describe(self) -> str:
-        """One line of text: the shape parameters with units."""
+        """One line of text: the parameters with units."""
 
     @abc.abstractmethod
     def regressors(self, drive: Drive) -> Floats:
-        """(n, size) float64: phi_j(k) before u(k) acts."""
-
-    @abc.abstractmethod
-    def start(self, u_V: float) -> Floats:
-        """State after the generated `_init`: at rest under a constant input u_V."""
+        """(n, size) float64: phi_j(k)."""
 
     @abc.abstractmethod
     def burn_in(self, drive: Drive) -> int:
         """Samples until the influence of the initial state on the regressors has decayed to 1 %; at most n."""
 
-    @abc.abstractmethod
-    def linear(self, Ts_s: float) -> StateSpace | None:
-        """The term as a linear system, None if it is nonlinear."""
+    def box(self, Ts_s: float) -> TermBox:
+        """What the struct of the generated C never leaves:
 
-    def gains(self, Ts_s: float) -> tuple[float, ...]:
-        """Bounds of sup |phi_j| / sup |u|, valid for changes of both too, for the small-gain test of the inverse.
+            x(k) in box   =>   x(k+1) in box,   |phi_j(k)| <= regressors[j]
 
-        Of a linear term |C| (I - |A|)^-1 |B|, elementwise absolute values. Raises ModelError if the term is not linear
-        or |A| has an eigenvalue of 1 or more.
-        """
-        system = self.linear(Ts_s)
-        if system is not None and system.B.size == 0:
-            return (0.0,) * self.size
-        if system is None or np.abs(np.linalg.eigvals(np.abs(system.A))).max() >= 1.0:
-            raise ModelError(f"terms: {self.kind}: its gains need a bound of their own; write gains() in its file")
-        reach = np.linalg.solve(np.eye(system.B.size) - np.abs(system.A), np.abs(system.B))
-        return tuple(float(gain) for gain in np.abs(system.C) @ reach)
-
-    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
-        """What the struct of the generated C never leaves while the input that reaches the stage stays in v_V:
-
-            x(k) in box, v(k) in v_V   =>   x(k+1) in box,   |phi_j(k)| <= regressors[j]
-
-        in float32, for the state `_init` leaves under any v in v_V and after every later call. The proof of the
+        in float32, for the state `_init` leaves and after every later call. The proof of the
         generated C assumes the box before a call and demands the box after the call, and uses an interval of every
         number but no relation between numbers: so a bound has to be as wide as intervals of each operation make it.
 
@@ -202,36 +134,17 @@ class Term(ModelPart):
         """
         raise ModelError(f"terms: {self.kind}: gives no box of its state; write box() in the file of the term")
 
-    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
-        """Lower and upper bounds of `shape` that a record with this drive can identify."""
-        return np.zeros(0), np.zeros(0)
-
     @abc.abstractmethod
-    def mirror(self, u_V: Floats32, Ts_s: float) -> Mirror:
-        """The float32 reference, initialised by the inputs u_V (lanes,), as the generated `_init` does."""
+    def mirror(self, lanes: int, Ts_s: float) -> Mirror:
+        """The float32 reference over `lanes` instances, initialised as the generated `_init` does."""
 
 
-def loop_row(term: Term, weights: Floats, Ts_s: float) -> Floats:
-    """(size,) a row: row @ weights bounds |change of theta . phi| / |change of u| for theta = weights.
-
-    For other weights theta, row @ theta is at most the bound of theta, so a limit on row @ theta is convex in theta.
-    """
-    if isinstance(term, SlopeBounded):
-        return term.steepest(weights)
-    return np.asarray(term.gains(Ts_s)) * np.sign(weights)
-
-
-def past_input(term: Term) -> Flags:
-    """(size,) which regressors of a term are functions of u(k-1) alone."""
-    return term.past_input() if isinstance(term, DensityTerm) else np.zeros(term.size, dtype=bool)
-
-
-def box_of(term: Term, v_V: Interval, Ts_s: float) -> TermBox:
+def box_of(term: Term, Ts_s: float) -> TermBox:
     """The box of a term, `Term.box`.
 
     Raises ModelError if the kind of the term gives no box, or bounds another number of regressors than the term has.
     """
-    box = term.box(v_V, Ts_s)
+    box = term.box(Ts_s)
     if len(box.regressors) != term.size:
         raise ModelError(f"terms: {term.kind}: box() bounds {len(box.regressors)} regressors, the term has {term.size}")
     return box

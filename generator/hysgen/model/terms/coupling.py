@@ -20,7 +20,7 @@ from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.status import Status
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 
 MOST_TAPS = 64
 
@@ -68,6 +68,8 @@ class Coupling(Term):
     def regressors(self, drive: Drive) -> Floats:
         """(n, channels * taps), channel by channel, the newest sample first.
 
+        The state is ((taps - 1) * channels,) samples before the first, as regressors, oldest first, channel by channel.
+
         Raises ModelError if the drive lacks a channel.
         """
         missing = [name for name in self.channels if name not in drive.aux]
@@ -75,7 +77,8 @@ class Coupling(Term):
             raise ModelError(
                 f"coupling: channel {missing[0]!r} is not in the record; it has {', '.join(drive.aux) or 'none'}"
             )
-        start = drive.start.get(self.kind, self.start(0.0)).reshape(len(self.channels), self.taps - 1)
+        start = drive.start.get(self.kind, np.zeros(len(self.channels) * (self.taps - 1)))
+        start = start.reshape(len(self.channels), self.taps - 1)
         columns = []
         for c, name in enumerate(self.channels):
             value = np.clip(drive.aux[name], self.low[c], self.high[c]) - self.middle[c]
@@ -83,21 +86,11 @@ class Coupling(Term):
             columns += [past[self.taps - 1 - i : past.size - i] for i in range(self.taps)]
         return np.stack(columns, axis=1)
 
-    def start(self, u_V: float) -> Floats:
-        """((taps - 1) * channels,) samples before the first, as regressors, oldest first, channel by channel."""
-        return np.zeros(len(self.channels) * (self.taps - 1))
-
     def burn_in(self, drive: Drive) -> int:
         return min(self.taps - 1, drive.u_V.size)
 
-    def linear(self, Ts_s: float) -> StateSpace:
-        return StateSpace.undriven(self.size)
-
-    def gains(self, Ts_s: float) -> tuple[float, ...]:
-        return (0.0,) * self.size
-
-    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
-        """low_c - m_c <= sample[c][i] <= high_c - m_c for every tap i, in the unit of channel c, whatever v does.
+    def box(self, Ts_s: float) -> TermBox:
+        """low_c - m_c <= sample[c][i] <= high_c - m_c for every tap i, in the unit of channel c.
 
         The C subtracts in float32: 1e-6 of the range on either side is more than the subtraction rounds. phi is the
         samples themselves, channel by channel.
@@ -116,8 +109,8 @@ class Coupling(Term):
         about = "[channel][age], in the unit of the channel, age 0 the newest"
         return (Member("sample", "float", about, (len(self.channels), self.taps)),)
 
-    def mirror(self, u_V: Floats32, Ts_s: float) -> ChannelMirror:
-        return ChannelMirror(self, u_V)
+    def mirror(self, lanes: int, Ts_s: float) -> ChannelMirror:
+        return ChannelMirror(self, lanes)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {
@@ -136,11 +129,11 @@ class Coupling(Term):
 class ChannelMirror(Mirror):
     """Float32 channels over lanes."""
 
-    def __init__(self, term: Coupling, u_V: Floats32) -> None:
+    def __init__(self, term: Coupling, lanes: int) -> None:
         self.members = term.members()
         self._channels = term.channels
         self._limits = [np.asarray(numbers) for numbers in term.constants(1.0).values()]
-        self.sample: list[list[Floats32]] = [[np.zeros_like(u_V)] * term.taps for _ in term.channels]
+        self.sample: list[list[Floats32]] = [[np.zeros(lanes, np.float32)] * term.taps for _ in term.channels]
 
     def listen(self, aux: Mapping[str, Floats32]) -> Bits:
         status = np.zeros(self.sample[0][0].shape, dtype=np.uint32)
@@ -156,7 +149,7 @@ class ChannelMirror(Mirror):
     def regressors(self) -> list[Floats32]:
         return [value for past in self.sample for value in past]
 
-    def advance(self, u_V: Floats32) -> None:
+    def advance(self) -> None:
         for past in self.sample:
             past[1:] = past[:-1]
 

@@ -23,9 +23,9 @@ import numpy as np
 
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
-from hysgen.model.intervals import Interval, symmetric
+from hysgen.model.intervals import symmetric
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
+from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.twofloat import KEPT, accumulate
 
 
@@ -55,7 +55,7 @@ class Drift(Term):
 
     def regressors(self, drive: Drive) -> Floats:
         """(n, 1) the bias in um: from past one-step errors if the drive has them, else constant."""
-        start = drive.start.get(self.kind, self.start(0.0))
+        start = drive.start.get(self.kind, np.zeros(1))
         if drive.innovation_um is None:
             return np.full((drive.u_V.size, 1), start[0])
         # b(k) is a sum over the errors of samples 1 .. k: there is no prediction of sample 0.
@@ -63,32 +63,13 @@ class Drift(Term):
         bias = lag_states(errors, np.array([self.rate(drive.Ts_s)]), start)
         return np.clip(bias, -self.limit_um, self.limit_um)
 
-    def start(self, u_V: float) -> Floats:
-        return np.zeros(1)
-
     def burn_in(self, drive: Drive) -> int:
         return int(min(drive.u_V.size, np.ceil(np.log(100.0) * self.tau_s / drive.Ts_s)))
 
-    def linear(self, Ts_s: float) -> StateSpace:
-        return StateSpace.undriven(self.size)
-
-    def gains(self, Ts_s: float) -> tuple[float, ...]:
-        return (0.0,)
-
-    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+    def box(self, Ts_s: float) -> TermBox:
         """|bias_um| <= limit [um], |bias_low_um| < LIMIT of `twofloat` [um]; phi is bias_um."""
         limit = float(self.constants(Ts_s)["limit"][0])
         return TermBox({"bias_um": symmetric(limit), "bias_low_um": KEPT}, (limit,))
-
-    def shape(self) -> Floats:
-        """(1,) natural logarithm of tau in s."""
-        return np.array([np.log(self.tau_s)])
-
-    def with_shape(self, shape: Floats) -> Self:
-        return type(self)(float(np.exp(shape[0])), self.limit_um)
-
-    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
-        return np.log([20.0 * drive.Ts_s]), np.log([drive.Ts_s * drive.u_V.size])
 
     def members(self) -> tuple[Member, ...]:
         return (
@@ -96,9 +77,9 @@ class Drift(Term):
             Member("bias_low_um", "float", "rounding error of `bias_um`, carried along [um]"),
         )
 
-    def mirror(self, u_V: Floats32, Ts_s: float) -> BiasMirror:
+    def mirror(self, lanes: int, Ts_s: float) -> BiasMirror:
         constants = self.constants(Ts_s)
-        return BiasMirror(self, constants["rate"][0], constants["limit"][0], u_V)
+        return BiasMirror(self, constants["rate"][0], constants["limit"][0], lanes)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {
@@ -114,10 +95,10 @@ class Drift(Term):
 class BiasMirror(Mirror):
     """The float32 bias over lanes, a sum of two words."""
 
-    def __init__(self, term: Drift, rate: np.float32, limit: np.float32, u_V: Floats32) -> None:
+    def __init__(self, term: Drift, rate: np.float32, limit: np.float32, lanes: int) -> None:
         self.members = term.members()
         self._rate, self._limit = rate, limit
-        self.bias_um = self.bias_low_um = np.zeros_like(u_V)
+        self.bias_um = self.bias_low_um = np.zeros(lanes, np.float32)
 
     def correct(self, innovation_um: Floats32) -> None:
         high, self.bias_low_um = accumulate(self.bias_um, self.bias_low_um, self._rate * innovation_um)
@@ -127,8 +108,8 @@ class BiasMirror(Mirror):
     def regressors(self) -> list[Floats32]:
         return [self.bias_um]
 
-    def advance(self, u_V: Floats32) -> None:
-        """The bias does not depend on the input."""
+    def advance(self) -> None:
+        """Only measured samples move the bias."""
 
 
 TERM = Drift

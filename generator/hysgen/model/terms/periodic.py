@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, StateSpace, Term, TermBox
+from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.terms.sine import cosine_sine
 
 BLOCK = 512
@@ -58,33 +57,12 @@ class Periodic(Term):
         phasors = (starts[:, None, :] * block[None, :, :]).reshape(-1, len(self.f_Hz))[:samples]
         return np.ascontiguousarray(phasors).view(np.float64)
 
-    def start(self, u_V: float) -> Floats:
-        return np.zeros(0)
-
     def burn_in(self, drive: Drive) -> int:
         return 0
 
-    def linear(self, Ts_s: float) -> StateSpace:
-        return StateSpace.undriven(self.size)
-
-    def gains(self, Ts_s: float) -> tuple[float, ...]:
-        return (0.0,) * self.size
-
-    def box(self, v_V: Interval, Ts_s: float) -> TermBox:
+    def box(self, Ts_s: float) -> TermBox:
         """The phases are integers and may have any value; |phi| <= 1.001, for cosine and sine are polynomials."""
         return TermBox({}, (1.001,) * self.size)
-
-    def shape(self) -> Floats:
-        """(m,) natural logarithms of f_j in Hz."""
-        return np.asarray(np.log(self.f_Hz))
-
-    def with_shape(self, shape: Floats) -> Self:
-        return type(self)(tuple(float(f) for f in np.exp(np.sort(shape))))
-
-    def shape_bounds(self, drive: Drive) -> tuple[Floats, Floats]:
-        """From two periods in the record to 0.45 of the sampling frequency."""
-        low, high = np.log(2.0 / (drive.Ts_s * drive.u_V.size)), np.log(0.45 / drive.Ts_s)
-        return np.full(len(self.f_Hz), low), np.full(len(self.f_Hz), high)
 
     def members(self) -> tuple[Member, ...]:
         lines = (len(self.f_Hz),)
@@ -93,9 +71,9 @@ class Periodic(Term):
             Member("phase_low", "uint32_t", "lower word of the phase [turns / 2^64]", lines),
         )
 
-    def mirror(self, u_V: Floats32, Ts_s: float) -> PhaseMirror:
+    def mirror(self, lanes: int, Ts_s: float) -> PhaseMirror:
         constants = self.constants(Ts_s)
-        return PhaseMirror(self, constants["turn_high"], constants["turn_low"], u_V)
+        return PhaseMirror(self, constants["turn_high"], constants["turn_low"], lanes)
 
     def constants(self, Ts_s: float) -> Mapping[str, Bits]:
         """Turns per sample in units of 2^-32 and 2^-64.
@@ -129,16 +107,16 @@ def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDAr
 class PhaseMirror(Mirror):
     """64-bit phases over lanes, in two words."""
 
-    def __init__(self, term: Periodic, turn_high: Bits, turn_low: Bits, u_V: Floats32) -> None:
+    def __init__(self, term: Periodic, turn_high: Bits, turn_low: Bits, lanes: int) -> None:
         self.members = term.members()
         self._turns = list(zip(turn_high, turn_low, strict=True))
-        self.phase: list[Bits] = [np.zeros(u_V.shape, dtype=np.uint32) for _ in self._turns]
-        self.phase_low: list[Bits] = [np.zeros(u_V.shape, dtype=np.uint32) for _ in self._turns]
+        self.phase: list[Bits] = [np.zeros(lanes, dtype=np.uint32) for _ in self._turns]
+        self.phase_low: list[Bits] = [np.zeros(lanes, dtype=np.uint32) for _ in self._turns]
 
     def regressors(self) -> list[Floats32]:
         return [part for phase in self.phase for part in cosine_sine(phase)]
 
-    def advance(self, u_V: Floats32) -> None:
+    def advance(self) -> None:
         for j, (turn_high, turn_low) in enumerate(self._turns):
             low = self.phase_low[j] + turn_low
             carry = (low < turn_low).astype(np.uint32)

@@ -82,7 +82,7 @@ def parts_box(model: Model) -> PartsBox:
         applied = Interval(float(numbers.w_min), float(numbers.w_max))
     regressors: list[tuple[float, ...]] = []
     for term in model.terms:
-        box = terms.box_of(term, applied, model.Ts_s)
+        box = terms.box_of(term, model.Ts_s)
         floats |= {f"terms.{term.kind}.{path}": interval for path, interval in box.floats.items()}
         integers |= {f"terms.{term.kind}.{path}": largest for path, largest in box.integers.items()}
         regressors.append(box.regressors)
