@@ -228,8 +228,8 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
- * 1216 float +-, 890 float *, 75 float comparisons, 666 integer, 818 loads, 614 stores, 21 branches.
- * C674x: about 2962 cycles (estimate). */
+ * 1216 float +-, 890 float *, 75 float comparisons, 664 integer, 818 loads, 614 stores, 22 branches.
+ * C674x: about 2981 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; EXTENDED_COMMIT_POINTS check points,
