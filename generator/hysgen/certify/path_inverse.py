@@ -159,7 +159,7 @@ def _slope(block: Hysteresis, x: Floats, z: Floats, d: Floats, sign: float) -> F
 
 
 def turning_points(low: float = -1.0, high: float = 1.0) -> Floats:
-    """(n,) turning points of the sampled path in low .. high: the major loop, turns anywhere, and loops of random sizes about random places."""
+    """(n,) turning points in low .. high: the major loop, random turns, loops of random sizes about random places."""
     rng = np.random.default_rng(0)
     anywhere = drawn(rng, low, high, TURNS)
     places, sizes = drawn(rng, low, high, SMALL_LOOPS), drawn(rng, 0.0, 0.25 * (high - low), SMALL_LOOPS)
