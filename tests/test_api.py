@@ -77,7 +77,7 @@ def test_every_result_shows_itself_on_one_line_as_text_and_as_html(results: dict
 
 def test_results_say_what_matters(results: dict[str, Displayed], record: hysgen.Record) -> None:
     assert f"{record.samples} samples at 10 kHz" in repr(results["record"])
-    assert "6 play operators" in str(results["model"])
+    assert "8 plays of degree 3" in str(results["model"])
     assert "equal in every bit" in repr(results["report"])
     assert "stage.h" in str(results["code"])
     assert "cycles" in repr(results["cost"])

@@ -14,16 +14,16 @@
 #define MODEL_PREVIEW  EXTENDED_PREVIEW
 
 #define MODEL_Y_MIN_UM  -0.0555000007f  /* 0xbd6353f8 */
-#define MODEL_Y_MAX_UM  3.0946393f  /* 0x40460e92 */
+#define MODEL_Y_MAX_UM  3.09444547f  /* 0x40460b65 */
 #define MODEL_U_MIN_V  22.0f  /* 0x41b00000 */
 #define MODEL_U_MAX_V  56.0f  /* 0x42600000 */
 #define MODEL_GAIN_SIGN  1.0f  /* 0x3f800000 */
 #define MODEL_PERIOD_NS  0x00004e20u
-#define MODEL_COMMIT_POINTS  0x00000080u
+#define MODEL_COMMIT_POINTS  0x00000020u
 #define MODEL_COMMIT_MATURE  0x00000400u
 
 /* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
-#define MODEL_DIGEST   { 0x73238041u, 0xce504613u, 0xcf853bd4u, 0xd7ac50d3u }
+#define MODEL_DIGEST   { 0xa0bbf5f5u, 0x7856d239u, 0x9eb5decdu, 0x95b695a2u }
 
 #define MODEL_BUSY       EXTENDED_BUSY
 #define MODEL_COMMITTED  EXTENDED_COMMITTED

@@ -107,7 +107,7 @@ def sampled_slopes(block: Hysteresis, v_V: Interval) -> SampledSlopes:
     """Slopes of a hysteresis along paths of random turns of the voltages v_V."""
     x = np.clip(block.normalised(np.array([v_V.low, v_V.high])), -1.0, 1.0)
     mean = block.mean_slope
-    slopes = slopes_along(block, _turns(float(x[0]), float(x[1]))) * (1.0 if mean > 0.0 else -1.0) / abs(mean)
+    slopes = slopes_along(block, turning_points(float(x[0]), float(x[1]))) * (1.0 if mean > 0.0 else -1.0) / abs(mean)
     return SampledSlopes(
         rounded_down(float(slopes.min()), DIGITS),
         rounded_up(float(slopes.max()), DIGITS),
@@ -124,12 +124,17 @@ def slopes_along(block: Hysteresis, turns: Floats) -> Floats:
     state = block.start(0.5 * (block.low_V + block.high_V) + half * float(turns[0]))
     z, d = state[: block.plays], state[block.plays : block.plays + block.states]
     found = []
-    for a, b in itertools.pairwise(turns):
-        path = np.linspace(a, b, POINTS)[:, None]
+    for stroke in strokes(turns):
+        path = stroke[:, None]
         z_on, d_on = _moved(block, path, z, d)
         found += [_slope(block, path, z_on, d_on, sign) for sign in (1.0, -1.0)]
         z, d = z_on[-1], d_on[-1]
     return np.concatenate(found)
+
+
+def strokes(turns: Floats) -> list[Floats]:
+    """The path between each two turning points, (POINTS,) each."""
+    return [np.linspace(a, b, POINTS) for a, b in itertools.pairwise(turns)]
 
 
 def _moved(block: Hysteresis, path: Floats, z: Floats, d: Floats) -> tuple[Floats, Floats]:
@@ -153,8 +158,8 @@ def _slope(block: Hysteresis, x: Floats, z: Floats, d: Floats, sign: float) -> F
     return np.asarray(slope + total((b + 2.0 * c * np.abs(d)) * (1.0 - sign * d) / np.array(block.reaches)))
 
 
-def _turns(low: float, high: float) -> Floats:
-    """Turning points in low .. high: the major loop, turns anywhere, and loops of random sizes about random places."""
+def turning_points(low: float = -1.0, high: float = 1.0) -> Floats:
+    """(n,) turning points in low .. high: the major loop, random turns, loops of random sizes about random places."""
     rng = np.random.default_rng(0)
     anywhere = drawn(rng, low, high, TURNS)
     places, sizes = drawn(rng, low, high, SMALL_LOOPS), drawn(rng, 0.0, 0.25 * (high - low), SMALL_LOOPS)

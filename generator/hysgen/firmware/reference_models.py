@@ -1,4 +1,4 @@
-"""The two models of firmware/models: the paper's Appendix A, and `extended` with memory, creep and delay.
+"""The two models of firmware/models: the paper's Appendix A, and `extended` with hysteresis, creep and delay.
 
 `python -m hysgen.firmware.reference_models FILE` identifies `extended` again on the virtual laboratory stage;
 the result ships with the package.
@@ -104,12 +104,13 @@ def identified(drive_V: Floats, settings: FitSettings) -> Model:
 
 
 def extended_settings() -> FitSettings:
-    """Settings of `extended`: hysteresis, creep, and a delay.
+    """Settings of `extended`: hysteresis, creep, and a delay; the rules are one lag.
 
-    The delay approximates the amplifier, and the mode far below its frequency.
+    The delay approximates the amplifier, and the mode far below its frequency. The creep per decade is the stage's.
     """
     return FitSettings(
         name="extended",
+        method="batch",
         memory=PathSize(),
         blocks=(Delay(1.8), Creep(0.012, (0.03, 0.3, 3.0, 30.0))),
     )

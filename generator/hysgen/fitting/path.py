@@ -15,7 +15,6 @@ Source of the constrained solution: Lawson and Hanson, Solving Least Squares Pro
 from __future__ import annotations
 
 import dataclasses
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from hysgen.certify.path_inverse import strokes, turning_points
 from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
 from hysgen.fitting.operator import Operator, PathSize
@@ -49,8 +49,8 @@ RIDGE = 1e-7
 MOST_ROWS = 16_000
 """Rows of the least-squares problem; the rows of a longer record are drawn at random."""
 
-PATH_SAMPLES, TURNS, STRIDE = 3000, 60, 0.02
-"""Points of the record's path at which the slope is checked, turns of the random path, and its step in half ranges."""
+PATH_SAMPLES = 3000
+"""Points of the record's path at which the slope is checked."""
 
 ROUNDS, ADDED = 20, 30
 """Rounds of adding violated slopes, and slopes added in each."""
@@ -244,12 +244,9 @@ def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) ->
 
 
 def _paths(task: PathTask, operator: Operator) -> list[Floats]:
-    """Normalised inputs: the record's own, thinned, and turns at random places over the whole range."""
+    """Normalised inputs: the record's own, thinned, and the path of the certificate over the whole range."""
     paths = []
     for segment in task.record.segments:
         u_V = np.clip(segment.u_V, operator.low_V, operator.high_V)
         paths.append(operator.normalised(u_V[:: max(1, task.record.samples // PATH_SAMPLES)]))
-    turns = np.random.default_rng(0).uniform(-1.0, 1.0, TURNS)
-    turns[:3] = -1.0, 1.0, -1.0
-    strokes = [np.linspace(a, b, max(2, int(abs(b - a) / STRIDE))) for a, b in itertools.pairwise(turns)]
-    return [*paths, np.concatenate(strokes)]
+    return [*paths, np.concatenate(strokes(turning_points()))]
