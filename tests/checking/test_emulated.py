@@ -38,7 +38,7 @@ def platform(name: str) -> Platform:
     return found
 
 
-@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "extended", "everything"])
+@pytest.mark.parametrize("name", ["appendix_a", "small_everything"])
 @pytest.mark.slow
 def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None:
     need_platforms()
@@ -50,13 +50,23 @@ def test_five_instruction_sets_give_the_bits_of_the_reference(name: str) -> None
     assert compared >= {"init", "predict", "simulate", "inverse", "selftest"}
     assert ("learn" in compared) == (model(name).learner is not None)
     if model(name).learner is not None:
-        # In the learning run the active bank changes in each platform's own memory, with the host's bits. All commits
-        # of the shipped `extended` may be refused there; the refusals are compared.
+        # In the learning run the active bank changes in each platform's own memory, with the host's bits.
         here, *there = report.learning
         assert len(there) == 5
-        assert here.switches == here.committed >= (0 if name == "extended" else 1)
+        assert here.switches == here.committed >= 1
         assert all(row.equal and row.switches == row.committed == here.committed for row in there)
     assert all(run.builds == 6 for run in report.comparison.runs)
+
+
+@pytest.mark.slow
+def test_an_instruction_set_of_the_other_byte_order_gives_the_bits_of_the_model_that_ships() -> None:
+    need("s390x-linux-gnu-gcc")
+    need("qemu-s390x-static")
+    report = equality(model("extended"), texts("extended"), EmulationSettings(SAMPLES, [platform("s390x")]))
+    assert report.equal, "\n".join(report.lines())
+    here, there = report.learning
+    assert there.equal
+    assert there.switches == there.committed == here.committed
 
 
 class Stuck(HostSide):
@@ -91,7 +101,7 @@ def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
         for label, sources in {"honest": texts("learning"), "stuck": wrong}.items()
     ]
     run, found = compare_commit(model("learning"), builds, seed=1)
-    assert run.samples > 40_000
+    assert run.samples > 20_000
     assert [mismatch.build.split()[0] for mismatch in found] == ["stuck"]
 
 

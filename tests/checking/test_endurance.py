@@ -18,7 +18,7 @@ from hysgen.model.model import Model
 
 pytestmark = pytest.mark.slow
 
-SAMPLES = 200_000
+SAMPLES = 50_000
 
 NO_RESTORING = [
     (r"self->since_refresh < BENCH_LEARN_REFRESH_EVERY", "1"),

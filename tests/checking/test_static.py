@@ -9,8 +9,8 @@ from collections.abc import Mapping
 
 import pytest
 
-from fixtures.generated_models import learning, smooth
-from fixtures.proof_models import model, texts
+from fixtures.generated_models import smooth
+from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.tools import need
 from hysgen.checking.bits.learning_run import LearningResult
 from hysgen.checking.bits.report import Report
@@ -31,15 +31,14 @@ def planted(anchor: str, replacement: str) -> Mapping[str, str]:
 
 
 def learners() -> Mapping[str, LearnerSettings]:
-    """Kinds of learner whose C has another shape than the one in `everything`."""
+    """Kinds of learner whose C has another shape than the one in `small_everything`."""
     return {
-        "rules": LearnerSettings(),
         "bias": LearnerSettings(learned=("bias",)),
         "windowed": LearnerSettings(points_per_call=4, forgetting=1.0),
     }
 
 
-@pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "everything", "extended", "diagnosed"])
+@pytest.mark.parametrize("name", ["appendix_a", "extended", "diagnosed", "small_everything"])
 @pytest.mark.slow
 def test_no_compiler_warns_of_generated_c(name: str) -> None:
     for compiler in COMPILERS:
@@ -52,8 +51,8 @@ def test_no_compiler_warns_of_generated_c(name: str) -> None:
 @pytest.mark.parametrize("kind", learners())
 @pytest.mark.slow
 def test_no_compiler_warns_of_any_learner(kind: str) -> None:
-    learner = dataclasses.replace(learning(), name=kind, learner=learners()[kind])
-    found = wall(kind, generate(learner, Options(clock_Hz=2e9)))
+    learner = dataclasses.replace(model("small"), name=kind, learner=learners()[kind])
+    found = wall(kind, generate(learner))
     assert found.clean, "\n".join(found.lines())
 
 
@@ -79,13 +78,22 @@ def test_every_compiler_sees_a_planted_fault(fault: str, anchor: str, replacemen
 @pytest.mark.slow
 def test_required_misra_rules_are_followed_and_every_deviation_is_advisory_and_met() -> None:
     need("cppcheck")
-    found = [misra(name, texts(name)) for name in ("appendix_a", "appendix_b", "learning", "everything", "extended")]
+    found = [misra(name, texts(name)) for name in ("appendix_a", "small_everything", "small_diagnosed")]
     found.append(misra("smooth_50", generate(smooth(50), Options(clock_Hz=2e9))))
     for report in found:
         assert report.clean, "\n".join(report.lines())
         assert report.required == 0
     assert {deviation.rule for deviation in DEVIATIONS} == set().union(*(report.deviating for report in found))
     assert {deviation.rule for deviation in DEVIATIONS} <= ADVISORY
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.proof
+def test_no_rule_of_misra_is_broken_in_a_model_that_ships(name: str) -> None:
+    need("cppcheck")
+    report = misra(name, shipped(name).texts)
+    assert report.clean, "\n".join(report.lines())
+    assert report.required == 0
 
 
 @pytest.mark.parametrize(
@@ -110,7 +118,7 @@ def test_misra_sees_a_planted_fault(rule: str, anchor: str, replacement: str) ->
 def test_sanitizers_find_nothing_in_what_runs() -> None:
     """Every term, block and the learner; few samples, for `hysgen prove DIR --only sanitize` runs 1e5 of each call."""
     need("gcc")
-    assert sanitize(model("everything"), texts("everything"), samples=200).equal
+    assert sanitize(model("small_everything"), texts("small_everything"), samples=200).equal
 
 
 @pytest.mark.parametrize(

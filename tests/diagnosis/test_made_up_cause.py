@@ -31,12 +31,12 @@ assert VOCABULARY.index("slew") < VOCABULARY.index("kick") < VOCABULARY.index("d
 assert effects()["kick"].cause() == "kick"
 
 # Planted.
-u_V = good(np.random.default_rng(3), 4000, 0.0, 100.0)
+u_V = good(np.random.default_rng(3), 2500, 0.0, 100.0)
 stage = Stage(lag_s=3e-3, dac_low_V=-20.0, dac_high_V=120.0).with_effects(kick=0.15)
 record = Record.from_arrays(u_V, run(stage, u_V, 1e-3, 1).displacement_um, 1e-3)
 
 # Found, with its parameter, and extended.
-found = diagnose(record, settings=DiagnoseSettings(fit=FitSettings(name="axis")))
+found = diagnose(record, settings=DiagnoseSettings(fit=FitSettings(name="axis", rules=2)))
 assert set(found.names) == {"memory", "kick"}, found.names
 kick = next(cause for cause in found.causes if cause.name == "kick")
 tolerance, truth = effects()["kick"].tolerances["kick.share"], 0.15
