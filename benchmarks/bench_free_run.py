@@ -14,9 +14,9 @@ import numpy as np
 
 from hysgen.display import table
 from hysgen.model.model import Grid, Model
+from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.simulate import simulate
 from hysgen.model.terms import Drive
-from hysgen.model.terms.memory import Memory
 
 LENGTHS = (10_000, 100_000, 1_000_000, 10_000_000)
 RULES = (3, 4, 6, 10, 15, 19, 20, 30, 40, 50)
@@ -28,8 +28,11 @@ def smooth(rules: int, plays: int = 0) -> Model:
     """A stable lag over 0 .. 10 um whose rules change smoothly, with play operators or without."""
     place = np.linspace(0.0, 1.0, rules)
     consequents = np.column_stack([0.97 + 0.01 * place, np.full(rules, 0.002), 0.02 * place])
-    terms = (Memory.uniform(plays, 45.0),) if plays else ()
-    return Model("smooth", TS_S, Grid(0.0, 10.0, rules), consequents, 0.0, 120.0, terms, np.full(plays, 2e-5))
+    r = np.arange(1, plays + 1) / (plays + 1.0)
+    block = Hysteresis(0.0, 120.0, (4.0, 4.0), tuple(r.tolist()), tuple(np.full(plays, 1.0 / max(plays, 1)).tolist()))
+    if plays:
+        consequents[:, 1] = 0.03
+    return Model("smooth", TS_S, Grid(0.0, 10.0, rules), consequents, 0.0, 120.0, blocks=(block,) if plays else ())
 
 
 def seconds(model: Model, samples: int) -> str:

@@ -10,20 +10,19 @@ from pathlib import Path
 
 from hysgen.certify.certificates import certify
 from hysgen.display import table
-from hysgen.fitting import FitSettings, Method, estimate_starts, fit
+from hysgen.fitting import FitSettings, Method, PathSize, estimate_starts, fit
 from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import score
-from hysgen.model.terms import Term
-from hysgen.model.terms.memory import Memory
 from hysgen.record import load_record
 
 ROWS_TO_FIT = 5000
-CASES: tuple[tuple[str, Method, tuple[Term, ...]], ...] = (
-    ("6 rules, Eq. (10)", "rls", ()),
-    ("6 rules, batch", "batch", ()),
-    ("6 rules, refined", "refined", ()),
-    ("6 rules, 10 plays, batch", "batch", (Memory.uniform(10, 1.6),)),
-    ("6 rules, 10 plays, refined", "refined", (Memory.uniform(10, 1.6),)),
+UNSCORED = 300
+CASES: tuple[tuple[str, Method, PathSize | None], ...] = (
+    ("6 rules, Eq. (10)", "rls", None),
+    ("6 rules, batch", "batch", None),
+    ("6 rules, refined", "refined", None),
+    ("with memory, one lag", "batch", PathSize()),
+    ("with memory, refined", "refined", PathSize()),
 )
 
 
@@ -31,10 +30,10 @@ def main() -> None:
     """Print one table in um rms, and the certificates of each model."""
     known, fresh = load_record(Path(os.environ["HYSGEN_DATA"]) / "dbo" / "ramps.csv").split_at(ROWS_TO_FIT)
     rows, certificates = [], []
-    for label, method, terms in CASES:
-        model = fit(known, FitSettings(method=method, terms=terms))
+    for label, method, memory in CASES:
+        model = fit(known, FitSettings(method=method, memory=memory))
         found = score(model, fresh)
-        knowing = score(model, fresh, starts=estimate_starts(model, fresh)).free_run if terms else found.free_run
+        knowing = score(model, fresh, starts=estimate_starts(model, fresh, [UNSCORED])).free_run
         values = (found.one_step.e_rms_um, found.free_run.e_rms_um, knowing.e_rms_um)
         rows.append([label, *(f"{value:.4f}" for value in values)])
         certificates += [f"{label}: {line}" for line in certify(model).lines()]

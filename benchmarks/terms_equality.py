@@ -22,26 +22,30 @@ from hysgen.display import table
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
+from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
 from hysgen.model.terms import Term
 from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.creep import Creep
 from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.memory import Memory
 from hysgen.model.terms.periodic import Periodic
-from hysgen.model.terms.resonance import Resonance
 
 TERMS: tuple[Term, ...] = (
-    Memory.polynomial(6, 3, -20.0, 120.0, past_input=True),
-    Creep.log_spaced(4, 1e-3, 10.0),
-    Resonance((730.0,), (0.05,)),
     Periodic((50.0,)),
     Coupling(("temperature",), (20.0,), (24.0,), taps=2),
     Drift(0.1, 0.05),
 )
-BLOCKS: tuple[InputBlock, ...] = (Saturation(-15.0, 110.0), Slew(2e6, 1.5e6), Delay(2.4))
+BLOCKS: tuple[InputBlock, ...] = (
+    Saturation(-15.0, 110.0),
+    Slew(2e6, 1.5e6),
+    Delay(2.4),
+    Hysteresis(-20.0, 120.0, (50.0, 60.0, 2.0), (0.1, 0.3, 0.6), (5.0, 0.2, 0.1) * 3, 0.8, (0.5, 0.2, 0.3, 0.0)),
+    Creep(0.01, (1e-3, 0.1, 10.0)),
+    Modes((730.0,), (0.05,), (0.3,), 4e-4),
+)
 
 
 def model(name: str, terms: tuple[Term, ...], blocks: tuple[InputBlock, ...]) -> Model:

@@ -107,8 +107,8 @@ FAULTS = {
     ),
     "low word of a slow state": (
         "stage.c",
-        "*low = t - (sum - *high);",
-        "*low = 0.0f;",
+        "self->low[0] = stage_lost(high0, t0);",
+        "self->low[0] = 0.0f;",
         "predict",
         "inputs.creep.low[0]",
     ),
