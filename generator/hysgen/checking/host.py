@@ -77,7 +77,7 @@ class Host:
         return np.frombuffer(self._library.ffi.buffer(struct), dtype=np.uint32)
 
     def layout(self, struct: str) -> dict[str, int]:
-        """Word index of every scalar in a struct, by its C path: `y_um`, `terms.memory.play[2]`, `bank[1].gain[0]`."""
+        """Word index of every scalar in a struct, by its C path: `y_um`, `inputs.creep.low[2]`, `bank[1].gain[0]`."""
         return {word.path: place for place, word in enumerate(self.interface.struct(struct).words())}
 
     def run(

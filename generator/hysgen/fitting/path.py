@@ -52,7 +52,7 @@ MOST_ROWS = 16_000
 PATH_SAMPLES = 3000
 """Points of the record's path at which the slope is checked."""
 
-ROUNDS, ADDED = 20, 30
+ROUNDS, ADDED = 200, 30
 """Rounds of adding violated slopes, and slopes added in each."""
 
 CREPT = (1 / 30, 1 / 8)

@@ -25,7 +25,7 @@ LaneWords: TypeAlias = NDArray[np.float32] | Bits
 
 @dataclass(frozen=True)
 class Word:
-    """A scalar of a struct: its C path, as `terms.memory.play[2]`, and its type."""
+    """A scalar of a struct: its C path, as `inputs.hysteresis.play[2]`, and its type."""
 
     path: str
     type: Scalar
