@@ -14,12 +14,12 @@ from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_
 from hysgen.fitting.free_run import free_run_error
 from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
 from hysgen.fitting.operator import CURVE
-from hysgen.fitting.path import PathColumns, PathTask, path_columns, path_model
+from hysgen.fitting.path import PathColumns, PathTask, known_past, path_columns, path_model
 from hysgen.fitting.refine import Progress, refine
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Grid, Model
-from hysgen.model.regression import Starts, Structure, Trust, full_trust, structure_of
+from hysgen.model.regression import Starts, Structure, Trust, structure_of
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 
@@ -45,7 +45,7 @@ def fit(
     """
     chosen = settings or FitSettings()
     if chosen.on_path:
-        weights = full_trust(record) if trust is None else trust
+        weights = known_past(record) if trust is None else trust
         return fit_path(path_columns(path_task(record, chosen), weights), chosen, weights)
     structure = structure_for(record, chosen)
     weighting = chosen.weighting(trust, starts)

@@ -55,6 +55,9 @@ PATH_SAMPLES = 3000
 ROUNDS, ADDED = 200, 30
 """Rounds of adding violated slopes, and slopes added in each."""
 
+COVERED, LATEST_COVERED = 0.98, 0.3
+"""Share of its range that the input has to cover, and the largest share of a segment that is left out for it."""
+
 CREPT = (1 / 30, 1 / 8)
 """Time constants of the creep that the motion before a record has caused, as shares of its length."""
 
@@ -63,8 +66,8 @@ CREPT = (1 / 30, 1 / 8)
 class PathTask:
     """What a path is fitted to.
 
-    blocks: all blocks but the hysteresis. lags_s: starting values for the lag of the rules; with modes, whose shape
-    belongs to a lag, only the first counts. whole: record of all commands that are known in advance; the grid covers
+    blocks: all blocks but the hysteresis. lags_s: starting values for the lag of the rules; modes bring their own.
+    whole: record of all commands that are known in advance; the grid covers
     the response to them.
     """
 
@@ -79,6 +82,21 @@ class PathTask:
     name: str = "stage"
 
 
+def known_past(record: Record) -> list[Floats]:
+    """Weight of each sample, by segment: 0 until the input has covered its range, at most for LATEST_COVERED of it.
+
+    Before, plays may stand anywhere.
+    """
+    weights = []
+    for segment in record.segments:
+        swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
+        first = int(np.argmax(swept >= COVERED * swept[-1]))
+        weight = np.ones(segment.samples)
+        weight[: min(first, int(LATEST_COVERED * segment.samples))] = 0.0
+        weights.append(weight)
+    return weights
+
+
 @dataclass(frozen=True, eq=False)
 class PathColumns:
     """The linear problem of a path over a record, whatever rows count: columns behind the lag `lag_s`, (p, n)."""
@@ -91,9 +109,8 @@ class PathColumns:
 def path_columns(task: PathTask, trust: Trust) -> PathColumns:
     """The columns of a path, with the lag of least error on the rows of `trust`; with modes, the lag is theirs."""
     behind = [_behind(task, segment) for segment in task.record.segments]
-    lag_s = task.lags_s[0]
-    if not any(isinstance(block, Modes) for block in task.blocks):
-        lag_s = _searched_lag(task, _Kept.of(task, trust), behind)
+    modes = next((block for block in task.blocks if isinstance(block, Modes)), None)
+    lag_s = _searched_lag(task, _Kept.of(task, trust), behind) if modes is None else modes.lag_s
     return PathColumns(task, lag_s, np.hstack([_lagged(task, *columns, lag_s) for columns in behind]))
 
 
