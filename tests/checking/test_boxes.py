@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pytest
 
 from fixtures.generated_models import diagnosed
 from fixtures.proof_models import model, shipped, texts
-from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, hard_inputs, model_with
+from fixtures.term_models import BLOCKS, FUNCTIONS, OTHERS, TERMS, compiled_with, hard_inputs, model_with
 from fixtures.tools import need
 from hysgen.checking.host import Host
 from hysgen.checking.proof.eva.banks import state_box
@@ -23,7 +23,6 @@ from hysgen.checking.proof.eva.boxes import parts_box
 from hysgen.checking.proof.eva.calls import prove_call, step
 from hysgen.checking.proof.eva.learn import learn_step
 from hysgen.checking.proof.eva.learner_box import WILD, learner_box
-from hysgen.codegen import Options, generate
 from hysgen.codegen.interface import Interface, interface_of
 from hysgen.errors import ModelError
 from hysgen.model import path as inputs
@@ -74,17 +73,16 @@ def of_instance(host: Host, function: str, seed: int) -> dict[str, np.ndarray]:
     return {path: values[:, layout[path]] for path in floats_of(host.interface, struct) if not path.startswith("bank[")}
 
 
-def assert_in_box(found: Model, function: str) -> None:
-    generated = generate(found, Options(clock_Hz=2e9))
-    ran = of_instance(Host(found.name, generated), function, seed=5)
-    assert outside(ran, state_box(found)) == []
+def assert_in_box(terms: Sequence[Term], blocks: Sequence[InputBlock], function: str) -> None:
+    found, host = compiled_with(tuple(terms), tuple(blocks))
+    assert outside(of_instance(host, function, seed=5), state_box(found)) == []
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("term", ALL_TERMS, ids=lambda term: f"{term.kind}{term.size}")
 @pytest.mark.slow
 def test_the_state_of_each_term_stays_in_its_box(term: Term, function: str) -> None:
-    assert_in_box(model_with([term]), function)
+    assert_in_box([term], (), function)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -93,7 +91,7 @@ def test_the_state_of_each_term_stays_in_its_box(term: Term, function: str) -> N
 def test_the_state_of_each_block_and_of_a_term_behind_it_stays_in_its_box(
     blocks: list[InputBlock], function: str
 ) -> None:
-    assert_in_box(model_with([TERMS[0]], blocks), function)
+    assert_in_box([TERMS[0]], blocks, function)
 
 
 def test_every_kind_that_is_installed_is_among_them() -> None:
@@ -105,8 +103,8 @@ def test_every_kind_that_is_installed_is_among_them() -> None:
 @pytest.mark.slow
 def test_the_regressors_stay_below_what_their_box_says(function: str) -> None:
     """Of the float32 mirrors, on what reaches the stage in the C."""
-    found = model_with([*ALL_TERMS[:6]], BLOCKS)
-    ran = of_instance(Host(found.name, generate(found)), function, seed=6)
+    found, host = compiled_with(tuple(TERMS), tuple(BLOCKS))
+    ran = of_instance(host, function, seed=6)
     v = np.where(np.isfinite(ran["inputs.v_V"]), ran["inputs.v_V"], np.float32(0.0))
     for term in ALL_TERMS:
         box = terms.box_of(term, parts_box(found).applied_V, found.Ts_s)
