@@ -62,7 +62,6 @@ BUILDS = [
     (sized(6, points_per_call=7), GCC),
     (sized(18), CLANG),
     (sized(24), GCC),
-    (sized(36), GCC),
     (paper("bias"), GCC),
     (paper("rules"), GCC),
     (remembering(), CLANG),

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
 from fixtures.generated_models import hysteresis
-from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, hard_inputs, model_with
+from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, compiled_with, hard_inputs, model_with
 from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.file import load_model
-from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
@@ -23,10 +23,15 @@ from hysgen.model.terms import Term, channels_of
 from hysgen.model.terms.coupling import Coupling
 from hysgen.model.terms.drift import Drift
 
+SAMPLES = 8000
+"""Four times through what `hard_inputs` repeats every 2000 samples."""
 
-def assert_equal_bits(model: Model, function: str, samples: int, start_V: float = 30.0) -> None:
+
+def assert_equal_bits(
+    terms: Sequence[Term], blocks: Sequence[InputBlock], function: str, samples: int, start_V: float = 30.0
+) -> None:
     """Results and all states after every sample, of C and reference, from rest under start_V."""
-    host = Host(model.name, generate(model))
+    model, host = compiled_with(tuple(terms), tuple(blocks))
     y, u, y_next, *aux = hard_inputs(samples, host.channels, seed=20240607)
     inputs = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
     layout = host.layout(f"{model.name}_t")
@@ -48,7 +53,7 @@ def assert_equal_bits(model: Model, function: str, samples: int, start_V: float 
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: f"{term.kind}{term.size}")
 @pytest.mark.slow
 def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None:
-    assert_equal_bits(model_with([term]), function, 20_000)
+    assert_equal_bits([term], (), function, SAMPLES)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -72,21 +77,20 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
 )
 @pytest.mark.slow
 def test_input_blocks_equal_their_reference(blocks: list[InputBlock], function: str) -> None:
-    assert_equal_bits(model_with([TERMS[0]], blocks), function, 20_000)
+    assert_equal_bits([TERMS[0]], blocks, function, SAMPLES)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.slow
 def test_all_terms_and_blocks_together_equal_their_reference(function: str) -> None:
-    assert_equal_bits(model_with(TERMS, [*BLOCKS, *RESPONSES]), function, 20_000)
+    assert_equal_bits(TERMS, [*BLOCKS, *RESPONSES], function, SAMPLES)
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.slow
 def test_a_start_beyond_the_saturation_rests_at_its_level(function: str) -> None:
-    model = model_with(TERMS, [*BLOCKS, RESPONSES[1]])
-    assert_equal_bits(model, function, 200, start_V=110.0)
-    host = Host(model.name, generate(model))
+    assert_equal_bits(TERMS, [*BLOCKS, RESPONSES[1]], function, 200, start_V=110.0)
+    model, host = compiled_with(tuple(TERMS), (*BLOCKS, RESPONSES[1]))
     struct, layout = host.instance(2.0, 110.0), host.layout(f"{model.name}_t")
     words = host.words_of(struct).view(np.float32)
     for path in ("inputs.v_V", "inputs.slew.last_V", "inputs.delay.ring[0]", "inputs.creep.high[0]"):
@@ -117,7 +121,7 @@ def test_flushing_denormals_to_zero_changes_no_bit() -> None:
 @pytest.mark.slow
 def test_order_of_the_terms_does_not_matter_to_the_equality() -> None:
     for terms in itertools.permutations(TERMS):
-        assert_equal_bits(model_with(terms, BLOCKS), "predict", 2000)
+        assert_equal_bits(terms, BLOCKS, "predict", 2000)
 
 
 def test_channels_are_named_in_the_order_of_the_c() -> None:
