@@ -14,7 +14,7 @@
 #define MODEL_PREVIEW  EXTENDED_PREVIEW
 
 #define MODEL_Y_MIN_UM  -0.0555000007f  /* 0xbd6353f8 */
-#define MODEL_Y_MAX_UM  3.09444547f  /* 0x40460b65 */
+#define MODEL_Y_MAX_UM  3.00921774f  /* 0x40409706 */
 #define MODEL_U_MIN_V  22.0f  /* 0x41b00000 */
 #define MODEL_U_MAX_V  56.0f  /* 0x42600000 */
 #define MODEL_GAIN_SIGN  1.0f  /* 0x3f800000 */
@@ -23,7 +23,7 @@
 #define MODEL_COMMIT_MATURE  0x00000400u
 
 /* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
-#define MODEL_DIGEST   { 0xa0bbf5f5u, 0x7856d239u, 0x9eb5decdu, 0x95b695a2u }
+#define MODEL_DIGEST   { 0x11d8bd36u, 0x41816814u, 0xaf007a99u, 0x1119ad82u }
 
 #define MODEL_BUSY       EXTENDED_BUSY
 #define MODEL_COMMITTED  EXTENDED_COMMITTED
