@@ -1776,6 +1776,7 @@ static APPENDIX_A_STRAIGHT void appendix_a_store_regressors(appendix_a_learner_t
     const float y_share = y * APPENDIX_A_LEARN_PER_Y;
     const float u_share = u * APPENDIX_A_LEARN_PER_U;
 
+    self->fixed_um = 0.0f;
     self->x[0] = appendix_a_on_grid(firing0 * y_share);
     self->x[1] = appendix_a_on_grid(firing0 * u_share);
     self->x[2] = appendix_a_on_grid(firing0);
@@ -1794,7 +1795,6 @@ static APPENDIX_A_STRAIGHT void appendix_a_store_regressors(appendix_a_learner_t
     self->x[15] = appendix_a_on_grid(firing5 * y_share);
     self->x[16] = appendix_a_on_grid(firing5 * u_share);
     self->x[17] = appendix_a_on_grid(firing5);
-    self->fixed_um = 0.0f;
     self->fresh = outside ^ 1u;
     self->y_um = y_um;
     appendix_a_count_learner_event(self, &self->outside, outside, APPENDIX_A_LEARN_OUTSIDE);

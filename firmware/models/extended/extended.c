@@ -2298,6 +2298,7 @@ static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self
     const float y_share = y * EXTENDED_LEARN_PER_Y;
     const float u_share = u * EXTENDED_LEARN_PER_U;
 
+    self->fixed_um = 0.0f;
     self->x[0] = extended_on_grid(firing0 * y_share);
     self->x[1] = extended_on_grid(firing0 * u_share);
     self->x[2] = extended_on_grid(firing0);
@@ -2316,7 +2317,6 @@ static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self
     self->x[15] = extended_on_grid(firing5 * y_share);
     self->x[16] = extended_on_grid(firing5 * u_share);
     self->x[17] = extended_on_grid(firing5);
-    self->fixed_um = 0.0f;
     self->fresh = outside ^ 1u;
     self->y_um = y_um;
     extended_count_learner_event(self, &self->outside, outside, EXTENDED_LEARN_OUTSIDE);

@@ -54,6 +54,11 @@ class KnownRegisters(NamedTuple):
             )
         return max(0, -signed(value.number))
 
+    def without(self, registers: frozenset[int]) -> KnownRegisters:
+        """The known values of the other registers."""
+        values = (None if register in registers else value for register, value in enumerate(self.values))
+        return self._replace(values=tuple(values))
+
 
 def decisive_registers(packets: Mapping[int, Packet], start: int) -> frozenset[int]:
     """Registers that decide a backward branch reachable from `start`, and the registers they are computed from."""

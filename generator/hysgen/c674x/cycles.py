@@ -33,6 +33,11 @@ MAX_VISITS = 4096  # of one packet with different counters; a longer loop is tre
 _LINK = Register(32 + 3)
 _NEVER = 1 << 30
 
+# C6000 EABI (SPRAB89), chapter 3: no argument is in these when a function is entered; when it has returned, only its
+# result and the registers that it preserves hold a value. What is known of the rest would only multiply the states.
+_DEAD_BEFORE = frozenset(side + n for side in (0, 32) for n in (*range(3), *range(16, 32)))
+_DEAD_AFTER = frozenset(side + n for side in (0, 32) for n in (*range(4), *range(6, 10), *range(16, 32)))
+
 
 @dataclass(frozen=True)
 class CycleBounds:
@@ -86,6 +91,11 @@ def bounds(
     known = counters.entry_values(registers)
     best, worst = walk.extremes(_Place(start, taken=(0,) * len(limits), known=known))
     return CycleBounds(best, worst, tuple(sorted(walk.data_dependent)), walk.stack_bytes)
+
+
+def _without(registers: frozenset[int], place: _Place) -> _Place:
+    """`place` without knowledge about `registers`."""
+    return place._replace(known=place.known.without(registers), answers=place.answers.without(registers))
 
 
 class _Walk:
@@ -155,7 +165,7 @@ class _Walk:
                 raise TargetError(f"{place.address:08x}: a call through a pointer; its target is unknown")
             elif after.returns:
                 address, outer = after.returns[-1], after.returns[:-1]
-                yield cycles, after._replace(address=address, landing=landing, returns=outer)
+                yield cycles, _without(_DEAD_AFTER, after._replace(address=address, landing=landing, returns=outer))
             else:
                 yield cycles, None
 
@@ -216,7 +226,7 @@ class _Walk:
             return place
         if len(place.returns) >= MAX_CALL_DEPTH:
             raise TargetError(f"{place.address:08x}: calls nest deeper than {MAX_CALL_DEPTH}; recursion is not bounded")
-        return place._replace(returns=(*place.returns, place.link), link=None)
+        return _without(_DEAD_BEFORE, place._replace(returns=(*place.returns, place.link), link=None))
 
     def _endless(self, place: _Place, head: _Place) -> str:
         inside = sorted(at for at in self.data_dependent if head.address <= at <= place.address + 4 * 8)

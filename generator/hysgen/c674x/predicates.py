@@ -31,6 +31,10 @@ class KnownPredicates(NamedTuple):
         known = dict(self.zero) | {predicate.register.index: executed == predicate.when_zero}
         return KnownPredicates(tuple(sorted(known.items())), self.awaited)
 
+    def without(self, registers: frozenset[int]) -> KnownPredicates:
+        """The knowledge about the other registers."""
+        return self._replace(zero=tuple(pair for pair in self.zero if pair[0] not in registers))
+
     def after(self, written: Sequence[tuple[int, int]], cycles: int) -> KnownPredicates:
         """The knowledge `cycles` cycles after a packet was issued whose results are `written`: (register, delay)."""
         if not written and not self.awaited:

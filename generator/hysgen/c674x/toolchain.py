@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import os
-import re
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -19,8 +18,7 @@ from hysgen.c674x.machine import Machine
 from hysgen.c674x.packets import Packet, packets
 from hysgen.checking.proof.warnings import BASIC
 from hysgen.errors import BuildError
-from hysgen.machine.files import digest, write_whole
-from hysgen.machine.native import cache_folder, compiler_version
+from hysgen.machine.native import cached_object, compiler_version
 
 # -ffp-contract=off, -fno-reciprocal-math: keep the bits. -msdata=none: no pointer register to set up.
 # -fno-modulo-sched: no hardware loops, which the simulator does not model and which save no cycles here.
@@ -46,7 +44,6 @@ FLAGS = (
 )
 
 _PREFIX = "tic6x-elf-"
-_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -108,8 +105,16 @@ def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), scrip
         default_script = resources.files("hysgen.c674x") / "l2ram.ld"
         (here / "link.ld").write_text(script or default_script.read_text(encoding="utf-8"), encoding="utf-8")
         units = [name for name in texts if name.endswith((".c", ".s"))]
-        objects = [str(_object(unit, texts, [*FLAGS, *BASIC, *flags], here)) for unit in units]
-        _run("gcc", [*FLAGS, *flags, "-nostdlib", "-T", "link.ld", *objects, "-lgcc", "-o", "a.out"], here)
+        chosen = [*FLAGS, *BASIC, *flags]
+
+        def compiled(unit: str) -> str:
+            return str(cached_object(unit, texts, [version(), *chosen], lambda path: compile_to(unit, path)))
+
+        def compile_to(unit: str, path: Path) -> None:
+            _run("gcc", [*chosen, "-c", unit, "-o", str(path)], here)
+
+        objects = [compiled(unit) for unit in units]
+        _run("gcc", [*chosen, "-nostdlib", "-T", "link.ld", *objects, "-lgcc", "-o", "a.out"], here)
         # -z: long runs of `nop 1` are encoded as zeros, which objdump would skip.
         listing = _run("objdump", ["-dz", "a.out"], here)
         data = (here / "a.out").read_bytes()
@@ -117,29 +122,6 @@ def compile(sources: Sequence[tuple[str, str]], flags: Sequence[str] = (), scrip
     sizes = {section.name: section.size for section in image.sections}
     wanted = (".text", ".rodata", ".data", ".bss")
     return Firmware(data, image, listing, {name: sizes.get(name, 0) for name in wanted})
-
-
-def _object(unit: str, texts: Mapping[str, str], flags: Sequence[str], here: Path) -> Path:
-    """The compiled `unit`, cached on disk under the digest of its text, its headers, the flags and the compiler."""
-    parts = [part for name in sorted(_included(unit, texts)) for part in (name, texts[name])]
-    recipe = "\0".join([version(), *flags, unit, *parts])
-    target = cache_folder() / f"{digest(recipe.encode())[:32]}.o"
-    if not target.exists():
-        _run("gcc", [*flags, "-c", unit, "-o", f"{unit}.o"], here)
-        write_whole(target, (here / f"{unit}.o").read_bytes())
-    return target
-
-
-def _included(name: str, texts: Mapping[str, str]) -> set[str]:
-    """The file and all of `texts` that it includes, directly and through other files."""
-    found: set[str] = set()
-    todo = [name]
-    while todo:
-        file = todo.pop()
-        if file in texts and file not in found:
-            found.add(file)
-            todo += _INCLUDE.findall(texts[file])
-    return found
 
 
 def _run(tool: str, arguments: Sequence[str], where: Path) -> str:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,9 @@ class Toolchain:
 
 
 # No contraction into FMA, no value-changing optimisations: required for bit-for-bit equality.
-STRICT_FLAGS = ("-std=c99", "-fPIC", "-shared", "-ffp-contract=off", "-fno-fast-math")
+STRICT_FLAGS = ("-std=c99", "-fPIC", "-ffp-contract=off", "-fno-fast-math")
+
+_INCLUDE = re.compile(r"""^\s*#\s*include\s*["<]([^">]+)[">]""", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -90,24 +93,64 @@ def build(
     recipe = "\0".join([chosen.command, version, *flags, *libraries, *(part for pair in sources for part in pair)])
     target = cache_folder() / f"{digest(recipe.encode())[:32]}.so"
     if not target.exists():
-        _compile(sources, chosen.command, flags, libraries, target)
+        _build(dict(sources), chosen.command, flags, libraries, target)
     ffi = FFI()
     ffi.cdef(declarations)
     return Library(ffi, ffi.dlopen(str(target)), target)
 
 
-def _compile(
-    sources: Sequence[tuple[str, str]], command: str, flags: Sequence[str], libraries: Sequence[str], target: Path
+def cached_object(
+    unit: str, texts: Mapping[str, str], recipe: Sequence[str], compile_to: Callable[[Path], None]
+) -> Path:
+    """The object file of `unit`, compiled if the cache does not hold it.
+
+    texts: C texts by file name. recipe: compiler, its version and flags. The object is named by the digest of the
+    recipe, the unit and the headers that it includes. compile_to: writes the object to a path in the cache folder.
+    """
+    parts = [part for name in sorted(_included(unit, texts)) for part in (name, texts[name])]
+    target = cache_folder() / f"{digest(chr(0).join([*recipe, unit, *parts]).encode())[:32]}.o"
+    if not target.exists():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
+            compile_to(Path(scratch, "unit.o"))
+            # Two processes may compile the same unit at once: the atomic rename leaves one complete file.
+            os.replace(Path(scratch, "unit.o"), target)
+    return target
+
+
+def _included(name: str, texts: Mapping[str, str]) -> set[str]:
+    """The file and all of `texts` that it includes, directly and through other files."""
+    included: set[str] = set()
+    todo = [name]
+    while todo:
+        file = todo.pop()
+        if file in texts and file not in included:
+            included.add(file)
+            todo += _INCLUDE.findall(texts[file])
+    return included
+
+
+def _build(
+    texts: Mapping[str, str], command: str, flags: Sequence[str], libraries: Sequence[str], target: Path
 ) -> None:
+    """Compile the units among `texts` and link them to the shared library `target`."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
-        for name, text in sources:
+        for name, text in texts.items():
             Path(scratch, name).write_text(text, encoding="utf-8", newline="\n")
-        units = [name for name, _ in sources if name.endswith(".c")]
-        call = [command, *flags, "-o", "out.so", *units, *libraries]
-        run = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
-        if run.returncode != 0:
-            message = next((line for line in run.stderr.splitlines() if "error" in line), run.stderr.strip()[:200])
-            raise BuildError(f"{command} {' '.join(flags)}: {message}")
-        # Two processes may build the same library at once: the atomic rename leaves one complete file.
+
+        def run(*arguments: str) -> None:
+            done = subprocess.run([command, *arguments], cwd=scratch, capture_output=True, text=True, check=False)
+            if done.returncode != 0:
+                message = next(
+                    (line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip()[:200]
+                )
+                raise BuildError(f"{command} {' '.join(flags)}: {message}")
+
+        def compiled(unit: str) -> str:
+            recipe = [command, compiler_version(command), *flags]
+            return str(cached_object(unit, texts, recipe, lambda path: run(*flags, "-c", "-o", str(path), unit)))
+
+        objects = [compiled(name) for name in texts if name.endswith(".c")]
+        run(*flags, "-shared", "-o", "out.so", *objects, *libraries)
         os.replace(Path(scratch, "out.so"), target)

@@ -2347,6 +2347,7 @@ static DIAGNOSED_STRAIGHT void diagnosed_store_regressors(diagnosed_learner_t *s
     const float y_share = y * DIAGNOSED_LEARN_PER_Y;
     const float u_share = u * DIAGNOSED_LEARN_PER_U;
 
+    self->fixed_um = 0.0f;
     self->x[0] = diagnosed_on_grid(firing0 * y_share);
     self->x[1] = diagnosed_on_grid(firing0 * u_share);
     self->x[2] = diagnosed_on_grid(firing0);
@@ -2365,7 +2366,6 @@ static DIAGNOSED_STRAIGHT void diagnosed_store_regressors(diagnosed_learner_t *s
     self->x[15] = diagnosed_on_grid(firing5 * y_share);
     self->x[16] = diagnosed_on_grid(firing5 * u_share);
     self->x[17] = diagnosed_on_grid(firing5);
-    self->fixed_um = 0.0f;
     self->fresh = outside ^ 1u;
     self->y_um = y_um;
     diagnosed_count_learner_event(self, &self->outside, outside, DIAGNOSED_LEARN_OUTSIDE);
