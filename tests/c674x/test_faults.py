@@ -26,7 +26,7 @@ from fixtures.c674x_operations import accesses_give_the_known_answers, executed,
 from fixtures.c674x_operations import bench as bench_of_operations
 from fixtures.c674x_wrong_rules import LOOSE_LIMITS, WRONG_RULES, notices
 from fixtures.opcode_table import disagreements, opcode_table
-from hysgen.c674x import decode, latency, toolchain, translation
+from hysgen.c674x import decode, latency, packets, toolchain, translation
 from hysgen.c674x.assembly import Instruction
 from hysgen.c674x.decode import MODELLED, Action
 from hysgen.c674x.semantics import FLOAT, INTEGER
@@ -149,14 +149,13 @@ def caught_of(faults: list[Planted]) -> str:
 
 def action_checks(mnemonic: str, turn: Callable[[Any], Any], monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """The checks that notice an action turned wrong, on both engines."""
-    right = decode._action
 
-    def wrong(instruction: Instruction) -> Action | None:
-        action = right(instruction)
-        return turn(action) if instruction.mnemonic == mnemonic and action is not None else action
+    def wrong(instruction: Instruction) -> Action:
+        action = decode.action(instruction)
+        return turn(action) if instruction.mnemonic == mnemonic else action
 
     with monkeypatch.context() as patch:
-        patch.setattr(decode, "_action", wrong)
+        patch.setattr(packets, "action", wrong)
         for interpreted, engine in ((True, "interpreter"), (False, "engine")):
             if mnemonic in STEERING:
                 noticed = notices(STEERING[mnemonic], interpreted)

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy._core import _multiarray_umath as umath
 
 from fixtures.generated_models import path
 from hysgen.certify.certificates import certify
@@ -29,13 +28,15 @@ GENERATE = (
     "print(json.dumps([{n: digest(t.encode()) for n, t in generate(m).items()} for m in firmware_models()]))"
 )
 
+SIMD = np.show_config(mode="dicts")["SIMD Extensions"]
+
 # Old kernels of OpenBLAS, which newer processors run too; NumPy without its vector code; glibc without its own for FMA.
 # What a machine does not know of it, it leaves out. AVX-512 kernels end older processors, so they are not tried.
 MACHINES = {
     "Prescott": {
         "OPENBLAS_CORETYPE": "Prescott",
         "OPENBLAS_NUM_THREADS": "1",
-        "NPY_DISABLE_CPU_FEATURES": " ".join(umath.__cpu_dispatch__),
+        "NPY_DISABLE_CPU_FEATURES": " ".join([*SIMD.get("found", []), *SIMD.get("not found", [])]),
         "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable,-FMA_Usable",
     },
     "Nehalem with 2 threads": {"OPENBLAS_CORETYPE": "Nehalem", "OPENBLAS_NUM_THREADS": "2"},

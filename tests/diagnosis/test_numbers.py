@@ -14,19 +14,18 @@ import numpy as np
 import pytest
 
 from fixtures.bank_records import QUICK, record_of
-from fixtures.linear_stage import (
-    DRIFTING,
-    LAG,
-    LINEAR,
-    scene,
-)
+from fixtures.linear_stage import COMMAND_V, LAG, LINEAR, SPAN_S, T_S, TS_S, scene
 from hysgen.cli import main
 from hysgen.diagnosis import Diagnosis, diagnose, procedure, search
-from hysgen.diagnosis.causes import Estimate, Signature, periodic
+from hysgen.diagnosis.causes import Estimate, Residual, Signature, causes
 from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.error_map import spectrum
 from hysgen.diagnosis.evaluation import Study, evaluate
-from hysgen.diagnosis.probe import Chain, Fit, Scene, Trace, refine
+from hysgen.diagnosis.prepare import prepare
+from hysgen.diagnosis.probe import Fit, Scene, Trace, linear_fit, refine
+from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.search import SearchResult
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
 from hysgen.report.words import parameter_text
@@ -101,44 +100,48 @@ def test_the_unit_of_a_parameter_is_printed_behind_its_value(found: Diagnosis) -
 def test_error_growth_is_as_measured_if_the_likelihood_separates_the_causes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    seen = scene(LAG, 2e-3 * np.linspace(0.0, 1.0, 4000))
-    same = {
-        "forward_step": None,
-        "_slow_error_growth": {},
-        "ratio_above_noise": 1.0 / 1.05,
-        "compare_likelihood": ["drift"],
-    }
-    for name, answer in same.items():
-        monkeypatch.setattr(search, name, lambda *_, answer=answer: answer)
-    for name in ("swap_similar_causes", "swap_slow_causes", "eliminate_backward", "restart", "drop_unsupported_parts"):
-        monkeypatch.setattr(search, name, lambda part, fit, checked: fit)
-    monkeypatch.setattr(search, "likeliest_slow_causes", lambda part, fit: fit.chain)
-    monkeypatch.setattr(search, "_start", lambda part: refine(part, DRIFTING))
-    ended = search.search(seen)
-    assert ended.error_growth == {"drift": pytest.approx(1.05, rel=1e-12)}
-    assert ended.separated_by_likelihood == ("drift",)
+    seen = scene(LAG, 2e-3 * T_S / SPAN_S)
+    measured = search.search(seen).error_growth
+    monkeypatch.setattr(causes()["drift"], "needed", 2.0 * measured["drift"])
+    monkeypatch.setattr(search, "compare_likelihood", lambda *_: ["drift"])
+    separated = search.search(seen)
+    assert separated.error_growth == measured
+    assert separated.separated_by_likelihood == ("drift",)
+
+
+@pytest.fixture(scope="module")
+def drift() -> tuple[Record, SearchResult]:
+    """The record of a linear stage that drifts, and what the search finds in it."""
+    y_um = scene(LAG, 0.1 * T_S / SPAN_S).y_um
+    record = Record.from_arrays(COMMAND_V, y_um, TS_S)
+    return record, search.search(prepare(record).scene())
 
 
 @pytest.mark.parametrize(
-    ("chain", "apart", "why"),
+    ("part", "apart", "why"),
     [
-        (DRIFTING, ("drift",), None),
-        (DRIFTING, (), "the error grows only 1.05 times without it"),
+        (DriftPart(), ("drift",), None),
+        (DriftPart(), (), "the error grows only 1.05 times without it"),
         # A drift that slows down requires a growth of 3; the likelihood replaces only the growth that a ramp requires.
-        (LAG.having(DriftPart(1.0)), ("drift",), "the error grows only 1.05 times without it"),
+        (DriftPart(1.0), ("drift",), "the error grows only 1.05 times without it"),
     ],
 )
 def test_a_cause_that_the_likelihood_separates_is_needed_at_any_error_growth(
-    monkeypatch: pytest.MonkeyPatch, chain: Chain, apart: tuple[str, ...], why: str | None
+    drift: tuple[Record, SearchResult],
+    monkeypatch: pytest.MonkeyPatch,
+    part: DriftPart,
+    apart: tuple[str, ...],
+    why: str | None,
 ) -> None:
-    monkeypatch.setattr(procedure, "_eliminate_by_gain", lambda *given: (list(given[3]), {}, []))
-    seen: Any = SimpleNamespace(
-        error_growth={"drift": 1.05}, separated_by_likelihood=apart, fit=SimpleNamespace(chain=chain)
-    )
-    signatures = {"drift": Signature(True, 9.0, "drifts")}
-    named, _, refused = procedure._agreement(None, seen, signatures, {}, QUICK)  # type: ignore[arg-type]
-    assert named == ([] if why else ["drift"])
-    assert {one.name: one.why for one in refused} == ({"drift": why} if why else {})
+    record, found = drift
+    assert found.fit.chain.get(DriftPart) == DriftPart()
+    fit = refine(search.thinned(found.scene), found.fit.chain.having(part))
+    grown = dataclasses.replace(found, fit=fit, error_growth={"drift": 1.05}, separated_by_likelihood=apart)
+    monkeypatch.setattr(procedure, "search", lambda *_: grown)
+    monkeypatch.setattr(causes()["drift"], "signature", lambda *_: Signature(True, 9.0, "drifts"))
+    naming = procedure.name_causes(record, settings=QUICK)
+    assert naming.names == (() if why else ("drift",))
+    assert {one.name: one.why for one in naming.refused} == ({"drift": why} if why else {})
 
 
 def planted(samples: int) -> tuple[Scene, Fit]:
@@ -162,16 +165,18 @@ def test_noise_is_estimated_from_neighbours_at_any_length_of_record() -> None:
 def test_a_line_is_compared_with_adjacent_frequencies_at_any_length_of_record() -> None:
     """What stands 1.25 Hz beside a line in 6 s of record is background, also where one row in five is looked at."""
     samples, line_Hz = 60_000, 50.0
-    time_s = 1e-4 * np.arange(samples)
-    beside_um = np.sin(2.0 * np.pi * (line_Hz + 1.25) * time_s)
-    noise_um = 0.1 * np.random.default_rng(4).normal(size=samples)
-    seen = Scene((Trace(np.zeros(samples), noise_um, {}),), 1e-4, np.arange(samples), LINEAR)
-    residual = SimpleNamespace(fit=SimpleNamespace(error=beside_um + noise_um), scene=seen)
-    dense, _ = periodic._line_significance(residual, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
-    residual.scene = search.thinned(seen)
-    assert len(residual.scene.rows) == search.MOST_ROWS
-    thinned, _ = periodic._line_significance(residual, line_Hz, 3.0, 0.0)  # type: ignore[arg-type]
-    assert thinned == pytest.approx(dense, rel=0.1)
+    t_s = 1e-4 * np.arange(samples)
+    u_V = 50.0 - 50.0 * np.cos(2.0 * np.pi * 0.7 * t_s)
+    y_um = 0.1 * respond(u_V, LAG, 1e-4) + 0.1 * np.random.default_rng(4).normal(size=samples)
+    y_um += 3.0 * np.sin(2.0 * np.pi * line_Hz * t_s) + np.sin(2.0 * np.pi * (line_Hz + 1.25) * t_s)
+    dense = Scene((Trace(u_V, y_um, {}),), 1e-4, np.arange(samples), LINEAR)
+    thinned = search.thinned(dense)
+    assert len(thinned.rows) == search.MOST_ROWS
+    statistics = []
+    for seen in (dense, thinned):
+        fit = linear_fit(seen, LAG.having(PeriodicPart((line_Hz,))))
+        statistics.append(causes()["periodic"].signature(Residual(seen, fit), fit).z)
+    assert statistics[1] == pytest.approx(statistics[0], rel=0.05)
 
 
 def test_spectrum_of_two_samples_is_finite() -> None:

@@ -84,11 +84,11 @@ class Preempted:
 
     def run(self, entry: int, last: int = RETURN_ADDRESS) -> None:
         """From `entry` until a branch to `last` has landed."""
-        processor = self.machine._processor
+        processor = self.machine.processor
         processor.registers, processor.program_counter = self.registers, entry
-        state, idle = interpreter._Run(processor), 0
+        state, idle = interpreter.PipelineState(processor), 0
         while True:
-            interpreter._land(state)
+            interpreter.land(state)
             target = state.branches.pop(state.cycle, None)
             if target is not None:
                 processor.program_counter, idle = target, 0
@@ -106,13 +106,13 @@ class Preempted:
         drain(state)
         self.registers = processor.registers
 
-    def _due(self, state: interpreter._Run) -> bool:
+    def _due(self, state: interpreter.PipelineState) -> bool:
         """Interrupts are taken between packets that are in no branch's delay slots."""
         return (
             self.interrupt_at is not None and not self.taken and self.issued >= self.interrupt_at and not state.branches
         )
 
-    def _interrupt(self, state: interpreter._Run) -> None:
+    def _interrupt(self, state: interpreter.PipelineState) -> None:
         """Results on their way arrive before the first packet of the interrupt; its return goes to RETURN_ADDRESS."""
         self.taken = True
         processor, back = state.processor, state.processor.program_counter
@@ -121,7 +121,7 @@ class Preempted:
         inner.run(self.machine.address("tick"))
         processor.registers, processor.program_counter = inner.registers, back
 
-    def _issue(self, state: interpreter._Run) -> int:
+    def _issue(self, state: interpreter.PipelineState) -> int:
         """Issue the packet at the program counter; returns its idle cycles."""
         processor = state.processor
         packet = processor.packets[processor.program_counter]
@@ -139,27 +139,27 @@ class Preempted:
             state.branches[state.cycle + 6] = RETURN_ADDRESS
             return 0
         assert packet.refusal is None, packet.refusal
-        interpreter._issue(packet, state)
+        interpreter.issue(packet, state)
         return packet.idle
 
 
-def drain(state: interpreter._Run) -> None:
+def drain(state: interpreter.PipelineState) -> None:
     """Let results on their way arrive."""
     while state.writes:
         state.cycle += 1
-        interpreter._land(state)
+        interpreter.land(state)
 
 
 def called(function: str, argument: int, memory: bytes, interrupt_at: int | None) -> tuple[Preempted, bytes]:
     """Call `function` on a copy of `memory`; returns the run and the memory without the free part of the stack."""
     target = machine()
-    target._processor.memory[:] = memory
+    target.processor.memory[:] = memory
     registers = [0x5A00_0000 + index for index in range(64)]
     registers[4], registers[STACK_POINTER], registers[LINK] = argument, STACK_TOP, RETURN_ADDRESS
     run = Preempted(target, registers, interrupt_at)
     run.control["amr"] = RESTING_AMR
     run.run(target.address(function))
-    here = bytes(target._processor.memory)
+    here = bytes(target.processor.memory)
     top = STACK_TOP - MEMORY_BASE
     return run, here[: top - 0x2000] + here[top:]
 
@@ -182,7 +182,7 @@ def preempted_at_every_packet(function: str, argument: int, memory: bytes) -> tu
 @pytest.mark.slow
 def test_an_interrupt_before_any_packet_leaves_arguments_on_the_stack_alone() -> None:
     """The eleventh argument lies at SP+4 of its caller (SPRAB89, 4.3)."""
-    memory = bytes(machine()._processor.memory)
+    memory = bytes(machine().processor.memory)
     taken, differing = preempted_at_every_packet("victim", 12345, memory)
     assert taken > 10
     assert differing == 0
@@ -197,11 +197,11 @@ def test_an_interrupt_before_any_packet_of_the_idle_loop_changes_no_word() -> No
         u_V = target.call("simulated_interrupt", np.float32(y_um), np.float32(2.0 + 0.6 * np.sin(0.0063 * k)))
         state = target.call("simulated_state").bits & 0xFF
         if state == State.TRACK and k % 16 == 0 and phases < 3:
-            memory = bytes(target._processor.memory)
+            memory = bytes(target.processor.memory)
             interrupts, differing = preempted_at_every_packet("simulated_idle", 0, memory)
             taken, phases = taken + interrupts, phases + 1
             assert differing == 0
-            target._processor.memory[:] = memory
+            target.processor.memory[:] = memory
         if phases == 3:
             break
         target.call("simulated_idle")

@@ -80,8 +80,6 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str)
     assert run.equal
     assert run.commits >= 1
     assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
-    if name != "extended":
-        return  # The bounds of `extended` are the larger ones: it has the same functions, and terms.
     # The longest path through the interrupt, learn_init at the start of learning included, and one call of commit.
     longest = static_bounds(name, compiled)
     interrupt, commit = longest["firmware_interrupt"], longest[f"{name}_commit"]

@@ -17,6 +17,7 @@ from hysgen.errors import HysgenError
 from hysgen.studies.bank import BankResult, Judgement, limits, limits_table, run
 from hysgen.studies.bank.limits import PARAMETERS, QUIET, RECORDS
 from hysgen.studies.bank.log import JudgementLog, read_log
+from hysgen.studies.bank.scenario import Scenario
 
 
 def right(category: str, seed: int) -> Judgement:
@@ -83,13 +84,13 @@ def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list
     """Puts made-up judgements in place of the bank's records; returns the list of what was judged, growing."""
     begun: list[tuple[str, int]] = []
 
-    def one(key: tuple[str, int]) -> Judgement:
+    def one(hidden: Scenario) -> Judgement:
         if len(begun) == stop_at:
             raise KeyboardInterrupt
-        begun.append(key)
-        return dataclasses.replace(right(*key), fall=math.nan)
+        begun.append((hidden.category, hidden.seed))
+        return dataclasses.replace(right(hidden.category, hidden.seed), fall=math.nan)
 
-    monkeypatch.setattr("hysgen.studies.bank.judge_records._one", one)
+    monkeypatch.setattr("hysgen.studies.bank.judge_records.judge", one)
     return begun
 
 
@@ -131,10 +132,10 @@ def test_a_file_that_is_no_log_is_refused_by_its_name(tmp_path: Path, text: str)
 def test_exit_code_says_whether_the_limits_are_met(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fall: float, code: int
 ) -> None:
-    def one(key: tuple[str, int]) -> Judgement:
-        return dataclasses.replace(right(*key), fall=fall)
+    def one(hidden: Scenario) -> Judgement:
+        return dataclasses.replace(right(hidden.category, hidden.seed), fall=fall)
 
-    monkeypatch.setattr("hysgen.studies.bank.judge_records._one", one)
+    monkeypatch.setattr("hysgen.studies.bank.judge_records.judge", one)
     out, told = io.StringIO(), tmp_path / "bank.json"
     words = ["bank", "--seeds", "1:3", "--categories", "memory", "creep", "--jobs", "1", "--json", str(told)]
     assert studies.run_bank(parser().parse_args(words), Console(str(told), out, io.StringIO())) == code

@@ -47,7 +47,7 @@ class _FaultError(Exception):
 
 
 @dataclass
-class _Run:
+class PipelineState:
     """State of a run: the processor, and pending writes and branches by the cycle in which they take effect."""
 
     processor: Processor
@@ -63,10 +63,10 @@ def run(processor: Processor, cycle_limit: int) -> RunCounts:
 
     Raises TargetError with the packet if the processor forbids its effect or the simulator does not model it.
     """
-    state = _Run(processor)
+    state = PipelineState(processor)
     idle = stalls = issued = here = 0
     while True:
-        just_written = _land(state)
+        just_written = land(state)
         target = state.branches.pop(state.cycle, None)
         if target is not None:
             processor.program_counter, idle = target, 0
@@ -80,7 +80,7 @@ def run(processor: Processor, cycle_limit: int) -> RunCounts:
             here = processor.program_counter
             packet = processor.packet(here)
             try:
-                _issue(packet, state)
+                issue(packet, state)
             except _FaultError as fault:
                 raise processor.fault(fault.kind, here, fault.detail) from None
             issued += 1
@@ -90,11 +90,11 @@ def run(processor: Processor, cycle_limit: int) -> RunCounts:
     cycles = state.cycle
     while state.writes:
         state.cycle += 1
-        _land(state)
+        land(state)
     return RunCounts(cycles, stalls, issued, state.unit.denormals, state.unit.nans, state.lowest_stack_pointer)
 
 
-def _land(state: _Run) -> set[Register]:
+def land(state: PipelineState) -> set[Register]:
     """Perform the writes due in this cycle; returns the registers that a cross path would have to wait for."""
     landing = state.writes.pop(state.cycle, [])
     for write in landing:
@@ -104,7 +104,8 @@ def _land(state: _Run) -> set[Register]:
     return {write.register for write in landing if not write.load}
 
 
-def _issue(packet: Packet, state: _Run) -> None:
+def issue(packet: Packet, state: PipelineState) -> None:
+    """Start the instructions of a packet whose predicates hold; their results land in later cycles."""
     registers = tuple(state.processor.registers)
     executed = [
         (instruction, action)
@@ -121,7 +122,9 @@ def _executes(instruction: Instruction, registers: tuple[int, ...]) -> bool:
     return condition is None or (registers[condition.register.index] == 0) == condition.when_zero
 
 
-def _start(instruction: Instruction, action: Action, packet: Packet, registers: tuple[int, ...], state: _Run) -> None:
+def _start(
+    instruction: Instruction, action: Action, packet: Packet, registers: tuple[int, ...], state: PipelineState
+) -> None:
     """Read the operands from `registers`, the values at issue, and schedule the results."""
     match action:
         case Compute(destination=destination, delay=delay):
@@ -167,7 +170,7 @@ def _port(instruction: Instruction) -> str | None:
     return unit.name if unit and unit.kind in "LSM" else None
 
 
-def _later(state: _Run, delay: int, write: _Write) -> None:
+def _later(state: PipelineState, delay: int, write: _Write) -> None:
     landing = state.writes.setdefault(state.cycle + delay + 1, [])
     for other in landing:
         if other.register == write.register:
@@ -177,7 +180,7 @@ def _later(state: _Run, delay: int, write: _Write) -> None:
     landing.append(write)
 
 
-def _address(action: Access, registers: tuple[int, ...], state: _Run) -> int:
+def _address(action: Access, registers: tuple[int, ...], state: PipelineState) -> int:
     """The accessed address; an updated base register gets its new value in the next cycle."""
     memory = action.memory
     base = registers[memory.base.index]

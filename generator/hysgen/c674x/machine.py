@@ -70,16 +70,17 @@ class Machine:
     """A C674x with a program in its memory. Memory persists between calls; registers are initialised in each call.
 
     image, packets: the linked program and its execute packets, from `toolchain.compile`.
+    processor: registers and memory, for a caller that steps the interpreter itself.
     interpreted: use the interpreter instead of the compiled engine; same results, a hundred times slower.
     """
 
     def __init__(self, image: ProgramImage, packets: Mapping[int, Packet], interpreted: bool = False) -> None:
         self.image = image
         self.packets = packets
-        self._processor = load(image, self.packets)
+        self.processor = load(image, self.packets)
         self._run = interpreter.run if interpreted else translation.engine(self.packets)
-        self._bytes = np.frombuffer(self._processor.memory, dtype=np.uint8)
-        self._free = self._processor.free
+        self._bytes = np.frombuffer(self.processor.memory, dtype=np.uint8)
+        self._free = self.processor.free
 
     def address(self, where: str | int) -> int:
         """The address of a symbol; an address is returned unchanged."""
@@ -163,7 +164,7 @@ class Machine:
         for index, image in zip(_ARGUMENT_REGISTERS, images, strict=False):
             registers[index] = image
         registers[STACK_POINTER], registers[_LINK] = _STACK_TOP, RETURN_ADDRESS
-        processor = self._processor
+        processor = self.processor
         processor.registers, processor.program_counter = list(registers), entry
         counts = self._run(processor, cycle_limit)
         for index in _CALLEE_SAVED:

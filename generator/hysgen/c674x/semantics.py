@@ -56,7 +56,8 @@ class FloatUnit:
             return image & _SIGN
         return image
 
-    def _read(self, image: int) -> float:
+    def read(self, image: int) -> float:
+        """The value of an operand; a denormal number is read as zero and counted."""
         return from_image(self._flush(image))
 
     def _write(self, value: float) -> int:
@@ -67,31 +68,31 @@ class FloatUnit:
 
     def addsp(self, a: int, b: int) -> int:
         """a + b"""
-        return self._write(self._read(a) + self._read(b))
+        return self._write(self.read(a) + self.read(b))
 
     def subsp(self, a: int, b: int) -> int:
         """a - b"""
-        return self._write(self._read(a) - self._read(b))
+        return self._write(self.read(a) - self.read(b))
 
     def mpysp(self, a: int, b: int) -> int:
         """a b"""
-        return self._write(self._read(a) * self._read(b))
+        return self._write(self.read(a) * self.read(b))
 
     def abssp(self, a: int) -> int:
         """|a|; a denormal gives +0, a NaN gives NaN_out"""
-        return self._write(abs(self._read(a)))
+        return self._write(abs(self.read(a)))
 
     def cmpeqsp(self, a: int, b: int) -> int:
         """1 if a = b else 0; with a NaN 0, as for the other comparisons"""
-        return int(self._read(a) == self._read(b))
+        return int(self.read(a) == self.read(b))
 
     def cmpgtsp(self, a: int, b: int) -> int:
         """1 if a > b else 0"""
-        return int(self._read(a) > self._read(b))
+        return int(self.read(a) > self.read(b))
 
     def cmpltsp(self, a: int, b: int) -> int:
         """1 if a < b else 0"""
-        return int(self._read(a) < self._read(b))
+        return int(self.read(a) < self.read(b))
 
     def intsp(self, a: int) -> int:
         """Signed integer to float"""
@@ -110,7 +111,7 @@ class FloatUnit:
         return self._to_integer(a, math.trunc)
 
     def _to_integer(self, a: int, rounded: Callable[[float], int]) -> int:
-        value = self._read(a)
+        value = self.read(a)
         if math.isinf(value):
             return _INT_MAX if value > 0 else _INT_MIN & MASK
         return max(_INT_MIN, min(_INT_MAX, rounded(value))) & MASK
