@@ -27,6 +27,7 @@ from hysgen.fitting import (
     estimate_starts,
     fit,
     fit_path,
+    known_past,
     path_columns,
     path_model,
     path_task,
@@ -88,6 +89,7 @@ def fit_ladder(
     weights = _by_segment(trust, [s.samples for s in part.segments])
     if any(extension.on_path for extension in chosen):
         problem = _path_problem(prepared, chosen, extended, level)
+        weights = known_past(part, weights)
         # A cross-validation compares paths: the rules behind them stay one lag.
         model = path_model(problem, weights) if skip is not None else fit_path(problem, extended, weights)
         return _rung(names, model, level, prepared.unscored)
@@ -106,7 +108,7 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     size = next((extension.size for extension in chosen if extension.size is not None), None)
     task = path_task(part, dataclasses.replace(settings, memory=size, lag_s=lags_s[0] if lags_s else None), level)
     content = tuple(extension.content for extension in chosen)
-    trust = _by_segment(prepared.trust, [s.samples for s in part.segments])
+    trust = known_past(part, _by_segment(prepared.trust, [s.samples for s in part.segments]))
     return prepared.paths.get(content, lambda: path_columns(task, trust))
 
 

@@ -3,7 +3,7 @@
 from hysgen.fitting.identify import fit, fit_path, path_task
 from hysgen.fitting.initial_state import estimate_starts
 from hysgen.fitting.operator import CURVE, PathSize
-from hysgen.fitting.path import PathColumns, PathTask, path_columns, path_model
+from hysgen.fitting.path import PathColumns, PathTask, known_past, path_columns, path_model
 from hysgen.fitting.settings import FitSettings, Method
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "estimate_starts",
     "fit",
     "fit_path",
+    "known_past",
     "path_columns",
     "path_model",
     "path_task",

@@ -45,7 +45,7 @@ def fit(
     """
     chosen = settings or FitSettings()
     if chosen.on_path:
-        weights = known_past(record) if trust is None else trust
+        weights = known_past(record, trust)
         return fit_path(path_columns(path_task(record, chosen), weights), chosen, weights)
     structure = structure_for(record, chosen)
     weighting = chosen.weighting(trust, starts)
@@ -70,7 +70,8 @@ def path_task(record: Record, settings: FitSettings, whole: Record | None = None
 
     whole: record of all commands that are known in advance, by default `record`.
     """
-    lags_s = [settings.lag_s] if settings.lag_s is not None else [lag * record.Ts_s for lag in LAGS]
+    # The lag of a larger chain, in which a mode may stand for the lag, is one starting value of several.
+    lags_s = [lag * record.Ts_s for lag in LAGS] + ([settings.lag_s] if settings.lag_s is not None else [])
     return PathTask(
         record=record,
         whole=whole or record,

@@ -82,16 +82,16 @@ class PathTask:
     name: str = "stage"
 
 
-def known_past(record: Record) -> list[Floats]:
+def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
     """Weight of each sample, by segment: 0 until the input has covered its range, at most for LATEST_COVERED of it.
 
-    Before, plays may stand anywhere.
+    Before, plays may stand anywhere. trust: further weights to multiply by; ones by default.
     """
     weights = []
-    for segment in record.segments:
+    for i, segment in enumerate(record.segments):
         swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
         first = int(np.argmax(swept >= COVERED * swept[-1]))
-        weight = np.ones(segment.samples)
+        weight = np.ones(segment.samples) if trust is None else np.array(trust[i])
         weight[: min(first, int(LATEST_COVERED * segment.samples))] = 0.0
         weights.append(weight)
     return weights

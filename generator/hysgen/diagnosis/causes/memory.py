@@ -18,8 +18,9 @@ from hysgen.record.series import turning_rows
 Floats = NDArray[np.float64]
 
 SIZES = (
-    PathSize(plays=6, degree=2, states=2, hats=3),
+    PathSize(plays=6, degree=2, states=0, hats=3),
     PathSize(plays=8, degree=3, states=0),
+    PathSize(plays=6, degree=2, states=2, hats=3),
     PathSize(),
     PathSize(plays=12, degree=5),
     PathSize(plays=24, degree=5),
