@@ -9,10 +9,11 @@ import pytest
 
 from fixtures.c674x_compiler import firmware, need_compiler
 from fixtures.c674x_learn_shapes import AS_WRITTEN, SHAPES, in_blocks, measured
-from fixtures.c674x_packets import CODE, Bench
+from fixtures.c674x_packets import CODE, DATA, Bench
 from hysgen.c674x import toolchain
 from hysgen.c674x.cycles import CycleBounds, bounds
 from hysgen.c674x.machine import Machine
+from hysgen.c674x.processor import RETURN_ADDRESS
 from hysgen.errors import TargetError
 
 
@@ -122,6 +123,26 @@ def test_a_result_under_way_is_not_known_even_if_something_else_is_written_meanw
     text = "ldw .D1T1 *a4,a1\nmvk .S1 3,a1\nnop 3\nloop:\nsub .L1 a1,1,a1\n[a1] b .S1 loop\nnop 5\nb .S2 b3\nnop 5"
     bench = Bench(text, interpreted=True)
     with pytest.raises(TargetError, match="without a limit"):
+        bounds(bench.image, bench.packets, "start")
+
+
+# A caller counts down from a register that the called function preserves; the function does so by saving it, or not.
+COUNTED_OVER_A_CALL = (
+    "mvk .S1 3,a10\ncallp .S2 called,b3\nor .L1 0,a10,a1\nloop:\nsub .L1 a1,1,a1\n[a1] b .S1 loop\nnop 5\n"
+    "or .S2 0,b8,b3\nb .S2 b3\nnop 5\ncalled:\n"
+)
+
+
+def test_a_register_that_the_callee_saves_is_known_after_the_call() -> None:
+    saved = "stw .D1T1 a10,*a4\nmvk .S1 7,a10\nnop 3\nldw .D1T1 *a4,a10\nnop 4\nb .S2 b3\nnop 5"
+    bench = Bench(COUNTED_OVER_A_CALL + saved, interpreted=True)
+    ran = bench.run("start", a4=DATA, b8=RETURN_ADDRESS).counts.cycles
+    assert bounds(bench.image, bench.packets, "start") == CycleBounds(ran, ran, ())
+
+
+def test_a_callee_that_does_not_restore_a_register_is_refused() -> None:
+    bench = Bench(COUNTED_OVER_A_CALL + "mvk .S1 7,a10\nb .S2 b3\nnop 5", interpreted=True)
+    with pytest.raises(TargetError, match="a10: a function returns with another value than the caller's"):
         bounds(bench.image, bench.packets, "start")
 
 

@@ -54,6 +54,21 @@ class KnownRegisters(NamedTuple):
             )
         return max(0, -signed(value.number))
 
+    def restored(self, before: Mapping[int, CounterValue | None]) -> KnownRegisters:
+        """The values after the return of a function that preserves the registers of `before`, values at the call.
+
+        Raises TargetError if the function left another value in one of them.
+        """
+        values = list(self.values)
+        pending = {register for _, register in self.awaited}
+        for register, value in before.items():
+            if value is None or register in pending:
+                continue
+            if values[register] not in (None, value):
+                raise TargetError(f"{Register(register)}: a function returns with another value than the caller's")
+            values[register] = value
+        return self._replace(values=tuple(values))
+
     def without(self, registers: frozenset[int]) -> KnownRegisters:
         """The known values of the other registers."""
         values = (None if register in registers else value for register, value in enumerate(self.values))

@@ -37,6 +37,8 @@ _NEVER = 1 << 30
 # result and the registers that it preserves hold a value. What is known of the rest would only multiply the states.
 _DEAD_BEFORE = frozenset(side + n for side in (0, 32) for n in (*range(3), *range(16, 32)))
 _DEAD_AFTER = frozenset(side + n for side in (0, 32) for n in (*range(4), *range(6, 10), *range(16, 32)))
+# The same chapter: a function returns with these as they were when it was entered, for it saves those that it changes.
+_PRESERVED = tuple(side + n for side in (0, 32) for n in range(10, 16))
 
 
 @dataclass(frozen=True)
@@ -62,13 +64,14 @@ class _Place(NamedTuple):
     """State of a path when a packet is issued.
 
     landing: (cycles until it takes effect, target) of branches in flight; target None is the return. returns: return
-    addresses, innermost last. link: address in B3 set by a call, until a branch into a function uses it. taken: how
-    often each bounded branch was taken. known: values of loop counters. answers: knowledge about predicate registers.
+    addresses and values of the registers that the callee preserves, innermost last. link: address in B3 set by a call,
+    until a branch into a function uses it. taken: how often each bounded branch was taken. known: values of loop
+    counters. answers: knowledge about predicate registers.
     """
 
     address: int
     landing: tuple[tuple[int, int | None], ...] = ()
-    returns: tuple[int, ...] = ()
+    returns: tuple[tuple[int, tuple[counters.CounterValue | None, ...]], ...] = ()
     link: int | None = None
     taken: tuple[int, ...] = ()
     known: counters.KnownRegisters = counters.KnownRegisters()
@@ -164,8 +167,7 @@ class _Walk:
             elif after.link is not None:
                 raise TargetError(f"{place.address:08x}: a call through a pointer; its target is unknown")
             elif after.returns:
-                address, outer = after.returns[-1], after.returns[:-1]
-                yield cycles, _without(_DEAD_AFTER, after._replace(address=address, landing=landing, returns=outer))
+                yield cycles, self._returned(after._replace(landing=landing))
             else:
                 yield cycles, None
 
@@ -226,7 +228,14 @@ class _Walk:
             return place
         if len(place.returns) >= MAX_CALL_DEPTH:
             raise TargetError(f"{place.address:08x}: calls nest deeper than {MAX_CALL_DEPTH}; recursion is not bounded")
-        return _without(_DEAD_BEFORE, place._replace(returns=(*place.returns, place.link), link=None))
+        frame = place.link, tuple(place.known.values[register] for register in _PRESERVED)
+        return _without(_DEAD_BEFORE, place._replace(returns=(*place.returns, frame), link=None))
+
+    def _returned(self, place: _Place) -> _Place:
+        """`place` behind the innermost call, with the registers that the callee preserves as they were before it."""
+        address, before = place.returns[-1]
+        known = place.known.restored(dict(zip(_PRESERVED, before, strict=True)))
+        return _without(_DEAD_AFTER, place._replace(address=address, returns=place.returns[:-1], known=known))
 
     def _endless(self, place: _Place, head: _Place) -> str:
         inside = sorted(at for at in self.data_dependent if head.address <= at <= place.address + 4 * 8)
