@@ -190,6 +190,7 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "w_max": f"{model.name.upper()}_{'W_MAX' if responses else 'U_MAX_V'}",
         "input": "w" if responses else "v" if blocks else "u",
         "preview": preview(model.blocks),
+        "foreseen": preview(model.blocks) > 0 and any(term.foreseen for term in model.terms),
         "status_rows": _status_rows(model.name.upper(), bool(responses)),
         "squares": squares(numbers.rules),
         "powers": powers(WINDOW),

@@ -820,6 +820,12 @@ EVERYTHING_INLINE void everything_periodic_regressors(const everything_periodic_
     everything_cosine_sine(self->phase[0], &phi[0], &phi[1]);
 }
 
+/* The regressors 3 samples later. */
+EVERYTHING_INLINE void everything_periodic_regressors_ahead(const everything_periodic_t *self, float phi[2])
+{
+    everything_cosine_sine(self->phase[0] + EVERYTHING_PREVIEW * everything_periodic_turn_high[0], &phi[0], &phi[1]);
+}
+
 EVERYTHING_INLINE void everything_periodic_advance(everything_periodic_t *self)
 {
     self->phase_low[0] += everything_periodic_turn_low[0];
@@ -946,6 +952,23 @@ EVERYTHING_INLINE float everything_terms_sum(const everything_bank_t *bank, cons
     return sum;
 }
 
+/* The same sum for the inverse, whose arguments belong to sample k + 3. */
+EVERYTHING_INLINE float everything_terms_sum_ahead(const everything_bank_t *bank, const everything_terms_t *terms)
+{
+    float phi[EVERYTHING_WEIGHTS];
+    float sum;
+
+    everything_periodic_regressors_ahead(&terms->periodic, &phi[0]);
+    everything_coupling_regressors(&terms->coupling, &phi[2]);
+    everything_drift_regressors(&terms->drift, &phi[4]);
+    sum = bank->weight[0] * phi[0];
+    sum = sum + bank->weight[1] * phi[1];
+    sum = sum + bank->weight[2] * phi[2];
+    sum = sum + bank->weight[3] * phi[3];
+    sum = sum + bank->weight[4] * phi[4];
+    return sum;
+}
+
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
 void everything_init(everything_t *self, float y_um, float u_V)
@@ -1049,7 +1072,7 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     uint32_t clamped;
     const float y = everything_checked_y(self, y_um, &events);
     const everything_sums_t sums = everything_rule_sums(bank, y);
-    const float extra = everything_terms_sum(bank, &self->terms);
+    const float extra = everything_terms_sum_ahead(bank, &self->terms);
     const float finite = everything_finite(y_next_um, y, &rejected);
     const float wanted = everything_limited(finite, EVERYTHING_REFERENCE_MIN_UM, EVERYTHING_REFERENCE_MAX_UM, &clamped);
     const float base = y * sums.slope + sums.offset;

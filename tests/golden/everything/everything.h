@@ -185,8 +185,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  *
  * Where no limit acts, y(k+1) is missed by at most EVERYTHING_INVERSE_ERROR_UM, in everything_params.h; where the path is
  * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
- * 502 float +-, 323 float *, 101 float comparisons, 635 integer, 329 loads, 48 stores, 32 branches.
- * C674x: about 2154 cycles (estimate). */
+ * 502 float +-, 323 float *, 101 float comparisons, 637 integer, 330 loads, 48 stores, 32 branches.
+ * C674x: about 2156 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 #endif

@@ -18,6 +18,7 @@ from hysgen.float32.reference.rules import RuleSums, rule_sums
 from hysgen.float32.reference.safety import finite, limited
 from hysgen.model.float32_arithmetic import Floats32, Words, flushed, reciprocal
 from hysgen.model.model import Model
+from hysgen.model.path import preview
 from hysgen.model.path.chain import ChainMirror, PathLimits
 from hysgen.model.status import Status
 from hysgen.model.terms import channels_of
@@ -84,7 +85,7 @@ class Instance(InstanceWords):
         self._count_event(Status.Y_CLAMPED, clamped)
         self._count_event(Status.Y_REJECTED, rejected | refused)
         self._count_event(Status.REFERENCE_CLAMPED, cut)
-        sums, extra = rule_sums(numbers, self.bank, y), self._extra()
+        sums, extra = rule_sums(numbers, self.bank, y), self._extra(preview(self._model.blocks))
         wanted = reference if extra is None else reference - extra
         numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
         found = self.inputs.invert(flushed(numerator * reciprocal(sums.gain)))
@@ -111,9 +112,9 @@ class Instance(InstanceWords):
             term.advance()
         return self.y_um
 
-    def _extra(self) -> Floats32 | None:
-        """sum_j theta_j phi_j [um], summed in the order of the weights; None without terms."""
-        phi = [regressor for term in self.terms for regressor in term.regressors()]
+    def _extra(self, ahead: int = 0) -> Floats32 | None:
+        """sum_j theta_j phi_j(k + ahead) [um], summed in the order of the weights; None without terms."""
+        phi = [regressor for term in self.terms for regressor in term.regressors_ahead(ahead)]
         total: Floats32 | None = None
         for theta, regressor in zip(self.bank.weight, phi, strict=True):
             product = theta * regressor

@@ -83,6 +83,10 @@ class Mirror(MirroredStruct, abc.ABC):
     def regressors(self) -> list[Floats32]:
         """phi_j(k), one (lanes,) array each."""
 
+    def regressors_ahead(self, samples: int) -> list[Floats32]:
+        """phi_j(k + samples) of a kind whose regressors are `foreseen`, phi_j(k) of any other, (lanes,) each."""
+        return self.regressors()
+
     @abc.abstractmethod
     def advance(self) -> None:
         """Move the state on by one sample."""
@@ -105,6 +109,9 @@ class Term(ModelPart):
 
     follows_measurements: ClassVar[bool] = False
     """Whether the term follows measured samples with the weight 1: it is not fitted, and constant in a free run."""
+
+    foreseen: ClassVar[bool] = False
+    """Whether phi_j of a later sample is known before: the inverse of a model with a delay uses phi_j(k + preview)."""
 
     channels: tuple[str, ...] = ()
     """Names of the auxiliary channels that the term reads."""

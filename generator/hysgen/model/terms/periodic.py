@@ -34,6 +34,7 @@ class Periodic(Term):
 
     kind: ClassVar[str] = "periodic"
     parts: ClassVar[tuple[str, ...]] = ("sine",)
+    foreseen: ClassVar[bool] = True
     f_Hz: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -115,6 +116,12 @@ class PhaseMirror(Mirror):
 
     def regressors(self) -> list[Floats32]:
         return [part for phase in self.phase for part in cosine_sine(phase)]
+
+    def regressors_ahead(self, samples: int) -> list[Floats32]:
+        """phi_j(k + samples), its phase rounded down by less than samples / 2^32 of a turn."""
+        turns = (turn_high * np.uint32(samples) for turn_high, _ in self._turns)
+        ahead = (phase + turn for phase, turn in zip(self.phase, turns, strict=True))
+        return [part for phase in ahead for part in cosine_sine(phase)]
 
     def advance(self) -> None:
         for j, (turn_high, turn_low) in enumerate(self._turns):
