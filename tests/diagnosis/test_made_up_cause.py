@@ -41,9 +41,9 @@ assert set(found.names) == {"memory", "kick"}, found.names
 kick = next(cause for cause in found.causes if cause.name == "kick")
 tolerance, truth = effects()["kick"].tolerances["kick.share"], 0.15
 assert abs(tolerance.error(kick.parameters["share"].value, truth, 100.0)) < tolerance.limit, kick.parameters
-assert "kick" in [term.kind for term in found.model.terms]
+assert "kick" in [block.kind for block in found.model.blocks]
 
-# Emitted, and equal in every bit; `verify` draws the new term for its random models too.
+# Emitted, and equal in every bit; `verify` draws the new block for its random models too.
 code = generate(found.model)
 assert "kick" in code["axis.c"]
 report = verify_texts(found.model, code, VerifySettings(samples=9000, other_models=3, compilers=["cc"], levels=["-O2"]))
@@ -62,8 +62,8 @@ print("found, extended and equal in every bit")
 def test_a_new_cause_requires_four_files(tmp_path: Path) -> None:
     files = {path: text for path, _, text in TARGET.findall((ROOT / "docs" / "extend.md").read_text())}
     assert list(files) == [
-        "generator/hysgen/model/terms/kick.py",
-        "templates/terms/kick.c.j2",
+        "generator/hysgen/model/path/kick.py",
+        "templates/inputs/kick.c.j2",
         "generator/hysgen/diagnosis/causes/kick.py",
         "generator/hysgen/stage/effects/kick.py",
     ]

@@ -215,7 +215,7 @@ def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> No
         "amplitude of the swing",
         "time in the record",
         "contraction",
-        "inverse zeros",
+        "slope of the hysteresis",
     ):
         assert word in text
     assert max(len(line) for line in text.split("\n\n")[2].splitlines()) < 120

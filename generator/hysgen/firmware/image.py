@@ -33,9 +33,8 @@ ANSWERS: Final = {
     7: "refused: the board has no memory that survives power off",
     8: "refused: not certified: too few updates",
     9: "refused: not certified: a parameter beyond its limit",
-    10: "refused: not certified: the terms' weights are too far from those the firmware was built with",
-    11: "refused: not certified: the gain comes too close to zero or changes its sign",
-    12: "refused: not certified: the slope comes too close to 1",
+    10: "refused: not certified: the gain comes too close to zero or changes its sign",
+    11: "refused: not certified: the slope comes too close to 1",
 }
 """Meaning of the firmware's `image_answer`."""
 

@@ -67,12 +67,14 @@ class ChainMirror:
         self._responses: list[BlockMirror] = []
         self._solves = [block.solves(Ts_s) for block in blocks if block.responds]
         self._interpolates = any(block.interpolates for block in blocks)
+        self._late: list[BlockMirror] = []
         self.v_V = v = u_V
         for block in blocks:
             mirror = block.mirror(v, Ts_s)
             self._blocks.append(mirror)
             group = self._responses if block.responds else self._limiters if block.limits else self._delays
             group.append(mirror)
+            self._late += [mirror] if block.interpolates else []
             v = flushed(mirror.rest()) if block.responds else mirror.rest()
             self.v_V = self.v_V if block.responds else v
         self.rest = self._inside(v)
@@ -101,12 +103,12 @@ class ChainMirror:
         for block in self._limiters:
             v = block.apply(v)
         u = v
-        for block in self._delays:
+        for block in reversed(self._delays):
             u = block.command(u)
         self.v_V = v
         reached, met = self._respond(responses, v)
         if self._interpolates and responses:
-            self._respond(self._responses, self._delays[0].arrived())
+            self._respond(self._responses, self._late[0].arrived())
         clamped = allowed != solved
         held = clamped | (wanted != w) | (v.view(np.uint32) != allowed.view(np.uint32))
         missed = (met - target > limits.w_tolerance) | (target - met > limits.w_tolerance)

@@ -35,7 +35,7 @@ class Creep(InputBlock):
     """
 
     kind: ClassVar[str] = "creep"
-    place: ClassVar[int] = 4
+    place: ClassVar[int] = 40
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
     two_words: ClassVar[bool] = True

@@ -36,7 +36,7 @@ class Delay(InputBlock):
     """
 
     kind: ClassVar[str] = "delay"
-    place: ClassVar[int] = 2
+    place: ClassVar[int] = 20
     limits: ClassVar[bool] = False
     samples: float
 

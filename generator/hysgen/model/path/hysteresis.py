@@ -57,7 +57,7 @@ class Hysteresis(InputBlock):
     """
 
     kind: ClassVar[str] = "hysteresis"
-    place: ClassVar[int] = 3
+    place: ClassVar[int] = 30
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
     unit: ClassVar[str] = "um"

@@ -47,7 +47,7 @@ class Modes(InputBlock):
     """
 
     kind: ClassVar[str] = "modes"
-    place: ClassVar[int] = 5
+    place: ClassVar[int] = 50
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
     two_words: ClassVar[bool] = True

@@ -27,7 +27,7 @@ class Slew(InputBlock):
     """
 
     kind: ClassVar[str] = "slew"
-    place: ClassVar[int] = 1
+    place: ClassVar[int] = 10
     rise_V_s: float
     fall_V_s: float
 
