@@ -468,8 +468,8 @@ EXTENDED_INLINE float extended_hysteresis_rough_reciprocal(float x)
 
 /** h [um] and dh/dx [um per half range]. */
 typedef struct {
-    float um;
-    float slope;
+    float um;     /**< h, or a part of h [um] */
+    float slope;  /**< its derivative by x [um per half range] */
 } extended_hysteresis_ahead_t;
 
 /* Number of plays that the input has taken along when it reaches `ahead`. `taken` rises with the half-width. */

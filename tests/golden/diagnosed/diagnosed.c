@@ -469,8 +469,8 @@ DIAGNOSED_INLINE float diagnosed_hysteresis_rough_reciprocal(float x)
 
 /** h [um] and dh/dx [um per half range]. */
 typedef struct {
-    float um;
-    float slope;
+    float um;     /**< h, or a part of h [um] */
+    float slope;  /**< its derivative by x [um per half range] */
 } diagnosed_hysteresis_ahead_t;
 
 /* Number of plays that the input has taken along when it reaches `ahead`. `taken` rises with the half-width. */
