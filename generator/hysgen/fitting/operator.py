@@ -59,11 +59,11 @@ class Operator:
 
     @property
     def hat_weights(self) -> Floats:
-        """(plays, hats) value of every hat function at every half-width, each hat with the sum 1."""
+        """(plays, hats) value of every hat function at every half-width, each hat with the sum 1, or 0 without a play."""
         r = self.half_widths
         place = np.sqrt(r / r[-1]) * (self.hats - 1)
         hats = np.clip(1.0 - np.abs(place[:, None] - np.arange(self.hats)), 0.0, None)
-        return np.asarray(hats / hats.sum(axis=0) if self.hats else hats)
+        return np.asarray(hats / np.maximum(hats.sum(axis=0), 1e-300))
 
     def normalised(self, u_V: Floats) -> Floats:
         """v of the voltages u_V: -1 .. 1 over the input range."""

@@ -20,8 +20,9 @@ from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import Scores, score
 from hysgen.record import Record
 
-WORSE, OVER_NOISE = 1.5, 2.0
-"""A structure no longer fits if the error exceeds these multiples of the old error and of the noise floor."""
+WORSE, OVER_NOISE = 1.5, 1.4
+"""A structure no longer fits if the error exceeds these multiples of the old error and of the noise floor: at 1.4, the
+misfit has the power of the noise."""
 
 
 def refit(

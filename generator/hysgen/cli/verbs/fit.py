@@ -17,6 +17,7 @@ from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
 from hysgen.codegen.manifest import MANIFEST, read_folder
 from hysgen.diagnosis import DiagnoseSettings
+from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.evaluation import diagnose_and_evaluate
 from hysgen.display import table
 from hysgen.errors import HysgenError
@@ -191,7 +192,8 @@ def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
         console.say(f"diagnosis: {fault}")
         return {"error": str(fault)}
     present = {*(term.kind for term in old.terms), *(block.kind for block in old.blocks)}
-    lacking = [name for name in study.diagnosis.names if name not in present]
+    kinds = {name: cause.kind or name for name, cause in causes().items()}
+    lacking = [name for name in study.diagnosis.names if kinds.get(name, name) not in present]
     console.say("\ndiagnosis of the new record\n" + "\n".join(verdict(study)))
     console.say(
         f"the model does not have: {', '.join(lacking)}; hysgen diagnose -o writes a model that has"

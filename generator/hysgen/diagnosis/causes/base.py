@@ -99,6 +99,9 @@ class Cause(abc.ABC):
     part: ClassVar[type[Part] | None] = None
     """Class of the cause's part of the chain; None if the cause has no part."""
 
+    kind: ClassVar[str] = ""
+    """Kind of the block or term of its extension; by default the name of the cause."""
+
     slow: ClassVar[bool] = False
     """Whether the cause acts over the length of the record; slow causes can be swapped for each other."""
 

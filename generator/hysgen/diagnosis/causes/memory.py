@@ -36,6 +36,7 @@ WITNESS = 0.25
 
 class MemoryCause(Cause):
     name = "memory"
+    kind = "hysteresis"
     rank = 40
 
     def present(self, chain: Chain) -> bool:

@@ -53,6 +53,7 @@ class ResonancePart(Part):
 
 class ResonanceCause(Cause):
     name = "resonance"
+    kind = "modes"
     rank = 60
     part = ResonancePart
     starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
