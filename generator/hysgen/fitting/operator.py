@@ -59,7 +59,7 @@ class Operator:
 
     @property
     def hat_weights(self) -> Floats:
-        """(plays, hats) value of every hat function at every half-width, each hat with the sum 1, or 0 without a play."""
+        """(plays, hats) value of every hat function at every half-width, each with the sum 1, or 0 without plays."""
         r = self.half_widths
         place = np.sqrt(r / r[-1]) * (self.hats - 1)
         hats = np.clip(1.0 - np.abs(place[:, None] - np.arange(self.hats)), 0.0, None)
