@@ -18,6 +18,7 @@ from fixtures.firmware_bench import ModelStage, model
 from hysgen.c674x import interpreter, toolchain
 from hysgen.c674x.machine import Machine
 from hysgen.c674x.processor import MEMORY_BASE, RETURN_ADDRESS, STACK_POINTER
+from hysgen.codegen.manifest import c_files
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, read_sources
@@ -60,7 +61,7 @@ def changing() -> str:
 def machine() -> Machine:
     """Controller, model, simulator's board, start.s and the functions above, in the memories of the C6748."""
     need_compiler()
-    generated = [(name, text) for name, text in firmware_model(model()).items() if name.endswith((".c", ".h"))]
+    generated = c_files(firmware_model(model())).items()
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
     board = [*read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *read_sources(TARGET_BOARD, "*.s")]
     sources = [*read_sources(CONTROLLER), *board, *generated, ("victim.c", VICTIM), ("changing.s", changing())]

@@ -38,7 +38,8 @@ def test_the_models_in_the_firmware_are_what_the_templates_make(name: str, reque
     folder, texts = FOLDERS / name, generated(name)
     if request.config.getoption("--update-golden"):
         write(texts, folder)
-    kept = {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    kept = {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in files}
     assert sorted(kept) == sorted(texts)
     for file, text in texts.items():
         change = difflib.unified_diff(kept[file].splitlines(), text.splitlines(), "kept", "generated", lineterm="")

@@ -2,8 +2,6 @@
 
 #include "appendix_a.h"
 
-#include "appendix_a_params.h"
-
 /* Equal bits on every machine rest on float32 operations as they are written: no shortcuts, no wider intermediate
  * results, no multiplication fused with an addition. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -14,6 +12,13 @@
 #error "appendix_a: float must be evaluated as float (on x86: -msse2 -mfpmath=sse)"
 #endif
 #endif
+
+#include <float.h>
+#include <limits.h>
+
+#if CHAR_BIT != 8 || FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MIN_EXP != -125 || FLT_MAX_EXP != 128
+#error "appendix_a: needs bytes of 8 bits, and float in the 32-bit format of IEEE 754"
+#endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && defined(__FP_FAST_FMAF)
@@ -23,8 +28,11 @@
 #if defined(__GNUC__)
 #define APPENDIX_A_INLINE static inline __attribute__((always_inline))
 #else
-#define APPENDIX_A_INLINE static inline
+#define APPENDIX_A_INLINE APPENDIX_A_CODE static inline
 #endif
+
+#define APPENDIX_A_NUMBERS
+#include "appendix_a_params.h"
 
 /* ---- Arithmetic ---------------------------------------------------------------------------------------------- */
 
@@ -208,6 +216,7 @@ APPENDIX_A_INLINE appendix_a_sums_t appendix_a_rule_sums(const appendix_a_bank_t
 
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
+APPENDIX_A_CODE
 void appendix_a_init(appendix_a_t *self, float y_um, float u_V)
 {
     appendix_a_events_t events;
@@ -243,6 +252,7 @@ APPENDIX_A_INLINE float appendix_a_apply(appendix_a_t *self, float base, float g
 }
 
 /* y(k+1) from measured y(k) and u(k). */
+APPENDIX_A_CODE
 float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];
@@ -263,6 +273,7 @@ float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
 /* y(k+1) from the last output and u(k). */
+APPENDIX_A_CODE
 float appendix_a_simulate(appendix_a_t *self, float u_V)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];
@@ -283,6 +294,7 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
+APPENDIX_A_CODE
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];
@@ -328,6 +340,7 @@ APPENDIX_A_INLINE void appendix_a_count_learner_event(
 }
 
 /* U = I. */
+APPENDIX_A_CODE
 static APPENDIX_A_STRAIGHT void appendix_a_clear(appendix_a_learner_t *self)
 {
     self->u[0] = 0.0f;
@@ -387,6 +400,7 @@ static APPENDIX_A_STRAIGHT void appendix_a_clear(appendix_a_learner_t *self)
 }
 
 /* Back to the reference parameters and the prior, P = alpha I. */
+APPENDIX_A_CODE
 static void appendix_a_restart(appendix_a_learner_t *self)
 {
     self->theta[0] = self->reference[0]; self->theta[1] = self->reference[1];
@@ -428,6 +442,7 @@ static void appendix_a_restart(appendix_a_learner_t *self)
 /* f = U' x and g = D f. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
  * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
  * next multiplies. */
+APPENDIX_A_CODE
 static APPENDIX_A_STRAIGHT void appendix_a_project(appendix_a_learner_t *self)
 {
     const float grid = 1.09139364e-11f;
@@ -624,6 +639,7 @@ static APPENDIX_A_STRAIGHT void appendix_a_project(appendix_a_learner_t *self)
 
 /* U and P x. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
  * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+APPENDIX_A_CODE
 static APPENDIX_A_STRAIGHT void appendix_a_factor(appendix_a_learner_t *self)
 {
     const float grid = 0.01171875f;
@@ -1131,6 +1147,7 @@ static APPENDIX_A_STRAIGHT void appendix_a_factor(appendix_a_learner_t *self)
 
 /* 1 if the sample behind f and g may be learnt from. Its innovation is expected to be up to the usual one times
  * sqrt(alpha), alpha = 1 + x' P x, for where the learner knows little it errs more. */
+APPENDIX_A_CODE
 static uint32_t appendix_a_admit(appendix_a_learner_t *self, float alpha)
 {
     const float e = self->innovation_um;
@@ -1167,6 +1184,7 @@ static uint32_t appendix_a_admit(appendix_a_learner_t *self, float alpha)
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
  * The reciprocals are those of appendix_a_reciprocal, several side by side. Returns 1 if the update goes on, 0 if the
  * sample is not learnt from, 2 if the shadow has to start again. */
+APPENDIX_A_CODE
 static APPENDIX_A_STRAIGHT uint32_t appendix_a_update_diagonal(appendix_a_learner_t *self)
 {
     const float inflate = self->inflate;
@@ -1453,6 +1471,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_beyond(float theta)
 /* theta <- theta + P x / alpha * innovation, P x in k. A step that would move a parameter by more than the limit is
  * shortened as a whole. theta is a sum of two words, for most steps are smaller than its last bit. Returns 1 if the
  * shadow has to start again. */
+APPENDIX_A_CODE
 static APPENDIX_A_STRAIGHT uint32_t appendix_a_step(appendix_a_learner_t *self)
 {
     const float grid = 3.57627869e-07f;
@@ -1586,6 +1605,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_update(appendix_a_learner_t *self)
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
 
 /* Innovation of the displacement y behind the regressors kept, and of the reference parameters for the same sample. */
+APPENDIX_A_CODE
 static APPENDIX_A_STRAIGHT float appendix_a_innovations(const appendix_a_learner_t *self, float y, float *reference)
 {
     float shadow;
@@ -1753,6 +1773,7 @@ APPENDIX_A_INLINE float appendix_a_on_grid(float x)
 
 /* Keep the regressors of sample k for the displacement of sample k + 1. firing_l is r^l / W times a power of two: with
  * the strength that the bank's numbers carry it is p_l. */
+APPENDIX_A_CODE
 static APPENDIX_A_STRAIGHT void appendix_a_store_regressors(appendix_a_learner_t *self, float y_um, float u)
 {
     uint32_t outside;
@@ -1800,6 +1821,7 @@ static APPENDIX_A_STRAIGHT void appendix_a_store_regressors(appendix_a_learner_t
     appendix_a_count_learner_event(self, &self->outside, outside, APPENDIX_A_LEARN_OUTSIDE);
 }
 
+APPENDIX_A_CODE
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V)
 {
     uint32_t y_lost;
@@ -1835,6 +1857,7 @@ void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V)
     self->u_V = u;
 }
 
+APPENDIX_A_CODE
 void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model)
 {
     const appendix_a_bank_t *bank = &model->bank[model->active];
@@ -1935,6 +1958,7 @@ APPENDIX_A_INLINE float appendix_a_half_span(const appendix_a_bank_t *bank, floa
 }
 
 /* What Taylor's theorem leaves between the check points, for these parameters. */
+APPENDIX_A_CODE
 static void appendix_a_bound_remainders(appendix_a_candidate_t *candidate)
 {
     const appendix_a_bank_t *bank = &candidate->bank;
@@ -1950,6 +1974,7 @@ static void appendix_a_bound_remainders(appendix_a_candidate_t *candidate)
 }
 
 /* Take the shadow as it is now. */
+APPENDIX_A_CODE
 static uint32_t appendix_a_snapshot(appendix_a_learner_t *learner)
 {
     appendix_a_candidate_t *candidate = &learner->candidate;
@@ -2030,6 +2055,7 @@ APPENDIX_A_INLINE uint32_t appendix_a_too_steep(float slope, float curve, float 
 }
 
 /* Gain and slope around one check point, from p, p' and p'' there (see appendix_a_params.h). */
+APPENDIX_A_CODE
 static uint32_t appendix_a_check(const appendix_a_candidate_t *candidate)
 {
     const float *p = &appendix_a_commit_table[candidate->point * 18u];
@@ -2100,6 +2126,7 @@ static uint32_t appendix_a_check(const appendix_a_candidate_t *candidate)
 }
 
 /* Write the candidate into the bank that is not in use. */
+APPENDIX_A_CODE
 static void appendix_a_write(appendix_a_t *self, const appendix_a_candidate_t *candidate)
 {
     appendix_a_bank_t *idle = &self->bank[1u - self->active];
@@ -2112,6 +2139,7 @@ static void appendix_a_write(appendix_a_t *self, const appendix_a_candidate_t *c
 }
 
 /* Writing and making active are two calls: whatever interrupts in between sees a bank that is whole. */
+APPENDIX_A_CODE
 uint32_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *learner)
 {
     appendix_a_candidate_t *candidate = &learner->candidate;

@@ -1,15 +1,17 @@
 /* appendix_a_params.h: the numbers of model `appendix_a`. All that changes when the same structure is identified again.
  *
- * Every float32 is written with 9 significant digits, which read back to the bits in the comment behind it. */
+ * Part 1 comes with appendix_a.h. appendix_a.c defines APPENDIX_A_NUMBERS for part 2, appendix_a_selftest.c
+ * APPENDIX_A_SELFTEST_NUMBERS for part 3. Every float32 is written with 9 significant digits, which read back to the bits
+ * in the comment behind it. */
 
 #ifndef APPENDIX_A_PARAMS_H
 #define APPENDIX_A_PARAMS_H
 
 #include <stdint.h>
 
-#include "appendix_a.h"
-
-#ifndef APPENDIX_A_SELFTEST_NUMBERS
+/* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
+#define APPENDIX_A_NUMBERS_DIGEST "d371975fa56ed8ad065061dedae398a0601fbe9412787a3a912a14891d7b27a3"
+#define APPENDIX_A_NUMBERS_WORD 0xd371975fu
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define APPENDIX_A_Y_MIN_UM           0.66079998f  /* 0x3f292a30 */
@@ -21,11 +23,24 @@
 #define APPENDIX_A_REFERENCE_MIN_UM  -2.41429996f  /* 0xc01a83e4 */
 #define APPENDIX_A_REFERENCE_MAX_UM   6.81099987f  /* 0x40d9f3b6 */
 
+/* Commit: check points. */
+#define APPENDIX_A_COMMIT_POINTS  0x00000100u
+
+/* Worst error of one step against the float64 model, measured when this file was generated
+ * over 20000 samples of the whole range, rounded up. */
+#define APPENDIX_A_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
+#define APPENDIX_A_INVERSE_ERROR_V   0.000479999988f  /* 0x39fba882 */
+
+#endif
+
+#ifdef APPENDIX_A_NUMBERS
+
 /* Rules, Eqs (1) to (7): octaves per um from the middle; strengths w;
  * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/V]. */
 #define APPENDIX_A_ORIGIN_UM  2.19834995f  /* 0x400cb1c4 */
 #define APPENDIX_A_PER_STEP   2.34576941f  /* 0x40162116 */
 
+APPENDIX_A_TABLE
 static const float appendix_a_strength[APPENDIX_A_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
        0.324652463f,  /* 0x3ea638d9 */
@@ -35,6 +50,7 @@ static const float appendix_a_strength[APPENDIX_A_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_slope[APPENDIX_A_BANK_RULES] = {
       0.0268937983f,  /* 0x3cdc5062 */
       0.0225958116f,  /* 0x3cb91ada */
@@ -44,6 +60,7 @@ static const float appendix_a_slope[APPENDIX_A_BANK_RULES] = {
        0.038370125f,  /* 0x3d1d29fe */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_offset[APPENDIX_A_BANK_RULES] = {
      -0.0112039177f,  /* 0xbc3790a3 */
        0.362019956f,  /* 0x3eb95aae */
@@ -53,6 +70,7 @@ static const float appendix_a_offset[APPENDIX_A_BANK_RULES] = {
       0.0197320767f,  /* 0x3ca1a52a */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_gain[APPENDIX_A_BANK_RULES] = {
     7.02990947e-05f,  /* 0x38936d8a */
     0.000551909208f,  /* 0x3a10ae00 */
@@ -96,6 +114,7 @@ static const float appendix_a_gain[APPENDIX_A_BANK_RULES] = {
 /* Learner, per parameter: theta per number in the bank, and back; D(0) and largest D; what puts the prior
  * back; powers of two that scale the regressors. */
 
+APPENDIX_A_TABLE
 static const float appendix_a_learn_scale[APPENDIX_A_LEARNED] = {
              128.0f,  /* 0x43000000 */
             4096.0f,  /* 0x45800000 */
@@ -117,6 +136,7 @@ static const float appendix_a_learn_scale[APPENDIX_A_LEARNED] = {
               32.0f,  /* 0x42000000 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_learn_per_scale[APPENDIX_A_LEARNED] = {
          0.0078125f,  /* 0x3c000000 */
     0.000244140625f,  /* 0x39800000 */
@@ -138,6 +158,7 @@ static const float appendix_a_learn_per_scale[APPENDIX_A_LEARNED] = {
            0.03125f,  /* 0x3d000000 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_learn_prior[APPENDIX_A_LEARNED] = {
     3.16285623e-05f,  /* 0x3804a8e9 */
       0.0323876478f,  /* 0x3d04a8e9 */
@@ -159,6 +180,7 @@ static const float appendix_a_learn_prior[APPENDIX_A_LEARNED] = {
     1.97678514e-06f,  /* 0x3604a8e9 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_learn_ceiling[APPENDIX_A_LEARNED] = {
      6.4059248e-05f,  /* 0x3886578c */
       0.0655966699f,  /* 0x3d86578c */
@@ -180,6 +202,7 @@ static const float appendix_a_learn_ceiling[APPENDIX_A_LEARNED] = {
       4.003703e-06f,  /* 0x3686578c */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_learn_refresh[APPENDIX_A_LEARNED] = {
         19.8970985f,  /* 0x419f2d42 */
        0.621784329f,  /* 0x3f1f2d42 */
@@ -201,6 +224,7 @@ static const float appendix_a_learn_refresh[APPENDIX_A_LEARNED] = {
         79.5883942f,  /* 0x429f2d42 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_learn_firing[APPENDIX_A_RULES] = {
            0.03125f,  /* 0x3d000000 */
               0.25f,  /* 0x3e800000 */
@@ -214,7 +238,6 @@ static const float appendix_a_learn_firing[APPENDIX_A_RULES] = {
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
 #define APPENDIX_A_COMMIT_MATURE                 0x00000400u
-#define APPENDIX_A_COMMIT_POINTS                 0x00000100u
 #define APPENDIX_A_COMMIT_HALF_UM             0.00606611511f  /* 0x3bc6c643 */
 #define APPENDIX_A_COMMIT_GAIN_REMAINDER     5.00745191e-05f  /* 0x3852071b */
 #define APPENDIX_A_COMMIT_SLOPE_REMAINDER_1  0.000150223554f  /* 0x391d8554 */
@@ -224,6 +247,7 @@ static const float appendix_a_learn_firing[APPENDIX_A_RULES] = {
 #define APPENDIX_A_COMMIT_GAIN_CEILING        0.00729236891f  /* 0x3beef4d3 */
 #define APPENDIX_A_COMMIT_SLOPE_LIMIT           0.999538124f  /* 0x3f7fe1bb */
 
+APPENDIX_A_TABLE
 static const float appendix_a_commit_unfold[APPENDIX_A_RULES] = {
         22.7598953f,  /* 0x41b61444 */
         3.08021688f,  /* 0x40452246 */
@@ -233,6 +257,7 @@ static const float appendix_a_commit_unfold[APPENDIX_A_RULES] = {
         22.7598953f,  /* 0x41b61444 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_commit_y[256] = {
        0.666806042f,  /* 0x3f2ab3cd */
        0.678818166f,  /* 0x3f2dc707 */
@@ -492,6 +517,7 @@ static const float appendix_a_commit_y[256] = {
         3.72989392f,  /* 0x406eb695 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_commit_table[4608] = {
         12.9150324f,  /* 0x414ea3f9 */
         1.07053399f,  /* 0x3f890742 */
@@ -5103,12 +5129,9 @@ static const float appendix_a_commit_table[4608] = {
        -5.88452911f,  /* 0xc0bc4e10 */
 };
 
-/* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up. */
-#define APPENDIX_A_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
-#define APPENDIX_A_INVERSE_ERROR_V   0.000479999988f  /* 0x39fba882 */
+#endif
 
-#else
+#ifdef APPENDIX_A_SELFTEST_NUMBERS
 
 /* Self-test: where each function starts, what it is given, and the bits that the float32 reference answers. */
 
@@ -5121,6 +5144,7 @@ static const float appendix_a_commit_table[4608] = {
 #define APPENDIX_A_SELFTEST_PREDICT_Y_REJECTED 3u
 #define APPENDIX_A_SELFTEST_PREDICT_U_REJECTED 3u
 
+APPENDIX_A_TABLE
 static const uint32_t appendix_a_selftest_predict_rows[32][3] = {
     { 0x40130acbu, 0x40e16fbau, 0x400e925fu },  /* 2.29753, 7.04489 -> 2.22768 */
     { 0x4018d62eu, 0x42a9dcb1u, 0x401c368bu },  /* 2.38807, 84.931 -> 2.44083 */
@@ -5165,6 +5189,7 @@ static const uint32_t appendix_a_selftest_predict_rows[32][3] = {
 #define APPENDIX_A_SELFTEST_SIMULATE_Y_REJECTED 0u
 #define APPENDIX_A_SELFTEST_SIMULATE_U_REJECTED 2u
 
+APPENDIX_A_TABLE
 static const uint32_t appendix_a_selftest_simulate_rows[32][2] = {
     { 0x429f4944u, 0x400fc2b2u },  /* 79.6431 -> 2.24626 */
     { 0xbf41a05bu, 0x400a8e8au },  /* -0.756353 -> 2.16495 */
@@ -5209,6 +5234,7 @@ static const uint32_t appendix_a_selftest_simulate_rows[32][2] = {
 #define APPENDIX_A_SELFTEST_INVERSE_Y_REJECTED 5u
 #define APPENDIX_A_SELFTEST_INVERSE_U_REJECTED 0u
 
+APPENDIX_A_TABLE
 static const uint32_t appendix_a_selftest_inverse_rows[32][3] = {
     { 0x4059dc88u, 0x405dfbcbu, 0x42ca6194u },  /* 3.40409, 3.46849 -> 101.191 */
     { 0x3fbf3b6bu, 0x3fc69891u, 0x429a32bdu },  /* 1.494, 1.55153 -> 77.0991 */
@@ -5243,7 +5269,5 @@ static const uint32_t appendix_a_selftest_inverse_rows[32][3] = {
     { 0x40218d04u, 0x40256ad9u, 0x42b68caau },  /* 2.52423, 2.58465 -> 91.2747 */
     { 0x4067a433u, 0x406342a9u, 0x41e09692u },  /* 3.6194, 3.55094 -> 28.0735 */
 };
-
-#endif
 
 #endif

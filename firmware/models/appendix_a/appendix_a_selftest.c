@@ -7,6 +7,7 @@
 #define APPENDIX_A_SELFTEST_NUMBERS
 #include "appendix_a_params.h"
 
+APPENDIX_A_CODE
 static float appendix_a_selftest_float(uint32_t bits)
 {
     const union {
@@ -17,6 +18,7 @@ static float appendix_a_selftest_float(uint32_t bits)
     return pattern.number;
 }
 
+APPENDIX_A_CODE
 static uint32_t appendix_a_selftest_bits(float x)
 {
     const union {
@@ -27,6 +29,7 @@ static uint32_t appendix_a_selftest_bits(float x)
     return pattern.bits;
 }
 
+APPENDIX_A_CODE
 static uint32_t appendix_a_selftest_predict(void)
 {
     appendix_a_t self;
@@ -50,6 +53,7 @@ static uint32_t appendix_a_selftest_predict(void)
     return mismatches;
 }
 
+APPENDIX_A_CODE
 static uint32_t appendix_a_selftest_simulate(void)
 {
     appendix_a_t self;
@@ -73,6 +77,7 @@ static uint32_t appendix_a_selftest_simulate(void)
     return mismatches;
 }
 
+APPENDIX_A_CODE
 static uint32_t appendix_a_selftest_inverse(void)
 {
     appendix_a_t self;
@@ -96,6 +101,7 @@ static uint32_t appendix_a_selftest_inverse(void)
     return mismatches;
 }
 
+APPENDIX_A_CODE
 uint32_t appendix_a_selftest(void)
 {
     uint32_t mismatches = 0u;

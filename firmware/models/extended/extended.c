@@ -2,8 +2,6 @@
 
 #include "extended.h"
 
-#include "extended_params.h"
-
 /* Equal bits on every machine rest on float32 operations as they are written: no shortcuts, no wider intermediate
  * results, no multiplication fused with an addition. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -14,6 +12,13 @@
 #error "extended: float must be evaluated as float (on x86: -msse2 -mfpmath=sse)"
 #endif
 #endif
+
+#include <float.h>
+#include <limits.h>
+
+#if CHAR_BIT != 8 || FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MIN_EXP != -125 || FLT_MAX_EXP != 128
+#error "extended: needs bytes of 8 bits, and float in the 32-bit format of IEEE 754"
+#endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && defined(__FP_FAST_FMAF)
@@ -23,8 +28,11 @@
 #if defined(__GNUC__)
 #define EXTENDED_INLINE static inline __attribute__((always_inline))
 #else
-#define EXTENDED_INLINE static inline
+#define EXTENDED_INLINE EXTENDED_CODE static inline
 #endif
+
+#define EXTENDED_NUMBERS
+#include "extended_params.h"
 
 /* ---- Arithmetic ---------------------------------------------------------------------------------------------- */
 
@@ -239,6 +247,7 @@ EXTENDED_INLINE float extended_lost(float high, float t)
 
 /* ---- Path -------------------------------------------------------------------------------------------------------- */
 
+EXTENDED_CODE
 static float extended_delay_init(extended_delay_t *self, float u)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -390,6 +399,7 @@ EXTENDED_INLINE float extended_hysteresis_followed_um(extended_hysteresis_t *sel
     return side * (extended_hysteresis_duhem_um(d0, &extended_hysteresis_duhem[0]) + extended_hysteresis_duhem_um(d1, &extended_hysteresis_duhem[3]) + extended_hysteresis_duhem_um(d2, &extended_hysteresis_duhem[6]) + extended_hysteresis_duhem_um(d3, &extended_hysteresis_duhem[9]) + extended_hysteresis_duhem_um(d4, &extended_hysteresis_duhem[12]));
 }
 
+EXTENDED_CODE
 static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
 {
     const float x = extended_hysteresis_normalised(v);
@@ -438,6 +448,7 @@ static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
 }
 
 /* At rest under v; returns the output. */
+EXTENDED_CODE
 static float extended_hysteresis_init(extended_hysteresis_t *self, float v)
 {
     const float x = extended_hysteresis_normalised(v);
@@ -517,6 +528,7 @@ EXTENDED_INLINE extended_hysteresis_ahead_t extended_hysteresis_duhem_ahead(floa
 /* The voltage for which extended_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
  *     x <- x - (h(x) - wanted) / h'(x)
  * on h as a function of the input ahead, in the direction of `wanted`; the first x is that of the mean slope. */
+EXTENDED_CODE
 static float extended_hysteresis_solve(const extended_hysteresis_t *self, float wanted)
 {
     const float way = (wanted - self->h_um) * extended_hysteresis_range[5];
@@ -580,6 +592,7 @@ EXTENDED_INLINE float extended_creep_slow(const extended_creep_t *self)
     return extended_creep_amount[0] * sum;
 }
 
+EXTENDED_CODE
 static float extended_creep_init(extended_creep_t *self, float x)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -621,6 +634,7 @@ EXTENDED_INLINE float extended_creep_solve(const extended_creep_t *self, float w
 
 
 /* At rest under the command u; returns w at rest. */
+EXTENDED_CODE
 static float extended_inputs_init(extended_inputs_t *inputs, float u)
 {
     float v = u;
@@ -655,6 +669,7 @@ EXTENDED_INLINE float extended_inputs_apply(extended_inputs_t *inputs, float u)
     return extended_inputs_respond(&inputs->hysteresis, &inputs->creep, v);
 }
 
+EXTENDED_CODE
 static void extended_hysteresis_copy(extended_hysteresis_t *to, const extended_hysteresis_t *from)
 {
     to->turn = from->turn;
@@ -672,6 +687,7 @@ static void extended_hysteresis_copy(extended_hysteresis_t *to, const extended_h
     }
 }
 
+EXTENDED_CODE
 static void extended_creep_copy(extended_creep_t *to, const extended_creep_t *from)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -690,6 +706,7 @@ typedef struct {
 } extended_found_t;
 
 /* The command for which w is the input of the rules, 2 samples later. */
+EXTENDED_CODE
 static float extended_inputs_invert(extended_inputs_t *inputs, float w, extended_found_t *found)
 {
     extended_hysteresis_t hysteresis;
@@ -730,6 +747,7 @@ static float extended_inputs_invert(extended_inputs_t *inputs, float w, extended
 
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
+EXTENDED_CODE
 void extended_init(extended_t *self, float y_um, float u_V)
 {
     extended_events_t events;
@@ -766,6 +784,7 @@ EXTENDED_INLINE float extended_apply(extended_t *self, float base, float gain, f
 }
 
 /* y(k+1) from measured y(k) and u(k). */
+EXTENDED_CODE
 float extended_predict(extended_t *self, float y_um, float u_V)
 {
     const extended_bank_t *bank = &self->bank[self->active];
@@ -787,6 +806,7 @@ float extended_predict(extended_t *self, float y_um, float u_V)
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
 /* y(k+1) from the last output and u(k). */
+EXTENDED_CODE
 float extended_simulate(extended_t *self, float u_V)
 {
     const extended_bank_t *bank = &self->bank[self->active];
@@ -808,6 +828,7 @@ float extended_simulate(extended_t *self, float u_V)
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
+EXTENDED_CODE
 float extended_inverse(extended_t *self, float y_um, float y_next_um)
 {
     const extended_bank_t *bank = &self->bank[self->active];
@@ -856,6 +877,7 @@ EXTENDED_INLINE void extended_count_learner_event(
 }
 
 /* U = I. */
+EXTENDED_CODE
 static EXTENDED_STRAIGHT void extended_clear(extended_learner_t *self)
 {
     self->u[0] = 0.0f;
@@ -915,6 +937,7 @@ static EXTENDED_STRAIGHT void extended_clear(extended_learner_t *self)
 }
 
 /* Back to the reference parameters and the prior, P = alpha I. */
+EXTENDED_CODE
 static void extended_restart(extended_learner_t *self)
 {
     self->theta[0] = self->reference[0]; self->theta[1] = self->reference[1];
@@ -956,6 +979,7 @@ static void extended_restart(extended_learner_t *self)
 /* f = U' x and g = D f. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
  * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
  * next multiplies. */
+EXTENDED_CODE
 static EXTENDED_STRAIGHT void extended_project(extended_learner_t *self)
 {
     const float grid = 1.09139364e-11f;
@@ -1152,6 +1176,7 @@ static EXTENDED_STRAIGHT void extended_project(extended_learner_t *self)
 
 /* U and P x. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
  * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+EXTENDED_CODE
 static EXTENDED_STRAIGHT void extended_factor(extended_learner_t *self)
 {
     const float grid = 0.01171875f;
@@ -1659,6 +1684,7 @@ static EXTENDED_STRAIGHT void extended_factor(extended_learner_t *self)
 
 /* 1 if the sample behind f and g may be learnt from. Its innovation is expected to be up to the usual one times
  * sqrt(alpha), alpha = 1 + x' P x, for where the learner knows little it errs more. */
+EXTENDED_CODE
 static uint32_t extended_admit(extended_learner_t *self, float alpha)
 {
     const float e = self->innovation_um;
@@ -1695,6 +1721,7 @@ static uint32_t extended_admit(extended_learner_t *self, float alpha)
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
  * The reciprocals are those of extended_reciprocal, several side by side. Returns 1 if the update goes on, 0 if the
  * sample is not learnt from, 2 if the shadow has to start again. */
+EXTENDED_CODE
 static EXTENDED_STRAIGHT uint32_t extended_update_diagonal(extended_learner_t *self)
 {
     const float inflate = self->inflate;
@@ -1975,6 +2002,7 @@ EXTENDED_INLINE uint32_t extended_beyond(float theta)
 /* theta <- theta + P x / alpha * innovation, P x in k. A step that would move a parameter by more than the limit is
  * shortened as a whole. theta is a sum of two words, for most steps are smaller than its last bit. Returns 1 if the
  * shadow has to start again. */
+EXTENDED_CODE
 static EXTENDED_STRAIGHT uint32_t extended_step(extended_learner_t *self)
 {
     const float grid = 3.57627869e-07f;
@@ -2108,6 +2136,7 @@ EXTENDED_INLINE uint32_t extended_update(extended_learner_t *self)
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
 
 /* Innovation of the displacement y behind the regressors kept, and of the reference parameters for the same sample. */
+EXTENDED_CODE
 static EXTENDED_STRAIGHT float extended_innovations(const extended_learner_t *self, float y, float *reference)
 {
     float shadow;
@@ -2275,6 +2304,7 @@ EXTENDED_INLINE float extended_on_grid(float x)
 
 /* Keep the regressors of sample k for the displacement of sample k + 1. firing_l is r^l / W times a power of two: with
  * the strength that the bank's numbers carry it is p_l. */
+EXTENDED_CODE
 static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self, float y_um, float u)
 {
     uint32_t outside;
@@ -2326,6 +2356,7 @@ static EXTENDED_STRAIGHT void extended_store_regressors(extended_learner_t *self
 
 /* Number by number: for a struct assignment compilers may call their library. That of gcc for the C674x copies in a
  * hardware loop, and the loop's counter is lost where an interrupt copies as well. */
+EXTENDED_CODE
 static void extended_delay_copy(extended_delay_t *to, const extended_delay_t *from)
 {
     to->newest = from->newest;
@@ -2335,6 +2366,7 @@ static void extended_delay_copy(extended_delay_t *to, const extended_delay_t *fr
     }
 }
 
+EXTENDED_CODE
 void extended_learn(extended_learner_t *self, float y_um, float u_V)
 {
     uint32_t y_lost;
@@ -2371,6 +2403,7 @@ void extended_learn(extended_learner_t *self, float y_um, float u_V)
     self->u_V = u;
 }
 
+EXTENDED_CODE
 void extended_learn_init(extended_learner_t *self, const extended_t *model)
 {
     const extended_bank_t *bank = &model->bank[model->active];
@@ -2475,6 +2508,7 @@ EXTENDED_INLINE float extended_half_span(const extended_bank_t *bank, float y, f
 }
 
 /* What Taylor's theorem leaves between the check points, for these parameters. */
+EXTENDED_CODE
 static void extended_bound_remainders(extended_candidate_t *candidate)
 {
     const extended_bank_t *bank = &candidate->bank;
@@ -2490,6 +2524,7 @@ static void extended_bound_remainders(extended_candidate_t *candidate)
 }
 
 /* Take the shadow as it is now. */
+EXTENDED_CODE
 static uint32_t extended_snapshot(extended_learner_t *learner)
 {
     extended_candidate_t *candidate = &learner->candidate;
@@ -2570,6 +2605,7 @@ EXTENDED_INLINE uint32_t extended_too_steep(float slope, float curve, float rest
 }
 
 /* Gain and slope around one check point, from p, p' and p'' there (see extended_params.h). */
+EXTENDED_CODE
 static uint32_t extended_check(const extended_candidate_t *candidate)
 {
     const float *p = &extended_commit_table[candidate->point * 18u];
@@ -2640,6 +2676,7 @@ static uint32_t extended_check(const extended_candidate_t *candidate)
 }
 
 /* Write the candidate into the bank that is not in use. */
+EXTENDED_CODE
 static void extended_write(extended_t *self, const extended_candidate_t *candidate)
 {
     extended_bank_t *idle = &self->bank[1u - self->active];
@@ -2652,6 +2689,7 @@ static void extended_write(extended_t *self, const extended_candidate_t *candida
 }
 
 /* Writing and making active are two calls: whatever interrupts in between sees a bank that is whole. */
+EXTENDED_CODE
 uint32_t extended_commit(extended_t *self, extended_learner_t *learner)
 {
     extended_candidate_t *candidate = &learner->candidate;

@@ -5,12 +5,36 @@
  *     w is u behind delay, hysteresis, creep
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Numbers stand in extended_params.h. */
+ * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * the first part of extended_params.h. */
 
 #ifndef EXTENDED_H
 #define EXTENDED_H
 
 #include <stdint.h>
+
+#include "extended_params.h"
+
+/* For the whole build, -D'EXTENDED_CODE=__attribute__((section(".fast")))' places the functions of the model in the
+ * section .fast; EXTENDED_TABLE does the same for its tables of constants. */
+#ifndef EXTENDED_CODE
+#define EXTENDED_CODE  /**< attribute of every function of extended.c and extended_selftest.c */
+#endif
+#ifndef EXTENDED_TABLE
+#define EXTENDED_TABLE  /**< attribute of every table of constants */
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
+/** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
+#define EXTENDED_ALGORITHM "1c7161ccf380a61e7f130025066b887aff421f8a761a8da90da4c70b2ec26c87"
+#define EXTENDED_ALGORITHM_WORD 0x1c7161ccu  /**< its first 32 bits */
+
+#define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
+#define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */
 
 #define EXTENDED_RULES 6u  /**< fuzzy rules */
 #define EXTENDED_BANK_RULES 6u  /**< rules in a bank, padding included */
@@ -98,7 +122,7 @@ void extended_init(extended_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: EXTENDED_PREDICT_ERROR_UM in extended_params.h.
+ * Worst error against float64 over these ranges: EXTENDED_PREDICT_ERROR_UM.
  * 153 float +-, 108 float *, 25 float comparisons, 162 integer, 127 loads, 48 stores, 6 branches.
  * C674x: about 647 cycles (estimate). */
 float extended_predict(extended_t *self, float y_um, float u_V);
@@ -129,7 +153,7 @@ float extended_simulate(extended_t *self, float u_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EXTENDED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EXTENDED_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) is missed by at most EXTENDED_INVERSE_ERROR_UM, in extended_params.h; where the path is
+ * Where no limit acts, y(k+1) is missed by at most EXTENDED_INVERSE_ERROR_UM; where the path is
  * missed by more than EXTENDED_W_TOLERANCE, EXTENDED_STATUS_INVERSE_RESIDUAL is set.
  * 587 float +-, 430 float *, 115 float comparisons, 629 integer, 391 loads, 50 stores, 40 branches.
  * C674x: about 2512 cycles (estimate). */
@@ -233,7 +257,7 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; EXTENDED_COMMIT_POINTS check points,
- * 1 per call, between which the bounds of extended_params.h reach; the idle bank; the switch. Answers EXTENDED_BUSY
+ * 1 per call, between which the bounds in extended_params.h hold; the idle bank; the switch. Answers EXTENDED_BUSY
  * until then. A refused shadow goes on learning, the active parameters stay.
  * extended_learn must not interrupt it; extended_predict and the like may.
  *
@@ -244,5 +268,20 @@ void extended_learn(extended_learner_t *self, float y_um, float u_V);
  * 80 float +-, 172 float *, 62 float comparisons, 122 integer, 218 loads, 41 stores, 3 branches.
  * C674x: about 641 cycles (estimate). */
 uint32_t extended_commit(extended_t *self, extended_learner_t *learner);
+
+/* The compiler of the caller must lay the structs out as the compiler of extended.c: another size is an error here. */
+typedef char extended_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
+typedef char extended_delay_t_size[(sizeof(extended_delay_t) == 24u) ? 1 : -1];  /**< static assertion */
+typedef char extended_hysteresis_t_size[(sizeof(extended_hysteresis_t) == 120u) ? 1 : -1];  /**< static assertion */
+typedef char extended_creep_t_size[(sizeof(extended_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
+typedef char extended_inputs_t_size[(sizeof(extended_inputs_t) == 180u) ? 1 : -1];  /**< static assertion */
+typedef char extended_bank_t_size[(sizeof(extended_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
+typedef char extended_t_size[(sizeof(extended_t) == 356u) ? 1 : -1];  /**< static assertion */
+typedef char extended_candidate_t_size[(sizeof(extended_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
+typedef char extended_learner_t_size[(sizeof(extended_learner_t) == 1796u) ? 1 : -1];  /**< static assertion */
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,15 +1,17 @@
 /* extended_params.h: the numbers of model `extended`. All that changes when the same structure is identified again.
  *
- * Every float32 is written with 9 significant digits, which read back to the bits in the comment behind it. */
+ * Part 1 comes with extended.h. extended.c defines EXTENDED_NUMBERS for part 2, extended_selftest.c
+ * EXTENDED_SELFTEST_NUMBERS for part 3. Every float32 is written with 9 significant digits, which read back to the bits
+ * in the comment behind it. */
 
 #ifndef EXTENDED_PARAMS_H
 #define EXTENDED_PARAMS_H
 
 #include <stdint.h>
 
-#include "extended.h"
-
-#ifndef EXTENDED_SELFTEST_NUMBERS
+/* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
+#define EXTENDED_NUMBERS_DIGEST "4071b16944d22bd6476d5fab466d29602d3fcde14b431ffe32a08672d43ea10c"
+#define EXTENDED_NUMBERS_WORD 0x4071b169u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EXTENDED_Y_MIN_UM           -0.0555000007f  /* 0xbd6353f8 */
@@ -24,11 +26,27 @@
 #define EXTENDED_W_MAX                 3.24240327f  /* 0x404f8389 */
 #define EXTENDED_W_TOLERANCE       2.67971495e-06f  /* 0x3633d527 */
 
+/* Commit: check points. */
+#define EXTENDED_COMMIT_POINTS  0x00000020u
+
+/* Worst error of one step against the float64 model, measured when this file was generated
+ * over 20000 samples of the whole range, rounded up.
+ * PATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the
+ * reference where no limit acts. */
+#define EXTENDED_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
+#define EXTENDED_PATH_ERROR         6.1999998e-07f  /* 0x35266e13 */
+#define EXTENDED_INVERSE_ERROR_UM  5.20000015e-07f  /* 0x350b9621 */
+
+#endif
+
+#ifdef EXTENDED_NUMBERS
+
 /* Rules, Eqs (1) to (7): octaves per um from the middle; strengths w;
  * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/um]. */
 #define EXTENDED_ORIGIN_UM  1.47685885f  /* 0x3fbd09b6 */
 #define EXTENDED_PER_STEP    2.3537159f  /* 0x4016a348 */
 
+EXTENDED_TABLE
 static const float extended_strength[EXTENDED_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
        0.324652463f,  /* 0x3ea638d9 */
@@ -38,6 +56,7 @@ static const float extended_strength[EXTENDED_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
 };
 
+EXTENDED_TABLE
 static const float extended_slope[EXTENDED_BANK_RULES] = {
       0.0430500358f,  /* 0x3d30553c */
        0.318099111f,  /* 0x3ea2dde3 */
@@ -47,6 +66,7 @@ static const float extended_slope[EXTENDED_BANK_RULES] = {
       0.0430500358f,  /* 0x3d30553c */
 };
 
+EXTENDED_TABLE
 static const float extended_offset[EXTENDED_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
                0.0f,  /* 0x00000000 */
@@ -56,6 +76,7 @@ static const float extended_offset[EXTENDED_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
 };
 
+EXTENDED_TABLE
 static const float extended_gain[EXTENDED_BANK_RULES] = {
     0.000886897207f,  /* 0x3a687eaa */
      0.00655333279f,  /* 0x3bd6bd57 */
@@ -67,12 +88,14 @@ static const float extended_gain[EXTENDED_BANK_RULES] = {
 
 /* Input block `delay`: input delayed by 1.8 samples. */
 
+EXTENDED_TABLE
 static const float extended_delay_part[1] = {
        0.800000012f,  /* 0x3f4ccccd */
 };
 
 /* Input block `hysteresis`: 8 plays of degree 3, 5 Duhem states, curve of degree 7. */
 
+EXTENDED_TABLE
 static const float extended_hysteresis_range[6] = {
               39.0f,  /* 0x421c0000 */
               17.0f,  /* 0x41880000 */
@@ -82,6 +105,7 @@ static const float extended_hysteresis_range[6] = {
        0.815463662f,  /* 0x3f50c23a */
 };
 
+EXTENDED_TABLE
 static const float extended_hysteresis_curve[144] = {
         1.75512779f,  /* 0x3fe0a807 */
         0.78053093f,  /* 0x3f47d0e0 */
@@ -229,6 +253,7 @@ static const float extended_hysteresis_curve[144] = {
      -0.0781277791f,  /* 0xbda00175 */
 };
 
+EXTENDED_TABLE
 static const float extended_hysteresis_play[32] = {
       0.0370370373f,  /* 0x3d17b426 */
         0.21129103f,  /* 0x3e585cad */
@@ -264,10 +289,12 @@ static const float extended_hysteresis_play[32] = {
        0.237950236f,  /* 0x3e73a93a */
 };
 
+EXTENDED_TABLE
 static const float extended_hysteresis_rate[1] = {
        -1.44269502f,  /* 0xbfb8aa3b */
 };
 
+EXTENDED_TABLE
 static const float extended_hysteresis_duhem[15] = {
      -0.0281676184f,  /* 0xbce6bfc7 */
       0.0191827025f,  /* 0x3c9d250b */
@@ -288,6 +315,7 @@ static const float extended_hysteresis_duhem[15] = {
 
 /* Input block `creep`: creep by 0.012 per state, 4 states of 0.03 .. 30 s. */
 
+EXTENDED_TABLE
 static const float extended_creep_rate[4] = {
     0.000666444481f,  /* 0x3a2eb455 */
      6.6664441e-05f,  /* 0x388bce33 */
@@ -295,6 +323,7 @@ static const float extended_creep_rate[4] = {
     6.66666438e-07f,  /* 0x3532f4f8 */
 };
 
+EXTENDED_TABLE
 static const float extended_creep_amount[1] = {
       0.0120000001f,  /* 0x3c449ba6 */
 };
@@ -333,6 +362,7 @@ static const float extended_creep_amount[1] = {
 /* Learner, per parameter: theta per number in the bank, and back; D(0) and largest D; what puts the prior
  * back; powers of two that scale the regressors. */
 
+EXTENDED_TABLE
 static const float extended_learn_scale[EXTENDED_LEARNED] = {
              128.0f,  /* 0x43000000 */
              128.0f,  /* 0x43000000 */
@@ -354,6 +384,7 @@ static const float extended_learn_scale[EXTENDED_LEARNED] = {
               32.0f,  /* 0x42000000 */
 };
 
+EXTENDED_TABLE
 static const float extended_learn_per_scale[EXTENDED_LEARNED] = {
          0.0078125f,  /* 0x3c000000 */
          0.0078125f,  /* 0x3c000000 */
@@ -375,6 +406,7 @@ static const float extended_learn_per_scale[EXTENDED_LEARNED] = {
            0.03125f,  /* 0x3d000000 */
 };
 
+EXTENDED_TABLE
 static const float extended_learn_prior[EXTENDED_LEARNED] = {
     3.16285623e-05f,  /* 0x3804a8e9 */
     3.16285623e-05f,  /* 0x3804a8e9 */
@@ -396,6 +428,7 @@ static const float extended_learn_prior[EXTENDED_LEARNED] = {
     1.97678514e-06f,  /* 0x3604a8e9 */
 };
 
+EXTENDED_TABLE
 static const float extended_learn_ceiling[EXTENDED_LEARNED] = {
      6.4059248e-05f,  /* 0x3886578c */
      6.4059248e-05f,  /* 0x3886578c */
@@ -417,6 +450,7 @@ static const float extended_learn_ceiling[EXTENDED_LEARNED] = {
       4.003703e-06f,  /* 0x3686578c */
 };
 
+EXTENDED_TABLE
 static const float extended_learn_refresh[EXTENDED_LEARNED] = {
         19.8970985f,  /* 0x419f2d42 */
         19.8970985f,  /* 0x419f2d42 */
@@ -438,6 +472,7 @@ static const float extended_learn_refresh[EXTENDED_LEARNED] = {
         79.5883942f,  /* 0x429f2d42 */
 };
 
+EXTENDED_TABLE
 static const float extended_learn_firing[EXTENDED_RULES] = {
            0.03125f,  /* 0x3d000000 */
               0.25f,  /* 0x3e800000 */
@@ -451,7 +486,6 @@ static const float extended_learn_firing[EXTENDED_RULES] = {
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
 #define EXTENDED_COMMIT_MATURE                0x00000400u
-#define EXTENDED_COMMIT_POINTS                0x00000020u
 #define EXTENDED_COMMIT_HALF_UM             0.0483650789f  /* 0x3d461a76 */
 #define EXTENDED_COMMIT_GAIN_REMAINDER     0.00320476922f  /* 0x3b52071b */
 #define EXTENDED_COMMIT_SLOPE_REMAINDER_1  0.00961430743f  /* 0x3c1d8554 */
@@ -461,6 +495,7 @@ static const float extended_learn_firing[EXTENDED_RULES] = {
 #define EXTENDED_COMMIT_GAIN_CEILING        0.0807427466f  /* 0x3da55c74 */
 #define EXTENDED_COMMIT_SLOPE_LIMIT          0.997451544f  /* 0x3f7f58fc */
 
+EXTENDED_TABLE
 static const float extended_commit_unfold[EXTENDED_RULES] = {
         22.7598953f,  /* 0x41b61444 */
         3.08021688f,  /* 0x40452246 */
@@ -470,6 +505,7 @@ static const float extended_commit_unfold[EXTENDED_RULES] = {
         22.7598953f,  /* 0x41b61444 */
 };
 
+EXTENDED_TABLE
 static const float extended_commit_y[32] = {
     -0.00761378417f,  /* 0xbbf97d0d */
       0.0881586447f,  /* 0x3db48c85 */
@@ -505,6 +541,7 @@ static const float extended_commit_y[32] = {
         2.96133161f,  /* 0x403d8675 */
 };
 
+EXTENDED_TABLE
 static const float extended_commit_table[576] = {
           12.44699f,  /* 0x414726df */
         1.10473323f,  /* 0x3f8d67e6 */
@@ -1084,15 +1121,9 @@ static const float extended_commit_table[576] = {
        -5.30797482f,  /* 0xc0a9daee */
 };
 
-/* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up.
- * PATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the
- * reference where no limit acts. */
-#define EXTENDED_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
-#define EXTENDED_PATH_ERROR         6.1999998e-07f  /* 0x35266e13 */
-#define EXTENDED_INVERSE_ERROR_UM  5.20000015e-07f  /* 0x350b9621 */
+#endif
 
-#else
+#ifdef EXTENDED_SELFTEST_NUMBERS
 
 /* Self-test: where each function starts, what it is given, and the bits that the float32 reference answers. */
 
@@ -1105,6 +1136,7 @@ static const float extended_commit_table[576] = {
 #define EXTENDED_SELFTEST_PREDICT_Y_REJECTED 3u
 #define EXTENDED_SELFTEST_PREDICT_U_REJECTED 3u
 
+EXTENDED_TABLE
 static const uint32_t extended_selftest_predict_rows[32][3] = {
     { 0x3fc9b0ccu, 0x41e48b5bu, 0x3fc70be1u },  /* 1.57571, 28.568 -> 1.55505 */
     { 0x3fd53d8du, 0x423deedau, 0x3fd280c3u },  /* 1.66594, 47.4833 -> 1.64455 */
@@ -1149,6 +1181,7 @@ static const uint32_t extended_selftest_predict_rows[32][3] = {
 #define EXTENDED_SELFTEST_SIMULATE_Y_REJECTED 0u
 #define EXTENDED_SELFTEST_SIMULATE_U_REJECTED 2u
 
+EXTENDED_TABLE
 static const uint32_t extended_selftest_simulate_rows[32][2] = {
     { 0x4238cbd0u, 0x3fbaa62cu },  /* 46.199 -> 1.4582 */
     { 0x41d5633du, 0x3fb8f2f8u },  /* 26.6735 -> 1.44491 */
@@ -1193,6 +1226,7 @@ static const uint32_t extended_selftest_simulate_rows[32][2] = {
 #define EXTENDED_SELFTEST_INVERSE_Y_REJECTED 5u
 #define EXTENDED_SELFTEST_INVERSE_U_REJECTED 0u
 
+EXTENDED_TABLE
 static const uint32_t extended_selftest_inverse_rows[32][3] = {
     { 0x402b6cedu, 0x4028adbdu, 0x41b0001au },  /* 2.67852, 2.6356 -> 22 */
     { 0x3f465f0bu, 0x3f453897u, 0x41b00007u },  /* 0.774888, 0.770395 -> 22 */
@@ -1227,7 +1261,5 @@ static const uint32_t extended_selftest_inverse_rows[32][3] = {
     { 0x3fe69c28u, 0x3fe80e6cu, 0x422c5e98u },  /* 1.80164, 1.81294 -> 43.0924 */
     { 0x403928afu, 0x403871beu, 0x423e8548u },  /* 2.89311, 2.88194 -> 47.6302 */
 };
-
-#endif
 
 #endif

@@ -7,6 +7,7 @@
 #define EXTENDED_SELFTEST_NUMBERS
 #include "extended_params.h"
 
+EXTENDED_CODE
 static float extended_selftest_float(uint32_t bits)
 {
     const union {
@@ -17,6 +18,7 @@ static float extended_selftest_float(uint32_t bits)
     return pattern.number;
 }
 
+EXTENDED_CODE
 static uint32_t extended_selftest_bits(float x)
 {
     const union {
@@ -27,6 +29,7 @@ static uint32_t extended_selftest_bits(float x)
     return pattern.bits;
 }
 
+EXTENDED_CODE
 static uint32_t extended_selftest_predict(void)
 {
     extended_t self;
@@ -50,6 +53,7 @@ static uint32_t extended_selftest_predict(void)
     return mismatches;
 }
 
+EXTENDED_CODE
 static uint32_t extended_selftest_simulate(void)
 {
     extended_t self;
@@ -73,6 +77,7 @@ static uint32_t extended_selftest_simulate(void)
     return mismatches;
 }
 
+EXTENDED_CODE
 static uint32_t extended_selftest_inverse(void)
 {
     extended_t self;
@@ -96,6 +101,7 @@ static uint32_t extended_selftest_inverse(void)
     return mismatches;
 }
 
+EXTENDED_CODE
 uint32_t extended_selftest(void)
 {
     uint32_t mismatches = 0u;

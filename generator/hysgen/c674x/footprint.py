@@ -6,12 +6,13 @@ from collections.abc import Mapping
 
 from hysgen.c674x import toolchain
 from hysgen.c674x.cycles import CycleBounds, bounds
+from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations import figures
 
 
 def c_texts(texts: Mapping[str, str]) -> list[tuple[str, str]]:
     """(file name, text) of the C sources and headers among generated files."""
-    return [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+    return list(c_files(texts).items())
 
 
 def cycle_bounds(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.codegen.interface import Function, interface_of
+from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
 from hysgen.machine.native import Library, Toolchain, build
 
@@ -41,7 +42,7 @@ class Host:
             "commits": self.commits,
         }
         driver = render("driver.c.j2", facts)
-        sources = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+        sources = list(c_files(texts).items())
         declared = self.interface.declarations() + declarations
         declared += "".join(_driver_declaration(entry) for entry in self.entries.values())
         declared += "int32_t driver_flushes(void);\n"

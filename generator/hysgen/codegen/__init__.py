@@ -1,7 +1,7 @@
 """C code from a model: `generate` returns the text of each file without side effects, `write` writes the files.
 
-A generated folder consists of five C files, the model file and MANIFEST.json. The same model and options give the same
-bytes on every machine and at any time.
+A generated folder consists of five C files, CMakeLists.txt, an example, the model file and MANIFEST.json. The same
+model and options give the same bytes on every machine and at any time.
 """
 
 from __future__ import annotations
@@ -16,16 +16,24 @@ from hysgen.certify.certificates import Certificates, certify
 from hysgen.codegen.commit import commit_feature
 from hysgen.codegen.interface import interface
 from hysgen.codegen.learning import learner_feature
-from hysgen.codegen.manifest import MANIFEST, manifest, model_file
+from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_file
 from hysgen.codegen.operations import Figures, figures
 from hysgen.codegen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample, require_budget
-from hysgen.codegen.parameters import block_sections, error_section, range_section, rule_section, term_sections
+from hysgen.codegen.parameters import (
+    block_sections,
+    error_section,
+    numbers_digest,
+    range_section,
+    rule_section,
+    term_sections,
+)
 from hysgen.codegen.render import Feature, context, render
 from hysgen.codegen.selftest import chains
+from hysgen.codegen.structs import structs
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.accuracy import Accuracy, accuracy
-from hysgen.machine.files import write_whole
+from hysgen.machine.files import digest, write_whole
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
@@ -76,9 +84,13 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     ]
     sections += term_sections(model, numbers, upper)
     sections += [section for feature in features for section in feature.sections]
+    sections.append(error_section(errors, inverse=chosen.inverse, responds=model.responds))
     facts |= {
         "prototypes": interface(model, inverse=chosen.inverse).prototypes,
-        "sections": [*sections, error_section(errors, inverse=chosen.inverse, responds=model.responds)],
+        "structs": structs(model),
+        "learns": model.learner is not None,
+        "sections": sections,
+        "numbers_digest": numbers_digest(sections),
         "chains": chains(model, inverse=chosen.inverse),
     }
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
@@ -153,14 +165,25 @@ def _require_inverse(model: Model, certificates: Certificates) -> None:
 
 
 def _firmware(name: str, facts: Mapping[str, Any], cost: Mapping[str, str], sizes: Mapping[str, int]) -> dict[str, str]:
-    """The C files by name. cost: text on the cost by function, default ""; sizes: bytes by struct, default 0."""
-    complete = {**facts, "figures": defaultdict(str, cost), "bytes": defaultdict(int, sizes)}
+    """The C files by name, and CMakeLists.txt.
+
+    cost: text on the cost by function, default ""; sizes: bytes by struct, default 0.
+    """
+    source = render("source.c.j2", facts)
+    complete = {
+        **facts,
+        "figures": defaultdict(str, cost),
+        "bytes": defaultdict(int, sizes),
+        "algorithm": digest(source.encode()),
+    }
     return {
         f"{name}.h": render("header.h.j2", complete),
-        f"{name}.c": render("source.c.j2", complete),
+        f"{name}.c": source,
         f"{name}_params.h": render("params.h.j2", complete),
         f"{name}_selftest.h": render("selftest.h.j2", complete),
         f"{name}_selftest.c": render("selftest.c.j2", complete),
+        CMAKE: render("CMakeLists.txt.j2", complete),
+        EXAMPLE: render("example.c.j2", complete),
     }
 
 

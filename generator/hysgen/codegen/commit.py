@@ -34,7 +34,7 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
         "points_per_call": model.learner.points_per_call,
         "kept": _kept(model, numbers),
     }
-    return Feature("commit.c.j2", {"commit": facts}, [_section(found, upper)])
+    return Feature("commit.c.j2", {"commit": facts}, _sections(found, upper))
 
 
 def _kept(model: Model, numbers: Coefficients) -> list[str]:
@@ -46,10 +46,9 @@ def _kept(model: Model, numbers: Coefficients) -> list[str]:
     return kept + [f"weight[{j}]" for j in range(weights)]
 
 
-def _section(found: CommitNumbers, upper: str) -> Section:
+def _sections(found: CommitNumbers, upper: str) -> list[Section]:
     constants = [
         Constant("COMMIT_MATURE", np.uint32(found.settings.mature)),
-        Constant("COMMIT_POINTS", np.uint32(found.points)),
         Constant("COMMIT_HALF_UM", found.half_um),
         Constant("COMMIT_GAIN_REMAINDER", found.gain_remainder),
         Constant("COMMIT_SLOPE_REMAINDER_1", found.slope_remainder_1),
@@ -64,10 +63,12 @@ def _section(found: CommitNumbers, upper: str) -> Section:
         Table("commit_y", f"{found.points}", found.y_um),
         Table("commit_table", f"{found.table.size}", found.table.ravel()),
     ]
-    return Section(
+    checks = Section("Commit: check points.", [Constant("COMMIT_POINTS", np.uint32(found.points))], public=True)
+    limits = Section(
         "Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the\n"
         "memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''\n"
         "over the strengths w_l at each check point.",
         constants,
         tables,
     )
+    return [checks, limits]

@@ -17,6 +17,9 @@ from hysgen.model.model import Model
 MANIFEST: Final = "MANIFEST.json"
 SCHEMA: Final = "hysgen-manifest"
 VERSION: Final = 1
+CMAKE: Final = "CMakeLists.txt"
+EXAMPLE: Final = "example/main.c"
+"""A program that calls the model, in its own folder: a build of every *.c in the model's folder must not include it."""
 
 
 def manifest(model: Model, texts: Mapping[str, str], facts: Mapping[str, Any]) -> str:
@@ -36,6 +39,11 @@ def manifest(model: Model, texts: Mapping[str, str], facts: Mapping[str, Any]) -
 def model_file(model: Model) -> str:
     """Name of the model file in the folder."""
     return f"{model.name}.json"
+
+
+def c_files(texts: Mapping[str, str]) -> dict[str, str]:
+    """The C sources and headers of the model among generated `texts`, without the example."""
+    return {name: text for name, text in texts.items() if name.endswith((".c", ".h")) and "/" not in name}
 
 
 @dataclass(frozen=True)
@@ -76,7 +84,7 @@ def _read_manifest(path: Path) -> dict[str, Any]:
     if not isinstance(facts, dict) or facts.get("schema") != SCHEMA or facts.get("version") != VERSION:
         raise HysgenError(f"{path}: is not a manifest of version {VERSION}; generate the folder again")
     named = facts.get("files")
-    plain = isinstance(named, dict) and all(Path(name).name == name for name in named)
+    plain = isinstance(named, dict) and all(Path(name).name == name or name == EXAMPLE for name in named)
     if not plain or facts.get("model_file") not in set(named or {}):
         raise HysgenError(f"{path}: names no files of a model; generate the folder again")
     return facts

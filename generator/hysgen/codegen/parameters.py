@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.reference.accuracy import Accuracy
+from hysgen.machine.files import digest
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.model import Model
 
@@ -50,11 +51,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Section:
-    """A group of numbers; about: its comment, with equation and units."""
+    """A group of numbers; about: its comment, with equation and units; public: whether `<name>.h` includes it."""
 
     about: str
     constants: Sequence[Constant] = ()
     tables: Sequence[Table] = ()
+    public: bool = False
 
 
 def range_section(numbers: Coefficients, *, responds: bool) -> Section:
@@ -77,6 +79,7 @@ def range_section(numbers: Coefficients, *, responds: bool) -> Section:
             Constant("REFERENCE_MAX_UM", numbers.reference_max_um),
             *(path if responds else []),
         ],
+        public=True,
     )
 
 
@@ -97,6 +100,7 @@ def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section
         "Worst error of one step against the float64 model, measured when this file was generated\n"
         f"over {errors.samples} samples of the whole range, rounded up." + (path if responds else ""),
         constants,
+        public=True,
     )
 
 
@@ -147,6 +151,18 @@ def term_sections(model: Model, numbers: Coefficients, upper: str) -> list[Secti
         sections.append(Section(f"Term `{term.kind}`: {term.describe()}.", tables=tables))
     weights = Table("weight", f"{upper}_WEIGHTS", numbers.bank.weight)
     return [*sections, Section("Weights theta of the terms' regressors, in their order.", tables=[weights])]
+
+
+def numbers_digest(sections: Sequence[Section]) -> str:
+    """SHA-256 of the 32-bit words of all sections, little endian, in the order of `<name>_params.h`."""
+    words: list[bytes] = []
+    for section in sorted(sections, key=lambda section: not section.public):
+        words += [
+            np.asarray(constant.value).astype(constant.value.dtype.newbyteorder("<")).tobytes()
+            for constant in section.constants
+        ]
+        words += [table.values.astype(table.values.dtype.newbyteorder("<")).tobytes() for table in section.tables]
+    return digest(b"".join(words))
 
 
 def _stated(error: float) -> np.float32:

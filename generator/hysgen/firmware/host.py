@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.codegen.interface import interface_of
+from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations.text import preprocessed
 from hysgen.firmware.binding import typedefs
 from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
@@ -172,7 +173,7 @@ class HostImage:
         Raises BuildError if there is no compiler or it reports an error.
         """
         own = dict([*read_sources(CONTROLLER), *read_sources(HOST_BOARD)])
-        generated = {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
+        generated = c_files(texts)
         declared = _declarations(name, texts, own)
         return cls(name, build([*own.items(), *generated.items()], declared, toolchain, libraries=()))
 

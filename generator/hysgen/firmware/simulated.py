@@ -17,6 +17,7 @@ from hysgen.c674x.cycles import bounds
 from hysgen.c674x.toolchain import Firmware
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
+from hysgen.codegen.manifest import c_files
 from hysgen.errors import TargetError
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, read_sources
@@ -127,5 +128,5 @@ def _stage(model: Model) -> tuple[Host, Any]:
 
 
 def _sources(texts: Mapping[str, str]) -> list[tuple[str, str]]:
-    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+    generated = list(c_files(texts).items())
     return [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *generated]

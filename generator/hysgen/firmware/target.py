@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from hysgen.c674x import toolchain
 from hysgen.c674x.toolchain import Firmware
+from hysgen.codegen.manifest import c_files
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, TARGET_BOARD, read_sources
 
 MEMORIES: Final = {"L2 RAM": (0x11800000, 256 * 1024), "shared RAM": (0x80000000, 128 * 1024)}
@@ -58,7 +59,7 @@ def link_image(name: str, texts: Mapping[str, str]) -> LinkedImage:
 
     texts: generated C and model.h by file name. Raises BuildError if there is no compiler or it reports an error.
     """
-    generated = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+    generated = list(c_files(texts).items())
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
     board = [*read_sources(TARGET_BOARD, "*.[chs]"), *read_sources(*EMPTY_STORE)]
     sources = [*read_sources(CONTROLLER), *board, *generated]

@@ -2,8 +2,6 @@
 
 #include "appendix_a.h"
 
-#include "appendix_a_params.h"
-
 /* Equal bits on every machine rest on float32 operations as they are written: no shortcuts, no wider intermediate
  * results, no multiplication fused with an addition. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -14,6 +12,13 @@
 #error "appendix_a: float must be evaluated as float (on x86: -msse2 -mfpmath=sse)"
 #endif
 #endif
+
+#include <float.h>
+#include <limits.h>
+
+#if CHAR_BIT != 8 || FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MIN_EXP != -125 || FLT_MAX_EXP != 128
+#error "appendix_a: needs bytes of 8 bits, and float in the 32-bit format of IEEE 754"
+#endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && defined(__FP_FAST_FMAF)
@@ -23,8 +28,11 @@
 #if defined(__GNUC__)
 #define APPENDIX_A_INLINE static inline __attribute__((always_inline))
 #else
-#define APPENDIX_A_INLINE static inline
+#define APPENDIX_A_INLINE APPENDIX_A_CODE static inline
 #endif
+
+#define APPENDIX_A_NUMBERS
+#include "appendix_a_params.h"
 
 /* ---- Arithmetic ---------------------------------------------------------------------------------------------- */
 
@@ -208,6 +216,7 @@ APPENDIX_A_INLINE appendix_a_sums_t appendix_a_rule_sums(const appendix_a_bank_t
 
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
+APPENDIX_A_CODE
 void appendix_a_init(appendix_a_t *self, float y_um, float u_V)
 {
     appendix_a_events_t events;
@@ -243,6 +252,7 @@ APPENDIX_A_INLINE float appendix_a_apply(appendix_a_t *self, float base, float g
 }
 
 /* y(k+1) from measured y(k) and u(k). */
+APPENDIX_A_CODE
 float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];
@@ -263,6 +273,7 @@ float appendix_a_predict(appendix_a_t *self, float y_um, float u_V)
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
 /* y(k+1) from the last output and u(k). */
+APPENDIX_A_CODE
 float appendix_a_simulate(appendix_a_t *self, float u_V)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];
@@ -283,6 +294,7 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
+APPENDIX_A_CODE
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
 {
     const appendix_a_bank_t *bank = &self->bank[self->active];

@@ -4,12 +4,36 @@
  *     y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 u(k) + q_l3)
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Numbers stand in appendix_a_params.h. */
+ * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * the first part of appendix_a_params.h. */
 
 #ifndef APPENDIX_A_H
 #define APPENDIX_A_H
 
 #include <stdint.h>
+
+#include "appendix_a_params.h"
+
+/* For the whole build, -D'APPENDIX_A_CODE=__attribute__((section(".fast")))' places the functions of the model in the
+ * section .fast; APPENDIX_A_TABLE does the same for its tables of constants. */
+#ifndef APPENDIX_A_CODE
+#define APPENDIX_A_CODE  /**< attribute of every function of appendix_a.c and appendix_a_selftest.c */
+#endif
+#ifndef APPENDIX_A_TABLE
+#define APPENDIX_A_TABLE  /**< attribute of every table of constants */
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
+/** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
+#define APPENDIX_A_ALGORITHM "77e1fa7cde7b06d875b3d5fafd60edee994ce280f83648a34ff33a4685a7053c"
+#define APPENDIX_A_ALGORITHM_WORD 0x77e1fa7cu  /**< its first 32 bits */
+
+#define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
+#define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */
 
 #define APPENDIX_A_RULES 6u  /**< fuzzy rules */
 #define APPENDIX_A_BANK_RULES 6u  /**< rules in a bank, padding included */
@@ -61,7 +85,7 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: APPENDIX_A_PREDICT_ERROR_UM in appendix_a_params.h.
+ * Worst error against float64 over these ranges: APPENDIX_A_PREDICT_ERROR_UM.
  * 35 float +-, 40 float *, 4 float comparisons, 67 integer, 32 loads, 7 stores.
  * C674x: about 199 cycles (estimate). */
 float appendix_a_predict(appendix_a_t *self, float y_um, float u_V);
@@ -90,9 +114,18 @@ float appendix_a_simulate(appendix_a_t *self, float u_V);
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, APPENDIX_A_STATUS_UNREACHABLE is set.
  *
- * Worst error against float64 over these ranges: APPENDIX_A_INVERSE_ERROR_V in appendix_a_params.h.
+ * Worst error against float64 over these ranges: APPENDIX_A_INVERSE_ERROR_V.
  * 39 float +-, 48 float *, 6 float comparisons, 87 integer, 32 loads, 8 stores.
  * C674x: about 225 cycles (estimate). */
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
+
+/* The compiler of the caller must lay the structs out as the compiler of appendix_a.c: another size is an error here. */
+typedef char appendix_a_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
+typedef char appendix_a_bank_t_size[(sizeof(appendix_a_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
+typedef char appendix_a_t_size[(sizeof(appendix_a_t) == 176u) ? 1 : -1];  /**< static assertion */
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,15 +1,17 @@
 /* appendix_a_params.h: the numbers of model `appendix_a`. All that changes when the same structure is identified again.
  *
- * Every float32 is written with 9 significant digits, which read back to the bits in the comment behind it. */
+ * Part 1 comes with appendix_a.h. appendix_a.c defines APPENDIX_A_NUMBERS for part 2, appendix_a_selftest.c
+ * APPENDIX_A_SELFTEST_NUMBERS for part 3. Every float32 is written with 9 significant digits, which read back to the bits
+ * in the comment behind it. */
 
 #ifndef APPENDIX_A_PARAMS_H
 #define APPENDIX_A_PARAMS_H
 
 #include <stdint.h>
 
-#include "appendix_a.h"
-
-#ifndef APPENDIX_A_SELFTEST_NUMBERS
+/* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
+#define APPENDIX_A_NUMBERS_DIGEST "1f6a3cb0031f9a47c9424212473a3ea4d11fcc4419e68206996fdb51290df600"
+#define APPENDIX_A_NUMBERS_WORD 0x1f6a3cb0u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define APPENDIX_A_Y_MIN_UM           0.66079998f  /* 0x3f292a30 */
@@ -21,11 +23,21 @@
 #define APPENDIX_A_REFERENCE_MIN_UM  -2.41429996f  /* 0xc01a83e4 */
 #define APPENDIX_A_REFERENCE_MAX_UM   6.81099987f  /* 0x40d9f3b6 */
 
+/* Worst error of one step against the float64 model, measured when this file was generated
+ * over 20000 samples of the whole range, rounded up. */
+#define APPENDIX_A_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
+#define APPENDIX_A_INVERSE_ERROR_V   0.000479999988f  /* 0x39fba882 */
+
+#endif
+
+#ifdef APPENDIX_A_NUMBERS
+
 /* Rules, Eqs (1) to (7): octaves per um from the middle; strengths w;
  * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/V]. */
 #define APPENDIX_A_ORIGIN_UM  2.19834995f  /* 0x400cb1c4 */
 #define APPENDIX_A_PER_STEP   2.34576941f  /* 0x40162116 */
 
+APPENDIX_A_TABLE
 static const float appendix_a_strength[APPENDIX_A_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
        0.324652463f,  /* 0x3ea638d9 */
@@ -35,6 +47,7 @@ static const float appendix_a_strength[APPENDIX_A_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_slope[APPENDIX_A_BANK_RULES] = {
       0.0268937983f,  /* 0x3cdc5062 */
       0.0225958116f,  /* 0x3cb91ada */
@@ -44,6 +57,7 @@ static const float appendix_a_slope[APPENDIX_A_BANK_RULES] = {
        0.038370125f,  /* 0x3d1d29fe */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_offset[APPENDIX_A_BANK_RULES] = {
      -0.0112039177f,  /* 0xbc3790a3 */
        0.362019956f,  /* 0x3eb95aae */
@@ -53,6 +67,7 @@ static const float appendix_a_offset[APPENDIX_A_BANK_RULES] = {
       0.0197320767f,  /* 0x3ca1a52a */
 };
 
+APPENDIX_A_TABLE
 static const float appendix_a_gain[APPENDIX_A_BANK_RULES] = {
     7.02990947e-05f,  /* 0x38936d8a */
     0.000551909208f,  /* 0x3a10ae00 */
@@ -62,12 +77,9 @@ static const float appendix_a_gain[APPENDIX_A_BANK_RULES] = {
     9.22675608e-05f,  /* 0x38c17fc5 */
 };
 
-/* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up. */
-#define APPENDIX_A_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
-#define APPENDIX_A_INVERSE_ERROR_V   0.000479999988f  /* 0x39fba882 */
+#endif
 
-#else
+#ifdef APPENDIX_A_SELFTEST_NUMBERS
 
 /* Self-test: where each function starts, what it is given, and the bits that the float32 reference answers. */
 
@@ -80,6 +92,7 @@ static const float appendix_a_gain[APPENDIX_A_BANK_RULES] = {
 #define APPENDIX_A_SELFTEST_PREDICT_Y_REJECTED 3u
 #define APPENDIX_A_SELFTEST_PREDICT_U_REJECTED 3u
 
+APPENDIX_A_TABLE
 static const uint32_t appendix_a_selftest_predict_rows[32][3] = {
     { 0x40130acbu, 0x40e16fbau, 0x400e925fu },  /* 2.29753, 7.04489 -> 2.22768 */
     { 0x4018d62eu, 0x42a9dcb1u, 0x401c368bu },  /* 2.38807, 84.931 -> 2.44083 */
@@ -124,6 +137,7 @@ static const uint32_t appendix_a_selftest_predict_rows[32][3] = {
 #define APPENDIX_A_SELFTEST_SIMULATE_Y_REJECTED 0u
 #define APPENDIX_A_SELFTEST_SIMULATE_U_REJECTED 2u
 
+APPENDIX_A_TABLE
 static const uint32_t appendix_a_selftest_simulate_rows[32][2] = {
     { 0x429f4944u, 0x400fc2b2u },  /* 79.6431 -> 2.24626 */
     { 0xbf41a05bu, 0x400a8e8au },  /* -0.756353 -> 2.16495 */
@@ -168,6 +182,7 @@ static const uint32_t appendix_a_selftest_simulate_rows[32][2] = {
 #define APPENDIX_A_SELFTEST_INVERSE_Y_REJECTED 5u
 #define APPENDIX_A_SELFTEST_INVERSE_U_REJECTED 0u
 
+APPENDIX_A_TABLE
 static const uint32_t appendix_a_selftest_inverse_rows[32][3] = {
     { 0x4059dc88u, 0x405dfbcbu, 0x42ca6194u },  /* 3.40409, 3.46849 -> 101.191 */
     { 0x3fbf3b6bu, 0x3fc69891u, 0x429a32bdu },  /* 1.494, 1.55153 -> 77.0991 */
@@ -202,7 +217,5 @@ static const uint32_t appendix_a_selftest_inverse_rows[32][3] = {
     { 0x40218d04u, 0x40256ad9u, 0x42b68caau },  /* 2.52423, 2.58465 -> 91.2747 */
     { 0x4067a433u, 0x406342a9u, 0x41e09692u },  /* 3.6194, 3.55094 -> 28.0735 */
 };
-
-#endif
 
 #endif

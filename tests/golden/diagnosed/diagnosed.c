@@ -2,8 +2,6 @@
 
 #include "diagnosed.h"
 
-#include "diagnosed_params.h"
-
 /* Equal bits on every machine rest on float32 operations as they are written: no shortcuts, no wider intermediate
  * results, no multiplication fused with an addition. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -14,6 +12,13 @@
 #error "diagnosed: float must be evaluated as float (on x86: -msse2 -mfpmath=sse)"
 #endif
 #endif
+
+#include <float.h>
+#include <limits.h>
+
+#if CHAR_BIT != 8 || FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MIN_EXP != -125 || FLT_MAX_EXP != 128
+#error "diagnosed: needs bytes of 8 bits, and float in the 32-bit format of IEEE 754"
+#endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && defined(__FP_FAST_FMAF)
@@ -23,8 +28,11 @@
 #if defined(__GNUC__)
 #define DIAGNOSED_INLINE static inline __attribute__((always_inline))
 #else
-#define DIAGNOSED_INLINE static inline
+#define DIAGNOSED_INLINE DIAGNOSED_CODE static inline
 #endif
+
+#define DIAGNOSED_NUMBERS
+#include "diagnosed_params.h"
 
 /* ---- Arithmetic ---------------------------------------------------------------------------------------------- */
 
@@ -239,6 +247,7 @@ DIAGNOSED_INLINE float diagnosed_lost(float high, float t)
 
 /* ---- Path -------------------------------------------------------------------------------------------------------- */
 
+DIAGNOSED_CODE
 static float diagnosed_delay_init(diagnosed_delay_t *self, float u)
 {
     for (uint32_t i = 0u; i < 2u; ++i) {
@@ -375,6 +384,7 @@ DIAGNOSED_INLINE float diagnosed_hysteresis_followed_um(diagnosed_hysteresis_t *
     return side * (diagnosed_hysteresis_duhem_um(d0, &diagnosed_hysteresis_duhem[0]) + diagnosed_hysteresis_duhem_um(d1, &diagnosed_hysteresis_duhem[3]));
 }
 
+DIAGNOSED_CODE
 static float diagnosed_hysteresis_apply(diagnosed_hysteresis_t *self, float v)
 {
     const float x = diagnosed_hysteresis_normalised(v);
@@ -439,6 +449,7 @@ static float diagnosed_hysteresis_apply(diagnosed_hysteresis_t *self, float v)
 }
 
 /* At rest under v; returns the output. */
+DIAGNOSED_CODE
 static float diagnosed_hysteresis_init(diagnosed_hysteresis_t *self, float v)
 {
     const float x = diagnosed_hysteresis_normalised(v);
@@ -511,6 +522,7 @@ DIAGNOSED_INLINE diagnosed_hysteresis_ahead_t diagnosed_hysteresis_duhem_ahead(f
 /* The voltage for which diagnosed_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
  *     x <- x - (h(x) - wanted) / h'(x)
  * on h as a function of the input ahead, in the direction of `wanted`; the first x is that of the mean slope. */
+DIAGNOSED_CODE
 static float diagnosed_hysteresis_solve(const diagnosed_hysteresis_t *self, float wanted)
 {
     const float way = (wanted - self->h_um) * diagnosed_hysteresis_range[5];
@@ -569,6 +581,7 @@ DIAGNOSED_INLINE float diagnosed_creep_slow(const diagnosed_creep_t *self)
     return diagnosed_creep_amount[0] * sum;
 }
 
+DIAGNOSED_CODE
 static float diagnosed_creep_init(diagnosed_creep_t *self, float x)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -617,6 +630,7 @@ DIAGNOSED_INLINE float diagnosed_modes_moving(const diagnosed_modes_t *self)
     return sum;
 }
 
+DIAGNOSED_CODE
 static float diagnosed_modes_init(diagnosed_modes_t *self, float x)
 {
     for (uint32_t j = 0u; j < 1u; ++j) {
@@ -653,6 +667,7 @@ DIAGNOSED_INLINE float diagnosed_modes_solve(const diagnosed_modes_t *self, floa
 
 
 /* At rest under the command u; returns w at rest. */
+DIAGNOSED_CODE
 static float diagnosed_inputs_init(diagnosed_inputs_t *inputs, float u)
 {
     float v = u;
@@ -689,6 +704,7 @@ DIAGNOSED_INLINE float diagnosed_inputs_apply(diagnosed_inputs_t *inputs, float 
     return diagnosed_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v);
 }
 
+DIAGNOSED_CODE
 static void diagnosed_hysteresis_copy(diagnosed_hysteresis_t *to, const diagnosed_hysteresis_t *from)
 {
     to->turn = from->turn;
@@ -706,6 +722,7 @@ static void diagnosed_hysteresis_copy(diagnosed_hysteresis_t *to, const diagnose
     }
 }
 
+DIAGNOSED_CODE
 static void diagnosed_creep_copy(diagnosed_creep_t *to, const diagnosed_creep_t *from)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -714,6 +731,7 @@ static void diagnosed_creep_copy(diagnosed_creep_t *to, const diagnosed_creep_t 
     }
 }
 
+DIAGNOSED_CODE
 static void diagnosed_modes_copy(diagnosed_modes_t *to, const diagnosed_modes_t *from)
 {
     for (uint32_t i = 0u; i < 1u; ++i) {
@@ -734,6 +752,7 @@ typedef struct {
 } diagnosed_found_t;
 
 /* The command for which w is the input of the rules, 1 samples later. */
+DIAGNOSED_CODE
 static float diagnosed_inputs_invert(diagnosed_inputs_t *inputs, float w, diagnosed_found_t *found)
 {
     diagnosed_hysteresis_t hysteresis;
@@ -777,6 +796,7 @@ static float diagnosed_inputs_invert(diagnosed_inputs_t *inputs, float w, diagno
 
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
+DIAGNOSED_CODE
 void diagnosed_init(diagnosed_t *self, float y_um, float u_V)
 {
     diagnosed_events_t events;
@@ -813,6 +833,7 @@ DIAGNOSED_INLINE float diagnosed_apply(diagnosed_t *self, float base, float gain
 }
 
 /* y(k+1) from measured y(k) and u(k). */
+DIAGNOSED_CODE
 float diagnosed_predict(diagnosed_t *self, float y_um, float u_V)
 {
     const diagnosed_bank_t *bank = &self->bank[self->active];
@@ -834,6 +855,7 @@ float diagnosed_predict(diagnosed_t *self, float y_um, float u_V)
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
 /* y(k+1) from the last output and u(k). */
+DIAGNOSED_CODE
 float diagnosed_simulate(diagnosed_t *self, float u_V)
 {
     const diagnosed_bank_t *bank = &self->bank[self->active];
@@ -855,6 +877,7 @@ float diagnosed_simulate(diagnosed_t *self, float u_V)
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
+DIAGNOSED_CODE
 float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um)
 {
     const diagnosed_bank_t *bank = &self->bank[self->active];
@@ -903,6 +926,7 @@ DIAGNOSED_INLINE void diagnosed_count_learner_event(
 }
 
 /* U = I. */
+DIAGNOSED_CODE
 static DIAGNOSED_STRAIGHT void diagnosed_clear(diagnosed_learner_t *self)
 {
     self->u[0] = 0.0f;
@@ -962,6 +986,7 @@ static DIAGNOSED_STRAIGHT void diagnosed_clear(diagnosed_learner_t *self)
 }
 
 /* Back to the reference parameters and the prior, P = alpha I. */
+DIAGNOSED_CODE
 static void diagnosed_restart(diagnosed_learner_t *self)
 {
     self->theta[0] = self->reference[0]; self->theta[1] = self->reference[1];
@@ -1003,6 +1028,7 @@ static void diagnosed_restart(diagnosed_learner_t *self)
 /* f = U' x and g = D f. Row i of U meets x_i; every f_j sums over i = 0, 1, ... and ends with x_j.
  * Independent chains stand side by side, in the order in which the C674x had better start them: while one row adds, the
  * next multiplies. */
+DIAGNOSED_CODE
 static DIAGNOSED_STRAIGHT void diagnosed_project(diagnosed_learner_t *self)
 {
     const float grid = 1.09139364e-11f;
@@ -1199,6 +1225,7 @@ static DIAGNOSED_STRAIGHT void diagnosed_project(diagnosed_learner_t *self)
 
 /* U and P x. In column j, with k_i the sum so far: U_ij <- U_ij + k_i l_j, k_i <- k_i + U_ij g_j, i < j.
  * Adding and taking off `grid` leaves multiples of 2^-30: nothing that is kept can become denormal. */
+DIAGNOSED_CODE
 static DIAGNOSED_STRAIGHT void diagnosed_factor(diagnosed_learner_t *self)
 {
     const float grid = 0.01171875f;
@@ -1706,6 +1733,7 @@ static DIAGNOSED_STRAIGHT void diagnosed_factor(diagnosed_learner_t *self)
 
 /* 1 if the sample behind f and g may be learnt from. Its innovation is expected to be up to the usual one times
  * sqrt(alpha), alpha = 1 + x' P x, for where the learner knows little it errs more. */
+DIAGNOSED_CODE
 static uint32_t diagnosed_admit(diagnosed_learner_t *self, float alpha)
 {
     const float e = self->innovation_um;
@@ -1742,6 +1770,7 @@ static uint32_t diagnosed_admit(diagnosed_learner_t *self, float alpha)
 /* alpha_j = alpha_(j-1) + f_j g_j from alpha = 1 on, l_j = -f_j / alpha_(j-1), D_j <- D_j / lambda * alpha_(j-1) / alpha_j.
  * The reciprocals are those of diagnosed_reciprocal, several side by side. Returns 1 if the update goes on, 0 if the
  * sample is not learnt from, 2 if the shadow has to start again. */
+DIAGNOSED_CODE
 static DIAGNOSED_STRAIGHT uint32_t diagnosed_update_diagonal(diagnosed_learner_t *self)
 {
     const float inflate = self->inflate;
@@ -2024,6 +2053,7 @@ DIAGNOSED_INLINE uint32_t diagnosed_beyond(float theta)
 /* theta <- theta + P x / alpha * innovation, P x in k. A step that would move a parameter by more than the limit is
  * shortened as a whole. theta is a sum of two words, for most steps are smaller than its last bit. Returns 1 if the
  * shadow has to start again. */
+DIAGNOSED_CODE
 static DIAGNOSED_STRAIGHT uint32_t diagnosed_step(diagnosed_learner_t *self)
 {
     const float grid = 3.57627869e-07f;
@@ -2157,6 +2187,7 @@ DIAGNOSED_INLINE uint32_t diagnosed_update(diagnosed_learner_t *self)
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
 
 /* Innovation of the displacement y behind the regressors kept, and of the reference parameters for the same sample. */
+DIAGNOSED_CODE
 static DIAGNOSED_STRAIGHT float diagnosed_innovations(const diagnosed_learner_t *self, float y, float *reference)
 {
     float shadow;
@@ -2324,6 +2355,7 @@ DIAGNOSED_INLINE float diagnosed_on_grid(float x)
 
 /* Keep the regressors of sample k for the displacement of sample k + 1. firing_l is r^l / W times a power of two: with
  * the strength that the bank's numbers carry it is p_l. */
+DIAGNOSED_CODE
 static DIAGNOSED_STRAIGHT void diagnosed_store_regressors(diagnosed_learner_t *self, float y_um, float u)
 {
     uint32_t outside;
@@ -2375,6 +2407,7 @@ static DIAGNOSED_STRAIGHT void diagnosed_store_regressors(diagnosed_learner_t *s
 
 /* Number by number: for a struct assignment compilers may call their library. That of gcc for the C674x copies in a
  * hardware loop, and the loop's counter is lost where an interrupt copies as well. */
+DIAGNOSED_CODE
 static void diagnosed_delay_copy(diagnosed_delay_t *to, const diagnosed_delay_t *from)
 {
     to->newest = from->newest;
@@ -2384,6 +2417,7 @@ static void diagnosed_delay_copy(diagnosed_delay_t *to, const diagnosed_delay_t 
     }
 }
 
+DIAGNOSED_CODE
 void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V)
 {
     uint32_t y_lost;
@@ -2420,6 +2454,7 @@ void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V)
     self->u_V = u;
 }
 
+DIAGNOSED_CODE
 void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model)
 {
     const diagnosed_bank_t *bank = &model->bank[model->active];
@@ -2525,6 +2560,7 @@ DIAGNOSED_INLINE float diagnosed_half_span(const diagnosed_bank_t *bank, float y
 }
 
 /* What Taylor's theorem leaves between the check points, for these parameters. */
+DIAGNOSED_CODE
 static void diagnosed_bound_remainders(diagnosed_candidate_t *candidate)
 {
     const diagnosed_bank_t *bank = &candidate->bank;
@@ -2540,6 +2576,7 @@ static void diagnosed_bound_remainders(diagnosed_candidate_t *candidate)
 }
 
 /* Take the shadow as it is now. */
+DIAGNOSED_CODE
 static uint32_t diagnosed_snapshot(diagnosed_learner_t *learner)
 {
     diagnosed_candidate_t *candidate = &learner->candidate;
@@ -2620,6 +2657,7 @@ DIAGNOSED_INLINE uint32_t diagnosed_too_steep(float slope, float curve, float re
 }
 
 /* Gain and slope around one check point, from p, p' and p'' there (see diagnosed_params.h). */
+DIAGNOSED_CODE
 static uint32_t diagnosed_check(const diagnosed_candidate_t *candidate)
 {
     const float *p = &diagnosed_commit_table[candidate->point * 18u];
@@ -2690,6 +2728,7 @@ static uint32_t diagnosed_check(const diagnosed_candidate_t *candidate)
 }
 
 /* Write the candidate into the bank that is not in use. */
+DIAGNOSED_CODE
 static void diagnosed_write(diagnosed_t *self, const diagnosed_candidate_t *candidate)
 {
     diagnosed_bank_t *idle = &self->bank[1u - self->active];
@@ -2702,6 +2741,7 @@ static void diagnosed_write(diagnosed_t *self, const diagnosed_candidate_t *cand
 }
 
 /* Writing and making active are two calls: whatever interrupts in between sees a bank that is whole. */
+DIAGNOSED_CODE
 uint32_t diagnosed_commit(diagnosed_t *self, diagnosed_learner_t *learner)
 {
     diagnosed_candidate_t *candidate = &learner->candidate;

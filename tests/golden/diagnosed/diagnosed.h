@@ -5,12 +5,36 @@
  *     w is u behind delay, hysteresis, creep, modes
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Numbers stand in diagnosed_params.h. */
+ * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * the first part of diagnosed_params.h. */
 
 #ifndef DIAGNOSED_H
 #define DIAGNOSED_H
 
 #include <stdint.h>
+
+#include "diagnosed_params.h"
+
+/* For the whole build, -D'DIAGNOSED_CODE=__attribute__((section(".fast")))' places the functions of the model in the
+ * section .fast; DIAGNOSED_TABLE does the same for its tables of constants. */
+#ifndef DIAGNOSED_CODE
+#define DIAGNOSED_CODE  /**< attribute of every function of diagnosed.c and diagnosed_selftest.c */
+#endif
+#ifndef DIAGNOSED_TABLE
+#define DIAGNOSED_TABLE  /**< attribute of every table of constants */
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DIAGNOSED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
+/** SHA-256 of diagnosed.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
+#define DIAGNOSED_ALGORITHM "4c3a3609fd45b8046c1cc20eb91cbe9478560decdb9b186280e6b5b8efe96834"
+#define DIAGNOSED_ALGORITHM_WORD 0x4c3a3609u  /**< its first 32 bits */
+
+#define DIAGNOSED_TS_S 1.99999995e-05f  /**< sample period [s] */
+#define DIAGNOSED_PERIOD_NS 20000u  /**< sample period [ns] */
 
 #define DIAGNOSED_RULES 6u  /**< fuzzy rules */
 #define DIAGNOSED_BANK_RULES 6u  /**< rules in a bank, padding included */
@@ -107,7 +131,7 @@ void diagnosed_init(diagnosed_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: DIAGNOSED_PREDICT_ERROR_UM in diagnosed_params.h.
+ * Worst error against float64 over these ranges: DIAGNOSED_PREDICT_ERROR_UM.
  * 176 float +-, 111 float *, 33 float comparisons, 176 integer, 147 loads, 54 stores, 3 branches.
  * C674x: about 643 cycles (estimate). */
 float diagnosed_predict(diagnosed_t *self, float y_um, float u_V);
@@ -138,7 +162,7 @@ float diagnosed_simulate(diagnosed_t *self, float u_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, DIAGNOSED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample DIAGNOSED_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) is missed by at most DIAGNOSED_INVERSE_ERROR_UM, in diagnosed_params.h; where the path is
+ * Where no limit acts, y(k+1) is missed by at most DIAGNOSED_INVERSE_ERROR_UM; where the path is
  * missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
  * 588 float +-, 368 float *, 151 float comparisons, 679 integer, 402 loads, 56 stores, 44 branches.
  * C674x: about 2623 cycles (estimate). */
@@ -242,7 +266,7 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model);
 void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; DIAGNOSED_COMMIT_POINTS check points,
- * 1 per call, between which the bounds of diagnosed_params.h reach; the idle bank; the switch. Answers DIAGNOSED_BUSY
+ * 1 per call, between which the bounds in diagnosed_params.h hold; the idle bank; the switch. Answers DIAGNOSED_BUSY
  * until then. A refused shadow goes on learning, the active parameters stay.
  * diagnosed_learn must not interrupt it; diagnosed_predict and the like may.
  *
@@ -253,5 +277,21 @@ void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V);
  * 80 float +-, 172 float *, 62 float comparisons, 122 integer, 218 loads, 41 stores, 3 branches.
  * C674x: about 641 cycles (estimate). */
 uint32_t diagnosed_commit(diagnosed_t *self, diagnosed_learner_t *learner);
+
+/* The compiler of the caller must lay the structs out as the compiler of diagnosed.c: another size is an error here. */
+typedef char diagnosed_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_delay_t_size[(sizeof(diagnosed_delay_t) == 16u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_hysteresis_t_size[(sizeof(diagnosed_hysteresis_t) == 128u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_creep_t_size[(sizeof(diagnosed_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_modes_t_size[(sizeof(diagnosed_modes_t) == 16u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_inputs_t_size[(sizeof(diagnosed_inputs_t) == 196u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_bank_t_size[(sizeof(diagnosed_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_t_size[(sizeof(diagnosed_t) == 372u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_candidate_t_size[(sizeof(diagnosed_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_learner_t_size[(sizeof(diagnosed_learner_t) == 1812u) ? 1 : -1];  /**< static assertion */
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,15 +1,17 @@
 /* diagnosed_params.h: the numbers of model `diagnosed`. All that changes when the same structure is identified again.
  *
- * Every float32 is written with 9 significant digits, which read back to the bits in the comment behind it. */
+ * Part 1 comes with diagnosed.h. diagnosed.c defines DIAGNOSED_NUMBERS for part 2, diagnosed_selftest.c
+ * DIAGNOSED_SELFTEST_NUMBERS for part 3. Every float32 is written with 9 significant digits, which read back to the bits
+ * in the comment behind it. */
 
 #ifndef DIAGNOSED_PARAMS_H
 #define DIAGNOSED_PARAMS_H
 
 #include <stdint.h>
 
-#include "diagnosed.h"
-
-#ifndef DIAGNOSED_SELFTEST_NUMBERS
+/* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
+#define DIAGNOSED_NUMBERS_DIGEST "b5e2d7118d58d15163196c1f3559838424ac586950ef4d745a84a621f017da94"
+#define DIAGNOSED_NUMBERS_WORD 0xb5e2d711u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define DIAGNOSED_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
@@ -24,11 +26,27 @@
 #define DIAGNOSED_W_MAX                 5.38315153f  /* 0x40ac42c7 */
 #define DIAGNOSED_W_TOLERANCE       5.81026097e-06f  /* 0x36c2f5c3 */
 
+/* Commit: check points. */
+#define DIAGNOSED_COMMIT_POINTS  0x00000020u
+
+/* Worst error of one step against the float64 model, measured when this file was generated
+ * over 20000 samples of the whole range, rounded up.
+ * PATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the
+ * reference where no limit acts. */
+#define DIAGNOSED_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
+#define DIAGNOSED_PATH_ERROR        7.09999995e-07f  /* 0x353e96d4 */
+#define DIAGNOSED_INVERSE_ERROR_UM  5.30000023e-07f  /* 0x350e4553 */
+
+#endif
+
+#ifdef DIAGNOSED_NUMBERS
+
 /* Rules, Eqs (1) to (7): octaves per um from the middle; strengths w;
  * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/um]. */
 #define DIAGNOSED_ORIGIN_UM  2.19834995f  /* 0x400cb1c4 */
 #define DIAGNOSED_PER_STEP   2.34576941f  /* 0x40162116 */
 
+DIAGNOSED_TABLE
 static const float diagnosed_strength[DIAGNOSED_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
        0.324652463f,  /* 0x3ea638d9 */
@@ -38,6 +56,7 @@ static const float diagnosed_strength[DIAGNOSED_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_slope[DIAGNOSED_BANK_RULES] = {
       0.0417400859f,  /* 0x3d2af7a7 */
        0.309069157f,  /* 0x3e9e3e50 */
@@ -47,6 +66,7 @@ static const float diagnosed_slope[DIAGNOSED_BANK_RULES] = {
       0.0421794578f,  /* 0x3d2cc45e */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_offset[DIAGNOSED_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
     0.000273185608f,  /* 0x398f3a5a */
@@ -56,6 +76,7 @@ static const float diagnosed_offset[DIAGNOSED_BANK_RULES] = {
     -4.21321929e-05f,  /* 0xb830b719 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_gain[DIAGNOSED_BANK_RULES] = {
      0.00224078353f,  /* 0x3b12da1c */
        0.015751712f,  /* 0x3c8109bc */
@@ -67,12 +88,14 @@ static const float diagnosed_gain[DIAGNOSED_BANK_RULES] = {
 
 /* Input block `delay`: input delayed by 0.4 samples. */
 
+DIAGNOSED_TABLE
 static const float diagnosed_delay_part[1] = {
        0.400000006f,  /* 0x3ecccccd */
 };
 
 /* Input block `hysteresis`: 12 plays of degree 3, 2 Duhem states, curve of degree 3. */
 
+DIAGNOSED_TABLE
 static const float diagnosed_hysteresis_range[6] = {
               50.0f,  /* 0x42480000 */
               70.0f,  /* 0x428c0000 */
@@ -82,6 +105,7 @@ static const float diagnosed_hysteresis_range[6] = {
        0.711975217f,  /* 0x3f364402 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_hysteresis_curve[104] = {
         2.13800001f,  /* 0x4008d4fe */
         1.16999996f,  /* 0x3f95c28f */
@@ -189,6 +213,7 @@ static const float diagnosed_hysteresis_curve[104] = {
        0.064000003f,  /* 0x3d83126f */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_hysteresis_play[48] = {
       0.0460540652f,  /* 0x3d3ca330 */
             0.0285f,  /* 0x3ce978d5 */
@@ -240,10 +265,12 @@ static const float diagnosed_hysteresis_play[48] = {
      0.00200000009f,  /* 0x3b03126f */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_hysteresis_rate[1] = {
        -1.80336881f,  /* 0xbfe6d4ca */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_hysteresis_duhem[6] = {
       0.0299999993f,  /* 0x3cf5c28f */
      0.00999999978f,  /* 0x3c23d70a */
@@ -255,6 +282,7 @@ static const float diagnosed_hysteresis_duhem[6] = {
 
 /* Input block `creep`: creep by 0.01 per state, 4 states of 0.001 .. 1 s. */
 
+DIAGNOSED_TABLE
 static const float diagnosed_creep_rate[4] = {
       0.0198013261f,  /* 0x3ca23664 */
      0.00199800124f,  /* 0x3b02f0e6 */
@@ -262,32 +290,39 @@ static const float diagnosed_creep_rate[4] = {
     1.99997994e-05f,  /* 0x37a7c53e */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_creep_amount[1] = {
      0.00999999978f,  /* 0x3c23d70a */
 };
 
 /* Input block `modes`: modes at 730 Hz (damping 0.05, share 0.3). */
 
+DIAGNOSED_TABLE
 static const float diagnosed_modes_real[1] = {
      0.00875118468f,  /* 0x3c0f6121 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_modes_imag[1] = {
       0.0910729542f,  /* 0x3dba8475 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_modes_of_position[1] = {
         0.29957512f,  /* 0x3e9961e9 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_modes_of_velocity[1] = {
     -0.00115762639f,  /* 0xba97bb7f */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_modes_direct[1] = {
         0.70042485f,  /* 0x3f334f0b */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_modes_per_direct[1] = {
         1.42770481f,  /* 0x3fb6bf08 */
 };
@@ -326,6 +361,7 @@ static const float diagnosed_modes_per_direct[1] = {
 /* Learner, per parameter: theta per number in the bank, and back; D(0) and largest D; what puts the prior
  * back; powers of two that scale the regressors. */
 
+DIAGNOSED_TABLE
 static const float diagnosed_learn_scale[DIAGNOSED_LEARNED] = {
              128.0f,  /* 0x43000000 */
              128.0f,  /* 0x43000000 */
@@ -347,6 +383,7 @@ static const float diagnosed_learn_scale[DIAGNOSED_LEARNED] = {
               32.0f,  /* 0x42000000 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_learn_per_scale[DIAGNOSED_LEARNED] = {
          0.0078125f,  /* 0x3c000000 */
          0.0078125f,  /* 0x3c000000 */
@@ -368,6 +405,7 @@ static const float diagnosed_learn_per_scale[DIAGNOSED_LEARNED] = {
            0.03125f,  /* 0x3d000000 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_learn_prior[DIAGNOSED_LEARNED] = {
       0.0316285603f,  /* 0x3d018cf3 */
       0.0316285603f,  /* 0x3d018cf3 */
@@ -389,6 +427,7 @@ static const float diagnosed_learn_prior[DIAGNOSED_LEARNED] = {
      0.00197678502f,  /* 0x3b018cf3 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_learn_ceiling[DIAGNOSED_LEARNED] = {
       0.0717559531f,  /* 0x3d92f4c9 */
       0.0717559531f,  /* 0x3d92f4c9 */
@@ -410,6 +449,7 @@ static const float diagnosed_learn_ceiling[DIAGNOSED_LEARNED] = {
      0.00448474707f,  /* 0x3b92f4c9 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_learn_refresh[DIAGNOSED_LEARNED] = {
         1.93513298f,  /* 0x3ff7b270 */
         1.93513298f,  /* 0x3ff7b270 */
@@ -431,6 +471,7 @@ static const float diagnosed_learn_refresh[DIAGNOSED_LEARNED] = {
         7.74053192f,  /* 0x40f7b270 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_learn_firing[DIAGNOSED_RULES] = {
            0.03125f,  /* 0x3d000000 */
               0.25f,  /* 0x3e800000 */
@@ -444,7 +485,6 @@ static const float diagnosed_learn_firing[DIAGNOSED_RULES] = {
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
 #define DIAGNOSED_COMMIT_MATURE                0x00000400u
-#define DIAGNOSED_COMMIT_POINTS                0x00000020u
 #define DIAGNOSED_COMMIT_HALF_UM             0.0485289209f  /* 0x3d46c643 */
 #define DIAGNOSED_COMMIT_GAIN_REMAINDER     0.00320476922f  /* 0x3b52071b */
 #define DIAGNOSED_COMMIT_SLOPE_REMAINDER_1  0.00961430743f  /* 0x3c1d8554 */
@@ -454,6 +494,7 @@ static const float diagnosed_learn_firing[DIAGNOSED_RULES] = {
 #define DIAGNOSED_COMMIT_GAIN_CEILING         0.198697671f  /* 0x3e4b7767 */
 #define DIAGNOSED_COMMIT_SLOPE_LIMIT          0.995746553f  /* 0x3f7ee93f */
 
+DIAGNOSED_TABLE
 static const float diagnosed_commit_unfold[DIAGNOSED_RULES] = {
         22.7598953f,  /* 0x41b61444 */
         3.08021688f,  /* 0x40452246 */
@@ -463,6 +504,7 @@ static const float diagnosed_commit_unfold[DIAGNOSED_RULES] = {
         22.7598953f,  /* 0x41b61444 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_commit_y[32] = {
        0.708848417f,  /* 0x3f357717 */
         0.80494529f,  /* 0x3f4e10e5 */
@@ -498,6 +540,7 @@ static const float diagnosed_commit_y[32] = {
         3.68785167f,  /* 0x406c05c3 */
 };
 
+DIAGNOSED_TABLE
 static const float diagnosed_commit_table[576] = {
           12.44699f,  /* 0x414726df */
         1.10473323f,  /* 0x3f8d67e6 */
@@ -1077,15 +1120,9 @@ static const float diagnosed_commit_table[576] = {
        -5.27219343f,  /* 0xc0a8b5cf */
 };
 
-/* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up.
- * PATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the
- * reference where no limit acts. */
-#define DIAGNOSED_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
-#define DIAGNOSED_PATH_ERROR        7.09999995e-07f  /* 0x353e96d4 */
-#define DIAGNOSED_INVERSE_ERROR_UM  5.30000023e-07f  /* 0x350e4553 */
+#endif
 
-#else
+#ifdef DIAGNOSED_SELFTEST_NUMBERS
 
 /* Self-test: where each function starts, what it is given, and the bits that the float32 reference answers. */
 
@@ -1098,6 +1135,7 @@ static const float diagnosed_commit_table[576] = {
 #define DIAGNOSED_SELFTEST_PREDICT_Y_REJECTED 3u
 #define DIAGNOSED_SELFTEST_PREDICT_U_REJECTED 3u
 
+DIAGNOSED_TABLE
 static const uint32_t diagnosed_selftest_predict_rows[32][3] = {
     { 0x40130acbu, 0x40e16fbau, 0x401012f1u },  /* 2.29753, 7.04489 -> 2.25116 */
     { 0x4018d62eu, 0x42a9dcb1u, 0x40177070u },  /* 2.38807, 84.931 -> 2.36624 */
@@ -1142,6 +1180,7 @@ static const uint32_t diagnosed_selftest_predict_rows[32][3] = {
 #define DIAGNOSED_SELFTEST_SIMULATE_Y_REJECTED 0u
 #define DIAGNOSED_SELFTEST_SIMULATE_U_REJECTED 2u
 
+DIAGNOSED_TABLE
 static const uint32_t diagnosed_selftest_simulate_rows[32][2] = {
     { 0x429f4944u, 0x400b9b17u },  /* 79.6431 -> 2.18134 */
     { 0xbf41a05bu, 0x4009f779u },  /* -0.756353 -> 2.15573 */
@@ -1186,6 +1225,7 @@ static const uint32_t diagnosed_selftest_simulate_rows[32][2] = {
 #define DIAGNOSED_SELFTEST_INVERSE_Y_REJECTED 5u
 #define DIAGNOSED_SELFTEST_INVERSE_U_REJECTED 0u
 
+DIAGNOSED_TABLE
 static const uint32_t diagnosed_selftest_inverse_rows[32][3] = {
     { 0x4059dc88u, 0x4053f8cdu, 0x38d33333u },  /* 3.40409, 3.31206 -> 0.000100708 */
     { 0x3fbf3b6bu, 0x3fbdee83u, 0x3fc24ddau },  /* 1.494, 1.48384 -> 1.518 */
@@ -1220,7 +1260,5 @@ static const uint32_t diagnosed_selftest_inverse_rows[32][3] = {
     { 0x40218d04u, 0x402303b8u, 0x41ca134au },  /* 2.52423, 2.5471 -> 25.2594 */
     { 0x4067a433u, 0x40662c54u, 0x42b8a31fu },  /* 3.6194, 3.59646 -> 92.3186 */
 };
-
-#endif
 
 #endif

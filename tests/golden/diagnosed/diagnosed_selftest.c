@@ -7,6 +7,7 @@
 #define DIAGNOSED_SELFTEST_NUMBERS
 #include "diagnosed_params.h"
 
+DIAGNOSED_CODE
 static float diagnosed_selftest_float(uint32_t bits)
 {
     const union {
@@ -17,6 +18,7 @@ static float diagnosed_selftest_float(uint32_t bits)
     return pattern.number;
 }
 
+DIAGNOSED_CODE
 static uint32_t diagnosed_selftest_bits(float x)
 {
     const union {
@@ -27,6 +29,7 @@ static uint32_t diagnosed_selftest_bits(float x)
     return pattern.bits;
 }
 
+DIAGNOSED_CODE
 static uint32_t diagnosed_selftest_predict(void)
 {
     diagnosed_t self;
@@ -50,6 +53,7 @@ static uint32_t diagnosed_selftest_predict(void)
     return mismatches;
 }
 
+DIAGNOSED_CODE
 static uint32_t diagnosed_selftest_simulate(void)
 {
     diagnosed_t self;
@@ -73,6 +77,7 @@ static uint32_t diagnosed_selftest_simulate(void)
     return mismatches;
 }
 
+DIAGNOSED_CODE
 static uint32_t diagnosed_selftest_inverse(void)
 {
     diagnosed_t self;
@@ -96,6 +101,7 @@ static uint32_t diagnosed_selftest_inverse(void)
     return mismatches;
 }
 
+DIAGNOSED_CODE
 uint32_t diagnosed_selftest(void)
 {
     uint32_t mismatches = 0u;

@@ -2,8 +2,6 @@
 
 #include "everything.h"
 
-#include "everything_params.h"
-
 /* Equal bits on every machine rest on float32 operations as they are written: no shortcuts, no wider intermediate
  * results, no multiplication fused with an addition. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -14,6 +12,13 @@
 #error "everything: float must be evaluated as float (on x86: -msse2 -mfpmath=sse)"
 #endif
 #endif
+
+#include <float.h>
+#include <limits.h>
+
+#if CHAR_BIT != 8 || FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MIN_EXP != -125 || FLT_MAX_EXP != 128
+#error "everything: needs bytes of 8 bits, and float in the 32-bit format of IEEE 754"
+#endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && defined(__FP_FAST_FMAF)
@@ -23,8 +28,11 @@
 #if defined(__GNUC__)
 #define EVERYTHING_INLINE static inline __attribute__((always_inline))
 #else
-#define EVERYTHING_INLINE static inline
+#define EVERYTHING_INLINE EVERYTHING_CODE static inline
 #endif
+
+#define EVERYTHING_NUMBERS
+#include "everything_params.h"
 
 /* ---- Arithmetic ---------------------------------------------------------------------------------------------- */
 
@@ -256,6 +264,7 @@ EVERYTHING_INLINE float everything_saturation_apply(float u)
     return everything_limited(u, everything_saturation_low[0], everything_saturation_high[0], &clipped);
 }
 
+EVERYTHING_CODE
 static float everything_slew_init(everything_slew_t *self, float u)
 {
     self->last_V = u;
@@ -273,6 +282,7 @@ EVERYTHING_INLINE float everything_slew_apply(everything_slew_t *self, float u)
     return self->last_V;
 }
 
+EVERYTHING_CODE
 static float everything_delay_init(everything_delay_t *self, float u)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -409,6 +419,7 @@ EVERYTHING_INLINE float everything_hysteresis_followed_um(everything_hysteresis_
     return side * (everything_hysteresis_duhem_um(d0, &everything_hysteresis_duhem[0]) + everything_hysteresis_duhem_um(d1, &everything_hysteresis_duhem[3]));
 }
 
+EVERYTHING_CODE
 static float everything_hysteresis_apply(everything_hysteresis_t *self, float v)
 {
     const float x = everything_hysteresis_normalised(v);
@@ -449,6 +460,7 @@ static float everything_hysteresis_apply(everything_hysteresis_t *self, float v)
 }
 
 /* At rest under v; returns the output. */
+EVERYTHING_CODE
 static float everything_hysteresis_init(everything_hysteresis_t *self, float v)
 {
     const float x = everything_hysteresis_normalised(v);
@@ -520,6 +532,7 @@ EVERYTHING_INLINE everything_hysteresis_ahead_t everything_hysteresis_duhem_ahea
 /* The voltage for which everything_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
  *     x <- x - (h(x) - wanted) / h'(x)
  * on h as a function of the input ahead, in the direction of `wanted`; the first x is that of the mean slope. */
+EVERYTHING_CODE
 static float everything_hysteresis_solve(const everything_hysteresis_t *self, float wanted)
 {
     const float way = (wanted - self->h_um) * everything_hysteresis_range[5];
@@ -572,6 +585,7 @@ EVERYTHING_INLINE float everything_creep_slow(const everything_creep_t *self)
     return everything_creep_amount[0] * sum;
 }
 
+EVERYTHING_CODE
 static float everything_creep_init(everything_creep_t *self, float x)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -620,6 +634,7 @@ EVERYTHING_INLINE float everything_modes_moving(const everything_modes_t *self)
     return sum;
 }
 
+EVERYTHING_CODE
 static float everything_modes_init(everything_modes_t *self, float x)
 {
     for (uint32_t j = 0u; j < 1u; ++j) {
@@ -656,6 +671,7 @@ EVERYTHING_INLINE float everything_modes_solve(const everything_modes_t *self, f
 
 
 /* At rest under the command u; returns w at rest. */
+EVERYTHING_CODE
 static float everything_inputs_init(everything_inputs_t *inputs, float u)
 {
     float v = u;
@@ -696,6 +712,7 @@ EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, flo
     return everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v);
 }
 
+EVERYTHING_CODE
 static void everything_hysteresis_copy(everything_hysteresis_t *to, const everything_hysteresis_t *from)
 {
     to->turn = from->turn;
@@ -713,6 +730,7 @@ static void everything_hysteresis_copy(everything_hysteresis_t *to, const everyt
     }
 }
 
+EVERYTHING_CODE
 static void everything_creep_copy(everything_creep_t *to, const everything_creep_t *from)
 {
     for (uint32_t i = 0u; i < 4u; ++i) {
@@ -721,6 +739,7 @@ static void everything_creep_copy(everything_creep_t *to, const everything_creep
     }
 }
 
+EVERYTHING_CODE
 static void everything_modes_copy(everything_modes_t *to, const everything_modes_t *from)
 {
     for (uint32_t i = 0u; i < 1u; ++i) {
@@ -741,6 +760,7 @@ typedef struct {
 } everything_found_t;
 
 /* The command for which w is the input of the rules, 3 samples later. */
+EVERYTHING_CODE
 static float everything_inputs_invert(everything_inputs_t *inputs, float w, everything_found_t *found)
 {
     everything_hysteresis_t hysteresis;
@@ -807,6 +827,7 @@ EVERYTHING_INLINE void everything_cosine_sine(uint32_t phase, float *cosine, flo
     *sine = everything_float((s ^ swap) ^ ((quadrant & 2u) << 30));
 }
 
+EVERYTHING_CODE
 static void everything_periodic_init(everything_periodic_t *self)
 {
     for (uint32_t j = 0u; j < 1u; ++j) {
@@ -832,6 +853,7 @@ EVERYTHING_INLINE void everything_periodic_advance(everything_periodic_t *self)
     self->phase[0] += everything_periodic_turn_high[0] + (uint32_t)(self->phase_low[0] < everything_periodic_turn_low[0]);
 }
 
+EVERYTHING_CODE
 static void everything_coupling_init(everything_coupling_t *self)
 {
     for (uint32_t c = 0u; c < 1u; ++c) {
@@ -874,6 +896,7 @@ EVERYTHING_INLINE void everything_coupling_advance(everything_coupling_t *self)
     self->sample[0][1] = self->sample[0][0];
 }
 
+EVERYTHING_CODE
 static void everything_drift_init(everything_drift_t *self)
 {
     self->bias_um = 0.0f;
@@ -899,6 +922,7 @@ EVERYTHING_INLINE void everything_drift_advance(everything_drift_t *self)
     (void)self;
 }
 
+EVERYTHING_CODE
 static void everything_terms_init(everything_terms_t *terms)
 {
     everything_periodic_init(&terms->periodic);
@@ -971,6 +995,7 @@ EVERYTHING_INLINE float everything_terms_sum_ahead(const everything_bank_t *bank
 
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
+EVERYTHING_CODE
 void everything_init(everything_t *self, float y_um, float u_V)
 {
     everything_events_t events;
@@ -1000,6 +1025,7 @@ void everything_init(everything_t *self, float y_um, float u_V)
     everything_terms_init(&self->terms);
 }
 
+EVERYTHING_CODE
 void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS])
 {
     self->status |= everything_terms_listen(&self->terms, aux);
@@ -1017,6 +1043,7 @@ EVERYTHING_INLINE float everything_apply(everything_t *self, float base, float g
 }
 
 /* y(k+1) from measured y(k) and u(k). */
+EVERYTHING_CODE
 float everything_predict(everything_t *self, float y_um, float u_V)
 {
     const everything_bank_t *bank = &self->bank[self->active];
@@ -1042,6 +1069,7 @@ float everything_predict(everything_t *self, float y_um, float u_V)
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
 /* y(k+1) from the last output and u(k). */
+EVERYTHING_CODE
 float everything_simulate(everything_t *self, float u_V)
 {
     const everything_bank_t *bank = &self->bank[self->active];
@@ -1064,6 +1092,7 @@ float everything_simulate(everything_t *self, float u_V)
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
+EVERYTHING_CODE
 float everything_inverse(everything_t *self, float y_um, float y_next_um)
 {
     const everything_bank_t *bank = &self->bank[self->active];

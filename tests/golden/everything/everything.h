@@ -8,12 +8,36 @@
  *         4 .. 4: drift
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Numbers stand in everything_params.h. */
+ * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * the first part of everything_params.h. */
 
 #ifndef EVERYTHING_H
 #define EVERYTHING_H
 
 #include <stdint.h>
+
+#include "everything_params.h"
+
+/* For the whole build, -D'EVERYTHING_CODE=__attribute__((section(".fast")))' places the functions of the model in the
+ * section .fast; EVERYTHING_TABLE does the same for its tables of constants. */
+#ifndef EVERYTHING_CODE
+#define EVERYTHING_CODE  /**< attribute of every function of everything.c and everything_selftest.c */
+#endif
+#ifndef EVERYTHING_TABLE
+#define EVERYTHING_TABLE  /**< attribute of every table of constants */
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define EVERYTHING_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
+/** SHA-256 of everything.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
+#define EVERYTHING_ALGORITHM "16a79b454c17c052e6fb90b1f2ec5467539e56bfdec2baa159f8fb2563d27767"
+#define EVERYTHING_ALGORITHM_WORD 0x16a79b45u  /**< its first 32 bits */
+
+#define EVERYTHING_TS_S 1.99999995e-05f  /**< sample period [s] */
+#define EVERYTHING_PERIOD_NS 20000u  /**< sample period [ns] */
 
 #define EVERYTHING_RULES 6u  /**< fuzzy rules */
 #define EVERYTHING_BANK_RULES 6u  /**< rules in a bank, padding included */
@@ -144,7 +168,7 @@ void everything_init(everything_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM in everything_params.h.
+ * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM.
  * 169 float +-, 109 float *, 27 float comparisons, 213 integer, 147 loads, 49 stores, 3 branches.
  * C674x: about 656 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
@@ -183,10 +207,29 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EVERYTHING_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) is missed by at most EVERYTHING_INVERSE_ERROR_UM, in everything_params.h; where the path is
+ * Where no limit acts, y(k+1) is missed by at most EVERYTHING_INVERSE_ERROR_UM; where the path is
  * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
  * 502 float +-, 323 float *, 101 float comparisons, 637 integer, 330 loads, 48 stores, 32 branches.
  * C674x: about 2156 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
+
+/* The compiler of the caller must lay the structs out as the compiler of everything.c: another size is an error here. */
+typedef char everything_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
+typedef char everything_slew_t_size[(sizeof(everything_slew_t) == 4u) ? 1 : -1];  /**< static assertion */
+typedef char everything_delay_t_size[(sizeof(everything_delay_t) == 24u) ? 1 : -1];  /**< static assertion */
+typedef char everything_hysteresis_t_size[(sizeof(everything_hysteresis_t) == 80u) ? 1 : -1];  /**< static assertion */
+typedef char everything_creep_t_size[(sizeof(everything_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
+typedef char everything_modes_t_size[(sizeof(everything_modes_t) == 16u) ? 1 : -1];  /**< static assertion */
+typedef char everything_inputs_t_size[(sizeof(everything_inputs_t) == 160u) ? 1 : -1];  /**< static assertion */
+typedef char everything_periodic_t_size[(sizeof(everything_periodic_t) == 8u) ? 1 : -1];  /**< static assertion */
+typedef char everything_coupling_t_size[(sizeof(everything_coupling_t) == 8u) ? 1 : -1];  /**< static assertion */
+typedef char everything_drift_t_size[(sizeof(everything_drift_t) == 8u) ? 1 : -1];  /**< static assertion */
+typedef char everything_terms_t_size[(sizeof(everything_terms_t) == 24u) ? 1 : -1];  /**< static assertion */
+typedef char everything_bank_t_size[(sizeof(everything_bank_t) == 92u) ? 1 : -1];  /**< static assertion */
+typedef char everything_t_size[(sizeof(everything_t) == 400u) ? 1 : -1];  /**< static assertion */
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,15 +1,17 @@
 /* everything_params.h: the numbers of model `everything`. All that changes when the same structure is identified again.
  *
- * Every float32 is written with 9 significant digits, which read back to the bits in the comment behind it. */
+ * Part 1 comes with everything.h. everything.c defines EVERYTHING_NUMBERS for part 2, everything_selftest.c
+ * EVERYTHING_SELFTEST_NUMBERS for part 3. Every float32 is written with 9 significant digits, which read back to the bits
+ * in the comment behind it. */
 
 #ifndef EVERYTHING_PARAMS_H
 #define EVERYTHING_PARAMS_H
 
 #include <stdint.h>
 
-#include "everything.h"
-
-#ifndef EVERYTHING_SELFTEST_NUMBERS
+/* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
+#define EVERYTHING_NUMBERS_DIGEST "c7f5cc27720d3c0790a524783325af7c7d59120ee2637b98f74aea951da98daa"
+#define EVERYTHING_NUMBERS_WORD 0xc7f5cc27u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EVERYTHING_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
@@ -24,11 +26,24 @@
 #define EVERYTHING_W_MAX                 5.38415861f  /* 0x40ac4b07 */
 #define EVERYTHING_W_TOLERANCE       5.81257291e-06f  /* 0x36c3099f */
 
+/* Worst error of one step against the float64 model, measured when this file was generated
+ * over 20000 samples of the whole range, rounded up.
+ * PATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the
+ * reference where no limit acts. */
+#define EVERYTHING_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
+#define EVERYTHING_PATH_ERROR        7.50000027e-07f  /* 0x3549539c */
+#define EVERYTHING_INVERSE_ERROR_UM  5.30000023e-07f  /* 0x350e4553 */
+
+#endif
+
+#ifdef EVERYTHING_NUMBERS
+
 /* Rules, Eqs (1) to (7): octaves per um from the middle; strengths w;
  * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/um]. */
 #define EVERYTHING_ORIGIN_UM  2.19834995f  /* 0x400cb1c4 */
 #define EVERYTHING_PER_STEP   2.34576941f  /* 0x40162116 */
 
+EVERYTHING_TABLE
 static const float everything_strength[EVERYTHING_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
        0.324652463f,  /* 0x3ea638d9 */
@@ -38,6 +53,7 @@ static const float everything_strength[EVERYTHING_RULES] = {
       0.0439369343f,  /* 0x3d33f737 */
 };
 
+EVERYTHING_TABLE
 static const float everything_slope[EVERYTHING_BANK_RULES] = {
       0.0417400859f,  /* 0x3d2af7a7 */
        0.309069157f,  /* 0x3e9e3e50 */
@@ -47,6 +63,7 @@ static const float everything_slope[EVERYTHING_BANK_RULES] = {
       0.0421794578f,  /* 0x3d2cc45e */
 };
 
+EVERYTHING_TABLE
 static const float everything_offset[EVERYTHING_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
     0.000273185608f,  /* 0x398f3a5a */
@@ -56,6 +73,7 @@ static const float everything_offset[EVERYTHING_BANK_RULES] = {
     -4.21321929e-05f,  /* 0xb830b719 */
 };
 
+EVERYTHING_TABLE
 static const float everything_gain[EVERYTHING_BANK_RULES] = {
      0.00224078353f,  /* 0x3b12da1c */
        0.015751712f,  /* 0x3c8109bc */
@@ -67,32 +85,38 @@ static const float everything_gain[EVERYTHING_BANK_RULES] = {
 
 /* Input block `saturation`: input saturates at -15 and 110 V. */
 
+EVERYTHING_TABLE
 static const float everything_saturation_low[1] = {
              -15.0f,  /* 0xc1700000 */
 };
 
+EVERYTHING_TABLE
 static const float everything_saturation_high[1] = {
              110.0f,  /* 0x42dc0000 */
 };
 
 /* Input block `slew`: input slews at most 2e+06 V/s up and 1.5e+06 V/s down. */
 
+EVERYTHING_TABLE
 static const float everything_slew_rise[1] = {
               40.0f,  /* 0x42200000 */
 };
 
+EVERYTHING_TABLE
 static const float everything_slew_fall[1] = {
               30.0f,  /* 0x41f00000 */
 };
 
 /* Input block `delay`: input delayed by 2.4 samples. */
 
+EVERYTHING_TABLE
 static const float everything_delay_part[1] = {
        0.400000006f,  /* 0x3ecccccd */
 };
 
 /* Input block `hysteresis`: 6 plays of degree 3, 2 Duhem states, curve of degree 3. */
 
+EVERYTHING_TABLE
 static const float everything_hysteresis_range[6] = {
               50.0f,  /* 0x42480000 */
               70.0f,  /* 0x428c0000 */
@@ -102,6 +126,7 @@ static const float everything_hysteresis_range[6] = {
        0.711679876f,  /* 0x3f3630a7 */
 };
 
+EVERYTHING_TABLE
 static const float everything_hysteresis_curve[56] = {
         2.13800001f,  /* 0x4008d4fe */
         1.16999996f,  /* 0x3f95c28f */
@@ -161,6 +186,7 @@ static const float everything_hysteresis_curve[56] = {
        0.064000003f,  /* 0x3d83126f */
 };
 
+EVERYTHING_TABLE
 static const float everything_hysteresis_play[24] = {
       0.0968015566f,  /* 0x3dc63fe5 */
              0.057f,  /* 0x3d6978d5 */
@@ -188,10 +214,12 @@ static const float everything_hysteresis_play[24] = {
      0.00400000019f,  /* 0x3b83126f */
 };
 
+EVERYTHING_TABLE
 static const float everything_hysteresis_rate[1] = {
        -1.80336881f,  /* 0xbfe6d4ca */
 };
 
+EVERYTHING_TABLE
 static const float everything_hysteresis_duhem[6] = {
       0.0299999993f,  /* 0x3cf5c28f */
      0.00999999978f,  /* 0x3c23d70a */
@@ -203,6 +231,7 @@ static const float everything_hysteresis_duhem[6] = {
 
 /* Input block `creep`: creep by 0.01 per state, 4 states of 0.001 .. 1 s. */
 
+EVERYTHING_TABLE
 static const float everything_creep_rate[4] = {
       0.0198013261f,  /* 0x3ca23664 */
      0.00199800124f,  /* 0x3b02f0e6 */
@@ -210,72 +239,87 @@ static const float everything_creep_rate[4] = {
     1.99997994e-05f,  /* 0x37a7c53e */
 };
 
+EVERYTHING_TABLE
 static const float everything_creep_amount[1] = {
      0.00999999978f,  /* 0x3c23d70a */
 };
 
 /* Input block `modes`: modes at 730 Hz (damping 0.05, share 0.3). */
 
+EVERYTHING_TABLE
 static const float everything_modes_real[1] = {
      0.00875118468f,  /* 0x3c0f6121 */
 };
 
+EVERYTHING_TABLE
 static const float everything_modes_imag[1] = {
       0.0910729542f,  /* 0x3dba8475 */
 };
 
+EVERYTHING_TABLE
 static const float everything_modes_of_position[1] = {
         0.29957512f,  /* 0x3e9961e9 */
 };
 
+EVERYTHING_TABLE
 static const float everything_modes_of_velocity[1] = {
     -0.00115762639f,  /* 0xba97bb7f */
 };
 
+EVERYTHING_TABLE
 static const float everything_modes_direct[1] = {
         0.70042485f,  /* 0x3f334f0b */
 };
 
+EVERYTHING_TABLE
 static const float everything_modes_per_direct[1] = {
         1.42770481f,  /* 0x3fb6bf08 */
 };
 
 /* Term `periodic`: periodic disturbance at 50 Hz. */
 
+EVERYTHING_TABLE
 static const uint32_t everything_periodic_turn_high[1] = {
         0x00418937u,
 };
 
+EVERYTHING_TABLE
 static const uint32_t everything_periodic_turn_low[1] = {
         0x4bc6a7f1u,
 };
 
 /* Term `coupling`: coupling to temperature, 2 samples of each. */
 
+EVERYTHING_TABLE
 static const float everything_coupling_low[1] = {
               20.0f,  /* 0x41a00000 */
 };
 
+EVERYTHING_TABLE
 static const float everything_coupling_high[1] = {
               24.0f,  /* 0x41c00000 */
 };
 
+EVERYTHING_TABLE
 static const float everything_coupling_middle[1] = {
               22.0f,  /* 0x41b00000 */
 };
 
 /* Term `drift`: drift followed over 0.1 s, bias within 0.05 um per sample. */
 
+EVERYTHING_TABLE
 static const float everything_drift_rate[1] = {
     0.000199980001f,  /* 0x3951b1b9 */
 };
 
+EVERYTHING_TABLE
 static const float everything_drift_limit[1] = {
       0.0500000007f,  /* 0x3d4ccccd */
 };
 
 /* Weights theta of the terms' regressors, in their order. */
 
+EVERYTHING_TABLE
 static const float everything_weight[EVERYTHING_WEIGHTS] = {
     9.99999975e-06f,  /* 0x3727c5ac */
     -9.99999975e-06f,  /* 0xb727c5ac */
@@ -284,15 +328,9 @@ static const float everything_weight[EVERYTHING_WEIGHTS] = {
     9.99999975e-06f,  /* 0x3727c5ac */
 };
 
-/* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up.
- * PATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the
- * reference where no limit acts. */
-#define EVERYTHING_PREDICT_ERROR_UM  1.09999996e-06f  /* 0x3593a3b6 */
-#define EVERYTHING_PATH_ERROR        7.50000027e-07f  /* 0x3549539c */
-#define EVERYTHING_INVERSE_ERROR_UM  5.30000023e-07f  /* 0x350e4553 */
+#endif
 
-#else
+#ifdef EVERYTHING_SELFTEST_NUMBERS
 
 /* Self-test: where each function starts, what it is given, and the bits that the float32 reference answers. */
 
@@ -305,6 +343,7 @@ static const float everything_weight[EVERYTHING_WEIGHTS] = {
 #define EVERYTHING_SELFTEST_PREDICT_Y_REJECTED 3u
 #define EVERYTHING_SELFTEST_PREDICT_U_REJECTED 3u
 
+EVERYTHING_TABLE
 static const uint32_t everything_selftest_predict_rows[32][4] = {
     { 0x40130acbu, 0x40e16fbau, 0x41d210e4u, 0x400fed1bu },  /* 2.29753, 7.04489, 26.2582 -> 2.24885 */
     { 0x4018d62eu, 0x42a9dcb1u, 0x41cc2959u, 0x4015796bu },  /* 2.38807, 84.931, 25.5202 -> 2.33554 */
@@ -349,6 +388,7 @@ static const uint32_t everything_selftest_predict_rows[32][4] = {
 #define EVERYTHING_SELFTEST_SIMULATE_Y_REJECTED 0u
 #define EVERYTHING_SELFTEST_SIMULATE_U_REJECTED 2u
 
+EVERYTHING_TABLE
 static const uint32_t everything_selftest_simulate_rows[32][3] = {
     { 0x429f4944u, 0x416a15bcu, 0x4009d93fu },  /* 79.6431, 14.6303 -> 2.15388 */
     { 0xbf41a05bu, 0x3f761e21u, 0x400720b6u },  /* -0.756353, 0.961397 -> 2.11137 */
@@ -393,6 +433,7 @@ static const uint32_t everything_selftest_simulate_rows[32][3] = {
 #define EVERYTHING_SELFTEST_INVERSE_Y_REJECTED 5u
 #define EVERYTHING_SELFTEST_INVERSE_U_REJECTED 0u
 
+EVERYTHING_TABLE
 static const uint32_t everything_selftest_inverse_rows[32][4] = {
     { 0x4059dc88u, 0x4053f6ecu, 0x41479b95u, 0x3c87b99au },  /* 3.40409, 3.31195, 12.4755 -> 0.016568 */
     { 0x3fbf3b6bu, 0x3fbda4e1u, 0x3ff007f8u, 0x3ccb9999u },  /* 1.494, 1.48159, 1.87524 -> 0.0248535 */
@@ -427,7 +468,5 @@ static const uint32_t everything_selftest_inverse_rows[32][4] = {
     { 0x40218d04u, 0x4022e9b2u, 0x414eaf86u, 0x428ea6b0u },  /* 2.52423, 2.54551, 12.9179 -> 71.3256 */
     { 0x4067a433u, 0x4066169bu, 0x41acd8cfu, 0x42adfebeu },  /* 3.6194, 3.59513, 21.6059 -> 86.9975 */
 };
-
-#endif
 
 #endif

@@ -7,6 +7,7 @@
 #define EVERYTHING_SELFTEST_NUMBERS
 #include "everything_params.h"
 
+EVERYTHING_CODE
 static float everything_selftest_float(uint32_t bits)
 {
     const union {
@@ -17,6 +18,7 @@ static float everything_selftest_float(uint32_t bits)
     return pattern.number;
 }
 
+EVERYTHING_CODE
 static uint32_t everything_selftest_bits(float x)
 {
     const union {
@@ -27,6 +29,7 @@ static uint32_t everything_selftest_bits(float x)
     return pattern.bits;
 }
 
+EVERYTHING_CODE
 static uint32_t everything_selftest_predict(void)
 {
     everything_t self;
@@ -54,6 +57,7 @@ static uint32_t everything_selftest_predict(void)
     return mismatches;
 }
 
+EVERYTHING_CODE
 static uint32_t everything_selftest_simulate(void)
 {
     everything_t self;
@@ -81,6 +85,7 @@ static uint32_t everything_selftest_simulate(void)
     return mismatches;
 }
 
+EVERYTHING_CODE
 static uint32_t everything_selftest_inverse(void)
 {
     everything_t self;
@@ -108,6 +113,7 @@ static uint32_t everything_selftest_inverse(void)
     return mismatches;
 }
 
+EVERYTHING_CODE
 uint32_t everything_selftest(void)
 {
     uint32_t mismatches = 0u;

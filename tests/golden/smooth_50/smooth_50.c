@@ -2,8 +2,6 @@
 
 #include "smooth_50.h"
 
-#include "smooth_50_params.h"
-
 /* Equal bits on every machine rest on float32 operations as they are written: no shortcuts, no wider intermediate
  * results, no multiplication fused with an addition. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -14,6 +12,13 @@
 #error "smooth_50: float must be evaluated as float (on x86: -msse2 -mfpmath=sse)"
 #endif
 #endif
+
+#include <float.h>
+#include <limits.h>
+
+#if CHAR_BIT != 8 || FLT_RADIX != 2 || FLT_MANT_DIG != 24 || FLT_MIN_EXP != -125 || FLT_MAX_EXP != 128
+#error "smooth_50: needs bytes of 8 bits, and float in the 32-bit format of IEEE 754"
+#endif
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && defined(__FP_FAST_FMAF)
@@ -23,8 +28,11 @@
 #if defined(__GNUC__)
 #define SMOOTH_50_INLINE static inline __attribute__((always_inline))
 #else
-#define SMOOTH_50_INLINE static inline
+#define SMOOTH_50_INLINE SMOOTH_50_CODE static inline
 #endif
+
+#define SMOOTH_50_NUMBERS
+#include "smooth_50_params.h"
 
 /* ---- Arithmetic ---------------------------------------------------------------------------------------------- */
 
@@ -257,6 +265,7 @@ SMOOTH_50_INLINE smooth_50_sums_t smooth_50_rule_sums(const smooth_50_bank_t *ba
 
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
+SMOOTH_50_CODE
 void smooth_50_init(smooth_50_t *self, float y_um, float u_V)
 {
     smooth_50_events_t events;
@@ -292,6 +301,7 @@ SMOOTH_50_INLINE float smooth_50_apply(smooth_50_t *self, float base, float gain
 }
 
 /* y(k+1) from measured y(k) and u(k). */
+SMOOTH_50_CODE
 float smooth_50_predict(smooth_50_t *self, float y_um, float u_V)
 {
     const smooth_50_bank_t *bank = &self->bank[self->active];
@@ -312,6 +322,7 @@ float smooth_50_predict(smooth_50_t *self, float y_um, float u_V)
 /* ---- Free run -------------------------------------------------------------------------------------------------- */
 
 /* y(k+1) from the last output and u(k). */
+SMOOTH_50_CODE
 float smooth_50_simulate(smooth_50_t *self, float u_V)
 {
     const smooth_50_bank_t *bank = &self->bank[self->active];
@@ -332,6 +343,7 @@ float smooth_50_simulate(smooth_50_t *self, float u_V)
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
+SMOOTH_50_CODE
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
 {
     const smooth_50_bank_t *bank = &self->bank[self->active];

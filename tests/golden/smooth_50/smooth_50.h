@@ -4,12 +4,36 @@
  *     y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 u(k) + q_l3)
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Numbers stand in smooth_50_params.h. */
+ * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * the first part of smooth_50_params.h. */
 
 #ifndef SMOOTH_50_H
 #define SMOOTH_50_H
 
 #include <stdint.h>
+
+#include "smooth_50_params.h"
+
+/* For the whole build, -D'SMOOTH_50_CODE=__attribute__((section(".fast")))' places the functions of the model in the
+ * section .fast; SMOOTH_50_TABLE does the same for its tables of constants. */
+#ifndef SMOOTH_50_CODE
+#define SMOOTH_50_CODE  /**< attribute of every function of smooth_50.c and smooth_50_selftest.c */
+#endif
+#ifndef SMOOTH_50_TABLE
+#define SMOOTH_50_TABLE  /**< attribute of every table of constants */
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SMOOTH_50_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
+/** SHA-256 of smooth_50.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
+#define SMOOTH_50_ALGORITHM "93e1b6864de0eeb63d9d55c898f05b0a919911f36b007a25324c3b4483fd592b"
+#define SMOOTH_50_ALGORITHM_WORD 0x93e1b686u  /**< its first 32 bits */
+
+#define SMOOTH_50_TS_S 1.99999995e-05f  /**< sample period [s] */
+#define SMOOTH_50_PERIOD_NS 20000u  /**< sample period [ns] */
 
 #define SMOOTH_50_RULES 50u  /**< fuzzy rules */
 #define SMOOTH_50_WINDOW 11u  /**< rules that are summed, around the nearest centre */
@@ -62,7 +86,7 @@ void smooth_50_init(smooth_50_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: SMOOTH_50_PREDICT_ERROR_UM in smooth_50_params.h.
+ * Worst error against float64 over these ranges: SMOOTH_50_PREDICT_ERROR_UM.
  * 58 float +-, 82 float *, 4 float comparisons, 68 integer, 63 loads, 7 stores.
  * C674x: about 272 cycles (estimate). */
 float smooth_50_predict(smooth_50_t *self, float y_um, float u_V);
@@ -91,9 +115,18 @@ float smooth_50_simulate(smooth_50_t *self, float u_V);
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, SMOOTH_50_STATUS_UNREACHABLE is set.
  *
- * Worst error against float64 over these ranges: SMOOTH_50_INVERSE_ERROR_V in smooth_50_params.h.
+ * Worst error against float64 over these ranges: SMOOTH_50_INVERSE_ERROR_V.
  * 62 float +-, 90 float *, 6 float comparisons, 88 integer, 63 loads, 8 stores.
  * C674x: about 298 cycles (estimate). */
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um);
+
+/* The compiler of the caller must lay the structs out as the compiler of smooth_50.c: another size is an error here. */
+typedef char smooth_50_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
+typedef char smooth_50_bank_t_size[(sizeof(smooth_50_bank_t) == 720u) ? 1 : -1];  /**< static assertion */
+typedef char smooth_50_t_size[(sizeof(smooth_50_t) == 1472u) ? 1 : -1];  /**< static assertion */
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,15 +1,17 @@
 /* smooth_50_params.h: the numbers of model `smooth_50`. All that changes when the same structure is identified again.
  *
- * Every float32 is written with 9 significant digits, which read back to the bits in the comment behind it. */
+ * Part 1 comes with smooth_50.h. smooth_50.c defines SMOOTH_50_NUMBERS for part 2, smooth_50_selftest.c
+ * SMOOTH_50_SELFTEST_NUMBERS for part 3. Every float32 is written with 9 significant digits, which read back to the bits
+ * in the comment behind it. */
 
 #ifndef SMOOTH_50_PARAMS_H
 #define SMOOTH_50_PARAMS_H
 
 #include <stdint.h>
 
-#include "smooth_50.h"
-
-#ifndef SMOOTH_50_SELFTEST_NUMBERS
+/* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
+#define SMOOTH_50_NUMBERS_DIGEST "ff2ad9519e109285a041fa7f91ab198217dd4e59ece7df7daa2b7aeff594f14d"
+#define SMOOTH_50_NUMBERS_WORD 0xff2ad951u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define SMOOTH_50_Y_MIN_UM            0.5f  /* 0x3f000000 */
@@ -21,11 +23,21 @@
 #define SMOOTH_50_REFERENCE_MIN_UM   -8.0f  /* 0xc1000000 */
 #define SMOOTH_50_REFERENCE_MAX_UM   17.5f  /* 0x418c0000 */
 
+/* Worst error of one step against the float64 model, measured when this file was generated
+ * over 20000 samples of the whole range, rounded up. */
+#define SMOOTH_50_PREDICT_ERROR_UM  2.79999995e-06f  /* 0x363be7a2 */
+#define SMOOTH_50_INVERSE_ERROR_V    0.00109999999f  /* 0x3a902de0 */
+
+#endif
+
+#ifdef SMOOTH_50_NUMBERS
+
 /* Rules, Eqs (1) to (7): steps per um from the lowest centre; strengths w;
  * consequents times w, slope q1 [um/um], offset q3 [um], gain q2 [um/V]. */
 #define SMOOTH_50_ORIGIN_UM         0.5f  /* 0x3f000000 */
 #define SMOOTH_50_PER_STEP   5.76470566f  /* 0x40b87878 */
 
+SMOOTH_50_TABLE
 static const float smooth_50_strength[SMOOTH_50_WINDOW] = {
     3.72665318e-06f,  /* 0x367a176a */
     0.000335462624f,  /* 0x39afe108 */
@@ -40,6 +52,7 @@ static const float smooth_50_strength[SMOOTH_50_WINDOW] = {
     3.72665318e-06f,  /* 0x367a176a */
 };
 
+SMOOTH_50_TABLE
 static const float smooth_50_present[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
                0.0f,  /* 0x00000000 */
@@ -103,6 +116,7 @@ static const float smooth_50_present[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
 };
 
+SMOOTH_50_TABLE
 static const float smooth_50_slope[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
                0.0f,  /* 0x00000000 */
@@ -166,6 +180,7 @@ static const float smooth_50_slope[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
 };
 
+SMOOTH_50_TABLE
 static const float smooth_50_offset[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
                0.0f,  /* 0x00000000 */
@@ -229,6 +244,7 @@ static const float smooth_50_offset[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
 };
 
+SMOOTH_50_TABLE
 static const float smooth_50_gain[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
                0.0f,  /* 0x00000000 */
@@ -292,12 +308,9 @@ static const float smooth_50_gain[SMOOTH_50_BANK_RULES] = {
                0.0f,  /* 0x00000000 */
 };
 
-/* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up. */
-#define SMOOTH_50_PREDICT_ERROR_UM  2.79999995e-06f  /* 0x363be7a2 */
-#define SMOOTH_50_INVERSE_ERROR_V    0.00109999999f  /* 0x3a902de0 */
+#endif
 
-#else
+#ifdef SMOOTH_50_SELFTEST_NUMBERS
 
 /* Self-test: where each function starts, what it is given, and the bits that the float32 reference answers. */
 
@@ -310,6 +323,7 @@ static const float smooth_50_gain[SMOOTH_50_BANK_RULES] = {
 #define SMOOTH_50_SELFTEST_PREDICT_Y_REJECTED 3u
 #define SMOOTH_50_SELFTEST_PREDICT_U_REJECTED 3u
 
+SMOOTH_50_TABLE
 static const uint32_t smooth_50_selftest_predict_rows[32][3] = {
     { 0x40a0c5e7u, 0x40e16fbau, 0x4099fd3cu },  /* 5.02416, 7.04489 -> 4.81216 */
     { 0x40a8c80bu, 0x42a9dcb1u, 0x40a60e4fu },  /* 5.27442, 84.931 -> 5.18925 */
@@ -354,6 +368,7 @@ static const uint32_t smooth_50_selftest_predict_rows[32][3] = {
 #define SMOOTH_50_SELFTEST_SIMULATE_Y_REJECTED 0u
 #define SMOOTH_50_SELFTEST_SIMULATE_U_REJECTED 2u
 
+SMOOTH_50_TABLE
 static const uint32_t smooth_50_selftest_simulate_rows[32][2] = {
     { 0x429f4944u, 0x4095b180u },  /* 79.6431 -> 4.67792 */
     { 0xbf41a05bu, 0x408efe29u },  /* -0.756353 -> 4.46853 */
@@ -398,6 +413,7 @@ static const uint32_t smooth_50_selftest_simulate_rows[32][2] = {
 #define SMOOTH_50_SELFTEST_INVERSE_Y_REJECTED 5u
 #define SMOOTH_50_SELFTEST_INVERSE_U_REJECTED 0u
 
+SMOOTH_50_TABLE
 static const uint32_t smooth_50_selftest_inverse_rows[32][3] = {
     { 0x41015339u, 0x40fccc15u, 0x42ca619au },  /* 8.08282, 7.89991 -> 101.191 */
     { 0x403365b2u, 0x40338bb6u, 0x429a32adu },  /* 2.80308, 2.8054 -> 77.099 */
@@ -432,7 +448,5 @@ static const uint32_t smooth_50_selftest_inverse_rows[32][3] = {
     { 0x40b4d336u, 0x40b1f0ecu, 0x42b68ca1u },  /* 5.65078, 5.56066 -> 91.2747 */
     { 0x410ad8f7u, 0x410523f8u, 0x41e095c9u },  /* 8.67797, 8.32128 -> 28.0731 */
 };
-
-#endif
 
 #endif

@@ -7,6 +7,7 @@
 #define SMOOTH_50_SELFTEST_NUMBERS
 #include "smooth_50_params.h"
 
+SMOOTH_50_CODE
 static float smooth_50_selftest_float(uint32_t bits)
 {
     const union {
@@ -17,6 +18,7 @@ static float smooth_50_selftest_float(uint32_t bits)
     return pattern.number;
 }
 
+SMOOTH_50_CODE
 static uint32_t smooth_50_selftest_bits(float x)
 {
     const union {
@@ -27,6 +29,7 @@ static uint32_t smooth_50_selftest_bits(float x)
     return pattern.bits;
 }
 
+SMOOTH_50_CODE
 static uint32_t smooth_50_selftest_predict(void)
 {
     smooth_50_t self;
@@ -50,6 +53,7 @@ static uint32_t smooth_50_selftest_predict(void)
     return mismatches;
 }
 
+SMOOTH_50_CODE
 static uint32_t smooth_50_selftest_simulate(void)
 {
     smooth_50_t self;
@@ -73,6 +77,7 @@ static uint32_t smooth_50_selftest_simulate(void)
     return mismatches;
 }
 
+SMOOTH_50_CODE
 static uint32_t smooth_50_selftest_inverse(void)
 {
     smooth_50_t self;
@@ -96,6 +101,7 @@ static uint32_t smooth_50_selftest_inverse(void)
     return mismatches;
 }
 
+SMOOTH_50_CODE
 uint32_t smooth_50_selftest(void)
 {
     uint32_t mismatches = 0u;

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hysgen.checking.endurance.excitations import Excitation
 from hysgen.codegen import Options, generate
 from hysgen.codegen.interface import interface_of
+from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import learned_model, learner_numbers
@@ -51,7 +52,7 @@ class CompiledLearner:
     def __init__(self, model: Model, toolchain: Toolchain | None = None) -> None:
         self.model = model
         texts = generate(model, Options(clock_Hz=FASTEST_CLOCK_HZ))
-        code = [(file, text) for file, text in texts.items() if file.endswith((".c", ".h"))]
+        code = list(c_files(texts).items())
         facts = {"name": model.name, "NAME": model.name.upper()}
         driver = ("endurance.c", render("endurance.c.j2", facts))
         declared = interface_of(model.name, texts).declarations() + _DECLARATIONS.format(name=model.name)

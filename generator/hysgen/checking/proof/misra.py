@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from hysgen.checking.proof.sources import folder_of
+from hysgen.codegen.manifest import c_files
 from hysgen.errors import BuildError
 
 
@@ -72,8 +73,17 @@ ADVISORY: Final = frozenset((
 # fmt: on
 """Advisory rules; all others are required or mandatory."""
 
-CONFIGURATION: Final = ("--std=c99", "-D__GNUC__=12", "-D__FLT_EVAL_METHOD__=0")
-"""As gcc sees the files: the other branches of the preprocessor differ in a pragma or an attribute only."""
+_LIMITS: Final = {"CHAR_BIT": 8, "FLT_RADIX": 2, "FLT_MANT_DIG": 24, "FLT_MIN_EXP": -125, "FLT_MAX_EXP": 128}
+CONFIGURATION: Final = (
+    "--std=c99",
+    "-D__GNUC__=12",
+    "-D__FLT_EVAL_METHOD__=0",
+    *(f"-D{macro}={value}" for macro, value in _LIMITS.items()),
+)
+"""As gcc sees the files: the other branches of the preprocessor differ in a pragma or an attribute only.
+
+cppcheck reads no standard header, so the macros of limits.h and float.h stand here.
+"""
 
 _FINDING: Final = re.compile(r"^\[(?P<file>[^:\]]+):(?P<line>\d+)\].*\[misra-c2012-(?P<rule>[\d.]+)\]$")
 _ADDONS: Final = (
@@ -146,7 +156,7 @@ class Misra:
 def misra(name: str, texts: Mapping[str, str], *, progress: Callable[[float, str], None] | None = None) -> Misra:
     """Check every C file of model `name`. Raises BuildError if cppcheck or its add-on is not installed, or fails."""
     addon = _addon()
-    sources = sorted(file for file in texts if file.endswith(".c"))
+    sources = sorted(file for file in c_files(texts) if file.endswith(".c"))
     findings: list[Finding] = []
     with folder_of(texts) as scratch:
         for place, source in enumerate(sources):

@@ -7,12 +7,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from hysgen.codegen.manifest import c_files
+
 
 @contextmanager
 def folder_of(texts: Mapping[str, str]) -> Iterator[Path]:
     """A folder with the C sources and headers among `texts`, gone afterwards."""
     with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
-        for file, text in texts.items():
-            if file.endswith((".c", ".h")):
-                Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
+        for file, text in c_files(texts).items():
+            Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
         yield Path(scratch)

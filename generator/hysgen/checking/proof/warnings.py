@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from hysgen.checking.proof.sources import folder_of
+from hysgen.codegen.manifest import c_files
 from hysgen.errors import BuildError
 from hysgen.machine.native import compiler_version
 
@@ -92,7 +93,7 @@ def wall(
     if not installed:
         raise BuildError(f"none of {', '.join(compilers)} is installed; install one to check warnings with")
     skipped = tuple(f"{compiler}: not installed" for compiler in compilers if compiler not in installed)
-    sources = sorted(file for file in texts if file.endswith(".c"))
+    sources = sorted(file for file in c_files(texts) if file.endswith(".c"))
     runs = []
     with folder_of(texts) as scratch:
         for place, compiler in enumerate(installed):

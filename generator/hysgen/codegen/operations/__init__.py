@@ -40,7 +40,7 @@ def figures(name: str, texts: Mapping[str, str]) -> Figures:
     Raises HysgenError if the C code contains a statement without a fixed cost.
     """
     header = concatenated(texts, (f"{name}.h",))
-    source = concatenated(texts, (f"{name}.h", f"{name}_params.h", f"{name}.c"))
+    source = concatenated(texts, (f"{name}.h", f"{name}_params.h", f"{name}.c"), (f"{name.upper()}_NUMBERS",))
     return _CACHE.get((name, header, source), lambda: _counted(name, header, source))
 
 

@@ -1,7 +1,7 @@
 """Syntax tree of generated C, with a preprocessor for the directives that generated C uses.
 
-Code within include guards is kept. Of `#if defined(...)` the `#else` branch is kept, which is the portable one. Macros
-without parameters are replaced by their definitions.
+Code within include guards is kept, and code under `#ifdef` of a known macro. Of `#if` the `#else` branch is kept, which
+is the portable one. Macros without parameters are replaced by their definitions.
 """
 
 from __future__ import annotations
@@ -26,9 +26,12 @@ def syntax_tree(texts: Mapping[str, str], names: tuple[str, ...]) -> c_ast.FileA
     return parsed(concatenated(texts, names), names[-1])
 
 
-def concatenated(texts: Mapping[str, str], names: tuple[str, ...]) -> str:
-    """The preprocessed text of the files `names`; the macros of a file are defined in the files after it."""
-    macros: dict[str, str] = {"UINT32_MAX": "4294967295u"}
+def concatenated(texts: Mapping[str, str], names: tuple[str, ...], defined: tuple[str, ...] = ()) -> str:
+    """The preprocessed text of the files `names`; the macros of a file are defined in the files after it.
+
+    defined: macros without a value that are defined in every file.
+    """
+    macros: dict[str, str] = {"UINT32_MAX": "4294967295u", **dict.fromkeys(defined, "")}
     return "".join(preprocessed(texts[name], macros) for name in names)
 
 
@@ -50,7 +53,7 @@ def preprocessed(text: str, macros: dict[str, str]) -> str:
             continue
         word, rest = directive[1], directive[2].strip()
         if word in ("if", "ifdef", "ifndef"):
-            open_branches.append(word == "ifndef")
+            open_branches.append((rest in macros) == (word == "ifdef") and word != "if")
         elif word in ("elif", "else"):
             open_branches[-1] = word == "else" and not open_branches[-1]
         elif word == "endif":

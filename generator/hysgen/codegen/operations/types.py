@@ -49,7 +49,9 @@ class Types:
         self._named: dict[str, Type] = {}
 
     def define(self, node: c_ast.Typedef) -> None:
-        """Add the typedef `node`."""
+        """Add the typedef `node`; a typedef of an array is a static assertion and declares nothing."""
+        if isinstance(node.type, c_ast.ArrayDecl):
+            return
         self._named[node.name] = self.of(node.type)
 
     @property

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from hysgen.checking.proof.emulated.platforms import STRICT, Platform
 from hysgen.checking.proof.warnings import BASIC
 from hysgen.codegen.interface import interface_of
+from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
 from hysgen.errors import BuildError
 
@@ -147,7 +148,7 @@ class Emulated:
 def _compile(
     name: str, texts: Mapping[str, str], platform: Platform, flags: Sequence[str], facts: dict[str, Any], folder: Path
 ) -> None:
-    sources = {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
+    sources = c_files(texts)
     sources |= {"driver.c": render("driver.c.j2", facts), "main.c": render("proof/emulated.c.j2", facts)}
     for file, text in sources.items():
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
