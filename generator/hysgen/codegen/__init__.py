@@ -30,7 +30,7 @@ from hysgen.codegen.parameters import (
 from hysgen.codegen.render import Feature, context, render
 from hysgen.codegen.selftest import chains
 from hysgen.codegen.structs import structs
-from hysgen.errors import CertificateError
+from hysgen.errors import CertificateError, HysgenError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.accuracy import Accuracy, accuracy
 from hysgen.machine.files import digest, write_whole
@@ -51,11 +51,13 @@ class Options:
 
     inverse: whether the inverse is generated. clock_Hz: clock of the processor.
     cycles: measured stall-free cycles by function; the cycles of functions that are not listed are estimated.
+    budget_cycles: cycles that one sample may take; None: the sample period.
     """
 
     inverse: bool = True
     clock_Hz: float = CLOCK_HZ
     cycles: Mapping[str, int] = field(default_factory=dict)
+    budget_cycles: int | None = None
 
 
 # Each function returns its feature, or None if the model does not need it; in the order of the generated text.
@@ -95,13 +97,16 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     }
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
     counted = figures(model.name, _firmware(model.name, facts, {}, {}))
+    unknown = sorted(set(chosen.cycles) - set(counted.operations))
+    if unknown:
+        raise HysgenError(f"{', '.join(unknown)}: not a function of {model.name}: {', '.join(counted.operations)}")
     cycles = cycles_of(counted.operations, chosen.cycles)
-    require_budget(model, cycles, chosen.clock_Hz)
+    require_budget(model, cycles, chosen.clock_Hz, chosen.budget_cycles)
     costs = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in counted.operations.items()}
     texts = _firmware(model.name, facts, costs, counted.struct_bytes)
     texts[model_file(model)] = dump_model(model)
     summary = {
-        "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz},
+        "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz, **_stated_budget(chosen)},
         "certificates": certificates.to_json(),
         "worst_error": {
             "predict_um": rounded_up(errors.predict_um, ERROR_DIGITS),
@@ -111,6 +116,11 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
         "cost": _cost(model, counted, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}
+
+
+def _stated_budget(options: Options) -> dict[str, int]:
+    """The budget for the manifest, if one is stated."""
+    return {} if options.budget_cycles is None else {"budget_cycles": options.budget_cycles}
 
 
 def _inverse_error(model: Model, errors: Accuracy) -> dict[str, float]:

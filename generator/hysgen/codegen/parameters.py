@@ -165,6 +165,11 @@ def numbers_digest(sections: Sequence[Section]) -> str:
     return digest(b"".join(words))
 
 
+def numbers_digest_of(params: str) -> str:
+    """The digest of the numbers that the text of `<name>_params.h` states."""
+    return params.partition('_NUMBERS_DIGEST "')[2].partition('"')[0]
+
+
 def _stated(error: float) -> np.float32:
     """`error` rounded up to 2 significant digits."""
     return np.float32(rounded_up(error, 2))

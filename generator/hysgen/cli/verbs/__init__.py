@@ -15,6 +15,7 @@ MODULES = {
     "describe": "score",
     "diagnose": "diagnose",
     "generate": "generate",
+    "export": "export",
     "verify": "verify",
     "prove": "verify",
     "cost": "generate",

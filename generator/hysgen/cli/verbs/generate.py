@@ -17,6 +17,7 @@ from hysgen.cli.verbs import Verb
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
 from hysgen.codegen.manifest import read_folder
+from hysgen.codegen.operations.cycles import CLOCK_HZ
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
@@ -38,6 +39,13 @@ With --budget, cycles, code, stack and data on the target are compared with a fi
 def generate_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
+    add_code_options(parser)
+    parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
+    add_learner_options(parser)
+
+
+def add_code_options(parser: argparse.ArgumentParser) -> None:
+    """Ranges, the inverse, and what the processor gives to one sample."""
     parser.add_argument(
         "--displacement-range",
         nargs=2,
@@ -49,13 +57,34 @@ def generate_arguments(parser: argparse.ArgumentParser) -> None:
         "--input-range", nargs=2, type=float, metavar=("LOW", "HIGH"), help="and over this part of its inputs in V"
     )
     parser.add_argument("--no-inverse", action="store_true", help="leave the inverse out")
-    parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
-    add_learner_options(parser)
+    group = parser.add_argument_group("the processor (default: a C6748 at 375 MHz, the whole sample period)")
+    group.add_argument("--clock", type=float, metavar="HZ", help="clock of the processor")
+    group.add_argument("--budget", type=int, metavar="CYCLES", help="cycles that one sample may take")
+    group.add_argument(
+        "--cycles",
+        default="",
+        metavar="FUNCTION=N,...",
+        help="cycles of a call that you measured; without them the estimate for the C674x stands for any processor",
+    )
+
+
+def code_options(arguments: argparse.Namespace) -> Options:
+    """The options of the generated code. Raises HysgenError for a text of --cycles that is not FUNCTION=N,..."""
+    cycles: dict[str, int] = {}
+    for part in filter(None, arguments.cycles.split(",")):
+        function, equals, number = part.partition("=")
+        if not equals or not number.strip().isdigit():
+            raise HysgenError(f"--cycles: '{part}' is not FUNCTION=N; write predict=310,inverse=900")
+        cycles[function.strip()] = int(number)
+    clock = CLOCK_HZ if arguments.clock is None else arguments.clock
+    if not clock > 0.0 or (arguments.budget is not None and arguments.budget < 1):
+        raise HysgenError("--clock and --budget are positive; give the clock in Hz and the budget in cycles")
+    return Options(not arguments.no_inverse, clock, cycles, arguments.budget)
 
 
 def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
-    texts = generate(model, Options(inverse=not arguments.no_inverse))
+    texts = generate(model, code_options(arguments))
     folder = Path(arguments.output)
     if arguments.check:
         return check(texts, folder, console)

@@ -72,12 +72,16 @@ def per_sample(cycles: Mapping[str, Cycles]) -> Cycles:
     return Cycles(sum(part.value for part in parts), all(part.measured for part in parts))
 
 
-def require_budget(model: Model, cycles: Mapping[str, Cycles], clock_Hz: float = CLOCK_HZ) -> None:
-    """Raise BudgetError, with the numbers, if one sample takes more cycles than the sample period has."""
-    allowed, needed = budget(model.Ts_s, clock_Hz), per_sample(cycles)
-    if needed.value > allowed:
+def require_budget(
+    model: Model, cycles: Mapping[str, Cycles], clock_Hz: float = CLOCK_HZ, stated: int | None = None
+) -> None:
+    """Raise BudgetError, with the numbers, if one sample takes more cycles than its period has, or than `stated`."""
+    period, needed = budget(model.Ts_s, clock_Hz), per_sample(cycles)
+    if needed.value > (period if stated is None else min(period, stated)):
         parts = ", ".join(f"{name} {cycles[name].value}" for name in (*STEPS, *EVERY_SAMPLE) if name in cycles)
+        given = "" if stated is None else f", the budget is {stated}"
         raise BudgetError(
-            f"{model.name}: one sample takes {needed} ({parts}), the period of {1e6 * model.Ts_s:.4g} us has {allowed} "
-            f"at {clock_Hz / 1e6:.4g} MHz; learn less (--learn gain or bias), fit fewer rules, or sample more slowly"
+            f"{model.name}: one sample takes {needed} ({parts}), the period of {1e6 * model.Ts_s:.4g} us has {period} "
+            f"at {clock_Hz / 1e6:.4g} MHz{given}; learn less (--learn gain or bias), fit fewer rules, or sample more "
+            "slowly"
         )

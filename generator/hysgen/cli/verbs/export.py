@@ -1,0 +1,62 @@
+"""export: folders that bring a model into Simulink, FMI, XCP, CMake, a shared library, a Cortex-M."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from hysgen.cli.console import Console
+from hysgen.cli.options import add_learner_options, add_model, with_learner
+from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs.generate import add_code_options, code_options, restricted
+from hysgen.errors import HysgenError
+from hysgen.export import TARGETS, A2lSource, write_export
+from hysgen.export.check import compare
+from hysgen.model.file import load_model
+
+HELP = """\
+Export a model into another tool: a folder with README, build and example around the generated C.
+
+With --check N the target is run over N samples of every mode and compared, bit for bit, with the generated C;
+exit code 1 says that some differ.
+"""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add_model(parser, "appendix_a, appendix_b, extended")
+    parser.add_argument("--to", required=True, choices=tuple(TARGETS), help="the target")
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
+    parser.add_argument("--check", type=int, metavar="N", help="run N samples of every mode and compare the bits")
+    add_code_options(parser)
+    group = parser.add_argument_group("addresses of an A2L file")
+    group.add_argument("--elf", metavar="FILE", help="linked program (default: the example in the folder)")
+    group.add_argument("--instance", default="", metavar="NAME", help="its variable of type <model>_t")
+    group.add_argument("--learner", default="", metavar="NAME", help="its variable of type <model>_learner_t")
+    add_learner_options(parser)
+
+
+def run(arguments: argparse.Namespace, console: Console) -> int:
+    model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
+    if arguments.to != "a2l" and (arguments.elf or arguments.instance or arguments.learner):
+        raise HysgenError("--elf, --instance and --learner belong to --to a2l; leave them out")
+    if arguments.check is not None and (arguments.to == "a2l" or arguments.check < 1):
+        raise HysgenError("--check N compares at least 1 sample of a target that runs; an A2L file does not")
+    options = code_options(arguments)
+    folder = Path(arguments.output)
+    source = A2lSource(Path(arguments.elf) if arguments.elf else None, arguments.instance, arguments.learner)
+    written = write_export(model, arguments.to, folder, options, source)
+    own = [path for path in written if "model" not in path.relative_to(folder).parts]
+    for path in own:
+        console.say(f"written: {path} ({path.stat().st_size} bytes)")
+    console.say(f"written: {folder / 'model'} ({len(written) - len(own)} files of the generated C)")
+    answer = {"model": model.name, "target": arguments.to, "files": [str(path) for path in written]}
+    if arguments.check is None:
+        return console.finish(answer)
+    found = compare(model, arguments.to, folder, arguments.check, options, progress=console.progress)
+    for line in found:
+        console.say(str(line))
+    checked = [vars(line) for line in found]
+    return console.finish({**answer, "checked": checked}, not any(line.differ for line in found))
+
+
+VERBS = {"export": Verb(HELP, arguments, run)}

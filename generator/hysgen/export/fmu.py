@@ -1,0 +1,202 @@
+"""FMUs for FMI 2.0 and 3.0, co-simulation: variables, files, binary for this machine, archive."""
+
+from __future__ import annotations
+
+import io
+import platform
+import re
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from hysgen.codegen import Options
+from hysgen.codegen.manifest import c_files
+from hysgen.codegen.parameters import literal
+from hysgen.errors import BuildError
+from hysgen.export.block import block_facts
+from hysgen.machine.files import digest
+from hysgen.machine.installed import data_folder
+from hysgen.machine.native import default_toolchain
+from hysgen.model.model import Model
+from hysgen.model.status import MEANINGS, Status
+from hysgen.model.terms import channels_of
+
+HEADERS: Final = {
+    2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}
+"""Headers of the FMI standard, under the 2-clause BSD licence that stands in them."""
+
+_FLAGS: Final = ("-std=c99", "-O2", "-fPIC", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
+_EPOCH: Final = (1980, 1, 1, 0, 0, 0)
+"""Time stamp of every file in an archive, so that equal files make equal archives."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of the FMU. kind: float, word (32-bit integer) or boolean.
+
+    member: C path in `<name>_fmu_t`; mask: bit of it that a Boolean shows, as C text, "" for the whole word.
+    start, low, high: as XML text; start is None for an output, low "" without limits.
+    """
+
+    reference: int
+    index: int
+    name: str
+    kind: str
+    causality: str
+    variability: str
+    about: str
+    member: str
+    start: str | None = None
+    unit: str = ""
+    low: str = ""
+    high: str = ""
+    mask: str = ""
+
+    @property
+    def settable(self) -> bool:
+        return self.causality in ("parameter", "input")
+
+    @property
+    def initial(self) -> str:
+        """Value of the attribute `initial`, "" for none: an input has none."""
+        return {"parameter": "exact", "output": "calculated"}.get(self.causality, "")
+
+    @property
+    def type3(self) -> str:
+        """Type in FMI 3.0."""
+        return {"float": "Float32", "word": "UInt32", "boolean": "Boolean"}[self.kind]
+
+    @property
+    def c_start(self) -> str:
+        """Start value as C."""
+        return literal(np.float32(float(self.start or 0))) if self.kind == "float" else f"{self.start}u"
+
+
+def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
+    """The variables of the FMU, in the order of its description."""
+    found: list[Variable] = []
+
+    def add(name: str, kind: str, causality: str, about: str, **more: Any) -> None:
+        variability = more.pop("variability", "continuous" if kind == "float" else "discrete")
+        place = len(found) + 1
+        found.append(
+            Variable(place, place, name, kind, causality, variability, about, more.pop("member", name), **more)
+        )
+
+    modes = ", ".join(f"{mode.number}: {mode.name}" for mode in facts["modes"])
+    y = {"unit": "um", "start": facts["rest_um"]}
+    u = {"unit": "V", "start": facts["middle_V"]}
+    fixed = {"variability": "fixed"}
+    last = str(facts["modes"][-1].number)
+    add("mode", "word", "parameter", modes, start="1", low="0", high=last, **fixed)
+    add("y0_um", "float", "parameter", "displacement at the start", **y, **fixed)
+    add("u0_V", "float", "parameter", "voltage at the start", **u, **fixed)
+    add("y_um", "float", "input", "measured displacement y(k); not used by simulate", **y)
+    add("u_V", "float", "input", "voltage u(k); not used by inverse", **u)
+    if facts["inverse"]:
+        add("y_next_um", "float", "input", "reference y(k+1) of mode inverse", **y)
+    if facts["learns"]:
+        add("commit", "boolean", "input", "mode learn: begin to commit what was learned", start="false")
+    middles = [m for term in model.terms for m in getattr(term, "middle", [])]
+    for c, channel in enumerate(channels_of(model.terms)):
+        name = "aux_" + re.sub(r"\W", "_", channel)
+        start = repr(float(middles[c])) if c < len(middles) else "0.0"
+        add(name, "float", "input", f"auxiliary channel {channel}", member=f"aux[{c}]", start=start)
+    add("y_model_um", "float", "output", "displacement y(k+1) of the model", unit="um")
+    add("u_command_V", "float", "output", "voltage of the sample: of the inverse, or the accepted input", unit="V")
+    add("status", "word", "output", "status bits; those of the learner shifted left by 16")
+    if facts["learns"]:
+        add("answer", "word", "output", "answer of the last call of commit")
+    for flag, meaning in MEANINGS.items():
+        if model.responds or flag is not Status.INVERSE_RESIDUAL:
+            add(str(flag.name).lower(), "boolean", "output", meaning, member="status", mask=f"0x{int(flag):x}u")
+    return found
+
+
+def block_variables(model: Model, options: Options) -> list[Variable]:
+    """The variables of the FMU of `model` with the given options."""
+    return variables(model, block_facts(model, options))
+
+
+def token(texts: Mapping[str, str]) -> str:
+    """The identity of the FMU: a UUID made of the digest of all files of the generated folder."""
+    d = digest("".join(f"{name}\n{texts[name]}" for name in sorted(texts)).encode())
+    return f"{{{d[:8]}-{d[8:12]}-{d[12:16]}-{d[16:20]}-{d[20:32]}}}"
+
+
+def fmu_facts(model: Model, facts: Mapping[str, Any], texts: Mapping[str, str]) -> dict[str, Any]:
+    """The template variables of both FMUs."""
+    name = model.name
+    own = [f"{name}_fmu.c", f"{name}_block.c", f"{name}.c"]
+    return {
+        **facts,
+        "variables": variables(model, facts),
+        "token": token(texts),
+        "sources2": [f"{name}_fmi2.c", *own],
+        "sources3": [f"{name}_fmi3.c", *own],
+    }
+
+
+def headers(standard: int) -> dict[str, str]:
+    """The headers of the FMI standard by name."""
+    folder = data_folder("templates", holds="source.c.j2") / "export" / "fmi"
+    return {name: (folder / name).read_text(encoding="utf-8") for name in HEADERS[standard]}
+
+
+def archive(standard: int, name: str, files: Mapping[str, str]) -> bytes:
+    """The .fmu: description, sources, binary for this machine. files: texts of the export folder by path.
+
+    Raises BuildError without a compiler.
+    """
+    sources = {Path(path).name: text for path, text in files.items() if path.startswith(f"sources{standard}/")}
+    content: dict[str, bytes] = {f"sources/{file}": text.encode() for file, text in sources.items()}
+    content["modelDescription.xml"] = files[f"modelDescription{standard}.xml"].encode()
+    if standard == 3:
+        content["sources/buildDescription.xml"] = files["buildDescription3.xml"].encode()
+    library, system = _library(standard)
+    content[f"binaries/{system}/{name}{library}"] = _binary(sources)
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as bundle:
+        for path in sorted(content):
+            bundle.writestr(zipfile.ZipInfo(path, _EPOCH), content[path], zipfile.ZIP_DEFLATED)
+    return stream.getvalue()
+
+
+def fmu_sources(standard: int, generated: Mapping[str, str], own: Mapping[str, str]) -> dict[str, str]:
+    """Path in the export folder -> text of the sources of one FMU: model, block, FMU, headers of the standard."""
+    name = f"_fmi{5 - standard}.c"
+    chosen = {file: text for file, text in {**c_files(generated), **own}.items() if not file.endswith(name)}
+    chosen = {file: text for file, text in chosen.items() if not file.endswith(("_selftest.c", "_selftest.h"))}
+    return {f"sources{standard}/{file}": text for file, text in {**chosen, **headers(standard)}.items()}
+
+
+def _library(standard: int) -> tuple[str, str]:
+    """(suffix of a shared library, name of this platform in FMI)."""
+    suffix = {"darwin": ".dylib", "win32": ".dll"}.get(str(sys.platform), ".so")
+    if standard == 2:
+        return suffix, {"darwin": "darwin64", "win32": "win64"}.get(str(sys.platform), "linux64")
+    machine = platform.machine().lower()
+    system = {"darwin": "darwin", "win32": "windows"}.get(str(sys.platform), "linux")
+    return suffix, f"{ {'amd64': 'x86_64', 'arm64': 'aarch64'}.get(machine, machine) }-{system}"
+
+
+def _binary(sources: Mapping[str, str]) -> bytes:
+    compiler = default_toolchain().command
+    with tempfile.TemporaryDirectory() as scratch:
+        for file, text in sources.items():
+            Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
+        units = sorted(file for file in sources if file.endswith(".c"))
+        call = [compiler, *_FLAGS, "-o", "fmu.bin", *units]
+        run = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
+        if run.returncode != 0:
+            raise BuildError(f"{compiler}: {(run.stderr.strip().splitlines() or ['no message'])[0]}")
+        return Path(scratch, "fmu.bin").read_bytes()
