@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -28,10 +29,13 @@ from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.style import png_bytes
+from hysgen.report.sections import uncertainty_section
 from hysgen.report.words import diagnosis_text, verdict
 from hysgen.stage import Stage
 from hysgen.stage import run as measure
 from hysgen.stage.signals import nested_amplitudes
+from hysgen.uncertainty.sensor import sensor_uncertainty
+from hysgen.uncertainty.simulated import characterise
 
 pytestmark = pytest.mark.slow
 """Every page needs a diagnosis, or generated C that was verified."""
@@ -204,6 +208,17 @@ def test_terminal_notebook_and_page_show_one_table_of_the_ladder(hum: Study, pag
     shown = read(page).text
     for row in hum.ladder():
         assert re.search(r"\s+".join(re.escape(readable(cell)) for cell in row if cell), shown), row
+
+
+def test_uncertainty_of_a_diagnosis_is_a_section_of_its_report(hum: Study) -> None:
+    found = characterise(hum, sensor_uncertainty("5nm,k=2"))
+    section = uncertainty_section(found)
+    assert [row[0] for row in section.tables[0].cells] == ["sensor", "noise", "model error"]
+    assert found.budget.combined_um == pytest.approx(
+        math.hypot(*(part.contribution_um for part in found.budget.contributions))
+    )
+    assert any(note.startswith("Not known: drift") for note in section.notes)
+    assert {name for name, _ in found.removed} == {cause.name for cause in hum.extended}
 
 
 def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> None:

@@ -69,19 +69,15 @@ def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Compariso
 
     Raises ModelError if the structures differ.
     """
-    if _shape(old) != _shape(new):
-        raise ModelError(
-            f"{old.name} and {new.name}: structures differ ({_structure(old)} against {_structure(new)}); "
-            "score both on one record instead"
-        )
-    loops_Hz = _loop_frequencies(old)
+    require_same_structure(old, new)
+    loops_Hz = loop_frequencies(old)
     changes = [
         Change("displacement, low end", "um", old.grid.y_min_um, new.grid.y_min_um),
         Change("displacement, high end", "um", old.grid.y_max_um, new.grid.y_max_um),
     ]
     changes += [
         Change(what, unit, before, after)
-        for (what, unit, before), (_, _, after) in zip(_physics(old, loops_Hz), _physics(new, loops_Hz), strict=True)
+        for (what, unit, before), (_, _, after) in zip(physics(old, loops_Hz), physics(new, loops_Hz), strict=True)
     ]
     moved = new.consequents - old.consequents
     scores = [
@@ -93,7 +89,16 @@ def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Compariso
     return Comparison(old.name, new.name, tuple(changes), tuple(centres), rules, tuple(scores))
 
 
-def _physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, float]]:
+def require_same_structure(old: Model, new: Model) -> None:
+    """Raise ModelError if the structures of two models differ."""
+    if _shape(old) != _shape(new):
+        raise ModelError(
+            f"{old.name} and {new.name}: structures differ ({_structure(old)} against {_structure(new)}); "
+            "score both on one record instead"
+        )
+
+
+def physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, float]]:
     """(property, unit, value): gain and time constant at mid-range, y at the ends, loops, sums of weights."""
     low_V, high_V = model.u_min_V, model.u_max_V
     states = steady_states(model, np.linspace(low_V, high_V, LEVELS))
@@ -117,7 +122,7 @@ def _physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, fl
     return found
 
 
-def _loop_frequencies(model: Model) -> list[float]:
+def loop_frequencies(model: Model) -> list[float]:
     """Frequencies in Hz of a slow and a fast sine, both sampled at least SAMPLES_PER_PERIOD times per period."""
     states = steady_states(model, np.array([0.5 * (model.u_min_V + model.u_max_V)]))
     corner_Hz = 1.0 / (2.0 * np.pi * (states[0].tau_s or 10.0 * model.Ts_s))

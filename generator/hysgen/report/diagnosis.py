@@ -12,15 +12,25 @@ from hysgen.errors import HysgenError
 from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.style import Picture
-from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
+from hysgen.report.sections import (
+    cost_section,
+    equivalence_section,
+    model_section,
+    provenance_section,
+    uncertainty_section,
+)
 from hysgen.report.words import CONFIDENCE, parameter_text, total_price, verdict
+from hysgen.uncertainty.simulated import Characterisation
 
 SAMPLES = 100_000
 """Samples per build in the comparison of the generated C with its reference."""
 
 
-def diagnosis_page(study: Study) -> Page:
-    """The report. Generates the C of the extended model, compares it with its reference here, and counts its cost."""
+def diagnosis_page(study: Study, characterisation: Characterisation | None = None) -> Page:
+    """The report. Generates the C of the extended model, compares it with its reference here, and counts its cost.
+
+    characterisation: uncertainty and positions, as a section of their own.
+    """
     drawn = {picture.name: picture for picture in pictures(study)}
     report, price, why_not = _proof(study)
     return Page(
@@ -32,6 +42,7 @@ def diagnosis_page(study: Study) -> Page:
             _error(drawn, study),
             _causes(study),
             _ladder(drawn, study),
+            *([uncertainty_section(characterisation)] if characterisation else []),
             model_section(study.diagnosis.model),
             equivalence_section(report, why_not),
             cost_section(price, why_not),

@@ -19,6 +19,7 @@ from hysgen.machine.installed import version
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 from hysgen.report.page import PageSection, PageTable
+from hysgen.uncertainty.simulated import Characterisation
 
 
 def model_section(model: Model) -> PageSection:
@@ -107,6 +108,32 @@ def cost_section(price: Cost | None, why_not: str = "") -> PageSection:
             + f", constants {price.constant_bytes}.",
             *([] if measured else ["~ cycles are estimated from the operations; init runs once, not in every sample."]),
             "Memory stalls, caches and interrupts are not modelled; nothing has run on silicon.",
+        ],
+    )
+
+
+def uncertainty_section(found: Characterisation) -> PageSection:
+    """Budget after the GUM, quantities of a positioning axis, and the error that each extension removes."""
+    budget = found.budget
+    head = ["contribution", "type", "standard uncertainty um", "degrees of freedom", "of the variance", "from"]
+    removed = [[name, f"{size_um:.3g}"] for name, size_um in found.removed]
+    tables = [
+        PageTable(head, budget.rows(), f"Budget: {budget.measurand}", left=1),
+        PageTable(["quantity", "um", ""], found.positions.rows(), "Positions of the levels that the record holds"),
+    ]
+    if removed:
+        tables.append(PageTable(["extension", "error removed, um rms"], removed, "Model error by cause"))
+    return PageSection(
+        "Uncertainty",
+        text=[
+            f"Expanded uncertainty {budget.expanded_um:.3g} um: k = {budget.factor:.3g} for a coverage of "
+            f"{100 * budget.coverage:.0f} %, combined standard uncertainty {budget.combined_um:.3g} um."
+        ],
+        tables=tables,
+        notes=[
+            *(f"Not known: {name}." for name in found.missing),
+            "This page is a characterisation report, not a calibration certificate.",
+            "Names of the positions follow ASME B5.64, formulas ISO 230-2 (docs/uncertainty.md).",
         ],
     )
 

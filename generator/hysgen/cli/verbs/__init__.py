@@ -21,6 +21,7 @@ MODULES = {
     "cost": "generate",
     "refit": "fit",
     "diff": "fit",
+    "history": "history",
     "demo": "studies",
     "experiments": "studies",
     "bank": "studies",

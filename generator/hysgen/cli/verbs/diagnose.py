@@ -12,12 +12,15 @@ from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.fit import c_name
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
+from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
 from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
 from hysgen.model.model import Model
 from hysgen.model.scores import score
 from hysgen.report.words import diagnosis_text, price_of
+from hysgen.uncertainty.sensor import length_um, sensor_uncertainty
+from hysgen.uncertainty.simulated import characterise
 
 DIAGNOSE_HELP = """\
 Show what the simulation of a record gets wrong, name the cause, extend the model, and measure the gain.
@@ -35,6 +38,12 @@ def diagnose_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plots", metavar="DIR", help="write the pictures, as PNG")
     parser.add_argument("--report", metavar="FILE.html", help="write the report: one page that needs no other file")
     parser.add_argument("--rules", type=int, default=FitSettings().rules, help="fuzzy rules L (default %(default)s)")
+    parser.add_argument(
+        "--sensor-uncertainty",
+        metavar="U,k=K",
+        help="expanded uncertainty of the sensor, as 5nm,k=2, or its Digital Calibration Certificate (.xml)",
+    )
+    parser.add_argument("--drift-since", metavar="LENGTH", help="largest change of the stage since the record, as 3nm")
     add_record_options(parser)
 
 
@@ -50,8 +59,15 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
             settings = dataclasses.replace(settings, identify=(stop - start) / (record.samples - start))
             stop = record.samples
         record = record.rows(start, stop)
+    if arguments.drift_since and not arguments.sensor_uncertainty:
+        raise HysgenError("--drift-since belongs to --sensor-uncertainty; state both")
+    sensor = sensor_uncertainty(arguments.sensor_uncertainty) if arguments.sensor_uncertainty else None
+    drift_um = length_um(arguments.drift_since) if arguments.drift_since else None
     study = diagnose_and_evaluate(record, holdout, settings, console.progress)
     console.say(diagnosis_text(study) + "\n")
+    found = characterise(study, sensor, drift_um) if sensor else None
+    if found:
+        console.say("\n".join(found.lines()) + "\n")
     if arguments.output:
         save_model(scored(study), Path(arguments.output))
         console.say(f"written: {arguments.output}")
@@ -61,9 +77,9 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.report:
         from hysgen.report.diagnosis import diagnosis_page
 
-        write_whole(Path(arguments.report), diagnosis_page(study).html())
+        write_whole(Path(arguments.report), diagnosis_page(study, found).html())
         console.say(f"written: {arguments.report}")
-    return console.finish(study.to_json())
+    return console.finish(study.to_json() | ({"uncertainty": found.to_json()} if found else {}))
 
 
 def scored(study: Study) -> Model:

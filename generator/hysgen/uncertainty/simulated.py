@@ -1,0 +1,141 @@
+"""The uncertainty of a displacement that a model states: its free run against the true displacement of the stage.
+
+The residual of held-out rows is the free run minus the readings. Its power, less that of the noise, is split into what
+repeated visits of a level show (repeatability) and the rest (error of the model):
+
+    u_model^2 = max(mean e^2 - noise^2 - repeatability^2, 0)
+
+Degrees of freedom are those of independent samples (`gum.independent_samples`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.evaluation import Study
+from hysgen.record.noise import NoiseFloor
+from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
+from hysgen.uncertainty.positions import Positions, positions
+from hysgen.uncertainty.sensor import SensorUncertainty
+
+MEASURAND = "displacement that the model states for a sample (free run)"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a budget is made of. residual_um: (n,) free run minus reading on rows that no fit has seen.
+
+    fitted: rows of the identification; parameters: numbers fitted to them. drift_um: largest change of the displacement
+    since the record, None if unknown.
+    """
+
+    residual_um: NDArray[np.float64]
+    noise: NoiseFloor
+    fitted: int
+    parameters: int
+    sensor: SensorUncertainty
+    positions: Positions | None = None
+    drift_um: float | None = None
+
+
+@dataclass(frozen=True)
+class Characterisation:
+    """Budget, positions, and error that each extension removes. missing: contributions that are not known."""
+
+    budget: Budget
+    positions: Positions
+    removed: tuple[tuple[str, float], ...]
+    missing: tuple[str, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "budget": self.budget.to_json(),
+            "positions": self.positions.to_json(),
+            "removed_by_extension_um": dict(self.removed),
+            "missing": list(self.missing),
+        }
+
+    def lines(self) -> list[str]:
+        """The result as text."""
+        budget = self.budget
+        degrees = "" if math.isinf(budget.freedom) else f", {budget.freedom:.0f} degrees of freedom"
+        return [
+            f"uncertainty of the {budget.measurand}: U = {budget.expanded_um:.3g} um "
+            f"(k = {budget.factor:.3g}, {100 * budget.coverage:.0f} %{degrees}), u_c = {budget.combined_um:.3g} um",
+            *(f"    {row[0]:<16} {row[1]}  {row[2]:>9} um  {row[4]:>7}  {row[5]}" for row in budget.rows()),
+            *(f"    not known: {name}" for name in self.missing),
+        ]
+
+
+def budget(evidence: Evidence) -> Budget:
+    """The budget of a simulated displacement."""
+    e = evidence.residual_um
+    power = float(np.mean(e**2))
+    noise2 = min(evidence.noise.rms_um**2, power)
+    seen = evidence.positions
+    spread = seen.spread_um if seen is not None and seen.spread_um is not None else 0.0
+    repeat2 = min(spread**2, power - noise2)
+    freedom = max(1.0, independent_samples(e.tolist()) - 1.0)
+    fit_um = evidence.noise.rms_um * math.sqrt(evidence.parameters / max(1, evidence.fitted))
+    contributions = [
+        Contribution("sensor", evidence.sensor.standard_um, "B", evidence.sensor.source),
+        Contribution(
+            "noise", fit_um, "A",
+            f"{evidence.noise.rms_um:.3g} um a reading; {evidence.parameters} parameters, {evidence.fitted} rows",
+            float(max(1, evidence.fitted - evidence.parameters)),
+        ),
+    ]  # fmt: skip
+    if repeat2 > 0.0 and seen is not None:
+        about = f"levels that the record visits again, {seen.holds} holds"
+        contributions.append(Contribution("repeatability", math.sqrt(repeat2), "A", about, max(1.0, seen.freedom)))
+    contributions.append(
+        Contribution(
+            "model error", math.sqrt(max(power - noise2 - repeat2, 0.0)), "A",
+            f"held-out free run over {e.size} rows, less noise and repeatability", freedom,
+        )
+    )  # fmt: skip
+    if evidence.drift_um is not None:
+        about = f"at most {evidence.drift_um:.3g} um since the record"
+        contributions.append(rectangular("drift", evidence.drift_um, about))
+    return Budget(MEASURAND, tuple(contributions))
+
+
+def characterise(study: Study, sensor: SensorUncertainty, drift_um: float | None = None) -> Characterisation:
+    """The budget and the positions of a diagnosed record, for its extended model."""
+    diagnosis = study.diagnosis
+    seen = positions(study.record)
+    rows = diagnosis.held_rows
+    model = diagnosis.model
+    evidence = Evidence(
+        residual_um=diagnosis.errors_um[-1][1][rows],
+        noise=diagnosis.noise,
+        fitted=study.cut,
+        parameters=model.consequents.size + model.weights.size,
+        sensor=sensor,
+        positions=seen,
+        drift_um=drift_um,
+    )
+    missing = []
+    if drift_um is None:
+        missing.append("drift since the record: state --drift-since, or keep a history (hysgen history)")
+    if seen.spread_um is None:
+        missing.append("repeatability: the record repeats no step between two levels")
+    return Characterisation(budget(evidence), seen, _removed(study), tuple(missing))
+
+
+def _removed(study: Study) -> tuple[tuple[str, float], ...]:
+    """(cause, error in um that its extension removes): the root of the difference of the powers before and after."""
+    before = study.diagnosis.base_rms_um
+    found: Sequence[tuple[str, float]] = []
+    for cause in study.extended:
+        after = cause.step.after_um
+        found = [*found, (cause.name, math.sqrt(max(before**2 - after**2, 0.0)))]
+        before = after
+    return tuple(found)

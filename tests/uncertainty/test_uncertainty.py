@@ -1,0 +1,225 @@
+"""Uncertainty: the budget against GTC and Monte Carlo, the sensor's statement, positions, coverage, history."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hysgen.cli import main
+from hysgen.errors import HysgenError, ModelError
+from hysgen.model.file import load_model, save_model
+from hysgen.record import Record
+from hysgen.record.noise import NoiseFloor
+from hysgen.studies.coverage import coverage
+from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
+from hysgen.uncertainty.history import history
+from hysgen.uncertainty.positions import positions
+from hysgen.uncertainty.sensor import SensorUncertainty, sensor_uncertainty
+from hysgen.uncertainty.simulated import Evidence, budget
+
+EXAMPLE = Budget(
+    "worked example of docs/uncertainty.md",
+    (
+        Contribution("sensor", 0.0025, "B", "5 nm, k = 2"),
+        Contribution("repeatability", 0.0030, "A", "60 visits", 59.0),
+        Contribution("model error", 0.0060, "A", "80 independent samples", 79.0),
+        rectangular("drift", 0.0040, "at most 4 nm"),
+    ),
+)
+
+
+def test_worked_example_agrees_with_gtc() -> None:
+    if not os.environ.get("HYSGEN_REQUIRE_TOOLS"):
+        pytest.importorskip("GTC")
+    from GTC import dof, uncertainty, ureal
+    from GTC.reporting import k_factor
+
+    total = sum(ureal(0.0, c.standard_um, c.freedom) for c in EXAMPLE.contributions)
+    assert EXAMPLE.combined_um == pytest.approx(uncertainty(total), rel=1e-12)
+    assert EXAMPLE.freedom == pytest.approx(dof(total), rel=1e-12)
+    assert EXAMPLE.factor == pytest.approx(k_factor(math.floor(dof(total))), rel=1e-6)
+
+
+def test_worked_example_agrees_with_monte_carlo() -> None:
+    """1e5 draws: the half width of their central 95 % is within 2 % of U.
+
+    Its standard error is 0.5 %; draws of Student's t, with their variance nu / (nu - 2), widen it by 0.7 %.
+    """
+    random = np.random.default_rng(5)
+    total = np.zeros(100_000)
+    for c in EXAMPLE.contributions:
+        if c.shape == "rectangular":
+            half = c.standard_um * math.sqrt(3.0)
+            total += random.uniform(-half, half, total.size)
+        elif math.isfinite(c.freedom):
+            total += c.standard_um * random.standard_t(c.freedom, total.size)
+        else:
+            total += c.standard_um * random.standard_normal(total.size)
+    low, high = np.quantile(total, [0.025, 0.975])
+    assert 0.5 * (high - low) == pytest.approx(EXAMPLE.expanded_um, rel=0.02)
+
+
+def test_independent_samples_of_a_first_order_series() -> None:
+    """x(k+1) = a x(k) + e(k) has n (1 - a) / (1 + a) of them; the estimate scatters by some ten percent."""
+    random = np.random.default_rng(7)
+    a, n = 0.9, 40_000
+    x = np.zeros(n)
+    for k in range(1, n):
+        x[k] = a * x[k - 1] + random.standard_normal()
+    assert independent_samples(x.tolist()) == pytest.approx(n * (1 - a) / (1 + a), rel=0.2)
+
+
+def test_power_of_the_residual_is_split_without_counting_twice() -> None:
+    """Noise, repeatability and model error add up to the residual; the sensor and the drift come on top."""
+    random = np.random.default_rng(1)
+    residual = 0.01 * random.standard_normal(5000)
+    cycle = record_of_cycles(spread_um=0.004, noise_um=0.002, cycles=30)
+    evidence = Evidence(
+        residual,
+        NoiseFloor(0.002, "plateaus", 1000),
+        4000,
+        20,
+        SensorUncertainty(0.01, 2.0, ""),
+        positions(cycle),
+        0.003,
+    )
+    parts = {c.name: c.contribution_um for c in budget(evidence).contributions}
+    assert parts["sensor"] == 0.005
+    assert parts["drift"] == pytest.approx(0.003 / math.sqrt(3.0))
+    assert parts["repeatability"] == pytest.approx(0.004, rel=0.15)
+    whole = parts["repeatability"] ** 2 + parts["model error"] ** 2 + 0.002**2
+    assert whole == pytest.approx(float(np.mean(residual**2)), rel=1e-9)
+
+
+@pytest.mark.proof
+def test_expanded_uncertainty_holds_the_truth_of_virtual_stages() -> None:
+    """`python -m hysgen.studies.coverage --stages 1000` tries more; 95 % is stated."""
+    found = coverage(60)
+    assert 0.91 <= found.share <= 0.99, found
+
+
+def test_one_virtual_stage_is_covered() -> None:
+    found = coverage(2, seed=1)
+    assert found.share > 0.8
+    assert 0.0 < found.sensor < 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "standard_um"),
+    [("5nm,k=2", 0.0025), ("0.1 um, k = 2", 0.05), ("5nm", 0.005), ("1e-3um,k=1.96", 1e-3 / 1.96)],
+)
+def test_sensor_uncertainty_from_text(text: str, standard_um: float) -> None:
+    assert sensor_uncertainty(text).standard_um == pytest.approx(standard_um)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("5", "is not a length"),
+        ("5nm,p=2", "is not LENGTH,k=FACTOR"),
+        ("5nm,k=0", "not a positive"),
+        ("5V", "not a length"),
+    ],
+)
+def test_sensor_uncertainty_that_is_none_is_refused(text: str, complaint: str) -> None:
+    with pytest.raises(HysgenError, match=complaint):
+        sensor_uncertainty(text)
+
+
+REAL = {
+    1: "<si:expandedUnc><si:uncertainty>{U}</si:uncertainty>"
+    "<si:coverageFactor>{k}</si:coverageFactor></si:expandedUnc>",
+    2: "<si:measurementUncertaintyUnivariate><si:expandedMU><si:valueExpandedMU>{U}</si:valueExpandedMU>"
+    "<si:coverageFactor>{k}</si:coverageFactor></si:expandedMU></si:measurementUncertaintyUnivariate>",
+}
+"""Uncertainty of a real number in D-SI 1 and 2."""
+
+
+def certificate(generation: int, reals: list[tuple[str, str, str]]) -> str:
+    """A certificate with one quantity per (unit, U, k)."""
+    quantities = "".join(
+        f"<dcc:quantity><si:real><si:value>1</si:value><si:unit>{unit}</si:unit>{REAL[generation].format(U=U, k=k)}"
+        "</si:real></dcc:quantity>"
+        for unit, U, k in reals
+    )
+    return (
+        '<dcc:digitalCalibrationCertificate xmlns:dcc="https://ptb.de/dcc" xmlns:si="https://ptb.de/si">'
+        "<dcc:administrativeData><dcc:coreData><dcc:uniqueIdentifier>C-17</dcc:uniqueIdentifier></dcc:coreData>"
+        f"</dcc:administrativeData>{quantities}</dcc:digitalCalibrationCertificate>"
+    )
+
+
+@pytest.mark.parametrize("generation", [1, 2])
+def test_sensor_uncertainty_from_a_certificate(generation: int, tmp_path: Path) -> None:
+    path = tmp_path / "sensor.xml"
+    values = [
+        (r"\micro\metre", "0.004", "2"),
+        (r"\nano\metre", "6", "2"),
+        (r"\volt", "1", "2"),
+        (r"\metre", "1e-9", "1"),
+    ]
+    path.write_text(certificate(generation, values))
+    found = sensor_uncertainty(str(path))
+    assert (found.expanded_um, found.k) == (pytest.approx(0.006), 2.0)
+    assert found.source == "certificate C-17, largest of 3 uncertainties of length"
+    path.write_text(certificate(generation, [(r"\volt", "1", "2")]))
+    with pytest.raises(HysgenError, match="states no expanded uncertainty of a length"):
+        sensor_uncertainty(str(path))
+
+
+def record_of_cycles(spread_um: float, noise_um: float, cycles: int, reversal_um: float = 0.0) -> Record:
+    """Levels 0, 10, 20, 30 V up and down; positions 0.05 um/V, less `reversal_um` on the way up."""
+    random = np.random.default_rng(3)
+    levels = ([0.0, 10.0, 20.0, 30.0, 20.0, 10.0] * cycles) + [0.0]
+    up = np.sign(np.diff(levels, prepend=10.0))
+    u, y = [], []
+    for level, direction in zip(levels, up, strict=True):
+        place = 0.05 * level + spread_um * random.standard_normal()
+        u.append(np.full(40, level))
+        y.append(place - reversal_um * (direction > 0) + noise_um * random.standard_normal(40))
+    return Record.from_arrays(np.concatenate(u), np.concatenate(y), 1e-3, accept=("constant",))
+
+
+def test_positions_of_a_record_with_repeated_levels() -> None:
+    found = positions(record_of_cycles(spread_um=0.002, noise_um=0.001, cycles=40, reversal_um=0.03))
+    assert (found.levels, found.holds) == (4, 241)
+    assert found.hysteresis_um == pytest.approx(0.03, abs=0.002)
+    assert found.spread_um == pytest.approx(0.002, rel=0.1)
+    assert found.repeatability_um == pytest.approx(0.03 + 4 * 0.002, rel=0.2)
+    assert found.noise_band_um == pytest.approx(0.004, rel=0.1)
+    assert found.positioning_um is not None
+    assert 0.03 < found.positioning_um < 0.05
+    none = positions(Record.from_arrays(np.arange(500.0), np.arange(500.0), 1e-3))
+    assert (none.repeatability_um, none.noise_band_um, none.holds) == (None, None, 0)
+    assert all(row[2].startswith("needs ") for row in none.rows())
+
+
+def test_history_shows_what_moved_and_exits_by_the_limit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = load_model("appendix_a")
+    folder = tmp_path / "stage"
+    folder.mkdir()
+    with pytest.raises(HysgenError, match="holds 0 model files; a history needs two"):
+        history(folder)
+    for month, gain in enumerate((1.0, 1.01, 1.04)):
+        consequents = model.consequents * np.array([1.0, gain, 1.0])
+        save_model(dataclasses.replace(model, consequents=consequents), folder / f"2026-{month + 1:02}.json")
+    report = tmp_path / "history.json"
+    assert (
+        main(["history", str(folder), "--limit", "10", "--plot", str(tmp_path / "h.png"), "--json", str(report)]) == 0
+    )
+    assert (tmp_path / "h.png").stat().st_size > 10_000
+    data = json.loads(report.read_text())
+    moved = next(trend for trend in data["trends"] if trend["what"] == "DC gain, mid-range")
+    assert moved["percent"] == pytest.approx(4.0, abs=0.5)
+    assert data["drift_um"] > 0.0
+    assert main(["history", str(folder), "--limit", "3"]) == 1
+    assert "beyond 3 %: DC gain, mid-range" in capsys.readouterr().out
+    save_model(load_model("extended"), folder / "2026-04.json")
+    with pytest.raises(ModelError, match="structures differ"):
+        history(folder)
