@@ -209,6 +209,38 @@ def test_stick_slip_sticks_and_jumps() -> None:
     assert 400 < (jumps > 0).sum() < 900
 
 
+def test_gain_step_multiplies_the_command_from_its_instant_on() -> None:
+    u_V = sine(100.0, 400)
+    y_um = run(BARE.with_effects(gain_step=(0.05, 200 * TS_S)), u_V, TS_S).displacement_um
+    # The command of row k acts on row k + 1; the call for the rest before the record is the first.
+    ratio = y_um[1:] / (GAIN * u_V[:-1])
+    np.testing.assert_allclose(ratio[:198], 1.0, atol=1e-12)
+    np.testing.assert_allclose(ratio[200:], 1.05, atol=1e-12)
+
+
+def test_chirp_passes_through_its_frequencies_with_its_amplitude() -> None:
+    y_um = run(BARE.with_effects(chirp=(100.0, 400.0, 1.0, 0.02)), np.full(50_000, 60.0), TS_S).displacement_um - 5.0
+    assert np.ptp(y_um) == pytest.approx(0.04, rel=1e-3)
+    crossings = np.flatnonzero((y_um[1:] > 0) & (y_um[:-1] <= 0)) * TS_S
+    t_s = 0.5 * (crossings[1:] + crossings[:-1])
+    np.testing.assert_allclose(1 / np.diff(crossings), 100.0 + 300.0 * t_s, rtol=0.02)
+
+
+def test_jumps_stay_where_they_went() -> None:
+    y_um = run(BARE.with_effects(jumps=(0.01, 0.1)), np.full(5000, 60.0), TS_S, seed=3).displacement_um
+    steps = np.abs(np.diff(y_um))
+    assert 25 < np.count_nonzero(steps) < 80
+    assert ((steps == 0.0) | ((steps > 0.05 - 1e-12) & (steps < 0.15 + 1e-12))).all()
+
+
+def test_creep_by_a_power_law_gains_by_its_power_from_decade_to_decade() -> None:
+    Ts_s, creep = 0.1, CreepEffect(0.03, 1e-4, 1e6, 0.25)
+    y_um = run(BARE.with_effects(creep=creep), np.full(10_001, 60.0), Ts_s, rest_V=0.0).displacement_um
+    decades = np.diff(y_um[[10, 100, 1000, 10_000]])
+    # Far from both cut-offs the gain of a decade is proportional to t^p; cut-offs four decades away leave 3 %.
+    np.testing.assert_allclose(decades[1:] / decades[:-1], 10**0.25, rtol=0.03)
+
+
 def test_white_noise_has_its_spread_and_no_memory() -> None:
     n = 100_000
     y_um = run(BARE.with_effects(noise=0.003), np.full(n, 20.0), TS_S).displacement_um

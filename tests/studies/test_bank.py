@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
+from hysgen.stage.families import FAMILIES
 from hysgen.studies.bank import BankResult, run, scenario
+from hysgen.studies.bank.family_scenario import family_scenario
 from hysgen.studies.bank.limits import PARAMETERS
 from hysgen.studies.bank.result import Judgement
 from hysgen.studies.bank.scenario import CATEGORIES, EFFECTS
@@ -59,6 +62,37 @@ def test_category_plants_the_effect_that_it_is_named_after() -> None:
     assert scenario("none", 11).planted == ()
     assert scenario("memory", 11).planted == ("memory",)
     assert "unknown" in scenario("unknown", 11).planted
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_stage_of_another_family_has_its_hysteresis_and_the_planted_effect(family: str) -> None:
+    for category in ("aging", "coupling", "resonance", "unknown"):
+        first, second = family_scenario(family, category, 11), family_scenario(family, category, 11)
+        assert first.stage == second.stage
+        assert isinstance(first.stage.memory, FAMILIES[family])
+        assert category in first.planted
+        np.testing.assert_array_equal(first.u_V, second.u_V)
+    assert family_scenario(family, "none", 11).planted == ()
+
+
+def test_record_of_another_family_lacks_its_past_and_has_the_steps_of_its_converter() -> None:
+    hidden = family_scenario("bouc-wen", "creep", 5)
+    measured = hidden.measure()
+    record = hidden.record(measured)
+    assert record.samples == len(hidden.u_V) - hidden.past
+    codes = (
+        np.diff(np.unique(record.segments[0].y_um)) / (2.0 * np.ptp(measured.displacement_um)) * 2**hidden.sensor.bits
+    )
+    assert np.median(codes) == pytest.approx(np.round(np.median(codes)), abs=1e-3)
+    assert codes.min() > 0.99
+
+
+def test_thermal_hysterons_may_be_named_creep_and_no_other_family() -> None:
+    shown = {family: family_scenario(family, "memory", 1).allowed for family in FAMILIES}
+    assert {family for family, names in shown.items() if names} == {"thermal"}
+    made = judgement(("memory",), ("memory", "creep"), ("memory",), "memory")
+    assert not made.exact
+    assert dataclasses.replace(made, allowed=shown["thermal"]).exact
 
 
 def judgement(required: tuple[str, ...], named: tuple[str, ...], planted: tuple[str, ...], category: str) -> Judgement:

@@ -70,11 +70,11 @@ def run(
     return Measurement(np.arange(len(command_V), dtype=np.float64) * Ts_s, command_V, trace.reading_um, channels, truth)
 
 
-def effect_shares(measurement: Measurement) -> dict[str, float]:
+def effect_shares(measurement: Measurement, first: int = 0) -> dict[str, float]:
     """Rms in um of the change of the noise-free readings without each active effect, less the change's mean.
 
     A constant change belongs to the sensor's zero and is no error. The stage starts at rest at the first voltage; at
-    least two samples are needed.
+    least two samples are needed. first: first row that counts; the rows before it are the stage's past.
     """
     stage = measurement.truth.stage
     quiet = stage.quiet()
@@ -88,7 +88,7 @@ def effect_shares(measurement: Measurement) -> dict[str, float]:
         if effect == Hysteresis.name and not low_V < high_V:
             continue
         part = _drive(without(quiet, effect, low_V, high_V), u_V, Ts_s, seed, aux, rest_V)
-        rms[effect] = float(np.std(whole.reading_um - part.reading_um))
+        rms[effect] = float(np.std((whole.reading_um - part.reading_um)[first:]))
     return rms
 
 

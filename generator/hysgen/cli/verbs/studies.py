@@ -31,7 +31,8 @@ from hysgen.report.plots import style
 from hysgen.report.plots.experiments import modelling_figures, tracking_figure
 from hysgen.report.plots.traces import horizon, loops, validation
 from hysgen.stage.demo_record import bundled_csv, identification_rows
-from hysgen.studies.bank import CATEGORIES, Judgement, limits, limits_table
+from hysgen.stage.families import FAMILIES
+from hysgen.studies.bank import CATEGORIES, OWN, Judgement, limits, limits_table
 from hysgen.studies.bank import run as judge_bank
 from hysgen.studies.paper.results import repeat_all
 
@@ -47,6 +48,9 @@ Beyond the paper, the learner in generated C: held against Eq. (10) in float64, 
 """
 BANK_HELP = """\
 Hide effects in records of the virtual stage and count how often `diagnose` names them: confusion, limits, alarms.
+
+With --family the stages have the hysteresis of other equations than the diagnosis, with a past that the record does not
+show, other laws of creep, coloured and quantised noise, and a sensor with a curve.
 
 Exit code 1 if a limit is missed; 130 if it was interrupted, after saying what it had until then. With --log, the same
 command goes on where it was interrupted.
@@ -160,6 +164,13 @@ def run_experiments(arguments: argparse.Namespace, console: Console) -> int:
 def bank_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", default="1000:1010", metavar="A:B", help="seeds A to B, B excluded (%(default)s)")
     parser.add_argument("--categories", nargs="+", choices=CATEGORIES, default=list(CATEGORIES), metavar="NAME")
+    parser.add_argument(
+        "--family",
+        nargs="+",
+        choices=(*FAMILIES, "all"),
+        metavar="NAME",
+        help=f"stages of other equations than the diagnosis': {', '.join(FAMILIES)}, or all",
+    )
     parser.add_argument("--log", metavar="FILE", help="one JSON line a record as it is judged; what it holds is kept")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
 
@@ -170,7 +181,7 @@ def run_bank(arguments: argparse.Namespace, console: Console) -> int:
     def report(fraction: float, judgement: Judgement) -> None:
         nonlocal judged, wrong
         judged, wrong = judged + 1, wrong + (not judgement.exact)
-        name = f"{judgement.category} {judgement.seed}"
+        name = judgement.name
         if judgement.category != "poor" and not judgement.exact:
             console.say(f"wrong: {name}: {judgement.difference()}")
         console.progress(
@@ -178,7 +189,9 @@ def run_bank(arguments: argparse.Namespace, console: Console) -> int:
         )
 
     log = Path(arguments.log) if arguments.log else None
-    result = judge_bank(parse_seeds(arguments.seeds), arguments.categories, arguments.jobs, report, log)
+    named = arguments.family or [OWN]
+    families = tuple(FAMILIES) if "all" in named else tuple(named)
+    result = judge_bank(parse_seeds(arguments.seeds), arguments.categories, families, arguments.jobs, report, log)
     comparison = limits(result)
     console.say(result.table())
     console.say()

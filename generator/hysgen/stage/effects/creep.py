@@ -20,16 +20,18 @@ NODES_PER_DECADE = 6  # quadrature of the spectrum: error below 1e-7 of the cree
 class CreepEffect(Effect):
     """Logarithmic creep: a continuous, flat spectrum of relaxation times in ln(tau) between two cut-offs.
 
-        moved(t) = (per_decade / ln 10) * integral from tau_min to tau_max of (1 - exp(-t/tau)) dtau/tau
+        moved(t) = (per_decade / ln 10) * integral from tau_min to tau_max of (tau/tau_m)^p (1 - exp(-t/tau)) dtau/tau
 
     per_decade: share of a step's size by which the output moves on in every decade of time between the cut-offs.
     tau_min_s, tau_max_s: where the logarithmic law begins and ends. Movement counts from the rest before the record.
-    Source: the usual law y0 (1 + g log10(t/t0)).
+    exponent: p, of a power law (t/tau_m)^p about the geometric mean tau_m of the cut-offs; 0: logarithmic creep.
+    Source: the usual law y0 (1 + g log10(t/t0)); Findley (1976) for the power law.
     """
 
     per_decade: float
     tau_min_s: float = 0.01
     tau_max_s: float = 1000.0
+    exponent: float = 0.0
 
     name = "creep"
     rank = 4
@@ -48,7 +50,11 @@ class CreepEffect(Effect):
         return math.log10(self.tau_max_s / self.tau_min_s)
 
     def moved(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Share of a unit step that creep has added t_s > 0 after it, in closed form: shape of `t_s`."""
+        """Share of a unit step that creep has added t_s > 0 after it, in closed form: shape of `t_s`.
+
+        Raises StageError for a power law, which has no closed form here.
+        """
+        require(self.exponent == 0.0, "creep.moved: a power law has no closed form; choose exponent 0")
         late = exp1(t_s / self.tau_max_s) - exp1(t_s / self.tau_min_s)
         moved: NDArray[np.float64] = self.per_decade * (self.decades - late / math.log(10.0))
         return moved
@@ -71,7 +77,10 @@ class CreepEffect(Effect):
             "creep_keep": np.exp(-ratio),
             "creep_g0": gone - g1,
             "creep_g1": g1,
-            "creep_share": creep.per_decade * creep.decades * weight / 2,
+            "creep_share": creep.per_decade
+            * creep.decades
+            * (weight / 2)
+            * (tau_s / math.sqrt(creep.tau_min_s * creep.tau_max_s)) ** creep.exponent,
             "creep_x": np.zeros(count),
         }
 
@@ -81,7 +90,7 @@ class CreepEffect(Effect):
         return cls(setting.share * 0.8, setting.span_s / 400.0, 1000.0 * setting.span_s)
 
     def true_parameters(self) -> dict[str, float]:
-        return {"creep.per_decade": self.per_decade, "creep.from_s": self.tau_min_s}
+        return {"creep.per_decade": self.per_decade, "creep.from_s": self.tau_min_s} if self.exponent == 0.0 else {}
 
 
 EFFECT = CreepEffect

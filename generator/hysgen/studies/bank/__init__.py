@@ -6,6 +6,17 @@ The diagnosis is given the record alone. The size of a hidden effect is the chan
 from hysgen.studies.bank.judge_records import run
 from hysgen.studies.bank.limits import Limit, limits, limits_table
 from hysgen.studies.bank.result import BankResult, Judgement
-from hysgen.studies.bank.scenario import CATEGORIES, Scenario, scenario
+from hysgen.studies.bank.scenario import CATEGORIES, OWN, Scenario, scenario
 
-__all__ = ["CATEGORIES", "BankResult", "Judgement", "Limit", "Scenario", "limits", "limits_table", "run", "scenario"]
+__all__ = [
+    "CATEGORIES",
+    "OWN",
+    "BankResult",
+    "Judgement",
+    "Limit",
+    "Scenario",
+    "limits",
+    "limits_table",
+    "run",
+    "scenario",
+]

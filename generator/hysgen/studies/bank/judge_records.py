@@ -20,14 +20,13 @@ from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.procedure import Naming, name_causes
 from hysgen.fitting import FitSettings, PathSize
-from hysgen.record import Record
 from hysgen.stage import Preisach, Relays, effect_shares, effects
-from hysgen.stage import run as measure
 from hysgen.stage.effects import UNKNOWN, Tolerance
 from hysgen.stage.effects.memory import Hysteresis
+from hysgen.studies.bank.family_scenario import family_scenario
 from hysgen.studies.bank.log import JudgementLog, read_log
 from hysgen.studies.bank.result import BankResult, Judgement
-from hysgen.studies.bank.scenario import ACCEPTED, CATEGORIES, Scenario, memory_only, scenario
+from hysgen.studies.bank.scenario import CATEGORIES, OWN, Scenario, memory_only, scenario
 from hysgen.studies.bank.truth import error_with_truth_known
 
 Floats = NDArray[np.float64]
@@ -37,30 +36,32 @@ Progress = Callable[[float, Judgement], None]
 def run(
     seeds: Sequence[int],
     categories: Sequence[str] = CATEGORIES,
+    families: Sequence[str] = (OWN,),
     jobs: int = 1,
     progress: Progress | None = None,
     log: Path | None = None,
 ) -> BankResult:
-    """Judge every category with every seed, in `jobs` processes.
+    """Judge every category of every family with every seed, in `jobs` processes.
 
+    families: of `hysgen.stage.families`, or OWN for the bank's own stage.
     progress: called with the fraction done and each judgement. log: file of judgements; the records that it holds
     already are not judged again. After an interrupt the result holds the records judged so far (`complete` is false).
     Raises HysgenError if the log belongs to another state of the package, or cannot be written.
     """
-    work = [(category, seed) for seed in seeds for category in categories]
-    known = {} if log is None else {(v.category, v.seed): v for v in read_log(log)}
+    work = [(family, category, seed) for seed in seeds for category in categories for family in families]
+    known = {} if log is None else {(v.family, v.category, v.seed): v for v in read_log(log)}
     done = {key: known[key] for key in work if key in known}
     kept = JudgementLog(log)
     with contextlib.suppress(KeyboardInterrupt):
         for judgement in _judged([key for key in work if key not in done], jobs):
             kept.add(judgement)
-            done[judgement.category, judgement.seed] = judgement
+            done[judgement.family, judgement.category, judgement.seed] = judgement
             if progress is not None:
                 progress(len(done) / len(work), judgement)
     return BankResult(tuple(done[key] for key in work if key in done), tuple(seeds), len(work))
 
 
-def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Judgement]:
+def _judged(work: Sequence[tuple[str, str, int]], jobs: int) -> Iterator[Judgement]:
     """The judgements in the order in which they are done; when the loop ends early, waiting records are cancelled."""
     if jobs <= 1 or len(work) <= 1:
         yield from map(_one, work)
@@ -76,14 +77,14 @@ def _judged(work: Sequence[tuple[str, int]], jobs: int) -> Iterator[Judgement]:
 
 def judge(hidden: Scenario) -> Judgement:
     """Measure a scenario, diagnose its record, and compare the causes named with the causes planted."""
-    measured = measure(hidden.stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux)
-    record = Record.from_arrays(hidden.u_V, measured.displacement_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED)
+    measured = hidden.measure()
+    record = hidden.record(measured)
     memory_rms_um = memory_model_rms(hidden)
     begun = time.perf_counter()
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
-    fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier)
-    shares = {effects()[name].cause(): share for name, share in effect_shares(measured).items()}
+    fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier[hidden.past :])
+    shares = {effects()[name].cause(): share for name, share in effect_shares(measured, hidden.past).items()}
     return Judgement(
         category=hidden.category,
         seed=hidden.seed,
@@ -98,16 +99,20 @@ def judge(hidden: Scenario) -> Judgement:
         experiment=naming.next_experiment,
         fall=fall,
         over_truth=over_truth,
+        family=hidden.family,
+        allowed=hidden.allowed,
     )
 
 
 def _error_ratios(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]) -> tuple[float, float]:
     """Two ratios of free-run errors: of the paper's model over the extended one, and of the extended model over the
-    model with the truth known. Each is nan where `Judgement` says so.
+    model with the truth known. Each is nan where `Judgement` says so, and for stages of other families.
     """
     prepared, agreed = naming.prepared, naming.agreed
     held = prepared.held_rows[~corrupted[prepared.held_rows]]
-    if hidden.excitation != "good" or not hidden.planted or set(naming.names) != set(hidden.planted):
+    if hidden.family != OWN or hidden.excitation != "good" or not hidden.planted:
+        return math.nan, math.nan
+    if set(naming.names) != set(hidden.planted):
         return math.nan, math.nan
     extensions = with_best_forms(prepared, naming.extensions, agreed, FitSettings())
     extended = rms(fit_ladder(prepared, extensions, agreed, FitSettings()).error_um[held])
@@ -120,8 +125,7 @@ def _error_ratios(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]
 def memory_model_rms(hidden: Scenario) -> float:
     """Free-run rms in um of the model with the usual memory extension, on the stage without effects but hysteresis."""
     bare = memory_only(hidden)
-    measured = measure(bare.stage, bare.u_V, bare.Ts_s, bare.seed)
-    prepared = prepare(Record.from_arrays(bare.u_V, measured.displacement_um, bare.Ts_s, accept=ACCEPTED))
+    prepared = prepare(bare.record(bare.measure()))
     extension = Extension(size=PathSize(), lag_s=prepared.record.Ts_s)
     rung = fit_ladder(prepared, {Hysteresis.name: extension}, [Hysteresis.name], FitSettings())
     return rms(rung.error_um[prepared.held_rows])
@@ -142,6 +146,6 @@ def parameter_errors(hidden: Scenario, parameters: dict[str, float]) -> dict[str
     return errors
 
 
-def _one(work: tuple[str, int]) -> Judgement:
-    category, seed = work
-    return judge(scenario(category, seed))
+def _one(work: tuple[str, str, int]) -> Judgement:
+    family, category, seed = work
+    return judge(family_scenario(family, category, seed) if family else scenario(category, seed))

@@ -12,6 +12,9 @@ RECORDS, QUIET = 200, 100
 """Number of records, and of records with nothing hidden, that the limits of the rates are stated for."""
 
 LEAST_EXACT, LEAST_FOUND = 0.95, 0.98
+LEAST_EXACT_IN_FAMILY, FAMILY_RECORDS = 0.90, 42
+"""Share of exact sets in each family of hysteresis, and the records it is stated for: 14 categories, 3 seeds."""
+
 ALARMS = 1
 """False alarms that are allowed in QUIET records."""
 
@@ -53,12 +56,24 @@ def limits(result: BankResult) -> tuple[Limit, ...]:
     """Every limit, on the records of a run with a good excitation."""
     judged = result.judged()
     parameters = (_parameter_limit(key, most, judged) for key, most in PARAMETERS.items())
-    return (*_rate_limits(result), *parameters, _fall_limit(judged), _truth_limit(judged))
+    families = (_family_limit(name, part) for name, part in result.families().items())
+    return (*_rate_limits(result), *families, *parameters, _fall_limit(judged), _truth_limit(judged))
+
+
+def _family_limit(name: str, part: BankResult) -> Limit:
+    judged = part.judged()
+    return Limit(
+        f"exact set, {name or 'own stage'}",
+        f">= {100 * LEAST_EXACT_IN_FAMILY:.0f} % of {FAMILY_RECORDS} records",
+        f"{100 * part.exact_rate:.1f} % of {len(judged)}",
+        part.exact_rate >= LEAST_EXACT_IN_FAMILY if judged else None,
+        len(judged) >= FAMILY_RECORDS,
+    )
 
 
 def _rate_limits(result: BankResult) -> list[Limit]:
     judged, quiet = result.judged(), result.quiet()
-    alarmed = [judgement for judgement in quiet if not set(judgement.named) <= set(judgement.planted)]
+    alarmed = [judgement for judgement in quiet if judgement.wrong]
     lacking = [judgement for judgement in judged if not set(judgement.required) <= set(judgement.named)]
     required = sum(len(judgement.required) for judgement in judged)
     return [
@@ -104,7 +119,7 @@ def _parameter_limit(key: str, most: float, judged: list[Judgement]) -> Limit:
         f"<= {most:g}",
         f"{worst:.3g}, {len(seen)} records" if seen else "no record",
         not beyond if seen else None,
-        beyond=tuple(f"{_name(judgement)}: {judgement.errors[key]:.3g}" for judgement in beyond),
+        beyond=tuple(f"{judgement.name}: {judgement.errors[key]:.3g}" for judgement in beyond),
     )
 
 
@@ -115,7 +130,7 @@ def _fall_limit(judged: list[Judgement]) -> Limit:
         f">= {LEAST_FALL:g} times",
         f"{min(judgement.fall for judgement in falls):.1f} at least, {len(falls)} records" if falls else "no record",
         all(judgement.fall >= LEAST_FALL for judgement in falls) if falls else None,
-        beyond=tuple(f"{_name(judgement)}: {judgement.fall:.1f}" for judgement in falls if judgement.fall < LEAST_FALL),
+        beyond=tuple(f"{judgement.name}: {judgement.fall:.1f}" for judgement in falls if judgement.fall < LEAST_FALL),
     )
 
 
@@ -128,7 +143,7 @@ def _truth_limit(judged: list[Judgement]) -> Limit:
         f"<= {MOST_OVER_TRUTH:g}",
         f"{largest:.2f} at most, {len(ratios)} records" if ratios else "no record",
         not beyond if ratios else None,
-        beyond=tuple(f"{_name(judgement)}: {judgement.over_truth:.2f}" for judgement in beyond),
+        beyond=tuple(f"{judgement.name}: {judgement.over_truth:.2f}" for judgement in beyond),
     )
 
 
@@ -142,8 +157,4 @@ def limits_table(comparisons: tuple[Limit, ...]) -> str:
 
 
 def _differences(judgements: list[Judgement]) -> tuple[str, ...]:
-    return tuple(f"{_name(judgement)}: {judgement.difference()}" for judgement in judgements)
-
-
-def _name(judgement: Judgement) -> str:
-    return f"{judgement.category} {judgement.seed}"
+    return tuple(f"{judgement.name}: {judgement.difference()}" for judgement in judgements)

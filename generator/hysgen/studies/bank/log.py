@@ -95,7 +95,7 @@ def _judgement(values: dict[str, Any]) -> Judgement:
     names = {field.name for field in dataclasses.fields(Judgement)}
     if set(values) != names:
         raise KeyError(str(sorted(names ^ set(values))))
-    lists = {key: tuple(values[key]) for key in ("planted", "required", "named")}
+    lists = {key: tuple(values[key]) for key in ("planted", "required", "named", "allowed")}
     ratios = {key: math.nan if values[key] is None else float(values[key]) for key in ("fall", "over_truth")}
     return Judgement(**(values | lists | ratios))
 

@@ -20,7 +20,8 @@ class Judgement:
     relative: share of each planted effect over `memory_model_rms`. errors: of each parameter, see `parameter_errors`.
     fall: free-run error of the paper's model over that of the extended one, where only Preisach memory is hidden.
     over_truth: error of the extended model over that of the same family fitted with the truth known, where every
-    planted cause is extended. Either is nan elsewhere.
+    planted cause is extended. Either is nan elsewhere. family: of the hysteresis, "" for the bank's own stage.
+    allowed: causes that may be named although they were not planted (`Scenario.allowed`).
     """
 
     category: str
@@ -36,17 +37,28 @@ class Judgement:
     experiment: str
     fall: float = math.nan
     over_truth: float = math.nan
+    family: str = ""
+    allowed: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Family (unless the bank's own stage), category and seed."""
+        return " ".join(part for part in (self.family, self.category, str(self.seed)) if part)
 
     @property
     def exact(self) -> bool:
-        """Whether every required cause is named, and no cause that was not planted."""
-        return set(self.required) <= set(self.named) <= set(self.planted)
+        """Whether every required cause is named, and no cause that is neither planted nor allowed."""
+        return set(self.required) <= set(self.named) and not self.wrong
+
+    @property
+    def wrong(self) -> tuple[str, ...]:
+        """The causes named that are neither planted nor allowed."""
+        return tuple(name for name in self.named if name not in (*self.planted, *self.allowed))
 
     def difference(self) -> str:
         """The required causes that are not named, with their relative shares, and the causes wrongly named."""
         lacks = [f"{name} ({self.relative[name]:.3g})" for name in self.required if name not in self.named]
-        adds = [name for name in self.named if name not in self.planted]
-        parts = [f"{word} {', '.join(names)}" for word, names in (("lacks", lacks), ("adds", adds)) if names]
+        parts = [f"{word} {', '.join(names)}" for word, names in (("lacks", lacks), ("adds", self.wrong)) if names]
         return "; ".join(parts) or "exact"
 
 
@@ -67,6 +79,12 @@ class BankResult:
         """Records with a good excitation: those that the limits are stated for."""
         return [judgement for judgement in self.judgements if judgement.category != "poor"]
 
+    def families(self) -> dict[str, BankResult]:
+        """The judgements of each family of hysteresis; empty if all are of one family."""
+        names = list(dict.fromkeys(judgement.family for judgement in self.judgements))
+        parts = {name: tuple(one for one in self.judgements if one.family == name) for name in names}
+        return {name: BankResult(part, self.seeds, len(part)) for name, part in parts.items()} if len(names) > 1 else {}
+
     def quiet(self) -> list[Judgement]:
         """Judged records with nothing hidden: memory only, or no effect at all."""
         return [judgement for judgement in self.judged() if judgement.category in (Hysteresis.name, "none")]
@@ -84,7 +102,7 @@ class BankResult:
     @property
     def false_alarm_rate(self) -> float:
         """Share of the quiet records in which a cause is named that was not planted."""
-        return _share([not set(judgement.named) <= set(judgement.planted) for judgement in self.quiet()])
+        return _share([bool(judgement.wrong) for judgement in self.quiet()])
 
     def confusion(self) -> dict[str, dict[str, int]]:
         """Number of records by required cause and named cause; "nothing": no cause but memory was planted."""
@@ -150,10 +168,20 @@ class BankResult:
             "falls_by_memory": self.falls(),
             "over_truth": self.over_truth(),
             "wrong": [
-                {"category": v.category, "seed": v.seed, "required": v.required, "named": v.named}
+                {
+                    "family": v.family,
+                    "category": v.category,
+                    "seed": v.seed,
+                    "required": v.required,
+                    "named": v.named,
+                }
                 for v in self.judged()
                 if not v.exact
             ],
+            "families": {
+                name: {"records": len(part.judged()), "exact_rate": part.exact_rate, "found_rate": part.found_rate}
+                for name, part in self.families().items()
+            },
             "median_seconds": _median([judgement.seconds for judgement in self.judgements]),
         }
 
@@ -173,6 +201,9 @@ class BankResult:
         lines.append(f"required and found   {100 * self.found_rate:6.1f} %  of {required} causes")
         alarms = f"{100 * self.false_alarm_rate:6.1f} %  of {len(self.quiet())} records, nothing hidden"
         lines.append(f"false alarms         {alarms}")
+        for name, part in self.families().items():
+            count = sum(judgement.exact for judgement in part.judged())
+            lines.append(f"  {name or 'own stage':18}exact {count:3} of {len(part.judged()):3}")
         half, most = self.smallest(0.5), self.smallest(0.95)
         lines.append("smallest effect found, as a multiple of what memory alone leaves (50 % / 95 % of the time):")
         lines.extend(

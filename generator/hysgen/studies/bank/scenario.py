@@ -8,11 +8,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.stage import NoiseEffect, Stage, effects
+from hysgen.record import Record
+from hysgen.stage import Measurement, NoiseEffect, Stage, effects, run
 from hysgen.stage.effects import UNKNOWN, Effect, Setting
 from hysgen.stage.effects.memory import Hysteresis, draw_curve, draw_hysteresis
 from hysgen.studies.bank.excitation import POOR, good, poor, random_levels
@@ -38,12 +40,18 @@ NUMBERS = {name: kind.bank_index or 0 for name, kind in DRAWN.items()} | {
 """Number of each category; it seeds the category's scenarios and never changes."""
 
 CATEGORIES = tuple(sorted(NUMBERS, key=lambda name: NUMBERS[name]))
+OWN = ""
+"""In place of a family's name: the bank's own stage, whose parts are those of the diagnosis' chain."""
+
 RATES_HZ = (200.0, 1000.0, 5000.0, 10e3, 50e3)
 
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """A stage, its command u_V, (n,), and further channels, each (n,); category: one of CATEGORIES."""
+    """A stage, its command u_V, (n,), and further channels, each (n,); category: one of CATEGORIES.
+
+    family: of hysteresis, "" for those of the bank's own stage. past: first rows of the arrays that the record lacks.
+    """
 
     category: str
     seed: int
@@ -52,6 +60,22 @@ class Scenario:
     Ts_s: float
     aux: Mapping[str, Floats]
     excitation: str
+    family: str = OWN
+
+    past: ClassVar[int] = 0
+
+    def measure(self) -> Measurement:
+        """The measurement of the stage over all rows."""
+        return run(self.stage, self.u_V, self.Ts_s, self.seed, self.aux)
+
+    def record(self, measured: Measurement) -> Record:
+        """The record of a measurement of this stage, or of one without some of its effects."""
+        return Record.from_arrays(self.u_V, measured.displacement_um, self.Ts_s, self.aux, accept=ACCEPTED)
+
+    @property
+    def allowed(self) -> tuple[str, ...]:
+        """Causes that may be named although no effect plants them."""
+        return ()
 
     @property
     def planted(self) -> tuple[str, ...]:

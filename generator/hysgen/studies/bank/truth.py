@@ -6,6 +6,8 @@ only take out of a record. The fit finds the linear parameters.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from hysgen.diagnosis.causes import Known, causes
@@ -14,17 +16,14 @@ from hysgen.diagnosis.ladder import fit_ladder
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
-from hysgen.record import Record
-from hysgen.stage import run as measure
-from hysgen.studies.bank.scenario import ACCEPTED, Scenario
+from hysgen.studies.bank.scenario import Scenario
 
 
 def error_with_truth_known(hidden: Scenario) -> float:
     """Free-run rms in um on the held-out rows of the model with every planted cause extended by the plant's numbers."""
     treated = [name for name, extension in _extensions(hidden).items() if extension is None]
-    stage = hidden.stage.with_effects(**dict.fromkeys(treated))
-    y_um = measure(stage, hidden.u_V, hidden.Ts_s, hidden.seed, hidden.aux).displacement_um
-    prepared = prepare(Record.from_arrays(hidden.u_V, y_um, hidden.Ts_s, hidden.aux, accept=ACCEPTED))
+    clean = dataclasses.replace(hidden, stage=hidden.stage.with_effects(**dict.fromkeys(treated)))
+    prepared = prepare(clean.record(clean.measure()))
     extensions = true_extensions(hidden)
     rung = fit_ladder(prepared, extensions, list(extensions), FitSettings())
     return rms(rung.error_um[prepared.held_rows])
