@@ -18,7 +18,7 @@ from hysgen.codegen.parameters import numbers_digest_of
 from hysgen.codegen.render import render
 from hysgen.errors import BuildError, HysgenError
 from hysgen.export.a2l import Description, describe, read_elf
-from hysgen.export.block import block_facts, block_texts
+from hysgen.export.component import component_facts, component_texts
 from hysgen.export.fmu import archive, fmu_facts, fmu_sources
 from hysgen.machine.files import write_whole
 from hysgen.machine.native import default_toolchain
@@ -104,20 +104,20 @@ def export_texts(model: Model, target: str, options: Options | None = None) -> d
         raise HysgenError(f"{target}: not a target of export; choose {', '.join(TARGETS)}")
     chosen = options or Options()
     generated = generate(model, chosen)
-    facts: dict[str, Any] = {**block_facts(model, chosen), "target": target, "title": TARGETS[target]}
+    facts: dict[str, Any] = {**component_facts(model, chosen), "target": target, "title": TARGETS[target]}
     facts["preview"] = preview(model.blocks) if chosen.inverse else 0
     if target == "fmu":
         facts = fmu_facts(model, facts, generated)
     files = _FILES[target]
     texts = {f"model/{file}": text for file, text in generated.items()}
     texts |= {path.format(name=model.name): render(f"export/{file}.j2", facts) for path, file in files.items()}
-    block = {file: render(template, facts) for file, template in block_texts(facts).items()}
+    component = {file: render(template, facts) for file, template in component_texts(facts).items()}
     if target == "fmu":
         own = {path.format(name=model.name): render(f"export/{file}.j2", facts) for path, file in _FMU.items()}
         for standard in (2, 3):
-            texts |= fmu_sources(standard, generated, {**block, **own})
+            texts |= fmu_sources(standard, generated, {**component, **own})
     elif target != "a2l":
-        texts |= block
+        texts |= component
     if target != "a2l":
         texts["README.md"] = render("export/README.md.j2", facts)
     return texts
@@ -164,7 +164,7 @@ def _a2l_texts(
         model, interface(model, inverse=options.inverse), params, read_elf(elf), instance, learner
     )
     facts = {
-        **block_facts(model, options),
+        **component_facts(model, options),
         "target": "a2l",
         "title": TARGETS["a2l"],
         "description": described,

@@ -1,7 +1,7 @@
 """An exported model run in its target, compared bit for bit with the generated C on this machine.
 
-The reference is the block of templates/export/block.c.j2 around the C that the model generates now, compiled as by
-`hysgen verify`: what stands in the folder has no part in it.
+The reference is the component of templates/export/component.c.j2 around the C that the model generates now, compiled as
+by `hysgen verify`: what stands in the folder has no part in it.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from hysgen.codegen.interface import interface
 from hysgen.codegen.manifest import c_files
 from hysgen.errors import BuildError
 from hysgen.export import export_texts
-from hysgen.export.block import MODES, Mode, modes_of
-from hysgen.export.fmu import Variable, block_variables
+from hysgen.export.component import MODES, Mode, modes_of
+from hysgen.export.fmu import Variable, fmu_variables
 from hysgen.float32.coefficients import coefficients
 from hysgen.machine.native import Library, build
 from hysgen.model.model import Model
@@ -44,7 +44,7 @@ NOISE_UM: Final = 1e-4
 
 SIMULATE: Final = MODES[1]
 _HEADER_WORDS: Final = 4
-"""Members of `<name>_block_t` before the model: mode, result, committing, answer."""
+"""Members of `<name>_component_t` before the model: mode, result, committing, answer."""
 
 
 @dataclass(frozen=True)
@@ -90,11 +90,11 @@ def compare(
     chosen = options or Options()
     runners = RUNNERS[target]
     modes = modes_of(model, chosen)
-    block = Reference.compile(model, chosen)
+    component = Reference.compile(model, chosen)
     found = []
     for m, mode in enumerate(modes):
-        samples = inputs(block, mode, n)
-        expected = block.run(samples)
+        samples = inputs(component, mode, n)
+        expected = component.run(samples)
         for r, (name, runner) in enumerate(runners.items()):
             if progress is not None:
                 progress((m + r / len(runners)) / len(modes), f"{name}, mode {mode.name}")
@@ -107,7 +107,7 @@ def compare(
 
 @dataclass(frozen=True)
 class Reference:
-    """The block of a model, compiled on this machine. words: size of its state."""
+    """The component of a model, compiled on this machine. words: size of its state."""
 
     model: Model
     library: Library
@@ -115,16 +115,16 @@ class Reference:
 
     @classmethod
     def compile(cls, model: Model, options: Options) -> Reference:
-        """The block around the generated C. Raises BuildError without a compiler, and the errors of `generate`."""
+        """The component around the generated C. Raises BuildError without a compiler, and the errors of `generate`."""
         name = model.name
         texts = export_texts(model, "shared", options)
         sources = {
-            Path(path).name: text for path, text in texts.items() if path.startswith(("model/", f"{name}_block"))
+            Path(path).name: text for path, text in texts.items() if path.startswith(("model/", f"{name}_component"))
         }
         declared = (
-            f"uint32_t {name}_block_start(void *, uint32_t, float, float);\n"
-            f"void {name}_block_run(void *, uint32_t, const float *, const float *, const float *, const uint32_t *,"
-            " float *, uint32_t *);\n"
+            f"uint32_t {name}_component_start(void *, uint32_t, float, float);\n"
+            f"void {name}_component_run(void *, uint32_t, const float *, const float *, const float *,"
+            " const uint32_t *, float *, uint32_t *);\n"
         )
         del sources["main.c"]
         known = {struct.name: struct.size for struct in interface(model, inverse=options.inverse).structs}
@@ -132,9 +132,9 @@ class Reference:
         return cls(model, build(list(c_files(sources).items()), declared, None, libraries=()), words)
 
     def run(self, samples: Samples) -> Words:
-        """(n, 2) bits of results and status words. Raises BuildError if the block does not have the mode."""
+        """(n, 2) bits of results and status words. Raises BuildError if the component does not have the mode."""
         ffi, name = self.library.ffi, self.model.name
-        start, run = (getattr(self.library.lib, f"{name}_block_{function}") for function in ("start", "run"))
+        start, run = (getattr(self.library.lib, f"{name}_component_{function}") for function in ("start", "run"))
         memory = ffi.new("uint32_t[]", self.words)
         if not start(memory, samples.mode.number, samples.y0_um, samples.u0_V):
             raise BuildError(f"{name}: has no mode {samples.mode.name}")
@@ -147,22 +147,22 @@ class Reference:
         return out.T
 
 
-def inputs(block: Reference, mode: Mode, n: int) -> Samples:
+def inputs(component: Reference, mode: Mode, n: int) -> Samples:
     """Two sines over the range of the voltage, the model's free run as displacement, and corrupted samples.
 
     The displacement that a learner is given is 0.2 % larger than the model's, so that it learns and commits.
     """
-    numbers = coefficients(block.model)
+    numbers = coefficients(component.model)
     random = np.random.default_rng(SEED + mode.number)
     low, high = float(numbers.u_min_V), float(numbers.u_max_V)
     k = np.arange(n + 1)
     wave = 0.6 * np.sin(2 * np.pi * k / 503.0) + 0.39 * np.sin(2 * np.pi * k / 8191.0 + 1.0)
     u = (0.5 * (low + high) + 0.5 * (high - low) * wave).astype(np.float32)
     u0 = np.float32(0.5 * (low + high))
-    channels = len(channels_of(block.model.terms))
+    channels = len(channels_of(component.model.terms))
     rows = np.zeros((n + 1, 3 + channels), np.uint32)
     rows[:, 1] = u.view(np.uint32)
-    free = block.run(Samples(SIMULATE, numbers.rest_um, u0, rows))[:, 0].copy().view(np.float32)
+    free = component.run(Samples(SIMULATE, numbers.rest_um, u0, rows))[:, 0].copy().view(np.float32)
     y = np.concatenate([[numbers.rest_um], free[:-1]]) + NOISE_UM * random.standard_normal(n + 1)
     value = u[:-1]
     if mode.name == "inverse":
@@ -273,7 +273,7 @@ def run_fmu(standard: int, model: Model, folder: Path, samples: Samples) -> Word
         from fmpy.fmi3 import FMU3Slave
     except ImportError as fault:
         raise BuildError("FMPy is not installed: pip install 'hysgen[export]'") from fault
-    found = {variable.name: variable for variable in block_variables(model, options_of(folder))}
+    found = {variable.name: variable for variable in fmu_variables(model, options_of(folder))}
     path = str(folder / f"{model.name}_fmi{standard}.fmu")
     description = fmpy.read_model_description(path)
     with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:

@@ -20,7 +20,7 @@ from hysgen.codegen import Options
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BuildError
-from hysgen.export.block import block_facts
+from hysgen.export.component import component_facts
 from hysgen.machine.files import digest
 from hysgen.machine.installed import data_folder
 from hysgen.machine.native import default_toolchain
@@ -122,9 +122,9 @@ def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     return found
 
 
-def block_variables(model: Model, options: Options) -> list[Variable]:
+def fmu_variables(model: Model, options: Options) -> list[Variable]:
     """The variables of the FMU of `model` with the given options."""
-    return variables(model, block_facts(model, options))
+    return variables(model, component_facts(model, options))
 
 
 def token(texts: Mapping[str, str]) -> str:
@@ -136,7 +136,7 @@ def token(texts: Mapping[str, str]) -> str:
 def fmu_facts(model: Model, facts: Mapping[str, Any], texts: Mapping[str, str]) -> dict[str, Any]:
     """The template variables of both FMUs."""
     name = model.name
-    own = [f"{name}_fmu.c", f"{name}_block.c", f"{name}.c"]
+    own = [f"{name}_fmu.c", f"{name}_component.c", f"{name}.c"]
     return {
         **facts,
         "variables": variables(model, facts),
@@ -172,7 +172,7 @@ def archive(standard: int, name: str, files: Mapping[str, str]) -> bytes:
 
 
 def fmu_sources(standard: int, generated: Mapping[str, str], own: Mapping[str, str]) -> dict[str, str]:
-    """Path in the export folder -> text of the sources of one FMU: model, block, FMU, headers of the standard."""
+    """Path in the export folder -> text of the sources of one FMU: model, component, FMU, headers of the standard."""
     name = f"_fmi{5 - standard}.c"
     chosen = {file: text for file, text in {**c_files(generated), **own}.items() if not file.endswith(name)}
     chosen = {file: text for file, text in chosen.items() if not file.endswith(("_selftest.c", "_selftest.h"))}

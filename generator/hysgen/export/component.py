@@ -1,4 +1,4 @@
-"""The model as one block with a mode, which every export target presents to its caller, and its template variables."""
+"""The model as one component with a mode, the form that every export presents to its caller; template variables."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hysgen.model.terms import channels_of
 
 @dataclass(frozen=True)
 class Mode:
-    """A mode of the block: its number in C, arguments of a step, and result."""
+    """A mode of the component: its number in C, arguments of a step, and result."""
 
     number: int
     name: str
@@ -40,7 +40,7 @@ def modes_of(model: Model, options: Options) -> tuple[Mode, ...]:
     return tuple(mode for mode in MODES if mode.name not in left_out)
 
 
-def block_facts(model: Model, options: Options) -> dict[str, Any]:
+def component_facts(model: Model, options: Options) -> dict[str, Any]:
     """Variables of the templates in templates/export/."""
     numbers = coefficients(model)
     modes = modes_of(model, options)
@@ -55,7 +55,7 @@ def block_facts(model: Model, options: Options) -> dict[str, Any]:
         "stop_text": repr(1000 * model.Ts_s),
         "modes": modes,
         "all_modes": [mode.name for mode in MODES],
-        "known": " || ".join(f"(mode == {upper}_BLOCK_{mode.name.upper()})" for mode in modes),
+        "known": " || ".join(f"(mode == {upper}_COMPONENT_{mode.name.upper()})" for mode in modes),
         "inverse": options.inverse,
         "learns": model.learner is not None,
         "channels": channels_of(model.terms),
@@ -81,6 +81,6 @@ def exact(value: np.float32) -> str:
     return text if "." in text or "e" in text else f"{text}.0"
 
 
-def block_texts(facts: Mapping[str, Any]) -> dict[str, str]:
-    """File name -> template of the block in C."""
-    return {f"{facts['name']}_block.h": "export/block.h.j2", f"{facts['name']}_block.c": "export/block.c.j2"}
+def component_texts(facts: Mapping[str, Any]) -> dict[str, str]:
+    """File name -> template of the component in C."""
+    return {f"{facts['name']}_component.{end}": f"export/component.{end}.j2" for end in "hc"}
