@@ -10,7 +10,8 @@ hysgen.verify(code)                         # the C compared with its reference,
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from hysgen.c674x.cost import Cost, cost_of_texts
@@ -23,13 +24,13 @@ from hysgen.codegen.manifest import read_folder
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
-from hysgen.errors import HysgenError
+from hysgen.errors import HysgenError, RecordWarning
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores, score
-from hysgen.record import Columns, Record, load_record
+from hysgen.record import Columns, Record, check_for_fit, check_validation, load_record
 from hysgen.report.words import price_of
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "Model",
     "Options",
     "Record",
+    "RecordWarning",
     "Report",
     "Scores",
     "Study",
@@ -95,7 +97,16 @@ def fit(
     chosen = settings or FitSettings()
     if memory is not False:
         chosen = dataclasses.replace(chosen, memory=PathSize() if memory is True else memory)
+    parameters = 3 * chosen.rules
+    if chosen.memory is not None:
+        parameters += chosen.memory.operator(*record.u_range_V).size
+    _warn(check_for_fit(record, chosen.rules, parameters))
     return fit_model(record, chosen, progress=progress)
+
+
+def _warn(lines: Iterable[str]) -> None:
+    for line in lines:
+        warnings.warn(line, RecordWarning, stacklevel=3)
 
 
 def diagnose(
@@ -112,6 +123,9 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     if chosen.price is None:
         chosen = dataclasses.replace(chosen, price=price_of)
+    _warn(check_for_fit(record, chosen.fit.rules, 3 * chosen.fit.rules))
+    if holdout is not None:
+        _warn(check_validation(record, holdout))
     return diagnose_and_evaluate(record, holdout, chosen, progress)
 
 

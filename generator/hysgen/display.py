@@ -33,22 +33,25 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -
 
 @dataclass(frozen=True)
 class Summary:
-    """title: one line; header, rows: a table, possibly empty; left: its left-aligned columns; notes: lines below."""
+    """title: one line; first: lines below it; header, rows: a table, possibly empty, with `left` left-aligned columns;
+    notes: lines below the table."""
 
     title: str
     header: Sequence[str] = ()
     rows: Sequence[Sequence[str]] = ()
     notes: Sequence[str] = ()
     left: int = 1
+    first: Sequence[str] = ()
 
     def text(self) -> str:
         """For terminals."""
         body = [table(self.header, self.rows, self.left)] if self.rows else []
-        return "\n".join([self.title, *body, *self.notes])
+        return "\n".join([self.title, *self.first, *body, *self.notes])
 
     def html(self) -> str:
         """For notebooks: plain elements without style or script."""
         lines = [f"<p><strong>{html.escape(self.title)}</strong></p>"]
+        lines += [f"<p>{html.escape(line)}</p>" for line in self.first]
         if self.rows:
             lines.append("<table><thead><tr>" + _cells(self.header, "th") + "</tr></thead><tbody>")
             lines += ["<tr>" + _cells(row, "td") + "</tr>" for row in self.rows]

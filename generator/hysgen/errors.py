@@ -11,6 +11,10 @@ class RecordError(HysgenError):
     """A measured record cannot be used as it is."""
 
 
+class RecordWarning(UserWarning):
+    """A finding about a record that puts results in doubt; the command line prints it on stderr."""
+
+
 class ModelError(HysgenError):
     """A model or a model file is malformed or not supported."""
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fixtures.random_models import TS_S, lag_record
+from hysgen.errors import RecordError
 from hysgen.fitting import FitSettings, fit
 from hysgen.model.scores import persistence, score, score_lines, score_prediction
 from hysgen.model.simulate import free_run, one_step
@@ -27,7 +28,7 @@ def test_errors_are_the_papers_e_rms_and_maximum_e_r() -> None:
     record = record_of(([0.0] * 5, [1.0, 2.0, 4.0, 3.0, 2.0]), ([0.0] * 3, [1.0, 1.0, 0.0]))
     guess = [np.array([9.0, 2.5, 4.0, 2.0, 2.0]), np.array([9.0, 1.0, 0.5])]
     found = score_prediction(record, guess)
-    # Sample 0 of each segment is given: errors 0.5, 0, -1, 0 and 0, 0.5; the largest displacement scored is 4.
+    # Sample 0 of each segment is given: errors 0.5, 0, -1, 0 and 0, 0.5; the displacement spans 0 to 4.
     assert found.samples == 6
     assert found.e_rms_um == pytest.approx(np.sqrt((0.25 + 1.0 + 0.25) / 6), rel=1e-15)
     assert found.largest_um == 1.0
@@ -38,13 +39,24 @@ def test_errors_are_the_papers_e_rms_and_maximum_e_r() -> None:
 def test_settling_samples_are_left_out_of_every_score() -> None:
     record = record_of(([0.0] * 4, [5.0, 9.0, 1.0, 1.0]), ([0.0] * 2, [5.0, 9.0]))
     found = score_prediction(record, [np.zeros(4), np.zeros(2)], settle=2)
-    assert (found.samples, found.e_rms_um, found.e_r_percent) == (2, 1.0, 100.0)
-    assert score_prediction(record, [np.zeros(4), np.zeros(2)], settle=4).samples == 0
+    assert (found.samples, found.e_rms_um, found.e_r_percent) == (2, 1.0, 12.5)
 
 
-def test_e_r_has_no_value_where_the_displacement_is_not_positive() -> None:
-    record = record_of(([0.0] * 3, [-5.0, -4.0, -3.0]))
-    found = score_prediction(record, [np.full(3, -4.0)])
+@pytest.mark.parametrize(("settle", "said"), [(4, "leave none of 6 to score"), (-5, "-5 is no number of samples")])
+def test_a_score_of_no_sample_is_refused(settle: int, said: str) -> None:
+    record = record_of(([0.0] * 4, [5.0, 9.0, 1.0, 1.0]), ([0.0] * 2, [5.0, 9.0]))
+    with pytest.raises(RecordError, match=said):
+        score_prediction(record, [np.zeros(4), np.zeros(2)], settle=settle)
+
+
+def test_e_r_does_not_depend_on_the_zero_of_the_sensor_and_has_no_value_where_nothing_moves() -> None:
+    y = np.array([1.0, 2.0, 4.0, 3.0])
+    errors = [
+        score_prediction(record_of(([0.0] * 4, (y + zero).tolist())), [y + zero + 0.3]).e_r_percent
+        for zero in (0.0, -10.0, 1000.0)
+    ]
+    assert errors == pytest.approx([10.0] * 3, rel=1e-9)
+    found = score_prediction(record_of(([0.0] * 3, [2.0] * 3)), [np.full(3, 2.5)])
     assert found.e_r_percent is None
     assert "-" in score_lines([("x", found)])[2].split()
     json.dumps(found.to_json(), allow_nan=False)

@@ -61,6 +61,7 @@ def read_records(paths: list[str], arguments: argparse.Namespace, console: Conso
     )
     for warning in record.warnings:
         console.warn(warning)
+    console.say(record.one_line())
     return record
 
 

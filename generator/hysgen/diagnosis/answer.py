@@ -39,7 +39,8 @@ class NamedCause:
     separated_by_likelihood: whether the cause is one of several slow causes and Schwarz's criterion strongly favours
     the probe's chain with it. The cause is then named even if its probe_gain is below `Cause.needed`.
     share: part of the base error's power above the noise floor that its extension removes; 0 if no power is above it.
-    extended: whether its extension is in the model; an extension without gain in the certified model is not.
+    extended: whether its extension is in the model; one that does not lower the held-out error for certain is not.
+    beside: held-out gain of the extension beside all others, where its step left it in doubt (`pruning`), else None.
     """
 
     name: str
@@ -53,6 +54,7 @@ class NamedCause:
     share: float
     price: Price | None = None
     extended: bool = True
+    beside: Gain | None = None
 
     @property
     def confidence(self) -> float | None:
@@ -62,6 +64,17 @@ class NamedCause:
         it. None for corrupted samples, for which no gain is measured.
         """
         return None if self.alone is None else self.alone.confidence
+
+    @property
+    def why_not_extended(self) -> str:
+        """The reason why its extension is not in the model, "" if it is."""
+        if self.extended or self.beside is None:
+            return ""
+        low, high = self.beside.low_um, self.beside.high_um
+        return (
+            f"{self.name} is named and not extended: with its extension the held-out error falls by "
+            f"{low:.3g} .. {high:.3g} um (95 %); --keep-all keeps it"
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values (docs/diagnosis.md); null where a quantity does not exist or is not finite.
@@ -84,6 +97,9 @@ class NamedCause:
             },
             "share": self.share,
             "extended": self.extended,
+            "held_out_beside_others": None
+            if self.beside is None
+            else {"fall_um": self.beside.fall_um, "ci95": [self.beside.low_um, self.beside.high_um]},
             "probe_gain": self.probe_gain,
             "separated_by_likelihood": self.separated_by_likelihood,
             "cost": None if self.price is None else {"cycles": self.price.cycles, "bytes": self.price.bytes},

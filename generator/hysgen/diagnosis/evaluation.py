@@ -70,11 +70,7 @@ class Study(Displayed):
         diagnosis = self.diagnosis
         named = ", ".join(self.names) or "no cause"
         notes = [f"{cause.name}: {cause.evidence}" for cause in diagnosis.causes]
-        notes += [
-            f"{cause.name} is not extended: the extension does not pay with the certificates kept"
-            for cause in diagnosis.causes
-            if not cause.extended
-        ]
+        notes += [cause.why_not_extended for cause in diagnosis.causes if cause.why_not_extended]
         if diagnosis.missing_certificates:
             notes.append(f"not certified in the extended model: {', '.join(diagnosis.missing_certificates)}")
         notes += [f"unknown: {diagnosis.unknown}"] if diagnosis.unknown else []

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
@@ -212,10 +212,24 @@ def _quasi_static_columns(record: Record, lag: float) -> Floats:
 def prepare(record: Record, holdout: Record | None = None, identify: float = IDENTIFY) -> Prepared:
     """Split a record at the share `identify`, or join it with a held-out one, and find the use of each row.
 
+    A held-out record that was cut from the same segment right behind `record` makes one record with it. The known past
+    of other held-out segments is simulated and not scored; that of `record` is not used.
     Raises RecordError if the identification part is too short or consists of burn-in, or the records' periods differ.
     """
-    joined = record if holdout is None else Record.joined(record, holdout)
     cut = record.samples if holdout is not None else round(identify * record.samples)
+    past = [0] * len(record.segments)
+    if holdout is None:
+        joined = record
+    elif _continues(record, holdout):
+        last, rest = record.segments[-1].whole(), holdout.segments[0]
+        start = record.segments[-1].past_samples
+        whole = rest.whole().rows(start, last.samples + rest.samples, record.Ts_s)
+        parts = [*record.segments[:-1], whole, *holdout.segments[1:]]
+        joined = Record.from_segments(parts, record.Ts_s, record.source, record.warnings)
+        past += [0] * (len(holdout.segments) - 1)
+    else:
+        joined = Record.joined(record, holdout.whole())
+        past += holdout.past_samples
     if cut < FEWEST:
         raise RecordError(f"{record.source}: {cut} samples to identify from, a diagnosis needs {FEWEST}; record longer")
     covered = [_range_covered(segment) for segment in joined.segments]
@@ -231,20 +245,32 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
     use = np.where(known_past, Use.FADING, Use.UNKNOWN_PAST).astype(np.int8)
     for lags, reached in ((MODEL_LAGS, Use.MODEL), (PROBE_LAGS, Use.PROBE)):
         use[_rows_from(joined, np.add(covered, np.minimum(math.ceil(lags * lag), most)))] = reached
-    use[_rows_of_remembrance(joined, cut)] = Use.UNKNOWN_PAST
+    use[_rows_of_remembrance(joined, cut, past)] = Use.UNKNOWN_PAST
     # A record may be accepted with its sensor at the end of its range; these samples are no displacement of the stage.
     runs = [Channels.of_arrays(one.name, one.u_V, one.y_um, {}) for one in joined.segments]
     use[np.concatenate(at_end(runs))] = Use.LOST
     return Prepared(joined, cut, use)
 
 
-def _rows_of_remembrance(record: Record, cut: int) -> NDArray[np.bool_]:
-    """(n,) the first rows of segments that are only scored: from them, the state before the segment is estimated."""
+def _continues(record: Record, holdout: Record) -> bool:
+    """Whether `holdout` begins right behind the last row of `record` in the same segment."""
+    last, past = record.segments[-1], holdout.segments[0].past
+    if past is None or past.samples + past.past_samples != last.samples + last.past_samples:
+        return False
+    before, now = past.whole(), last.whole()
+    return bool(np.array_equal(before.u_V, now.u_V) and np.array_equal(before.y_um, now.y_um))
+
+
+def _rows_of_remembrance(record: Record, cut: int, past: Sequence[int]) -> NDArray[np.bool_]:
+    """(n,) the first rows of segments that are only scored: from them, the state before the segment is estimated.
+
+    past: rows of each segment that are its known past; then these are the rows.
+    """
     firsts = np.cumsum([0, *(segment.samples for segment in record.segments)])[:-1]
     return np.concatenate(
         [
-            (np.arange(one.samples) < REMEMBERED * one.samples) & (first >= cut)
-            for first, one in zip(firsts, record.segments, strict=True)
+            (np.arange(one.samples) < (known or REMEMBERED * one.samples)) & (first >= cut)
+            for first, one, known in zip(firsts, record.segments, past, strict=True)
         ]
     )
 

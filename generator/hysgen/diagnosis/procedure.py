@@ -19,6 +19,7 @@ from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_l
 from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
+from hysgen.diagnosis.pruning import Pruned, prune
 from hysgen.diagnosis.search import SearchResult, search, without
 from hysgen.fitting import FitSettings
 from hysgen.machine.threads import in_threads, one_blas_thread
@@ -42,12 +43,14 @@ class DiagnoseSettings:
 
     fit: settings of the Takagi-Sugeno fits; their terms and blocks are replaced by those of the extensions.
     identify: share of a single record that is used for identification.
+    keep_all: keep extensions that do not lower the error on the held-out rows for certain (`pruning`).
     price: function for the cycles and bytes of a model, None if unknown (`hysgen.report.words.price_of`).
     """
 
     fit: FitSettings = field(default_factory=FitSettings)
     identify: float = 0.65
     price: Callable[[Model], Price | None] | None = None
+    keep_all: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +109,16 @@ def diagnose(
     made = list(naming.agreed)
     report(0.85, "fitting rules, " + ", ".join(made))
     steps = [made[:count] for count in range(len(made) + 1)]
-    rungs = in_threads(lambda names: fit_ladder(naming.prepared, naming.extensions, names, chosen.fit), steps)
+
+    def fit_rung(names: Sequence[str]) -> Rung:
+        return fit_ladder(naming.prepared, naming.extensions, names, chosen.fit)
+
+    ladder = Pruned(made, in_threads(fit_rung, steps), {})
+    if not chosen.keep_all:
+        report(0.95, "checking each extension on the held-out rows")
+        ladder = prune(ladder.rungs, made, _clean_held_rows(naming, made, ladder.rungs[-1]), fit_rung)
     report(1.0, "done")
-    return _scored(naming, made, rungs, chosen)
+    return _scored(naming, ladder, chosen)
 
 
 @one_blas_thread()
@@ -266,12 +276,20 @@ def _gains_beside_others(
     return gains
 
 
-def _scored(naming: Naming, made: list[str], rungs: list[Rung], settings: DiagnoseSettings) -> Diagnosis:
+def _clean_held_rows(naming: Naming, made: Sequence[str], last: Rung) -> NDArray[np.intp]:
+    """The held-out rows that are scored, without corrupted samples if an extension rejects them."""
+    held = naming.prepared.held_rows
+    gated = any(naming.extensions[name].gate for name in made)
+    return held[~outlier_flags(last.error_um)[held]] if gated else held
+
+
+def _scored(naming: Naming, ladder: Pruned, settings: DiagnoseSettings) -> Diagnosis:
     """The diagnosis with all scores on held-out rows."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
+    made, rungs = ladder.kept, ladder.rungs
     held = prepared.held_rows
     gated = {name for name in made if naming.extensions[name].gate}
-    clean = held[~outlier_flags(rungs[-1].error_um)[held]] if gated else held
+    clean = _clean_held_rows(naming, made, rungs[-1])
     levels = [rms(rung.error_um[clean if gated & set(rung.causes) else held]) for rung in rungs]
     above = levels[0] ** 2 - noise.rms_um**2
     span_s = naming.found.scene.span_s
@@ -295,6 +313,7 @@ def _scored(naming: Naming, made: list[str], rungs: list[Rung], settings: Diagno
                 statistic=naming.signatures[name].z,
                 step=step,
                 alone=naming.alone.get(name),
+                beside=ladder.beside.get(name),
                 probe_gain=naming.found.error_growth.get(name),
                 separated_by_likelihood=name in naming.found.separated_by_likelihood,
                 share=(levels[i] ** 2 - levels[j] ** 2) / above if above > 0.0 else 0.0,

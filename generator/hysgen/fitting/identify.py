@@ -22,6 +22,7 @@ from hysgen.model.model import Grid, Model
 from hysgen.model.regression import Starts, Structure, Trust, structure_of
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
+from hysgen.record.excitation import fastest_V_per_s
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +47,14 @@ def fit(
     chosen = settings or FitSettings()
     if chosen.on_path:
         weights = known_past(record, trust)
-        return fit_path(path_columns(path_task(record, chosen), weights), chosen, weights)
+        path = path_task(record, chosen)
+        if not any(record.past_samples):
+            return fit_path(path_columns(path, weights), chosen, weights)
+        # The path runs through the known past of the record; rows of the past have no weight.
+        path = dataclasses.replace(path, record=record.whole(), whole=record.whole())
+        weights = [np.pad(part, (past, 0)) for part, past in zip(weights, record.past_samples, strict=True)]
+        model = fit_path(path_columns(path, weights), chosen, weights)
+        return _with_history(model, record, chosen, dict(model.history["outcome"]))
     structure = structure_for(record, chosen)
     weighting = chosen.weighting(trust, starts)
     if chosen.method == "rls":
@@ -240,6 +248,7 @@ def _with_history(model: Model, record: Record, settings: FitSettings, outcome: 
             "digest": record.digest,
             "samples": record.samples,
             "segments": len(record.segments),
+            "fastest_V_per_s": fastest_V_per_s(record),
         },
     }
     return dataclasses.replace(model, history=history, certificates=certify(model).to_json())

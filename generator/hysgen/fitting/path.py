@@ -85,14 +85,15 @@ class PathTask:
 def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
     """Weight of each sample, by segment: 0 until the input has covered its range, at most for LATEST_COVERED of it.
 
-    Before, plays may stand anywhere. trust: further weights to multiply by; ones by default.
+    Before, plays may stand anywhere. The known past of a segment counts too. trust: further weights to multiply by; ones
+    by default.
     """
     weights = []
-    for i, segment in enumerate(record.segments):
+    for i, (segment, past) in enumerate(zip(record.whole().segments, record.past_samples, strict=True)):
         swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
         first = int(np.argmax(swept >= COVERED * swept[-1]))
-        weight = np.ones(segment.samples) if trust is None else np.array(trust[i])
-        weight[: min(first, int(LATEST_COVERED * segment.samples))] = 0.0
+        weight = np.ones(segment.samples - past) if trust is None else np.array(trust[i])
+        weight[: max(min(first, int(LATEST_COVERED * segment.samples)) - past, 0)] = 0.0
         weights.append(weight)
     return weights
 

@@ -17,7 +17,7 @@ from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.refine import Progress
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
-from hysgen.model.scores import Scores, score
+from hysgen.model.scores import Scores, score_identification
 from hysgen.record import Record
 
 WORSE, OVER_NOISE = 1.5, 1.4
@@ -53,7 +53,7 @@ def refit(
             again = dataclasses.replace(again, terms=terms, weights=np.insert(again.weights, at, 1.0))
     again = restricted_as(model, again)
     again = dataclasses.replace(again, learner=model.learner, certificates=certify(again).to_json())
-    scores = score(again, record)
+    scores = score_identification(again, record)
     return dataclasses.replace(again, scores={"identification": scores.to_json()}), scores
 
 

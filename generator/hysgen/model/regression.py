@@ -8,7 +8,7 @@ with p_l at the measured y(k), Eq. (9), and phi the regressors of the terms. A p
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,11 +92,17 @@ def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping
 
 
 def drives_of(record: Record, structure: Structure, starts: Starts | None = None) -> list[Drive]:
-    """`drive_of` for every segment of a record."""
+    """`drive_of` for every segment of a record; the blocks have passed through the known past of a segment."""
     known = starts or [{}] * len(record.segments)
-    return [
-        drive_of(segment, record.Ts_s, structure, start) for segment, start in zip(record.segments, known, strict=True)
-    ]
+    drives = []
+    for segment, start in zip(record.segments, known, strict=True):
+        drive = drive_of(segment.whole(), record.Ts_s, structure, start)
+        past = segment.past_samples
+        if past:
+            aux = {key: values[past:] for key, values in drive.aux.items()}
+            drive = replace(drive, u_V=drive.u_V[past:].copy(), aux=aux, first=drive.first + past)
+        drives.append(drive)
+    return drives
 
 
 def term_regressors(terms: Sequence[Term], drive: Drive) -> Floats:

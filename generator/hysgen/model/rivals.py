@@ -58,7 +58,8 @@ class PrandtlIshlinskii:
 
     def free_run(self, record: Record) -> list[Floats]:
         return [
-            self.offset_um + _plays(segment.u_V, self.thresholds_V) @ self.weights_um_per_V
+            self.offset_um
+            + _plays(segment.whole().u_V, self.thresholds_V)[segment.past_samples :] @ self.weights_um_per_V
             for segment in record.segments
         ]
 
@@ -117,7 +118,7 @@ class Arx:
 
     def free_run(self, record: Record) -> list[Floats]:
         runs = []
-        for segment in record.segments:
+        for segment in record.whole().segments:
             n, first = segment.samples, self.first
             drive = np.full(n - first, self.offset_um)
             for j, b in enumerate(self.b_um_per_V, start=1):
@@ -126,7 +127,7 @@ class Arx:
             state = lfiltic([1.0], denominator, segment.y_um[:first][::-1])
             run, _ = lfilter([1.0], denominator, drive, zi=state)
             runs.append(np.concatenate([segment.y_um[:first], run]))
-        return runs
+        return [run[past:] for run, past in zip(runs, record.past_samples, strict=True)]
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -147,7 +148,7 @@ def fit_prandtl_ishlinskii(record: Record, plays: int = PAPER_PLAYS) -> PrandtlI
     if top <= 0.0:
         raise FitError(f"{record.source}: the voltage is never positive, so [0, max(u)/2] holds no thresholds")
     thresholds = np.linspace(0.0, 0.5 * top, plays)
-    rows = np.vstack([_plays(segment.u_V, thresholds) for segment in record.segments])
+    rows = np.vstack([_plays(segment.whole().u_V, thresholds)[segment.past_samples :] for segment in record.segments])
     solution = _least_squares(np.column_stack([rows, np.ones(len(rows))]), _measured(record))
     return PrandtlIshlinskii(thresholds, solution[:-1], float(solution[-1]))
 
@@ -188,8 +189,8 @@ def fit_rivals(record: Record, plays: int = PAPER_PLAYS, arx: tuple[int, int, in
     return [fit_prandtl_ishlinskii(record, plays), fit_proportional(record), fit_arx(record, *arx)]
 
 
-def score_rivals(rivals: Sequence[Rival], record: Record, settle: int = 0) -> list[tuple[str, Score]]:
-    """Name and free-run score of each rival on a record."""
+def score_rivals(rivals: Sequence[Rival], record: Record, settle: int | Sequence[int] = 0) -> list[tuple[str, Score]]:
+    """Name and free-run score of each rival on a record. settle: as for `score_prediction`."""
     return [(rival.name, score_prediction(record, rival.free_run(record), settle)) for rival in rivals]
 
 

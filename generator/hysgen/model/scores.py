@@ -1,17 +1,21 @@
 """Scores of a model on a record: one-step error, error over the horizon, and free-run error.
 
     e_rms  = sqrt(sum_k (y(k) - yhat(k))^2 / N)
-    e_r    = max_k |y(k) - yhat(k)| / max_k y(k) * 100 %          section 4 of the paper, "maximum e_r"
+    e_r    = max_k |y(k) - yhat(k)| / (max_k y(k) - min_k y(k)) * 100 %
 
-They are shown with the one-step error of persistence, yhat(k+1) = y(k), and with the noise floor: at high sampling
-rates the one-step error alone is small for any model. e_r is undefined where the displacement is not positive; errors
-are also given in um and relative to the span.
+The paper's "maximum e_r" (section 4) divides by max y, which depends on where the sensor has its zero; the paper's
+records start at 0, where both are equal. The errors are shown with the one-step error of persistence, yhat(k+1) = y(k),
+and with the noise floor: at high sampling rates the one-step error alone is small for any model.
+
+Not scored are sample 0 of a segment, which is an input of the model, and the rows in which the unknown input before the
+record matters (`unknown_past`).
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,10 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.display import Displayed, Summary, table
+from hysgen.errors import RecordError
 from hysgen.model.model import Model
 from hysgen.model.regression import Starts
 from hysgen.model.simulate import HorizonCurve, ModelOutput, free_run, horizon_curve, one_step
+from hysgen.model.unknown_past import UnknownPast, unknown_past
 from hysgen.record import Record
+from hysgen.record.excitation import FITTED_RECORD, Conditions, check_validation
 from hysgen.record.noise import NoiseFloor, noise_floor
 
 Floats = NDArray[np.float64]
@@ -32,8 +39,8 @@ Floats = NDArray[np.float64]
 class Score:
     """The error of one prediction of a record.
 
-    e_rms_um; largest_um: max |y - yhat|; e_r_percent: the paper's maximum e_r, None where max y is not positive;
-    of_span_percent: e_rms relative to the span of the record. samples: number of scored samples.
+    e_rms_um; largest_um: max |y - yhat|; e_r_percent: largest_um relative to the span of the record, of_span_percent:
+    e_rms relative to the span; None and 0 for a record of constant displacement. samples: number of scored samples.
     """
 
     e_rms_um: float
@@ -55,7 +62,13 @@ class Score:
 
 @dataclass(frozen=True, repr=False)
 class Scores(Displayed):
-    """All scores of a model on a record. settle: burn-in, unscored samples at the start of each segment."""
+    """All scores of a model on a record.
+
+    settle: samples at the start of each segment that the caller left out. unknown_past: samples that are left out
+    because they depend on the unknown past; None if the caller chose `settle`. with_unknown_past_um: rms error of the
+    free run with these samples.
+    warnings: findings that put the scores in doubt, one line each; they are shown first.
+    """
 
     model: str
     source: str
@@ -69,6 +82,9 @@ class Scores(Displayed):
     y_clamped: int
     u_clamped: int
     Ts_s: float
+    unknown_past: UnknownPast | None = None
+    with_unknown_past_um: float | None = None
+    warnings: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -76,6 +92,14 @@ class Scores(Displayed):
             "model": self.model,
             "record": {"source": self.source, "digest": self.digest},
             "settle": self.settle,
+            "unknown_past": None
+            if self.unknown_past is None
+            else {
+                "samples": list(self.unknown_past.rows),
+                "later_um": self.unknown_past.later_um,
+                "free_run_rms_with_um": self.with_unknown_past_um,
+            },
+            "warnings": list(self.warnings),
             "one_step": self.one_step.to_json(),
             "free_run": self.free_run.to_json(),
             "persistence_one_step": self.persistence.to_json(),
@@ -96,13 +120,20 @@ class Scores(Displayed):
         if self.y_clamped or self.u_clamped:
             outside = f"y {self.y_clamped}, u {self.u_clamped} samples"
             notes.append(f"outside the model's range in the free run: {outside}")
+        if self.unknown_past is not None:
+            notes += self.unknown_past.describe(self.source, self.with_unknown_past_um or 0.0)
         title = f"{self.model} on {self.source}: {self.free_run.samples} samples scored"
-        return Summary(title, SCORE_HEADER, score_rows(rows), notes)
+        first = [f"warning: {line}" for line in self.warnings]
+        return Summary(title, SCORE_HEADER, score_rows(rows), notes, first=first)
 
     def table(self) -> str:
         """The summary as text."""
         return self.summary().text()
 
+
+USELESS = 0.7
+"""Free-run error relative to the standard deviation of the displacement from which on a model explains less than half
+of the variance."""
 
 SCORE_HEADER = ["", "e_rms um", "max um", "max e_r %", "of span %"]
 
@@ -126,23 +157,31 @@ def score_rows(rows: Sequence[tuple[str, Score]]) -> list[list[str]]:
     ]
 
 
-def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int = 0) -> Score:
+def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int | Sequence[int] = 0) -> Score:
     """Score one prediction of every segment, (n,) each. Sample 0 of a segment is an input and not scored.
 
-    settle: burn-in, unscored samples at the start of each segment.
+    settle: samples at the start of every segment, or of each, that are not scored.
+    Raises RecordError if a number of samples is negative, or if no sample is left.
     """
-    first = max(1, settle)
-    pairs = [(segment.y_um[first:], y_um[first:]) for segment, y_um in zip(record.segments, predicted_um, strict=True)]
-    y, error = np.concatenate([y for y, _ in pairs]), np.concatenate([hat - y for y, hat in pairs])
-    low, high = record.y_range_um
+    counts = [settle] * len(record.segments) if isinstance(settle, int) else list(settle)
+    if min(counts) < 0:
+        raise RecordError(f"settle: {min(counts)} is no number of samples; choose 0 or more")
+    errors = [
+        (y_um - segment.y_um)[max(1, first) :]
+        for segment, y_um, first in zip(record.segments, predicted_um, counts, strict=True)
+    ]
+    error = np.concatenate(errors)
     if error.size == 0:
-        return Score(0.0, 0.0, None, 0.0, 0)
-    rms, largest, top = math.sqrt(float(np.mean(error * error))), float(np.abs(error).max()), float(y.max())
-    span = high - low
+        raise RecordError(
+            f"{record.source}: settle: {max(counts)} samples at the start of each segment leave none of "
+            f"{record.samples} to score; choose fewer"
+        )
+    low, high = record.y_range_um
+    rms, largest, span = math.sqrt(float(np.mean(error * error))), float(np.abs(error).max()), high - low
     return Score(
         e_rms_um=rms,
         largest_um=largest,
-        e_r_percent=100.0 * largest / top if top > 0.0 else None,
+        e_r_percent=100.0 * largest / span if span > 0.0 else None,
         of_span_percent=100.0 * rms / span if span > 0.0 else 0.0,
         samples=error.size,
     )
@@ -154,29 +193,78 @@ def persistence(record: Record) -> list[Floats]:
 
 
 def score(
-    model: Model, record: Record, settle: int = 0, starts: Starts | None = None, follow_drift: bool = False
+    model: Model,
+    record: Record,
+    settle: int | None = None,
+    starts: Starts | None = None,
+    follow_drift: bool = False,
 ) -> Scores:
     """One-step, horizon and free-run scores of a model on a record, with persistence and the noise floor.
 
-    settle: samples at the start of each segment that are simulated but not scored.
-    starts, follow_drift: as for `simulate.free_run`.
-    Raises RecordError if the record's sampling period is not the model's.
+    A segment with a known past (a record that was cut by `rows` or `split`) is simulated from the start of its past.
+    settle: samples at the start of each segment that are simulated but not scored; by default those in which the
+    unknown past matters (`unknown_past`). starts, follow_drift: as for `simulate.free_run`.
+    Raises RecordError if the record's sampling period is not the model's, or if `settle` leaves no sample.
     """
-    free = free_run(model, record, starts, follow_drift)
+    free, noise = free_run(model, record, starts, follow_drift), noise_floor(record)
+    unknown = unknown_past(model, record, noise.rms_um) if settle is None else None
+    unscored = [settle or 0] * len(record.segments) if unknown is None else list(unknown.rows)
+    scored = score_prediction(record, _outputs(free), unscored)
+    ahead = score_prediction(record, _outputs(one_step(model, record, starts)), unscored)
+    resting = score_prediction(record, persistence(record), unscored)
+    clamped = sum(run.y_clamped for run in free), sum(run.u_clamped for run in free)
     return Scores(
         model=model.name,
         source=record.source,
         digest=record.digest,
-        settle=settle,
-        one_step=score_prediction(record, _outputs(one_step(model, record, starts)), settle),
-        free_run=score_prediction(record, _outputs(free), settle),
-        persistence=score_prediction(record, persistence(record), settle),
-        horizon=horizon_curve(model, record, starts=starts),
-        noise=noise_floor(record),
-        y_clamped=sum(run.y_clamped for run in free),
-        u_clamped=sum(run.u_clamped for run in free),
+        settle=settle or 0,
+        one_step=ahead,
+        free_run=scored,
+        persistence=resting,
+        horizon=horizon_curve(model, record, starts=starts, unscored=unscored),
+        noise=noise,
+        y_clamped=clamped[0],
+        u_clamped=clamped[1],
         Ts_s=model.Ts_s,
+        unknown_past=unknown,
+        with_unknown_past_um=score_prediction(record, _outputs(free)).e_rms_um if unknown is not None else None,
+        warnings=(*_doubts(record, scored, ahead, resting), *check_validation(conditions_of_fit(model), record)),
     )
+
+
+def score_identification(model: Model, record: Record) -> Scores:
+    """`score` on the record that the model was fitted to, without the warning that says so."""
+    scores = score(model, record)
+    kept = tuple(line for line in scores.warnings if not line.endswith(FITTED_RECORD))
+    return dataclasses.replace(scores, warnings=kept)
+
+
+def conditions_of_fit(model: Model) -> Conditions:
+    """The conditions of the record that a model was fitted to; of an older model file, the ranges of the model."""
+    stored = model.history.get("record", {})
+    return Conditions(
+        source=str(stored.get("source", model.name)),
+        Ts_s=model.Ts_s,
+        u_range_V=(model.u_min_V, model.u_max_V),
+        y_range_um=(model.grid.y_min_um, model.grid.y_max_um),
+        fastest_V_per_s=stored.get("fastest_V_per_s"),
+        digest=str(stored.get("digest", "")),
+    )
+
+
+def _doubts(record: Record, free: Score, ahead: Score, resting: Score) -> Iterator[str]:
+    """Lines for a model that is no better than a prediction without a model."""
+    y_um = np.concatenate([segment.y_um for segment in record.segments])
+    if ahead.e_rms_um > resting.e_rms_um:
+        yield (
+            f"{record.source}: one step ahead the model is worse than persistence, y(k+1) = y(k): "
+            f"{ahead.e_rms_um:.4g} um against {resting.e_rms_um:.4g} um"
+        )
+    if free.e_rms_um > USELESS * float(np.std(y_um)):
+        yield (
+            f"{record.source}: in free run the model is wrong by {free.e_rms_um:.4g} um where the displacement itself "
+            f"varies by {float(np.std(y_um)):.4g} um rms: it explains next to nothing of this record"
+        )
 
 
 def _outputs(runs: Sequence[ModelOutput]) -> list[Floats]:

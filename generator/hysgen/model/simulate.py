@@ -81,7 +81,7 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> ModelOutput:
 def free_run(
     model: Model, record: Record, starts: Starts | None = None, follow_drift: bool = False
 ) -> tuple[ModelOutput, ...]:
-    """One free run per segment, started at its first measured displacement.
+    """One free run per segment, started at its first measured displacement, or at that of its known past.
 
     starts: states of the terms before each segment, where they are known.
     follow_drift: let a drift term use past measured samples; state this beside the score.
@@ -91,7 +91,7 @@ def free_run(
     for part in _driven(model, record, starts):
         w_um = part.w_um + (part.bias_um if follow_drift else part.bias_um[0])
         y_um, y_clamped = kernels.free_run(rules_of(model), part.drive.u_V, w_um, float(part.segment.y_um[0]))
-        runs.append(ModelOutput(y_um, y_clamped, part.u_clamped))
+        runs.append(part.output(model, y_um, y_um, y_clamped))
     return tuple(runs)
 
 
@@ -104,21 +104,30 @@ def one_step(model: Model, record: Record, starts: Starts | None = None) -> tupl
     for part in _driven(model, record, starts):
         w_um = part.w_um + part.bias_um
         y_um, y_clamped = kernels.one_step(rules_of(model), part.drive.u_V, w_um, part.segment.y_um)
-        runs.append(ModelOutput(y_um, y_clamped, part.u_clamped))
+        runs.append(part.output(model, y_um, part.segment.y_um, y_clamped))
     return tuple(runs)
 
 
 def horizon_curve(
-    model: Model, record: Record, steps: Sequence[int] | None = None, starts: Starts | None = None, first: int = 0
+    model: Model,
+    record: Record,
+    steps: Sequence[int] | None = None,
+    starts: Starts | None = None,
+    first: int = 0,
+    unscored: Sequence[int] | None = None,
 ) -> HorizonCurve:
     """Error over the horizon in all segments; a drift term keeps its value at each start.
 
     steps: rising numbers of samples; by default 1, 2, 5, 10, ... up to a quarter of the shortest segment.
-    first: rows before it move the states of the terms but are not scored.
+    first: rows before it move the states of the terms but are not scored. unscored: rows at the start of each segment
+        that are not scored either.
     Raises RecordError if a segment is shorter than the longest horizon or the sampling period is not the model's.
     """
     ends = np.cumsum([segment.samples for segment in record.segments])
-    scored = [min(max(int(end) - first, 0), s.samples) for end, s in zip(ends, record.segments, strict=True)]
+    scored = [
+        min(max(int(end) - first, 0), segment.samples - left)
+        for end, segment, left in zip(ends, record.segments, unscored or [0] * len(ends), strict=True)
+    ]
     shortest = min((count for count in scored if count), default=0)
     horizons = np.array(sorted(set(steps)) if steps else default_horizons(shortest), dtype=np.int64)
     if horizons[0] < 1 or horizons[-1] >= shortest:
@@ -155,16 +164,23 @@ def default_horizons(samples: int) -> list[int]:
 
 @dataclass(frozen=True)
 class _Driven:
-    """A segment, what drives the model over it, w of its terms and the bias of its drift term, (n,) each.
+    """A segment with its past, what drives the model over it, w of its terms and the bias of its drift term, (n,) each.
 
-    u_clamped: samples of the command outside the model's range.
+    past: samples of the known past. u_clamped: later samples of the command outside the model's range.
     """
 
     segment: Segment
     drive: Drive
     w_um: Floats
     bias_um: Floats
+    past: int
     u_clamped: int
+
+    def output(self, model: Model, y_um: Floats, antecedent_um: Floats, y_clamped: int) -> ModelOutput:
+        """The output after the past. antecedent_um: (n,) displacement that selects the rules; y_clamped: of all n."""
+        early = antecedent_um[: self.past]
+        before = np.count_nonzero((early < model.grid.y_min_um) | (early > model.grid.y_max_um))
+        return ModelOutput(y_um[self.past :], y_clamped - int(before), self.u_clamped)
 
 
 def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Driven]:
@@ -175,12 +191,15 @@ def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Dr
         )
     steady = [term.kind for term in model.terms if not term.follows_measurements]
     following = [term.kind for term in model.terms if term.follows_measurements]
-    for segment, drive in zip(record.segments, drives_of(record, structure_of(model), starts), strict=True):
+    whole = record.whole()
+    drives = drives_of(whole, structure_of(model), starts)
+    for segment, drive, past in zip(whole.segments, drives, record.past_samples, strict=True):
         w_um = term_output(model, drive, steady)
         bias_um = np.zeros_like(w_um)
         if following:
             predicted, _ = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
             informed = dataclasses.replace(drive, innovation_um=segment.y_um - predicted)
             bias_um = term_output(model, informed, following)
-        outside = (segment.u_V < model.u_min_V) | (segment.u_V > model.u_max_V)
-        yield _Driven(segment, drive, w_um, bias_um, int(np.count_nonzero(outside)))
+        u_V = segment.u_V[past:]
+        outside = int(np.count_nonzero((u_V < model.u_min_V) | (u_V > model.u_max_V)))
+        yield _Driven(segment, drive, w_um, bias_um, past, outside)

@@ -34,7 +34,7 @@ def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tupl
     for check in (constant, swapped, saturation):
         for name, certain, line in check(runs):
             if certain and name not in accept:
-                raise RecordError(f"{line}; if it is sound all the same, accept {name}")
+                raise RecordError(f"{line}; if it is sound all the same, --accept {name}")
             warnings.append(line)
         if check is constant and warnings:
             break  # the other checks need channels that move

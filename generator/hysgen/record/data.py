@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 
 import numpy as np
@@ -15,6 +15,10 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import RecordError
 from hysgen.record.channels import Channels
 from hysgen.record.checks import check_values
+from hysgen.record.relation import rate, relation, scale
+
+LONGEST_PERIOD_S = 100.0
+"""A longer sampling period is taken for a rate in Hz and refused."""
 
 SAME_PERIOD = 1e-4
 """Largest relative difference of two sampling periods that count as equal."""
@@ -28,6 +32,8 @@ class Segment:
     u_V, y_um: (n,) applied voltage in V and measured displacement in um, float64, read-only.
     aux: further channels by name, each (n,), in the units of the file; sorted by name.
     start_s: time stamp of the first sample in s.
+    past: the samples right before the first, of a segment that was cut; a simulation runs through them, and nothing
+        is fitted to them or scored on them. None if nothing is known of the time before the first sample.
 
     Raises RecordError if a channel is not one-dimensional or the lengths differ.
     """
@@ -37,6 +43,7 @@ class Segment:
     y_um: NDArray[np.float64]
     aux: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     start_s: float = 0.0
+    past: Segment | None = None
 
     def __post_init__(self) -> None:
         u_V = _channel(self.u_V, "voltage", self.name)
@@ -57,14 +64,36 @@ class Segment:
         """Number of samples n."""
         return int(self.u_V.size)
 
+    @property
+    def past_samples(self) -> int:
+        """Number of known samples before the first."""
+        return self.past.past_samples + self.past.samples if self.past is not None else 0
+
+    def whole(self) -> Segment:
+        """The segment with its past as samples of its own."""
+        if self.past is None:
+            return self
+        parts = [self.past.whole(), self]
+        return Segment(
+            name=self.name,
+            u_V=np.concatenate([part.u_V for part in parts]),
+            y_um=np.concatenate([part.y_um for part in parts]),
+            aux={key: np.concatenate([part.aux[key] for part in parts]) for key in self.aux},
+            start_s=parts[0].start_s,
+        )
+
     def rows(self, start: int, stop: int, Ts_s: float) -> Segment:
-        """Samples start..stop-1 as a segment of its own; views, not copies."""
+        """Samples start..stop-1 as a segment of its own, whose past are the samples before; views, not copies."""
+        past = self.past
+        if start > 0:
+            past = self.rows(0, start, Ts_s)
         return Segment(
             name=self.name,
             u_V=self.u_V[start:stop],
             y_um=self.y_um[start:stop],
             aux={key: values[start:stop] for key, values in self.aux.items()},
             start_s=self.start_s + start * Ts_s,
+            past=past,
         )
 
 
@@ -126,7 +155,14 @@ class Record(Displayed):
         if not (math.isfinite(Ts_s) and Ts_s > 0.0):
             raise RecordError(f"{source}: sampling period Ts_s = {Ts_s:g} s; give a positive number of seconds")
         channels = Channels.of_arrays(source, u_V, y_um, aux or {})
+        if Ts_s >= LONGEST_PERIOD_S:
+            raise RecordError(
+                f"{source}: Ts_s = {Ts_s:g} s; give the sampling period in s, {1.0 / Ts_s:g} for a rate of {Ts_s:g} Hz"
+            )
         warnings = check_values([channels], accept)
+        swapped = any("exchanged" in line for line in warnings)
+        related = () if swapped else relation([channels], Ts_s)
+        warnings = (*warnings, *related, *scale([channels]), *rate(source, Ts_s))
         segment = Segment("0", channels.u_V, channels.y_um, channels.aux)
         return cls.from_segments([segment], Ts_s, source, warnings)
 
@@ -169,6 +205,17 @@ class Record(Displayed):
         header = ["segment", "samples", "s", "voltage V", "displacement um"]
         return Summary(title, header, rows, [*channels, *(f"warning: {line}" for line in self.warnings)])
 
+    def one_line(self) -> str:
+        """Rate, duration, ranges and channels."""
+        parts = f" in {len(self.segments)} segments" if len(self.segments) > 1 else ""
+        (low_V, high_V), (low_um, high_um) = self.u_range_V, self.y_range_um
+        channels = f", channels {', '.join(self.aux_names)}" if self.aux_names else ""
+        return (
+            f"{self.source}: {self.samples} samples{parts} at {1e-3 / self.Ts_s:.6g} kHz, "
+            f"{self.Ts_s * self.samples:.4g} s, "
+            f"{low_V:.4g} .. {high_V:.4g} V, {low_um:.5g} .. {high_um:.5g} um{channels}"
+        )
+
     @property
     def samples(self) -> int:
         """Number of samples in all segments."""
@@ -197,6 +244,7 @@ class Record(Displayed):
     def rows(self, start: int, stop: int) -> Record:
         """Rows start..stop-1 of the joined record. Segments keep their order; the first and last may be cut.
 
+        A segment that is cut keeps the rows before its first as its past (`Segment.past`).
         Raises RecordError if no row is left or a bound lies outside 0..samples.
         """
         if not 0 <= start < stop <= self.samples:
@@ -213,8 +261,23 @@ class Record(Displayed):
             first += segment.samples
         return Record.from_segments(parts, self.Ts_s, f"{self.source}[{start}:{stop}]", self.warnings)
 
+    def whole(self) -> Record:
+        """The record with the past of every segment as samples of its own (`Segment.whole`)."""
+        if all(segment.past is None for segment in self.segments):
+            return self
+        parts = [segment.whole() for segment in self.segments]
+        return Record.from_segments(parts, self.Ts_s, self.source, self.warnings)
+
+    @property
+    def past_samples(self) -> tuple[int, ...]:
+        """Number of known samples before the first of each segment."""
+        return tuple(segment.past_samples for segment in self.segments)
+
     def split_at(self, row: int) -> tuple[Record, Record]:
-        """The rows before `row` and the rows from `row` on. Raises RecordError if one of the parts would be empty."""
+        """The rows before `row`, and the rows from `row` on, whose past are the rows before.
+
+        Raises RecordError if one of the parts would be empty.
+        """
         return self.rows(0, row), self.rows(row, self.samples)
 
     def split(self, fraction: float) -> tuple[Record, Record]:
@@ -251,8 +314,13 @@ def _common_aux(segments: Sequence[Segment]) -> tuple[tuple[Segment, ...], list[
         if key not in shared:
             lacking = next(segment.name for segment in segments if key not in segment.aux)
             lines.append(f"channel {key} is left out because segment {lacking} lacks it; add it there to use it")
-    kept = (Segment(s.name, s.u_V, s.y_um, {key: s.aux[key] for key in shared}, s.start_s) for s in segments)
-    return tuple(kept), lines
+    return tuple(_with_aux(segment, shared) for segment in segments), lines
+
+
+def _with_aux(segment: Segment, names: Collection[str]) -> Segment:
+    """The segment and its past with these further channels only."""
+    past = None if segment.past is None else _with_aux(segment.past, names)
+    return replace(segment, aux={key: segment.aux[key] for key in names}, past=past)
 
 
 def _digest(segments: Sequence[Segment], Ts_s: float) -> str:

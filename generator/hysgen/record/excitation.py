@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ SEPARATE = 0.03
 """Least rms of y about its regression line on u in a rule's cell, relative to the rms of y there, to separate both."""
 OUTSIDE = 0.005
 """Part of the identified range by which validation may exceed it without a warning: noise at the turning points."""
+
+FITTED_RECORD = "is the record that was fitted; its scores say nothing about other records"
 
 Series = NDArray[np.float64]
 
@@ -42,13 +45,45 @@ def check_for_fit(record: Record, rules: int, parameters: int) -> tuple[str, ...
     return (*_cells(record, rules), *_alike(record))
 
 
-def check_validation(identification: Record, validation: Record) -> tuple[str, ...]:
+@dataclass(frozen=True)
+class Conditions:
+    """The conditions under which a model was identified.
+
+    source, digest: of the record; "" if unknown. fastest_V_per_s: 99.9 % quantile of the speed of the voltage, None if
+    unknown. aux_names: further channels.
+    """
+
+    source: str
+    Ts_s: float
+    u_range_V: tuple[float, float]
+    y_range_um: tuple[float, float]
+    fastest_V_per_s: float | None
+    digest: str
+    aux_names: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, record: Record) -> Conditions:
+        """The conditions of a record."""
+        return cls(
+            record.source,
+            record.Ts_s,
+            record.u_range_V,
+            record.y_range_um,
+            fastest_V_per_s(record),
+            record.digest,
+            record.aux_names,
+        )
+
+
+def check_validation(identification: Record | Conditions, validation: Record) -> tuple[str, ...]:
     """Warnings, one line each, where the validation record exceeds the conditions of the identification record.
 
     Voltages and displacements outside its ranges, faster voltage, missing channels, and the identical record.
     Raises RecordError if the sampling periods differ.
     """
     source = validation.source
+    if isinstance(identification, Record):
+        identification = Conditions.of(identification)
     if abs(validation.Ts_s - identification.Ts_s) > SAME_PERIOD * identification.Ts_s:
         raise RecordError(
             f"{source}: sampled every {validation.Ts_s:g} s, but {identification.source} every "
@@ -56,7 +91,7 @@ def check_validation(identification: Record, validation: Record) -> tuple[str, .
         )
     warnings = []
     if validation.digest == identification.digest:
-        warnings.append(f"{source}: is the record that was fitted; its scores say nothing about other records")
+        warnings.append(f"{source}: {FITTED_RECORD}")
     for what, unit, (low, high), channels in (
         ("voltage", "V", identification.u_range_V, [one.u_V for one in validation.segments]),
         ("displacement", "um", identification.y_range_um, [one.y_um for one in validation.segments]),
@@ -70,8 +105,8 @@ def check_validation(identification: Record, validation: Record) -> tuple[str, .
                 f"{low:.6g}..{high:.6g} {unit} in {outside} of {values.size} samples; the model is clamped there: "
                 "identify over the whole range"
             )
-    identified, needed = _fastest(identification), _fastest(validation)
-    if needed > 1.2 * identified:
+    identified, needed = identification.fastest_V_per_s, fastest_V_per_s(validation)
+    if identified is not None and needed > 1.2 * identified:
         warnings.append(
             f"{source}: voltage moves by up to {needed:.4g} V/s, in identification by up to {identified:.4g} V/s; "
             "identify with signals as fast"
@@ -155,7 +190,7 @@ def _alike(record: Record) -> Iterator[str]:
         )
 
 
-def _fastest(record: Record) -> float:
+def fastest_V_per_s(record: Record) -> float:
     """99.9 % quantile of the speed of the voltage in V/s; the quantile ignores single jumps."""
     steps = np.concatenate([np.abs(np.diff(one.u_V)) for one in record.segments])
     return float(np.quantile(steps, 0.999)) / record.Ts_s if steps.size else 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +13,8 @@ from hysgen.record.checks import check_finite, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record, Segment
+from hysgen.record.further import kept, left_out
+from hysgen.record.relation import rate, relation, scale
 from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays, runs_of_table, scalar_period
 from hysgen.record.sampling import JITTER, Stamps, sampling_period
 
@@ -51,7 +53,19 @@ def load_record(
     for one in paths:
         record = _load_file(one, columns, jitter, accept, split_at_gaps)
         records.append(record if len(paths) == 1 else _named_after(record, one.stem))
-    return records[0] if len(records) == 1 else Record.joined(*records)
+    if len(records) == 1:
+        return records[0]
+    joined = Record.joined(*records)
+    return replace(joined, warnings=(*joined.warnings, *_repeated(paths, records)))
+
+
+def _repeated(paths: Sequence[Path], records: Sequence[Record]) -> Iterator[str]:
+    """A line for each file that holds the same samples as a file before it."""
+    seen: dict[str, Path] = {}
+    for path, record in zip(paths, records, strict=True):
+        if record.digest in seen:
+            yield f"{path.name}: holds the same samples as {seen[record.digest].name}; name each record once"
+        seen.setdefault(record.digest, path)
 
 
 def record_csv(record: Record) -> str:
@@ -81,19 +95,39 @@ def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[s
         check_finite(run.channels)
     if split_at_gaps:
         runs = [part for run in runs for part in at_gaps(run)]
+    runs, dropped = _with_channels(runs, path.name, columns)
     warnings = check_values([run.channels for run in runs], accept)
     stamps = [
         Stamps(path.name, run.time_s, columns.time, run.channels.locate) for run in runs if run.time_s is not None
     ]
     Ts_s = sampling_period(stamps, jitter, columns.Ts_s) if stamps else given_s
     if Ts_s is None:
-        raise RecordError(f"{path.name}: has no time and no sampling period; give Ts_s in seconds")
+        raise RecordError(f"{path.name}: has no time and no sampling period; give --columns Ts_s=SECONDS")
+    channels = [run.channels for run in runs]
+    doubts = list(rate(path.name, Ts_s))
+    if not any("exchanged" in line for line in warnings):
+        doubts += relation(channels, Ts_s)
+    if columns.displacement_unit is None and columns.unit("displacement") == "um":
+        doubts += scale(channels)
     segments = []
     for run in runs:
         start_s = float(run.time_s[0]) if run.time_s is not None else 0.0
         segments.append(Segment(run.name, run.channels.u_V, run.channels.y_um, run.channels.aux, start_s))
     named = (f"{path.name}: {line}" for line in (*columns.remarks(), *remarks))
-    return Record.from_segments(segments, Ts_s, path.name, (*named, *warnings))
+    return Record.from_segments(segments, Ts_s, path.name, (*named, *dropped, *warnings, *doubts))
+
+
+def _with_channels(runs: list[RawRun], source: str, columns: Columns) -> tuple[list[RawRun], tuple[str, ...]]:
+    """The runs with the further columns that are channels, and a line for the others; all if the user names them."""
+    without = left_out([run.channels for run in runs]) if columns.aux is None else {}
+    if not without:
+        return runs, ()
+    lines = tuple(
+        f"{source}: column {name} is left out, for {reason}; --columns aux={name} keeps it"
+        for name, reason in without.items()
+    )
+    trimmed = [replace(run, channels=replace(run.channels, aux=kept(run.channels.aux, without))) for run in runs]
+    return trimmed, lines
 
 
 def _runs(path: Path, columns: Columns) -> tuple[list[RawRun], tuple[str, ...], float | None]:

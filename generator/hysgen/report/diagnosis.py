@@ -139,7 +139,11 @@ def _causes(study: Study) -> PageSection:
         text=[] if rows else ["None: the error of the paper's model is not above that of hysteresis and noise."],
         tables=tables if rows else tables[1:],
         notes=[
-            *(["Not extended: its extension does not pay with the certificates kept."] if left_out else []),
+            *(
+                [f"{cause.why_not_extended}." for cause in diagnosis.causes if cause.why_not_extended]
+                if left_out
+                else []
+            ),
             "A cause is named only if a signature of its own and the gain on data left out of the fit agree.",
             *([f"{CONFIDENCE[0].upper()}{CONFIDENCE[1:]}."] if rows else []),
             *([f"Next experiment: {diagnosis.next_experiment}."] if diagnosis.next_experiment else []),

@@ -35,6 +35,9 @@ UNITS = {
 SMALLEST_SHARE = 0.005
 """Share of the error's power below which the verdict gives a cause no percentage of its own."""
 
+FAR_ABOVE_NOISE = 5.0
+"""Error over noise above which an answer without a cause lists the candidates that were refused."""
+
 CONFIDENCE = (
     "confidence: share of bootstrap draws on blocks left out in which the extension lowers the error by more than 2 %"
 )
@@ -96,11 +99,19 @@ def verdict(study: Study) -> list[str]:
     if not diagnosis.causes:
         if diagnosis.unknown:
             return [wrong, f"Something stands behind it that none of the known causes explains: {diagnosis.unknown}."]
+        if diagnosis.base_rms_um > FAR_ABOVE_NOISE * diagnosis.noise.rms_um and diagnosis.refused:
+            reasons = "; ".join(f"{refused.name}: {refused.why}" for refused in diagnosis.refused)
+            times = diagnosis.base_rms_um / max(diagnosis.noise.rms_um, 1e-300)
+            return [wrong, f"No cause is certain, and the error is {times:.3g} times the noise. Not named: {reasons}."]
         return [wrong, "No cause stands out: it is what the paper's model leaves of plain hysteresis, and noise."]
-    left_out = [cause.name for cause in diagnosis.causes if not cause.extended]
-    also = f"{', '.join(left_out)}: seen in the record, but not extended, for that does not pay with certificates kept."
+    left_out = [f"{cause.why_not_extended}." for cause in diagnosis.causes if not cause.extended]
     if not study.extended:
-        return [wrong, f"Named: {also}", *_left(diagnosis.unknown)]
+        return [
+            wrong,
+            "The model written is the paper's: no extension lowers the held-out error for certain.",
+            *left_out,
+            *_left(diagnosis.unknown),
+        ]
     shares = [(cause.name, cause.share) for cause in study.extended if cause.share >= SMALLEST_SHARE]
     parts = [f"{name} is {100.0 * share:.0f} %" for name, share in sorted(shares, key=lambda item: -item[1])]
     small = [cause.name for cause in study.extended if abs(cause.share) < SMALLEST_SHARE]
@@ -118,7 +129,7 @@ def verdict(study: Study) -> list[str]:
     total = total_price(study)
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
-    return [*lines, *([f"Also named: {also}"] if left_out else []), *_left(diagnosis.unknown)]
+    return [*lines, *left_out, *_left(diagnosis.unknown)]
 
 
 def _left(unknown: str | None) -> list[str]:

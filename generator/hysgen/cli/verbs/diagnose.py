@@ -17,7 +17,8 @@ from hysgen.fitting import FitSettings
 from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
 from hysgen.model.model import Model
-from hysgen.model.scores import score
+from hysgen.model.scores import score_identification
+from hysgen.record import check_for_fit, check_validation
 from hysgen.report.words import diagnosis_text, price_of
 from hysgen.uncertainty.sensor import length_um, sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise
@@ -37,6 +38,11 @@ def diagnose_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="MODEL", help="write the extended model")
     parser.add_argument("--plots", metavar="DIR", help="write the pictures, as PNG")
     parser.add_argument("--report", metavar="FILE.html", help="write the report: one page that needs no other file")
+    parser.add_argument(
+        "--keep-all",
+        action="store_true",
+        help="keep extensions that do not lower the held-out error for certain",
+    )
     parser.add_argument("--rules", type=int, default=FitSettings().rules, help="fuzzy rules L (default %(default)s)")
     parser.add_argument(
         "--sensor-uncertainty",
@@ -51,7 +57,9 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console)
     holdout = read_records(arguments.holdout, arguments, console) if arguments.holdout else None
     name = c_name(arguments.output) if arguments.output else "stage"
-    settings = DiagnoseSettings(fit=FitSettings(name=name, rules=arguments.rules), price=price_of)
+    settings = DiagnoseSettings(
+        fit=FitSettings(name=name, rules=arguments.rules), price=price_of, keep_all=arguments.keep_all
+    )
     if arguments.rows:
         start, stop = parse_rows(arguments.rows, record.samples)
         if holdout is None and stop < record.samples:
@@ -63,6 +71,12 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError("--drift-since belongs to --sensor-uncertainty; state both")
     sensor = sensor_uncertainty(arguments.sensor_uncertainty) if arguments.sensor_uncertainty else None
     drift_um = length_um(arguments.drift_since) if arguments.drift_since else None
+    part = record if holdout is not None else record.split(settings.identify)[0]
+    for warning in check_for_fit(part, arguments.rules, 3 * arguments.rules):
+        console.warn(warning)
+    if holdout is not None:
+        for warning in check_validation(part, holdout):
+            console.warn(warning)
     study = diagnose_and_evaluate(record, holdout, settings, console.progress)
     console.say(diagnosis_text(study) + "\n")
     found = characterise(study, sensor, drift_um) if sensor else None
@@ -85,9 +99,8 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
 def scored(study: Study) -> Model:
     """The extended model with its scores on the identification rows; `hysgen refit` compares its own with them."""
     model = study.diagnosis.model
-    return dataclasses.replace(
-        model, scores={"identification": score(model, study.record.rows(0, study.cut)).to_json()}
-    )
+    known = score_identification(model, study.record.rows(0, study.cut))
+    return dataclasses.replace(model, scores={"identification": known.to_json()})
 
 
 def write_pictures(study: Study, folder: Path) -> list[Path]:

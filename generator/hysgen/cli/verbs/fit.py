@@ -26,7 +26,7 @@ from hysgen.fitting.compare import Comparison, compare
 from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, model_to_json, save_model
 from hysgen.model.model import Model
-from hysgen.model.scores import score
+from hysgen.model.scores import score_identification
 from hysgen.record import Record, check_for_fit
 from hysgen.report.words import price_of, verdict
 
@@ -118,7 +118,7 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
         console.warn(warning)
     model = fit(record, settings, progress=console.progress)
     model = with_learner(model, arguments)
-    scores = score(model, record)
+    scores = score_identification(model, record)
     model = dataclasses.replace(model, scores={"identification": scores.to_json()})
     save_model(model, Path(arguments.output))
     console.say(scores.table())

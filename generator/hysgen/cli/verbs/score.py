@@ -27,7 +27,13 @@ def score_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
     parser.add_argument("records", nargs="+", metavar="RECORD")
     parser.add_argument("--rows", metavar="A:B", help="score on rows A to B of the joined records, B excluded")
-    parser.add_argument("--settle", type=int, default=0, metavar="N", help="samples at the start that are not scored")
+    parser.add_argument(
+        "--settle",
+        type=int,
+        metavar="N",
+        help="samples at the start that are not scored (default: those that depend on the unknown input before the "
+        "record; rows before --rows are simulated and known)",
+    )
     parser.add_argument(
         "--rivals", metavar="A:B", help="also score the paper's rivals, fitted to rows A to B of the same records"
     )
@@ -44,7 +50,8 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     console.say(scores.table())
     if arguments.rivals:
         known = whole.rows(*parse_rows(arguments.rivals, whole.samples))
-        rivals = score_rivals(fit_rivals(known), record, arguments.settle)
+        unscored = arguments.settle if scores.unknown_past is None else scores.unknown_past.rows
+        rivals = score_rivals(fit_rivals(known), record, unscored)
         console.say("\nrivals in free run")
         console.say("\n".join(score_lines(rivals)))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}

@@ -23,7 +23,7 @@ from hysgen.machine.files import write_whole
 from hysgen.model.file import save_model
 from hysgen.model.model import Model
 from hysgen.model.rivals import fit_rivals, score_rivals
-from hysgen.model.scores import score, score_lines
+from hysgen.model.scores import score, score_identification, score_lines
 from hysgen.model.simulate import free_run, one_step
 from hysgen.record import Record, load_record
 from hysgen.report.model import ScoredModels, model_page
@@ -88,7 +88,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
 
     models = demo_models(known, console)
     for model in models.values():
-        identified = {"identification": score(model, known).to_json()}
+        identified = {"identification": score_identification(model, known).to_json()}
         save_model(dataclasses.replace(model, scores=identified), folder / f"{model.name}.json")
     console.say(f"hysgen fit   {folder / 'paper.json'}, {folder / 'stage.json'}")
     scores = {name: score(model, unseen) for name, model in models.items()}

@@ -1,0 +1,158 @@
+"""Relation of displacement and voltage: warnings about a sensor that is unplugged, inverted or logged at another time.
+
+    c(L) = sum_k u(k) y(k + L) / sqrt(sum u^2 sum y^2),   u and y about their means,   |L| <= n/4
+
+A stage follows its voltage: the largest |c| is near 1, positive, and at a lag that is small beside the period of the
+excitation. Nothing is refused here: a resonance, a slow stage or a cross-coupled axis may break each of these rules.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
+
+from hysgen.record.channels import Channels
+
+Floats = NDArray[np.float64]
+
+FEWEST = 200
+"""Samples below which a correlation says nothing."""
+
+WINDOWS = 16
+"""Windows of a coherence, which overlap by half."""
+
+MOST = 400_000
+"""Samples of the longest run that are correlated."""
+
+FIRST_PEAK = 0.9
+"""Height of a peak of |c|, relative to the highest, that makes it a candidate."""
+
+UNRELATED = 0.4
+"""Largest |c| up to which the displacement may not follow the voltage; c^2 is the share of variance explained."""
+
+UNEXPLAINED = 0.05
+"""Share of the variance that a linear response must explain; of a mirror with three drives, one explains 13 %."""
+
+LATE, TOGETHER = 0.9, 0.5
+"""The logs may not be aligned where c is at least LATE at the best lag and below TOGETHER at lag 0: a phase of more
+than 60 degrees at one frequency. A time constant of 1 ms has 32 at 100 Hz, hysteresis of 20 % adds 12."""
+
+LONGEST_STROKE_UM, SHORTEST_STROKE_UM = 1000.0, 2e-3
+"""Strokes of piezo stages: flexure stages reach 1 mm, and 2 nm is the noise of a sensor."""
+
+SLOWEST_HZ, FASTEST_HZ = 100.0, 20e6
+"""Sampling rates outside of which the unit of the time is in doubt."""
+
+
+@dataclass(frozen=True)
+class Lag:
+    """correlation: c at the peak, at the lag `samples`, which is positive if y follows u. at_zero: c(0)."""
+
+    samples: int
+    correlation: float
+    at_zero: float
+
+
+def lag_of(run: Channels) -> Lag | None:
+    """The lag of the peak of |c| nearest to 0 among the high ones; None for short or constant channels."""
+    n = min(run.u_V.size, MOST)
+    u, y = (values[:n] - values[:n].mean() for values in (run.u_V, run.y_um))
+    scale = float(np.sqrt((u @ u) * (y @ y)))
+    if n < FEWEST or scale == 0.0:
+        return None
+    size = next_fast_len(n + n // 4 + 1, real=True)
+    cross = irfft(np.conj(rfft(u, size)) * rfft(y, size), size) / scale
+    lags = np.arange(-(n // 4), n // 4 + 1)
+    c = cross[lags]
+    # A periodic input has a peak in every half period, of alternating sign: the first high one is the stage's.
+    high = np.flatnonzero(np.abs(c) >= FIRST_PEAK * np.abs(c).max())
+    near = int(high[np.argmin(np.abs(lags[high]))])
+    bounds = np.flatnonzero(np.sign(c) != np.sign(c[near]))
+    begin = int(bounds[bounds < near].max(initial=-1)) + 1
+    end = int(bounds[bounds > near].min(initial=c.size))
+    chosen = begin + int(np.argmax(np.abs(c[begin:end])))
+    return Lag(int(lags[chosen]), float(c[chosen]), float(cross[0]))
+
+
+def coherent_share(run: Channels) -> float:
+    """Share of the variance of y that a linear response to u explains, 0 to 1.
+
+        sum_f C(f) S_yy(f) / sum_f S_yy(f),   C = |S_uy|^2 / (S_uu S_yy),   less its bias 1/K for K windows
+
+    A lightly damped mode under noise has a small correlation at every lag and a share near 1.
+    """
+    n = min(run.u_V.size, MOST)
+    length = max(16, n // WINDOWS)
+    starts = np.arange(0, n - length + 1, length // 2)
+    window = np.hanning(length)
+
+    def spectra(values: Floats) -> NDArray[np.complex128]:
+        parts = np.stack([values[start : start + length] for start in starts])
+        return np.asarray(rfft((parts - parts.mean(axis=1, keepdims=True)) * window, axis=1))
+
+    u, y = spectra(run.u_V), spectra(run.y_um)
+    uu, yy = np.mean(np.abs(u) ** 2, axis=0), np.mean(np.abs(y) ** 2, axis=0)
+    cross = np.abs(np.mean(np.conj(u) * y, axis=0)) ** 2
+    explained = np.divide(cross, uu, out=np.zeros_like(uu), where=uu > 1e-12 * uu.max())
+    share, bias = float(explained.sum() / max(float(yy.sum()), 1e-300)), 2.0 / len(starts)
+    return max(share - bias, 0.0) / (1.0 - bias)
+
+
+def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
+    """A line for a displacement that does not follow the voltage, falls as it rises, or follows at another time.
+
+    Judged on the longest run. Ts_s: sampling period in s, None if not known yet.
+    """
+    run = max(runs, key=lambda one: one.u_V.size)
+    lag = lag_of(run)
+    if lag is None:
+        return
+    names = f"{run.source}: {run.y_name}"
+    if abs(lag.correlation) < UNRELATED:
+        share = coherent_share(run)
+        if share < UNEXPLAINED:
+            yield (
+                f"{names} does not follow {run.u_name}: largest correlation {lag.correlation:.2f}, a linear response "
+                f"explains {100.0 * share:.0f} % of it; check that the sensor is connected and the columns are right"
+            )
+        return
+    if lag.correlation < 0.0:
+        yield (
+            f"{names} falls as {run.u_name} rises (correlation {lag.correlation:.2f}): an inverted sensor? Then "
+            "change the sign of one of the two columns"
+        )
+    elif lag.correlation >= LATE and lag.at_zero < TOGETHER:
+        time = "" if Ts_s is None else f" ({abs(lag.samples) * Ts_s:.3g} s)"
+        way = "behind" if lag.samples > 0 else "ahead of"
+        yield (
+            f"{names} runs {abs(lag.samples)} samples{time} {way} {run.u_name}: correlation {lag.correlation:.2f} "
+            f"there, {lag.at_zero:.2f} without a shift; if the stage is faster, the logs are not aligned: shift one"
+        )
+
+
+def scale(runs: Sequence[Channels]) -> Iterator[str]:
+    """A line for a stroke that no piezo stage has: the unit of the displacement is in doubt."""
+    run = runs[0]
+    stroke_um = max(float(one.y_um.max()) for one in runs) - min(float(one.y_um.min()) for one in runs)
+    if stroke_um > LONGEST_STROKE_UM:
+        yield (
+            f"{run.source}: {run.y_name} spans {stroke_um:.4g} um, more than a piezo stage moves; if it is in nm, give "
+            "--columns displacement_unit=nm"
+        )
+    elif 0.0 < stroke_um < SHORTEST_STROKE_UM:
+        yield (
+            f"{run.source}: {run.y_name} spans {stroke_um:.3g} um, less than the noise of a sensor; if it is in mm "
+            "or m, give --columns displacement_unit=mm"
+        )
+
+
+def rate(source: str, Ts_s: float) -> Iterator[str]:
+    """A line for a sampling rate at which the unit of the time is in doubt."""
+    if Ts_s > 1.0 / SLOWEST_HZ:
+        yield (f"{source}: is sampled at {1.0 / Ts_s:.4g} Hz; if the time is in ms, give --columns time_unit=ms")
+    elif Ts_s < 1.0 / FASTEST_HZ:
+        yield f"{source}: is sampled at {1e-6 / Ts_s:.4g} MHz; check the unit of the time, --columns time_unit=s"

@@ -1,0 +1,114 @@
+"""Records that are no stage, and columns that are no channel, are found and said in one line."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hysgen
+from hysgen.errors import RecordError
+from hysgen.record import Columns, Record, load_record, record_csv
+from hysgen.stage import Stage, run
+from hysgen.stage.signals import nested_amplitudes
+
+TS_S = 1e-4
+RNG = np.random.default_rng(5)
+U_V = nested_amplitudes(TS_S, (50.0, 20.0), 40.0, 25.0, 2)
+Y_UM = run(Stage.nominal(), U_V, TS_S, seed=7).displacement_um
+N = U_V.size
+
+
+@pytest.mark.parametrize(
+    ("u_V", "y_um", "Ts_s", "said"),
+    [
+        (U_V, RNG.normal(size=N), TS_S, "displacement_um does not follow voltage_V: largest correlation 0.0"),
+        (U_V[90:], Y_UM[:-90], TS_S, "runs 102 samples (0.0102 s) behind voltage_V"),
+        (U_V, -Y_UM, TS_S, "falls as voltage_V rises (correlation -1.0"),
+        (U_V, 1e3 * Y_UM, TS_S, "more than a piezo stage moves; if it is in nm, give --columns displacement_unit=nm"),
+        (U_V, 1e-6 * Y_UM, TS_S, "less than the noise of a sensor"),
+        (U_V, Y_UM, 0.02, "is sampled at 50 Hz; if the time is in ms, give --columns time_unit=ms"),
+    ],
+    ids=["no sensor", "logs apart", "inverted", "nm as um", "m as um", "ms as s"],
+)
+def test_a_record_that_is_no_stage_is_said_in_one_line(
+    u_V: np.ndarray, y_um: np.ndarray, Ts_s: float, said: str
+) -> None:
+    (line,) = Record.from_arrays(u_V, y_um, Ts_s).warnings
+    assert said in line
+    assert Record.from_arrays(U_V, Y_UM, TS_S).warnings == ()
+
+
+def test_a_rate_given_as_a_period_is_refused() -> None:
+    with pytest.raises(
+        RecordError, match=r"Ts_s = 50000 s; give the sampling period in s, 2e-05 for a rate of 50000 Hz"
+    ):
+        Record.from_arrays(U_V, Y_UM, 50_000)
+
+
+def written(path: Path, **columns: np.ndarray) -> Path:
+    lines = record_csv(Record.from_arrays(U_V, Y_UM, TS_S)).splitlines()
+    for name, values in columns.items():
+        lines = [f"{line},{name if k == 0 else values[k - 1]:}" for k, line in enumerate(lines)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+SECOND_READINGS = {
+    "raw": 1.02 * Y_UM + 0.1 + 0.005 * RNG.normal(size=N),
+    "unfiltered": np.roll(Y_UM, -1),
+    "filtered": np.convolve(Y_UM, np.ones(5) / 5, mode="full")[:N],
+    "set_point": np.roll(Y_UM, -3) + 0.01,
+    "position_error": np.roll(Y_UM, -3) - Y_UM,
+    "monitor": U_V / 10 + 0.01 * RNG.normal(size=N),
+}
+
+
+@pytest.mark.parametrize("name", SECOND_READINGS)
+def test_a_second_reading_is_no_channel_unless_it_is_named(name: str, tmp_path: Path) -> None:
+    path = written(tmp_path / "r.csv", **{name: SECOND_READINGS[name]})
+    record = load_record(path)
+    assert record.aux_names == ()
+    assert any(f"column {name} is left out" in line and f"--columns aux={name}" in line for line in record.warnings)
+    assert load_record(path, Columns(aux=(name,))).aux_names == (name,)
+
+
+def test_clocks_and_counters_are_no_channels_and_another_quantity_is(tmp_path: Path) -> None:
+    k = np.arange(N)
+    other_axis = np.interp(k, np.arange(0, N + 100, 100), RNG.normal(size=N // 100 + 2)[: len(range(0, N + 100, 100))])
+    path = written(tmp_path / "r.csv", count=k, byte=k % 256, clock_ms=1e3 * TS_S * k, axis2_um=other_axis)
+    record = load_record(path)
+    assert record.aux_names == ("axis2_um",)
+    assert sum("a clock or a sample counter" in line for line in record.warnings) == 3
+    # With a given period, the time column is no channel either.
+    timed = load_record(written(tmp_path / "t.csv"), Columns(time="", Ts_s=TS_S))
+    assert timed.aux_names == ()
+
+
+def test_the_same_file_twice_is_said(tmp_path: Path) -> None:
+    path = written(tmp_path / "r.csv")
+    record = load_record([path, path])
+    assert any("holds the same samples as r.csv" in line for line in record.warnings)
+
+
+def test_the_interface_warns_of_poor_excitation_before_a_fit() -> None:
+    k = np.arange(3000)
+    alike = Record.from_arrays(50 + 30 * np.sin(0.01 * k), 4 + 2 * np.sin(0.01 * k - 0.1), TS_S)
+    with pytest.warns(hysgen.RecordWarning, match="swings of the voltage are alike"):
+        hysgen.fit(alike, hysgen.FitSettings(method="batch", rules=3))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hysgen.fit(Record.from_arrays(U_V, Y_UM, TS_S), hysgen.FitSettings(method="batch", rules=3))
+
+
+def test_a_model_that_explains_nothing_or_leaves_its_range_is_said_first() -> None:
+    known = Record.from_arrays(U_V, Y_UM, TS_S)
+    model = hysgen.fit(known.rows(0, N // 2), hysgen.FitSettings(method="batch"))
+    beyond = Record.from_arrays(1.3 * U_V, 1.3 * Y_UM, TS_S)
+    lines = str(hysgen.score(model, beyond)).splitlines()
+    assert "warning:" in lines[1]
+    assert any("leaves the identified" in line and "the model is clamped there" in line for line in lines)
+    noise = Record.from_arrays(U_V, 4 + 0.5 * RNG.normal(size=N), TS_S)
+    assert "explains next to nothing" in str(hysgen.score(hysgen.fit(noise), noise)).splitlines()[1]
