@@ -11,15 +11,24 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from hysgen.machine.files import write_whole
+from hysgen.machine.installed import version
+
+SCHEMA_VERSION = 1
+"""Version of the JSON of all verbs: it rises when a key changes its meaning or goes; new keys may come at any time."""
 
 SECONDS_BETWEEN_PLAIN_LINES = 5.0
 
 
 @dataclass
 class Console:
-    """Output of one verb. json_to: a file, "-" for stdout (text is then suppressed), or None for no JSON."""
+    """Output of one verb. json_to: a file, "-" for stdout (text is then suppressed), or None for no JSON.
+
+    verb: named by the schema of the JSON. quiet: print neither progress nor warnings.
+    """
 
     json_to: str | None = None
+    verb: str = ""
+    quiet: bool = False
     out: TextIO = field(default_factory=lambda: sys.stdout)
     err: TextIO = field(default_factory=lambda: sys.stderr)
     _last_line: float = 0.0
@@ -33,11 +42,15 @@ class Console:
 
     def warn(self, text: str) -> None:
         """Print a warning on stderr."""
+        if self.quiet:
+            return
         self._close_line()
         print(f"warning: {text}", file=self.err, flush=True)
 
     def progress(self, fraction: float, what: str) -> None:
         """Print the fraction done: one line rewritten on a terminal, else a line every few seconds."""
+        if self.quiet:
+            return
         now = time.monotonic()
         if self.err.isatty():
             print(f"\r\x1b[K{100 * fraction:5.1f} %  {what}", end="", file=self.err, flush=True)
@@ -47,9 +60,14 @@ class Console:
             self._last_line = now
 
     def write_json(self, result: Mapping[str, Any]) -> None:
-        """Write the result of the verb as JSON with the option --json. Raises ValueError for NaN and infinity."""
+        """Write the result of the verb as JSON with the option --json. Raises ValueError for NaN and infinity.
+
+        A result without a schema of its own gets "hysgen-VERB" with the version SCHEMA_VERSION (docs/json.md).
+        """
         if self.json_to is None:
             return
+        head = {"schema": f"hysgen-{self.verb}", "version": SCHEMA_VERSION, "hysgen": version()}
+        result = result if "schema" in result else head | dict(result)
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         if self.json_to == "-":
             self._close_line()

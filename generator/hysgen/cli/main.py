@@ -1,7 +1,7 @@
 """Entry of the command line: runs the verb and turns each error into one line and an exit code.
 
 Exit codes: 0 done; 1 done with a negative answer (bits differ, a file is stale, a model misses its target);
-2 not done: bad input, a missing tool; 130 interrupted.
+2 not done: bad input, a missing tool, no memory, no room on the disk; 130 interrupted.
 """
 
 from __future__ import annotations
@@ -10,11 +10,13 @@ import argparse
 import contextlib
 import os
 import sys
+import textwrap
 from collections.abc import Sequence
 from typing import NoReturn
 
 from hysgen.cli.console import Console
-from hysgen.cli.verbs import NAMES, verb
+from hysgen.cli.outputs import check_outputs
+from hysgen.cli.verbs import GROUPS, NAMES, verb
 from hysgen.errors import HysgenError
 from hysgen.machine.installed import version
 
@@ -22,6 +24,15 @@ _DESCRIPTION = (
     "From measured voltage/displacement records of a piezo stage to verified float32 C: "
     "fit a fuzzy hysteresis model, see what its simulation gets wrong, and generate prediction, learning and inverse."
 )
+_FIRST_STEPS = """\
+first steps:
+  hysgen demo                                                  the whole way on the bundled record
+  hysgen inspect record.csv                                    what the file holds
+  hysgen diagnose record.csv -o stage.json --report page.html  causes of the error, an extended model
+  hysgen generate stage.json -o c && hysgen verify c           its C, equal to the reference in every bit
+
+`hysgen VERB --help` has options and examples. Exit codes: 0 done, 1 done with a negative answer, 2 not done.
+HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder)."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -32,41 +43,83 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
-    """The parser of the command line with the verbs `names`."""
+    """The parser of the command line with the verbs `names`, whose modules are imported."""
     top = _Parser(prog="hysgen", description=_DESCRIPTION)
-    top.add_argument("--version", action="version", version=f"hysgen {version()}")
+    top.add_argument("-V", "--version", action="version", version=f"hysgen {version()}")
     verbs = top.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
     for name in names:
         chosen = verb(name)
         sub = verbs.add_parser(
             name,
-            help=chosen.help.strip().splitlines()[0],
             description=chosen.help,
             formatter_class=argparse.RawDescriptionHelpFormatter,
+            epilog="examples:\n" + textwrap.indent("\n".join(chosen.examples), "  ") if chosen.examples else None,
         )
         chosen.arguments(sub)
         sub.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE, or to stdout with -")
-        sub.set_defaults(run=chosen.run)
+        sub.add_argument("--force", action="store_true", help="replace files that hysgen did not write")
+        sub.add_argument("-q", "--quiet", action="store_true", help="no progress and no warnings")
+        sub.set_defaults(run=chosen.run, outputs=chosen.outputs)
     return top
 
 
+def overview() -> str:
+    """The text of `hysgen --help`: the verbs in groups, without importing any of them."""
+    lines = ["usage: hysgen VERB ... [--help]", "", *textwrap.wrap(_DESCRIPTION, 80), ""]
+    width = max(map(len, NAMES)) + 2
+    for title, verbs in GROUPS.items():
+        lines += [f"{title}:", *(f"  {name:<{width}}{summary}" for name, (_, summary) in verbs.items()), ""]
+    return "\n".join([*lines, _FIRST_STEPS])
+
+
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one verb. Returns the exit code. A HysgenError is printed as one line without traceback."""
+    """Run one verb. Returns the exit code. An error of the user or of the machine is one line without traceback."""
     words = list(sys.argv[1:] if argv is None else argv)
-    names = [words[0]] if words and words[0] in NAMES else NAMES
-    arguments = parser(names).parse_args(words)
-    console = Console(json_to=arguments.json)
+    name = next((word for word in words if not word.startswith("-")), "")
     try:
-        return int(arguments.run(arguments, console))
+        return _run(words)
     except HysgenError as fault:
-        text = " ".join(str(fault).split())
-        print(f"hysgen {arguments.verb}: {text}", file=sys.stderr)
-        return 2
+        return _fails(name, str(fault))
+    except MemoryError as fault:
+        return _fails(name, f"not enough memory ({fault}); use fewer rows with --rows, or a machine with more")
     except KeyboardInterrupt:
-        print(f"\nhysgen {arguments.verb}: interrupted; files already written are whole", file=sys.stderr)
+        print(f"\nhysgen {name}: interrupted; files already written are whole", file=sys.stderr)
         return 130
     except BrokenPipeError:
         # The reader closed the pipe. This is no error, and Python must not report one when it closes stdout.
-        with contextlib.suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_stdout()
         return 0
+    except OSError as fault:
+        _discard_stdout()
+        file = f"{fault.filename}: " if fault.filename else ""
+        return _fails(name, f"{file}{fault.strerror or fault}; the result is not complete")
+
+
+def _run(words: list[str]) -> int:
+    if words in (["--help"], ["-h"], ["help"], []):
+        print(overview(), flush=True)
+        return 0 if words else 2
+    if words[:1] == ["help"]:
+        words = [*words[1:2], "--help"]
+    if words in (["--version"], ["-V"]):
+        print(f"hysgen {version()}", flush=True)
+        return 0
+    names = [words[0]] if words[0] in NAMES else NAMES
+    arguments = parser(names).parse_args(words)
+    console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet)
+    check_outputs(arguments, arguments.outputs)
+    code = int(arguments.run(arguments, console))
+    sys.stdout.flush()
+    return code
+
+
+def _fails(name: str, text: str) -> int:
+    with contextlib.suppress(OSError):
+        print(f"hysgen {name}: {' '.join(text.split())}", file=sys.stderr, flush=True)
+    return 2
+
+
+def _discard_stdout() -> None:
+    """Send what is still in the buffer of stdout to nowhere, so that Python does not fail on it at its end."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

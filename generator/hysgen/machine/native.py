@@ -19,7 +19,7 @@ from typing import Any
 
 from cffi import FFI
 
-from hysgen.errors import BuildError
+from hysgen.errors import BuildError, HysgenError
 from hysgen.machine.files import digest
 
 
@@ -67,12 +67,44 @@ def compiler_version(command: str) -> str:
 
 
 def cache_folder() -> Path:
-    """The folder of compiled libraries: HYSGEN_CACHE, else `hysgen` in the user's cache folder."""
+    """The folder of compiled libraries: HYSGEN_CACHE, else `hysgen` in the user's cache folder.
+
+    If that cannot be written (a read-only home, a full disk), a folder of this user among the temporary files.
+    Raises HysgenError if HYSGEN_CACHE is set and cannot be written, or none of them can.
+    """
     chosen = os.environ.get("HYSGEN_CACHE")
     if chosen:
-        return Path(chosen)
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "hysgen"
+        folder = _usable(Path(chosen))
+        if folder is None:
+            raise HysgenError(f"HYSGEN_CACHE={chosen}: cannot be written; name another folder")
+        return folder
+    try:
+        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    except RuntimeError:  # a user without a home
+        base = tempfile.gettempdir()
+    own = Path(tempfile.gettempdir()) / f"hysgen-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+    for folder in (_usable(Path(base) / "hysgen"), _usable(own)):
+        if folder is not None:
+            return folder
+    raise HysgenError(f"{base}: cannot be written, nor can {own}; point HYSGEN_CACHE at a folder with room")
+
+
+@functools.lru_cache(maxsize=8)
+def _usable(folder: Path) -> Path | None:
+    """The folder, made if missing, if a file can be written there and nobody else can replace it; else None."""
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as trial:
+            trial.write(bytes(4096))
+            trial.flush()
+        if hasattr(os, "getuid") and folder.parent == Path(tempfile.gettempdir()):
+            # A library that another user has put into a shared folder must not be opened.
+            state = folder.lstat()
+            if state.st_uid != os.getuid() or state.st_mode & 0o022 or folder.is_symlink():
+                return None
+    except OSError:
+        return None
+    return folder
 
 
 def build(

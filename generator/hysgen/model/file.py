@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -85,9 +86,9 @@ def dump_model(model: Model) -> str:
         ) from fault
 
 
-def save_model(model: Model, path: Path) -> None:
+def save_model(model: Model, path: str | os.PathLike[str]) -> None:
     """Write the model file, whole or not at all. Raises HysgenError if the folder cannot be written."""
-    write_whole(path, dump_model(model))
+    write_whole(Path(path), dump_model(model))
 
 
 def parse_model(text: str, source: str) -> Model:

@@ -4,44 +4,59 @@ from __future__ import annotations
 
 import argparse
 import importlib
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from hysgen.cli.console import Console
+from hysgen.cli.outputs import Output
 
-MODULES = {
-    "fit": "fit",
-    "score": "score",
-    "describe": "score",
-    "diagnose": "diagnose",
-    "generate": "generate",
-    "export": "export",
-    "verify": "verify",
-    "prove": "verify",
-    "cost": "generate",
-    "refit": "fit",
-    "diff": "fit",
-    "history": "history",
-    "demo": "studies",
-    "experiments": "studies",
-    "bank": "studies",
-    "endurance": "studies",
-    "image": "firmware",
-    "firmware": "firmware",
-    "track": "firmware",
+GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
+    "look at a record, fit a model": {
+        "diagnose": ("diagnose", "what the simulation gets wrong, the causes, an extended model and its gain"),
+        "fit": ("fit", "fit a model to one or several records"),
+        "score": ("score", "errors of a model: one step, against the horizon, in free run"),
+        "describe": ("score", "a model as a dynamic system: time constant, gain, loop, certificates"),
+    },
+    "from the model to C": {
+        "generate": ("generate", "the C of a model"),
+        "export": ("export", "the model for Simulink, FMI, A2L tools, CMake, any C program, a Cortex-M"),
+        "verify": ("verify", "compare generated C with its reference, bit for bit"),
+        "prove": ("verify", "warnings, MISRA rules, sanitizers, proofs of generated C"),
+        "cost": ("generate", "operations, cycles and bytes of generated C"),
+    },
+    "later": {
+        "refit": ("fit", "identify a model again from a new record: same structure, new numbers"),
+        "diff": ("fit", "what changed from one model to another"),
+        "history": ("history", "what moved over all refits of a stage, with a limit for scripts"),
+        "image": ("firmware", "a model's numbers as a parameter image for running firmware"),
+        "firmware": ("firmware", "the files that the firmware needs of a model, and the cost of its image"),
+    },
+    "examples and studies": {
+        "demo": ("studies", "the whole way on the bundled record"),
+        "experiments": ("studies", "the paper's experiments on the virtual stage"),
+        "track": ("firmware", "the complete firmware on the virtual stage"),
+        "bank": ("studies", "how often a diagnosis of hidden effects is right"),
+        "endurance": ("studies", "the learner for hours of poor and broken excitation"),
+    },
 }
-"""Module by verb, in the order of `hysgen --help`."""
+"""Module and summary of each verb, by group, in the order of the work and of `hysgen --help`."""
+
+MODULES = {name: module for verbs in GROUPS.values() for name, (module, _) in verbs.items()}
+"""Module by verb."""
 
 NAMES = tuple(MODULES)
 
 
 @dataclass(frozen=True)
 class Verb:
-    """help: text of `hysgen VERB --help`, its first line is the summary; run: does the work, returns the exit code."""
+    """help: text of `hysgen VERB --help`; run: does the work, returns the exit code; outputs: options that name files
+    to write, by argument, beside those of `outputs.COMMON`; examples: command lines, shown below the options."""
 
     help: str
     arguments: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace, Console], int]
+    outputs: Mapping[str, Output] = field(default_factory=dict)
+    examples: tuple[str, ...] = ()
 
 
 def verb(name: str) -> Verb:

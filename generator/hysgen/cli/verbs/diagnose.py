@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_record_options, parse_rows, read_records
+from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.fit import c_name
 from hysgen.diagnosis import DiagnoseSettings
@@ -86,7 +87,7 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
         save_model(scored(study), Path(arguments.output))
         console.say(f"written: {arguments.output}")
     if arguments.plots:
-        for path in write_pictures(study, Path(arguments.plots)):
+        for path in write_pictures(study, Path(arguments.plots), arguments.force):
             console.say(f"written: {path}")
     if arguments.report:
         from hysgen.report.diagnosis import diagnosis_page
@@ -103,14 +104,21 @@ def scored(study: Study) -> Model:
     return dataclasses.replace(model, scores={"identification": known.to_json()})
 
 
-def write_pictures(study: Study, folder: Path) -> list[Path]:
+def write_pictures(study: Study, folder: Path, force: bool) -> list[Path]:
     """Write every picture of the diagnosis as PNG. Returns their paths."""
     from hysgen.report.plots import style
     from hysgen.report.plots.diagnosis import pictures
 
-    return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in pictures(study)]
+    drawn = pictures(study)
+    check_files(folder, [f"{picture.name}.png" for picture in drawn], "--plots", force)
+    return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in drawn]
 
+
+EXAMPLES = (
+    "hysgen diagnose record.csv -o stage.json --report diagnosis.html",
+    "hysgen diagnose monday.csv --holdout tuesday.csv --json - | jq .causes",
+)
 
 VERBS = {
-    "diagnose": Verb(DIAGNOSE_HELP, diagnose_arguments, run_diagnose),
+    "diagnose": Verb(DIAGNOSE_HELP, diagnose_arguments, run_diagnose, {"output": Output("-o")}, EXAMPLES),
 }

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
+from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.codegen import write
 from hysgen.display import table
@@ -47,6 +48,7 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
         console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
     texts = firmware_model(model)
     if arguments.output:
+        check_files(Path(arguments.output), list(texts), "-o", arguments.force)
         write(texts, Path(arguments.output))
         console.say(f"written: {len(texts)} files in {arguments.output}")
     try:
@@ -150,7 +152,7 @@ def tracking_table(results: list[TrackingResult], noise_nm: float) -> str:
 
 
 VERBS = {
-    "firmware": Verb(FIRMWARE_HELP, firmware_arguments, run_firmware),
-    "image": Verb(IMAGE_HELP, image_arguments, run_image),
+    "firmware": Verb(FIRMWARE_HELP, firmware_arguments, run_firmware, {"output": Output("-o", folder=True)}),
+    "image": Verb(IMAGE_HELP, image_arguments, run_image, {"output": Output("-o")}),
     "track": Verb(TRACK_HELP, track_arguments, run_track),
 }

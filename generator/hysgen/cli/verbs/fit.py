@@ -12,6 +12,7 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_learner_options, add_record_options, parse_rows, read_records, with_learner
+from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
@@ -46,6 +47,13 @@ the record is diagnosed, and nothing is written unless --anyway is given.
 """
 DIFF_HELP = """\
 Say what moved from one model to another of the same structure, in physical terms and rule by rule."""
+
+FIT_EXAMPLES = (
+    "hysgen fit record.csv --memory -o stage.json",
+    "hysgen fit a.csv b.csv --rows 0:20000 --rules 8 -o stage.json      two records, two segments",
+    'hysgen fit log.csv --columns "voltage=U [V],displacement=Sensor [nm],time=t [ms]" -o stage.json',
+)
+REFIT_EXAMPLES = ("hysgen refit stage.json later.csv -o stage2.json --c firmware/stage",)
 
 VERIFIED_SAMPLES = 200_000
 
@@ -277,7 +285,7 @@ def comparison_text(comparison: Comparison) -> str:
 
 
 VERBS = {
-    "fit": Verb(FIT_HELP, fit_arguments, run_fit),
-    "refit": Verb(REFIT_HELP, refit_arguments, run_refit),
+    "fit": Verb(FIT_HELP, fit_arguments, run_fit, {"output": Output("-o")}, FIT_EXAMPLES),
+    "refit": Verb(REFIT_HELP, refit_arguments, run_refit, {"output": Output("-o")}, REFIT_EXAMPLES),
     "diff": Verb(DIFF_HELP, diff_arguments, run_diff),
 }

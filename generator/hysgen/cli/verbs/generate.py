@@ -13,6 +13,7 @@ from hysgen.c674x.footprint import footprint
 from hysgen.c674x.toolchain import version
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
+from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
@@ -88,6 +89,7 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     folder = Path(arguments.output)
     if arguments.check:
         return check(texts, folder, console)
+    check_files(folder, list(texts), "-o", arguments.force)
     write(texts, folder)
     for name, text in texts.items():
         console.say(f"written: {folder / name} ({len(text.encode())} bytes)")
@@ -164,6 +166,12 @@ def cost_text(price: Cost) -> str:
 
 
 VERBS = {
-    "generate": Verb(GENERATE_HELP, generate_arguments, run_generate),
-    "cost": Verb(COST_HELP, cost_arguments, run_cost),
+    "generate": Verb(
+        GENERATE_HELP,
+        generate_arguments,
+        run_generate,
+        {"output": Output("-o", folder=True)},
+        ("hysgen generate stage.json -o firmware/stage", "hysgen generate stage.json -o c --learn rules"),
+    ),
+    "cost": Verb(COST_HELP, cost_arguments, run_cost, examples=("hysgen cost c", "hysgen cost c --target c674x")),
 }

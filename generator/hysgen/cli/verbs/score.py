@@ -14,13 +14,16 @@ from hysgen.model.file import load_model
 from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import score, score_lines
 from hysgen.model.simulate import free_run, one_step
-from hysgen.report.plots import style
-from hysgen.report.plots.traces import validation
 
 SCORE_HELP = """\
 Score a model on a record: one step, against the horizon, and in free run, beside persistence and the noise floor."""
 DESCRIBE_HELP = """\
 Show what a model is as a dynamic system: time constant, DC gain, loop against frequency, certificates."""
+
+SCORE_EXAMPLES = (
+    "hysgen score stage.json later.csv --plot free-run.png",
+    "hysgen score stage.json record.csv --rows 5000: --rivals 0:5000    rows after those of the fit, and rivals",
+)
 
 
 def score_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,6 +59,10 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         console.say("\n".join(score_lines(rivals)))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}
     if arguments.plot:
+        # matplotlib takes half a second to import.
+        from hysgen.report.plots import style
+        from hysgen.report.plots.traces import validation
+
         runs = {"free run": free_run(model, record)[0].y_um, "one step": one_step(model, record)[0].y_um}
         colours = {"free run": style.SIMULATED, "one step": style.BASELINE}
         style.save(validation(record, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot))
@@ -81,6 +88,6 @@ def run_describe(arguments: argparse.Namespace, console: Console) -> int:
 
 
 VERBS = {
-    "score": Verb(SCORE_HELP, score_arguments, run_score),
-    "describe": Verb(DESCRIBE_HELP, describe_arguments, run_describe),
+    "score": Verb(SCORE_HELP, score_arguments, run_score, examples=SCORE_EXAMPLES),
+    "describe": Verb(DESCRIBE_HELP, describe_arguments, run_describe, examples=("hysgen describe stage.json",)),
 }

@@ -13,6 +13,7 @@ from hysgen.checking.bits import VerifySettings, verify
 from hysgen.checking.endurance import ALLOWED_RATIO, CASES, HEADINGS, endurance_tests, rows
 from hysgen.checking.endurance import run as endure
 from hysgen.cli.console import Console
+from hysgen.cli.outputs import Output, check_file, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import cost_text
 from hysgen.codegen import generate, write
@@ -66,6 +67,9 @@ excitation follows; the free-run error of the learned model is divided by that o
 PAPER, EXTENDED = "paper's model", "with memory"
 COLOURS = {PAPER: style.SIMULATED, EXTENDED: style.EXTENDED, "one step": style.BASELINE}
 
+DEMO_FILES = ("paper.json", "stage.json", "report.html", "free-run.png", "loops.png", "horizon.png")
+"""Files of the demo beside record.csv and the generated C."""
+
 LEAST_SAMPLES = 1000
 LEGEND = f"""\
 holds:     factors finite, positive and bounded to the end, recovered to at most {ALLOWED_RATIO:g}
@@ -82,7 +86,10 @@ def demo_arguments(parser: argparse.ArgumentParser) -> None:
 def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     folder = Path(arguments.output)
     csv = folder / "record.csv"
-    write_whole(csv, bundled_csv())
+    if not (csv.exists() and csv.read_bytes() == bundled_csv().encode()):
+        check_file(csv, "-o", arguments.force)
+        write_whole(csv, bundled_csv())
+    check_files(folder, DEMO_FILES, "-o", arguments.force)
     known, unseen = load_record(csv).split_at(identification_rows())
     console.say(f"record       {csv}: {known.samples} samples to identify, {unseen.samples} to validate, 50 kHz")
 
@@ -255,8 +262,10 @@ def _whole(name: str, value: float) -> int:
 
 
 VERBS = {
-    "demo": Verb(DEMO_HELP, demo_arguments, run_demo),
-    "experiments": Verb(EXPERIMENTS_HELP, experiments_arguments, run_experiments),
+    "demo": Verb(DEMO_HELP, demo_arguments, run_demo, {"output": Output("-o", folder=True)}),
+    "experiments": Verb(
+        EXPERIMENTS_HELP, experiments_arguments, run_experiments, {"output": Output("-o", folder=True)}
+    ),
     "bank": Verb(BANK_HELP, bank_arguments, run_bank),
     "endurance": Verb(ENDURANCE_HELP, endurance_arguments, run_endurance),
 }

@@ -60,9 +60,9 @@ def figure(width_in: float = 7.2, height_in: float = 4.2) -> Figure:
 
 
 def png_bytes(fig: Figure, dpi: int = 150) -> bytes:
-    """The figure as PNG without software name and date: the same figure gives the same bytes."""
+    """The figure as PNG without version and date: the same figure gives the same bytes."""
     stream = io.BytesIO()
-    fig.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
+    fig.savefig(stream, format="png", dpi=dpi, metadata={"Software": "hysgen"})
     return stream.getvalue()
 
 

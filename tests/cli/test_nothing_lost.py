@@ -1,0 +1,124 @@
+"""No input and no file of the user is overwritten; outputs are tried first; a machine's faults are one line, exit 2."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hysgen.cli import main
+from hysgen.errors import HysgenError
+from hysgen.machine import native
+
+ROWS = "time_s,voltage_V,displacement_um\n" + "".join(f"{k * 1e-3:.3f},{k % 7},{k % 5}\n" for k in range(50))
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working folder with a record and a document of the user."""
+    monkeypatch.chdir(tmp_path)
+    Path("ok.csv").write_text(ROWS)
+    Path("thesis.html").write_text("<p>mine</p>")
+    Path("c").mkdir()
+    Path("c/appendix_a.h").write_text("/* mine */\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("fit ok.csv -o ok.csv", "-o ok.csv: is an input of this call"),
+        ("fit ./ok.csv -o x.json --json ok.csv", "--json ok.csv: is an input of this call"),
+        ("fit ok.csv -o x.json --json x.json", "-o x.json: is the file of --json too"),
+        ("diagnose ok.csv --report thesis.html", "exists, and hysgen did not write it"),
+        ("diagnose ok.csv --report r.pdf", "--report r.pdf: writes .html"),
+        ("score appendix_a ok.csv --plot x.bmp", "--plot x.bmp: writes .png"),
+        ("generate appendix_a -o ok.csv", "-o ok.csv: is a file; name a folder"),
+        ("generate appendix_a -o c", "c/appendix_a.h: exists, and hysgen did not write it"),
+        ("fit ok.csv -o /proc/nowhere/x.json", "cannot be written"),
+        ("demo -o .", "record.csv: exists, and hysgen did not write it"),
+    ],
+)
+def test_an_output_that_would_replace_a_file_of_the_user_is_refused(
+    call: str, said: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("record.csv").write_text(ROWS)
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    assert main(call.split()) == 2
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""  # refused before anything is computed
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_files_of_hysgen_are_written_again_and_others_with_force(folder: Path) -> None:
+    assert main(["generate", "appendix_a", "-o", "new"]) == 0
+    assert main(["generate", "appendix_a", "-o", "new"]) == 0
+    assert main(["generate", "appendix_a", "-o", "c", "--force"]) == 0
+    assert main(["describe", "appendix_a", "--json", "d.json"]) == 0
+    assert main(["describe", "appendix_a", "--json", "d.json"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        (MemoryError("919 MiB"), "not enough memory (919 MiB)"),
+        (OSError(28, "No space left on device"), "No space left"),
+    ],
+)
+def test_faults_of_the_machine_are_one_line_and_exit_code_2(
+    fault: Exception, said: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise fault
+
+    monkeypatch.setattr("hysgen.cli.verbs.fit.read_records", fails)
+    assert main(["fit", "ok.csv", "-o", "x.json"]) == 2
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert captured.err.count("\n") == 1
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is of Linux")
+def test_a_full_stdout_is_one_line_and_exit_code_2() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "hysgen", "--version"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+
+
+def test_a_cache_that_cannot_be_written_falls_back_to_a_temporary_folder(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    blocked = tmp_path / "a-file"
+    blocked.write_text("")
+    native._usable.cache_clear()
+    monkeypatch.delenv("HYSGEN_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(blocked))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert native.cache_folder() == tmp_path / f"hysgen-{os.getuid()}"
+    # A folder that somebody else may write to is not used: its libraries would be opened.
+    native._usable.cache_clear()
+    (tmp_path / f"hysgen-{os.getuid()}").chmod(0o777)
+    with pytest.raises(HysgenError, match="point HYSGEN_CACHE at a folder with room"):
+        native.cache_folder()
+    monkeypatch.setenv("HYSGEN_CACHE", str(blocked / "x"))
+    with pytest.raises(HysgenError, match=r"HYSGEN_CACHE=.*x: cannot be written; name another folder"):
+        native.cache_folder()
+    native._usable.cache_clear()
+
+
+def test_help_lists_the_verbs_in_groups_and_loads_no_library() -> None:
+    code = (
+        "import sys; from hysgen.cli import main; assert main(['--help']) == 0\n"
+        "assert not {'numpy', 'scipy', 'matplotlib'} & set(sys.modules), 'slow'\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.index("  diagnose") < done.stdout.index("  generate") < done.stdout.index("  endurance")
