@@ -218,8 +218,10 @@ def test_structures_and_groups_are_reached_by_path_or_by_a_name_that_stands_once
     scipy.io.savemat(tmp_path / "one.mat", {"log": inner, "gain": 3.0})
     scipy.io.savemat(tmp_path / "two.mat", {"a": inner, "b": inner})
     assert load_record(tmp_path / "one.mat").digest == SOUND.digest
-    with pytest.raises(RecordError, match="no voltage array 'voltage_V'"):
-        load_record(tmp_path / "two.mat")
+    two = load_record(tmp_path / "two.mat")
+    assert [one.name for one in two.segments] == ["a", "b"]
+    with pytest.raises(RecordError, match="no voltage array 'voltge_V'"):
+        load_record(tmp_path / "two.mat", Columns(voltage="voltge_V"))
     columns = Columns.from_text("time=b/time_s,voltage=b/voltage_V,displacement=b/displacement_um")
     assert load_record(tmp_path / "two.mat", columns).digest == SOUND.digest
 

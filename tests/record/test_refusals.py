@@ -86,27 +86,51 @@ BAD = [
     Bad("header only", "a.csv", f"{HEADER}\n".encode(), ("a header and no rows", "record some samples")),
     Bad("only comments", "a.csv", b"# nothing\n\n# here\n", ("only comments", "record some samples")),
     Bad(
-        "no header",
+        "no header and no time",
         "a.csv",
-        text(header="0,1,2"),
-        ("line 1", "numbers where the names belong", f"line such as {HEADER}"),
+        b"5,1\n4,2\n6,1\n",
+        ("no time column", "the header names 0, 1", "--columns Ts_s=SECONDS"),
     ),
-    Bad("binary file called CSV", "a.csv", npz(**sound()), ("binary", "export it as CSV")),
-    Bad("UTF-16 text", "a.csv", text().decode().encode("utf-16"), ("UTF-16", "save it as UTF-8")),
-    Bad("unknown suffix", "a.xlsx", b"PK", ("suffix '.xlsx'", "save the record as one of .csv")),
+    Bad("page of the web", "a.csv", b"<!DOCTYPE html>\n<html><body>404</body></html>", ("page of the web", "download")),
+    Bad("binary file called CSV", "a.csv", b"\1\0\2\0" * 300 + b"\0\0\0", ("binary", "export it as CSV")),
+    Bad("other format", "a.json", b'{"u": [1, 2]}', ("is JSON", "save the columns as CSV")),
+    Bad(
+        "two sensors",
+        "a.csv",
+        b"time,voltage,Sensor 1 (um),Sensor 2 (um)\n0,1,2,3\n1,2,3,4\n2,3,4,5\n",
+        ("the displacement may be 'Sensor 1 (um)' or 'Sensor 2 (um)'", '--columns "time=time,voltage=voltage,displ'),
+    ),
+    Bad(
+        "displacement in percent",
+        "a.csv",
+        text(header="time,voltage,Position (%)"),
+        ("'Position (%)' is in %, which is no unit of a displacement", "displacement_unit=um"),
+    ),
+    Bad(
+        "error of a spreadsheet",
+        "a.csv",
+        text({5: "0.003,#N/A,1.0"}),
+        ("line 5", "voltage_V is '#N/A', not a number"),
+    ),
+    Bad("no table", "a.xlsx", b"PK", ("holds a header and no rows",)),
     # columns
     Bad(
         "missing column",
         "a.csv",
-        text(header="time_s,volt_V,displacement_um"),
+        text(header="time_s,speed,displacement_um"),
         (
             "no voltage column 'voltage_V'",
-            "did you mean 'volt_V'",
-            "names time_s, volt_V, displacement_um",
-            "voltage=NAME",
+            "names time_s, speed, displacement_um",
+            '--columns "time=time_s,voltage=NAME,displacement=displacement_um"',
         ),
     ),
-    Bad("wrong separator", "a.csv", text(), ("no time column 'time_s'", "give the separator"), Columns(separator=";")),
+    Bad(
+        "wrong separator",
+        "a.csv",
+        text(),
+        ("no time column 'time_s'", "give --columns separator"),
+        Columns(separator=";"),
+    ),
     Bad(
         "column name twice", "a.csv", text(header="time_s,voltage_V,voltage_V"), ("names voltage_V twice", "rename one")
     ),
@@ -169,7 +193,7 @@ BAD = [
         "wrong time unit",
         "a.csv",
         text(),
-        ("Ts_s = 0.001 s was given", "rises by 1e-06 s", "check the time unit"),
+        ("Ts_s = 0.001 s was given", "rises by 1e-06 s", "--columns time_unit="),
         Columns(Ts_s=0.001, time_unit="ms"),
     ),
     # segments
@@ -197,7 +221,7 @@ BAD = [
         "no time at all",
         "a.npz",
         npz(**sound(time_s=None)),
-        ("no time array 'time_s'", "it holds", "time=NAME, or give Ts_s in seconds"),
+        ("no time array 'time_s'", "it holds", "--columns time=NAME or --columns Ts_s=SECONDS"),
     ),
     Bad(
         "aux of other length",
@@ -258,7 +282,7 @@ def test_the_sound_record_that_the_bad_ones_are_made_of_is_accepted_in_every_for
 
 
 BAD_OPTIONS: list[tuple[str, Callable[[], object], tuple[str, ...]]] = [
-    ("unknown unit", lambda: Columns(voltage_unit="Volt"), ("voltage_unit", "'Volt'", "choose from V, mV")),
+    ("unknown unit", lambda: Columns(voltage_unit="Watt"), ("voltage_unit", "'Watt'", "choose from V, mV")),
     ("unknown key", lambda: Columns.from_text("voltge=u"), ("'voltge=u'", "did you mean 'voltage'", "write key=value")),
     ("period that is none", lambda: Columns(Ts_s=-1.0), ("Ts_s: -1 s", "positive number")),
     ("period that is no number", lambda: Columns.from_text("Ts_s=fast"), ("Ts_s 'fast'", "give seconds")),

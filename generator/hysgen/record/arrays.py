@@ -16,11 +16,35 @@ import h5py
 import numpy as np
 import scipy.io
 from numpy.typing import NDArray
+from scipy.io.matlab import MatlabOpaque
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import nearest
 
 Array = NDArray[np.generic]
+
+TIMETABLE = (
+    "{name}: {variable} is a MATLAB table or timetable, which only MATLAB can read; there: "
+    "s = table2struct(timetable2table(x), 'ToScalar', true); save('record.mat', '-struct', 's')"
+)
+"""Message for a variable that is an object of MATLAB."""
+
+PERIODS = {
+    "ts_s": 1.0,
+    "ts": 1.0,
+    "dt": 1.0,
+    "delta_t": 1.0,
+    "sample_time": 1.0,
+    "sampletime": 1.0,
+    "sampling_period": 1.0,
+    "fs_hz": -1.0,
+    "fs": -1.0,
+    "sample_rate": -1.0,
+    "samplerate": -1.0,
+    "sampling_rate": -1.0,
+    "sampling_frequency": -1.0,
+}
+"""Lower-case names of scalars that give the sampling period in s (+1) or the rate in Hz (-1)."""
 
 HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 MATLAB_BLOCK = 512
@@ -50,35 +74,67 @@ def read_mat(path: Path) -> dict[str, Array]:
     """All numeric variables of a MAT file; fields of structures as "structure/field". v7.3 is read as HDF5."""
     start = path.read_bytes()[: MATLAB_BLOCK + len(HDF5_MAGIC)]
     if start.startswith(HDF5_MAGIC) or start.endswith(HDF5_MAGIC):
-        return read_hdf5(path)
+        return read_hdf5(path)[0]
     if not start.startswith(b"MATLAB 5.0 MAT-file"):
         raise RecordError(f"{path.name}: is not a MAT file of version 5 or 7.3; save it with MATLAB's -v7 or -v7.3")
     try:
         content = scipy.io.loadmat(str(path), simplify_cells=True)
     except Exception as fault:  # SciPy's parser may raise any exception on a damaged file
         raise RecordError(f"{path.name}: is damaged ({_one_line(fault)}); save it again") from fault
-    return dict(_flat("", content))
+    arrays = dict(_flat("", content))
+    opaque = [name for name, item in content.items() if isinstance(item, MatlabOpaque)]
+    if opaque and not arrays:
+        raise RecordError(TIMETABLE.format(name=path.name, variable=opaque[0]))
+    return arrays
 
 
-def read_hdf5(path: Path) -> dict[str, Array]:
-    """All numeric datasets of an HDF5 file by path, without the leading slash.
+def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | None]:
+    """All numeric datasets of an HDF5 file by path, without the leading slash, their units, and the sampling period.
 
+    The fields of a compound dataset are arrays of their own, "table/field". Units are attributes `unit` or `units`;
+    the period is a scalar attribute of a group or dataset with a name in PERIODS.
     MATLAB stores the axes of an array in reverse order. Datasets with MATLAB's attribute are transposed, and their
     vectors made one-dimensional, so that indices have the order of MATLAB. Links are not followed.
     """
     arrays: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    periods: list[float] = []
 
     def take(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and item.shape is not None:
+        period = period_in({str(key): item.attrs[key] for key in item.attrs})
+        if period is not None:
+            periods.append(period)
+        if "MATLAB_class" in item.attrs and item.attrs["MATLAB_class"] in (b"table", b"timetable"):
+            raise RecordError(TIMETABLE.format(name=path.name, variable=name))
+        if not isinstance(item, h5py.Dataset) or item.shape is None:
+            return
+        unit = next((item.attrs[key] for key in ("unit", "units") if key in item.attrs), None)
+        if unit is not None:
+            units[name] = unit.decode() if isinstance(unit, bytes) else str(unit)
+        if item.dtype.names:
+            table = np.asarray(item[()])
+            arrays.update({f"{name}/{key}": table[key] for key in item.dtype.names if table[key].dtype.kind in "fiu"})
+        elif item.dtype.kind in "fiu":
             values = np.asarray(item[()])
             arrays[name] = np.squeeze(values.T) if "MATLAB_class" in item.attrs else values
 
     try:
         with h5py.File(path, "r") as file:
+            take("", file)
             file.visititems(take)
     except (OSError, RuntimeError, ValueError, KeyError) as fault:
         raise RecordError(f"{path.name}: is no readable HDF5 file ({_one_line(fault)}); write it again") from fault
-    return arrays
+    return arrays, units, periods[0] if periods and max(periods) == min(periods) else None
+
+
+def period_in(values: Mapping[str, Any]) -> float | None:
+    """The sampling period in s from a scalar with a name in PERIODS; None without one."""
+    for key, value in values.items():
+        power = PERIODS.get(key.rpartition("/")[2].lower())
+        array = np.asarray(value)
+        if power is not None and array.size == 1 and array.dtype.kind in "fiu" and float(np.ravel(array)[0]) > 0.0:
+            return float(float(np.ravel(array)[0]) ** power)
+    return None
 
 
 def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list[tuple[str, Array]]:
@@ -92,10 +148,10 @@ def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list
     key = key_of(arrays, name)
     if key is None:
         there = ", ".join(sorted(arrays)) or "no numeric arrays"
-        otherwise = ", or give Ts_s in seconds" if role == "time" else ""
+        cure = f"--columns {role}=NAME" + (" or --columns Ts_s=SECONDS" if role == "time" else "")
         raise RecordError(
             f"{source}: has no {role} array '{name}'{nearest(name, arrays)}; it holds {there}; "
-            f"say which one it is with {role}=NAME{otherwise}"
+            f"say which one it is: {cure}"
         )
     array = arrays[key]
     if index is None:
@@ -158,12 +214,31 @@ def _series(source: str, name: str, array: Array, index: str) -> Iterator[tuple[
 
 
 def _flat(prefix: str, content: Mapping[str, Any]) -> Iterator[tuple[str, Array]]:
-    """Numeric variables of nested dictionaries, by path."""
+    """Numeric variables of nested dictionaries, by path.
+
+    An item of a structure array has the name that it gives itself (Simulink: label, dSPACE: Name), else its number from
+    1; a structure with `Data` or `values` (dSPACE, Simulink) is that array.
+    """
     for name, item in content.items():
         if isinstance(item, Mapping):
-            yield from _flat(f"{prefix}{name}/", item)
+            held = next((item[key] for key in ("Data", "data", "values") if key in item), None)
+            if held is not None and not isinstance(held, (Mapping, str)) and np.asarray(held).dtype.kind in "fiub":
+                yield prefix + (_given_name(item) or ("time" if name == "X" else name)), np.asarray(held)
+            else:
+                yield from _flat(f"{prefix}{name}/", item)
+        elif (
+            isinstance(item, (list, np.ndarray)) and len(np.atleast_1d(item)) and isinstance(np.ravel(item)[0], Mapping)
+        ):
+            parts = [(_given_name(one) or f"{name}{number}", one) for number, one in enumerate(np.ravel(item), 1)]
+            yield from _flat(f"{prefix}{name}/", dict(parts))
         elif not name.startswith("__") and np.asarray(item).dtype.kind in "fiub":
             yield prefix + name, np.asarray(item)
+
+
+def _given_name(item: Mapping[str, Any]) -> str:
+    """The name in the fields of a structure; "" if it has none."""
+    given = next((item[key] for key in ("label", "Name", "name") if isinstance(item.get(key), str)), "")
+    return str(given).strip().replace("/", " ")
 
 
 def _one_line(fault: BaseException) -> str:

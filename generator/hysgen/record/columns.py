@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "displacement": {"um": (1.0, 1.0), "nm": (1.0, 1e3), "pm": (1.0, 1e6), "mm": (1e3, 1.0), "m": (1e6, 1.0)},
 }
 BASE = {"time": "s", "voltage": "V", "displacement": "um"}
+OWN = {"time": "time_s", "voltage": "voltage_V", "displacement": "displacement_um"}
+"""Names of the columns in hysgen's own files."""
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
 
 
@@ -56,7 +58,7 @@ class Columns:
     def __post_init__(self) -> None:
         for role in UNITS:
             unit = getattr(self, f"{role}_unit")
-            if unit is not None and _plain(unit) not in UNITS[role]:
+            if unit is not None and plain_unit(unit) not in UNITS[role]:
                 raise RecordError(f"{role}_unit: '{unit}' is not known; choose from {', '.join(UNITS[role])}")
         if self.separator is not None and len(SEPARATORS.get(self.separator, self.separator)) != 1:
             raise RecordError(
@@ -94,19 +96,34 @@ class Columns:
                 given[key] = value
         return cls(**given)
 
+    def named(self, names: Mapping[str, str], units: Mapping[str, str] | None = None) -> Columns:
+        """The columns with these names and units by role."""
+        fields: dict[str, Any] = {**names, **{f"{role}_unit": unit for role, unit in (units or {}).items()}}
+        return replace(self, **fields)
+
     def unit(self, role: str) -> str:
         """Unit of `role` ("time", "voltage", "displacement"): as given, else the suffix of its name, else s, V, um."""
         given = getattr(self, f"{role}_unit")
         if given is not None:
-            return _plain(given)
+            return plain_unit(given)
         return self.unit_in_name(role) or BASE[role]
 
     def unit_in_name(self, role: str) -> str | None:
-        """Unit in the suffix of the column's name, as in "x_nm", "x [nm]" or "x (nm)"; None without a known unit."""
+        """Unit in the suffix of the column's name, as in "x_nm", "x [nm]" or "x (nm)"; None without a unit.
+
+        Raises RecordError for a unit of another quantity or one that is not known, as "Position (%)".
+        """
         name = re.sub(r"\[[^\]]*[:,][^\]]*\]$", "", getattr(self, role))
-        ending = re.search(r"(?:_|\s|\[|\()([a-zA-Zµμ]+)[\])]?$", name.strip())
-        unit = _plain(ending.group(1)) if ending else ""
-        return unit if unit in UNITS[role] else None
+        _, text = split_unit(name)
+        if text is None:
+            return None
+        unit = plain_unit(text)
+        if unit not in UNITS[role]:
+            raise RecordError(
+                f"the {role} '{name}' is in {text}, which is no unit of a {role}; if it is in {BASE[role]} "
+                f'all the same, give --columns "{role}={name},{role}_unit={BASE[role]}"'
+            )
+        return unit
 
     def in_base_unit(self, role: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """`values` of `role` in s, V or um."""
@@ -143,6 +160,61 @@ def _renamed(text: str) -> tuple[str, str, str]:
     return text.partition("=") if "=" in text else (text, "", text)
 
 
-def _plain(unit: str) -> str:
-    """The unit with the micro sign (U+00B5 or U+03BC) replaced by u."""
-    return unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+def plain_unit(unit: str) -> str:
+    """The unit in the spelling of UNITS: the micro sign as u, words in full, capitals where they are common.
+
+    >>> [plain_unit(text) for text in ("\N{MICRO SIGN}m", "micron", "Volts", "sec", "NM")]
+    ['um', 'um', 'V', 's', 'nm']
+    """
+    text = unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u").strip()
+    known = {one for units in UNITS.values() for one in units}
+    if text in known:
+        return text
+    lower = text.lower()
+    return IN_WORDS.get(lower) or {one.lower(): one for one in known}.get(lower, text)
+
+
+def split_unit(name: str) -> tuple[str, str | None]:
+    """A column's name without its unit, and the unit; None if the name has none.
+
+    In brackets, every text is a unit; behind "_", "/", "in" or a blank, only one that is known.
+
+    >>> [split_unit(text) for text in ("Sensor 1 [nm]", "x_nm", "U in V", "displacement_raw", "Position (%)")]
+    [('Sensor 1', 'nm'), ('x', 'nm'), ('U', 'V'), ('displacement_raw', None), ('Position', '%')]
+    """
+    text = name.strip()
+    bracketed = re.fullmatch(r"(.*?)[\s_]*(?:\[([^\[\]:,]*)\]|\(([^()]*)\)|<([^<>]*)>)", text)
+    if bracketed and not re.fullmatch(r"-?\d+", unit := next(one for one in bracketed.groups()[1:] if one is not None)):
+        return bracketed.group(1), unit.strip() or None
+    ending = re.fullmatch(r"(.+?)(?:_|\s*/\s*|\s+in\s+|\s+)([^\s_/]+)", text)
+    if ending and any(plain_unit(ending.group(2)) in units for units in UNITS.values()):
+        return ending.group(1), ending.group(2)
+    return text, None
+
+
+IN_WORDS = {
+    "sec": "s",
+    "secs": "s",
+    "second": "s",
+    "seconds": "s",
+    "sek": "s",
+    "sekunden": "s",
+    "msec": "ms",
+    "milliseconds": "ms",
+    "usec": "us",
+    "minutes": "min",
+    "volt": "V",
+    "volts": "V",
+    "伏": "V",
+    "秒": "s",
+    "micron": "um",
+    "microns": "um",
+    "micrometer": "um",
+    "micrometre": "um",
+    "微米": "um",
+    "纳米": "nm",
+    "nanometer": "nm",
+    "nanometre": "nm",
+    "毫秒": "ms",
+}
+"""Units in full, lower case."""

@@ -6,84 +6,73 @@ and the fault.
 
 from __future__ import annotations
 
-import csv
 import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import SEPARATORS, Columns
-
-COMMENT = "#"
+from hysgen.record.columns import Columns
+from hysgen.record.layout import COMMENT, Layout, clock_seconds, is_clock, layout_of, number, split
+from hysgen.record.names import ROLES, guessed, words_of
 
 
 @dataclass(frozen=True, eq=False)
 class CsvTable:
-    """Columns of a CSV file.
+    """Columns of a text table.
 
-    names: of all columns, numeric or not. columns: (n,) numbers by name.
+    names: of all columns, numeric or not. columns: (n,) numbers by name. chosen: the columns of time, voltage and
+    displacement, as given or as guessed. Ts_s: sampling period in the preamble, if any.
     locate: row number to "line 12". remarks: one line each, for the user.
     """
 
     names: tuple[str, ...]
     columns: dict[str, NDArray[np.float64]]
+    chosen: Columns
+    Ts_s: float | None
     locate: Callable[[int], str]
     remarks: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Layout:
-    """Layout of a CSV text.
+def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
+    """The numeric columns of a text file, in the units of the file.
 
-    names: of all columns. separator: one character. body: the text after the header. first: line number of its start.
-    """
-
-    source: str
-    names: tuple[str, ...]
-    separator: str
-    body: str
-    first: int
-
-    def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number, from 1, and fields of every data line."""
-        for number, line in enumerate(io.StringIO(self.body), self.first):
-            if _is_data(line):
-                yield number, _split(line, self.separator)
-
-    def locate(self, row: int) -> str:
-        return next(f"line {number}" for position, (number, _) in enumerate(self.rows()) if position == row)
-
-
-def read_csv(path: Path, columns: Columns) -> CsvTable:
-    """The numeric columns of a CSV file, in the units of the file.
-
-    Accepted: a byte order mark, CRLF, blank lines, comments after '#', quotes, a header after '#'.
+    Accepted: a byte order mark, UTF-16, CRLF, blank lines, comments after '#' or '%', quotes, a preamble, a row of
+    units, a decimal comma, separators between thousands, times of day, no header, a last line cut short.
     Columns whose first value is not a number are left out with a remark, unless `columns` names them.
     Raises RecordError with file, line, column and cure.
     """
-    layout = _layout(path.name, _text(path), columns)
+    layout = layout_of(source, _text(source, data), columns)
     first_row = next((fields for _, fields in layout.rows()), None)
     if first_row is None:
         raise RecordError(f"{layout.source}: holds a header and no rows; record some samples")
-    comma = columns.decimal == "," or (
-        columns.decimal is None and layout.separator != "," and any("," in one for one in first_row)
-    )
+    if columns.Ts_s is None and layout.Ts_s is not None and not _has_time(layout):
+        columns = replace(columns, Ts_s=layout.Ts_s, time="")
+    columns, guess = guessed(columns, layout.names, source) if layout.headed else _by_position(columns, layout, source)
+    told = {role: layout.units.get(getattr(columns, role)) for role in ROLES}
+    units = {role: unit for role, unit in told.items() if unit and getattr(columns, f"{role}_unit") is None}
+    columns = columns.named({}, units)
+    for role in ROLES:
+        try:
+            columns.unit(role)
+        except RecordError as fault:
+            raise RecordError(f"{source}: {fault}") from fault
     wanted = {columns.time, columns.voltage, columns.displacement, columns.segment}
     wanted.update(name for _, name in columns.aux_pairs() or ())
-    use, remarks = [], []
+    use, remarks = [], [*layout.remarks, *([guess] if guess else [])]
     for position, name in enumerate(layout.names):
         value = first_row[position] if position < len(first_row) else ""
-        if name in wanted or (name and _number(value, comma) is not None):
+        if name in wanted or (name and number(value, layout.comma) is not None):
             use.append(position)
         elif name:
             remarks.append(f"{layout.source}: column {name} holds '{value}', not numbers, and is left out")
-    values = _parse(layout, use, comma)
+    values, cut = _parse(layout, use)
+    if cut:
+        remarks.append(f"{layout.source}: the last line is cut short and is left out")
     table = {layout.names[position]: values[:, place] for place, position in enumerate(use)}
-    return CsvTable(tuple(filter(None, layout.names)), table, layout.locate, tuple(remarks))
+    return CsvTable(tuple(filter(None, layout.names)), table, columns, layout.Ts_s, layout.locate, tuple(remarks))
 
 
 def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
@@ -92,82 +81,109 @@ def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
     return "\n".join((",".join(columns), *map(",".join, body), ""))
 
 
-def _text(path: Path) -> str:
-    data = path.read_bytes()
-    if not data.strip():
-        raise RecordError(f"{path.name}: is empty; record some samples")
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise RecordError(f"{path.name}: is UTF-16 text; save it as UTF-8")
-    if b"\0" in data[:65536]:
-        raise RecordError(
-            f"{path.name}: is binary, not CSV text; export it as CSV, or give it the suffix of its format"
+def _has_time(layout: Layout) -> bool:
+    return any("time" in words_of(name) or words_of(name) == ("x_value",) for name in layout.names)
+
+
+def _by_position(columns: Columns, layout: Layout, source: str) -> tuple[Columns, str]:
+    """The roles of columns without names: time is the first that rises evenly, then voltage, then displacement."""
+    own = Columns()
+    if any(getattr(columns, role) in layout.names for role in ROLES):
+        return columns, ""
+    rows = [fields for _, (_, fields) in zip(range(200), layout.rows(), strict=False)]
+    if columns.time in (own.time, "") and (columns.voltage, columns.displacement) == (own.voltage, own.displacement):
+        rising = (
+            None
+            if columns.Ts_s is not None
+            else next(
+                (
+                    name
+                    for at, name in enumerate(layout.names)
+                    if _rises_evenly([row[at] for row in rows if at < len(row)], layout)
+                ),
+                None,
+            )
         )
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        # Older loggers write the micro sign of a header in Latin-1, in which every byte is valid.
-        text = data.decode("latin-1")
+        others = [name for name in layout.names if name != rising]
+        if len(others) >= 2:
+            roles = {"voltage": others[0], "displacement": others[1]} | ({"time": rising} if rising else {})
+            chosen = columns.named(roles)
+            pairs = ",".join(f"{role}={name}" for role, name in roles.items())
+            return chosen, f'{source}: has no header; read as --columns "{pairs}" (columns counted from 0)'
+    raise RecordError(
+        f"{source}: line {layout.first}: holds numbers where the names belong; put a first line such as "
+        f"{own.time},{own.voltage},{own.displacement}, or name columns by their place: "
+        '--columns "time=0,voltage=1,displacement=2"'
+    )
+
+
+def _rises_evenly(texts: Sequence[str], layout: Layout) -> bool:
+    if texts and all(is_clock(one) for one in texts):
+        return True
+    values = [number(one, layout.comma) for one in texts]
+    if len(values) < 2 or any(value is None for value in values):
+        return False
+    steps = np.diff(np.array(values, dtype=np.float64))
+    return bool(steps.min() >= 0.0 and steps.mean() > 0.0 and steps.max() < 3.0 * steps.mean())
+
+
+def _text(source: str, data: bytes) -> str:
+    if not data.strip():
+        raise RecordError(f"{source}: is empty; record some samples")
+    head = data[:4096]
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        text = data.decode("utf-16", errors="replace")
+    elif len(head) > 20 and head[1::2].count(0) > 0.9 * len(head[1::2]) and 0 not in head[::2]:
+        text = data.decode("utf-16-le", errors="replace")
+    elif b"\0" in data[:65536]:
+        raise RecordError(f"{source}: is binary, not text; export it as CSV, or give it the suffix of its format")
+    else:
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            # Older loggers write the micro sign of a header in Latin-1, in which every byte is valid.
+            text = data.decode("latin-1")
+    text = text.replace("\ufeff", "") if "\ufeff" in text else text
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 
-def _layout(source: str, text: str, columns: Columns) -> _Layout:
-    """The layout. Its header is the first line that is no comment, or the last comment before the first numbers."""
-    end, header, remark = 0, "", ""
-    for number, line in enumerate(io.StringIO(text), 1):  # noqa: B007 the line number is used behind the loop
-        if _is_data(line):
-            header = line
-            break
-        end += len(line)
-        remark = line.strip().lstrip(COMMENT) or remark
-    if not header:
-        raise RecordError(f"{source}: holds only comments; record some samples")
-    if not _starts_with_number(header):
-        end, number = end + len(header), number + 1
-    elif columns.voltage in remark:
-        header = remark
-    else:
-        raise RecordError(
-            f"{source}: line {number}: holds numbers where the names belong; "
-            f"put a first line such as {columns.time},{columns.voltage},{columns.displacement}"
-        )
-    named = columns.separator or max(",;\t", key=header.count)
-    separator = SEPARATORS.get(named, named)
-    names = tuple(_split(header, separator))
-    for name in names:
-        if name and names.count(name) > 1:
-            raise RecordError(f"{source}: the header names {name} twice; rename one of the two columns")
-    return _Layout(source, names, separator, text[end:], number)
+def _parse(layout: Layout, use: Sequence[int]) -> tuple[NDArray[np.float64], bool]:
+    """Columns `use` as (n, len(use)), and whether a last line cut short was left out.
+
+    By the slow reader where the fast one fails or may have missed a fault.
+    """
+    values = _fast(layout, use)
+    if values is not None:
+        return values, False
+    cut = _without_cut_line(layout)
+    if cut is not None:
+        layout = cut
+        values = _fast(layout, use)
+    return (_slow(layout, use) if values is None else values), cut is not None
 
 
-def _split(line: str, separator: str) -> list[str]:
-    """The fields of one line, without quotes and without a comment at its end."""
-    line = line.partition(COMMENT)[0].strip(" \r\n")
-    if separator == " ":
-        return line.split()
-    fields = next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
-    return [one.strip() for one in fields]
+def _without_cut_line(layout: Layout) -> Layout | None:
+    """The layout without its last line, if that has fewer fields than the others; else None."""
+    body = layout.body.rstrip("\n")
+    start = body.rfind("\n") + 1
+    last = body[start:]
+    if start == 0 or not last.strip() or len(split(last, layout.separator)) >= len(layout.names):
+        return None
+    before = body[: start - 1]
+    line = before[before.rfind("\n") + 1 :]
+    if len(split(line, layout.separator)) != len(layout.names):
+        return None
+    return replace(layout, body=body[:start])
 
 
-def _parse(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64]:
-    """Columns `use` as (n, len(use)); by the slow reader where the fast one fails or may have missed a fault."""
-    values = _fast(layout, use, comma)
-    if values is None:
-        return _slow(layout, use, comma)
-    if len(use) == len(layout.names):
-        regular = values.shape[1] == len(layout.names)
-    else:
-        # If columns are left out, the fast reader does not detect rows of the wrong length.
-        regular = layout.body.count(layout.separator) == values.shape[0] * (len(layout.names) - 1)
-    return values if regular else _slow(layout, use, comma)
-
-
-def _fast(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64] | None:
+def _fast(layout: Layout, use: Sequence[int]) -> NDArray[np.float64] | None:
     """The numbers by NumPy's compiled reader, or None if it fails: its messages name no line and no column."""
+    comments: str | list[str] = COMMENT if "%" not in layout.body else [COMMENT, "%"]
     try:
-        return np.loadtxt(
-            io.StringIO(layout.body.replace(",", ".") if comma else layout.body),
+        values = np.loadtxt(
+            io.StringIO(layout.body.replace(",", ".") if layout.comma else layout.body),
             dtype=np.float64,
-            comments=COMMENT,
+            comments=comments,
             delimiter=None if layout.separator == " " else layout.separator,
             usecols=None if len(use) == len(layout.names) else use,
             quotechar='"' if '"' in layout.body else None,
@@ -175,42 +191,43 @@ def _fast(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float6
         )
     except ValueError:
         return None
+    if len(use) == len(layout.names):
+        return values if values.shape[1] == len(layout.names) else None
+    # If columns are left out, the fast reader does not detect rows of the wrong length.
+    if layout.separator == " ":
+        return None
+    regular = layout.body.count(layout.separator) == values.shape[0] * (len(layout.names) - 1)
+    return values if regular else None
 
 
-def _slow(layout: _Layout, use: Sequence[int], comma: bool) -> NDArray[np.float64]:
+def _slow(layout: Layout, use: Sequence[int]) -> NDArray[np.float64]:
     """The numbers by Python, one line at a time. Raises RecordError at the first fault, with its line and column."""
-    table = []
-    for number, fields in layout.rows():
+    table: list[list[float]] = []
+    clocks: dict[int, list[str]] = {}
+    for line, fields in layout.rows():
         if len(fields) != len(layout.names):
+            named = "header" if layout.headed else "first row"
             raise RecordError(
-                f"{layout.source}: line {number}: has {len(fields)} fields, the header has {len(layout.names)}; "
+                f"{layout.source}: line {line}: has {len(fields)} fields, the {named} has {len(layout.names)}; "
                 "complete the row"
             )
         row = []
-        for position in use:
-            value = _number(fields[position], comma)
+        for place, position in enumerate(use):
+            value = number(fields[position], layout.comma)
+            if value is None and is_clock(fields[position]):
+                clocks.setdefault(place, []).append(fields[position])
+                value = 0.0
             if value is None:
                 shown = f"'{fields[position]}', not a number" if fields[position] else "empty"
-                raise RecordError(f"{layout.source}: line {number}: {layout.names[position]} is {shown}; correct it")
+                raise RecordError(f"{layout.source}: line {line}: {layout.names[position]} is {shown}; correct it")
             row.append(value)
         table.append(row)
-    return np.array(table, dtype=np.float64)
-
-
-def _number(text: str, comma: bool) -> float | None:
-    """The number in `text`, or None. An underscore, which Python's float accepts, is not allowed."""
-    try:
-        return float(text.replace(",", ".") if comma else text) if "_" not in text else None
-    except ValueError:
-        return None
-
-
-def _starts_with_number(line: str) -> bool:
-    start = line.partition(";")[0].partition("\t")[0].partition(",")[0].strip(' "')
-    return _number(start, comma=False) is not None
-
-
-def _is_data(line: str) -> bool:
-    """Neither blank nor a comment."""
-    stripped = line.lstrip()
-    return bool(stripped) and not stripped.startswith(COMMENT)
+    values = np.array(table, dtype=np.float64)
+    for place, texts in clocks.items():
+        if len(texts) != len(table):
+            name = layout.names[use[place]]
+            raise RecordError(
+                f"{layout.source}: {name} is a time of day in {len(texts)} of {len(table)} rows; correct it"
+            )
+        values[:, place] = clock_seconds(texts)
+    return values

@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hysgen.errors import RecordError
-from hysgen.record.arrays import Array, read_hdf5, read_mat, read_npz
+from hysgen.record.array_names import chosen_arrays
 from hysgen.record.checks import check_finite, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record, Segment
+from hysgen.record.formats import open_checked
 from hysgen.record.further import kept, left_out
 from hysgen.record.relation import rate, relation, scale
-from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays, runs_of_table, scalar_period
-from hysgen.record.sampling import JITTER, Stamps, sampling_period
+from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays, runs_of_table
+from hysgen.record.sampling import JITTER, Stamps, rounding_line, sampling_period
 
-CSV_SUFFIXES = (".csv", ".txt", ".tsv", ".dat")
-ARRAY_READERS: Mapping[str, Callable[[Path], dict[str, Array]]] = {
-    ".npz": read_npz,
-    ".mat": read_mat,
-    ".h5": read_hdf5,
-    ".hdf5": read_hdf5,
-    ".hdf": read_hdf5,
-}
-SUFFIXES = (*CSV_SUFFIXES, *ARRAY_READERS)
 DEFAULT = Columns()
 
 
@@ -40,8 +32,9 @@ def load_record(
 ) -> Record:
     """Read a record from one file, or from several files as several segments.
 
-    path: CSV (.csv .txt .tsv .dat), NPZ, MAT v5 or v7.3, HDF5 (.h5 .hdf5 .hdf).
-    columns: names, units and separators, the same for all files.
+    path: text (CSV, LVM, GCS array, ...), NPZ, NPY, MAT v5 or v7.3, HDF5, and with `hysgen[formats]` Excel, Parquet,
+        Feather, TDMS, MDF4, UFF 58; each also packed by gzip or zip. The format is recognised by the content.
+    columns: names, units and separators, the same for all files; names that are not given are guessed (`names`).
     jitter: largest deviation of a time step, relative to the period.
     accept: refusals that become warnings, out of "constant", "saturation", "swapped".
     split_at_gaps: start a new segment after a gap in time instead of refusing it.
@@ -89,7 +82,8 @@ def record_csv(record: Record) -> str:
 
 
 def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Record:
-    runs, remarks, given_s = _runs(path, columns)
+    content = _content(path, columns)
+    runs, columns, remarks, given_s = content.runs, content.columns, content.remarks, content.Ts_s
     # Before the check of the time: channels of unequal length would be cut at the wrong rows.
     for run in runs:
         check_finite(run.channels)
@@ -101,6 +95,8 @@ def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[s
         Stamps(path.name, run.time_s, columns.time, run.channels.locate) for run in runs if run.time_s is not None
     ]
     Ts_s = sampling_period(stamps, jitter, columns.Ts_s) if stamps else given_s
+    if stamps and (line := rounding_line(stamps)) is not None:
+        remarks = (*remarks, line)
     if Ts_s is None:
         raise RecordError(f"{path.name}: has no time and no sampling period; give --columns Ts_s=SECONDS")
     channels = [run.channels for run in runs]
@@ -113,7 +109,7 @@ def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[s
     for run in runs:
         start_s = float(run.time_s[0]) if run.time_s is not None else 0.0
         segments.append(Segment(run.name, run.channels.u_V, run.channels.y_um, run.channels.aux, start_s))
-    named = (f"{path.name}: {line}" for line in (*columns.remarks(), *remarks))
+    named = (f"{path.name}: {line.removeprefix(f'{path.name}: ')}" for line in (*columns.remarks(), *remarks))
     return Record.from_segments(segments, Ts_s, path.name, (*named, *dropped, *warnings, *doubts))
 
 
@@ -130,26 +126,34 @@ def _with_channels(runs: list[RawRun], source: str, columns: Columns) -> tuple[l
     return trimmed, lines
 
 
-def _runs(path: Path, columns: Columns) -> tuple[list[RawRun], tuple[str, ...], float | None]:
-    """The runs of a file, remarks about it, and the sampling period from its scalars or from the user, if any."""
-    suffix = path.suffix.lower()
+@dataclass(frozen=True, eq=False)
+class _Content:
+    """The runs of a file; columns as given or as guessed; remarks; the sampling period from the file or the user."""
+
+    runs: list[RawRun]
+    columns: Columns
+    remarks: tuple[str, ...]
+    Ts_s: float | None
+
+
+def _content(path: Path, columns: Columns) -> _Content:
     if path.is_dir():
         raise RecordError(f"{path}: is a folder; name the record in it")
     if not path.exists():
-        there = [one.name for one in path.parent.iterdir()] if path.parent.is_dir() else []
+        there = [] if not path.parent.is_dir() else [one.name for one in path.parent.iterdir() if one.exists()]
         raise RecordError(f"{path}: there is no such file{nearest(path.name, there)}; check the name")
-    if suffix not in SUFFIXES:
-        raise RecordError(
-            f"{path.name}: the suffix '{suffix}' is not known; save the record as one of {' '.join(SUFFIXES)}"
-        )
     try:
-        if suffix in CSV_SUFFIXES:
-            table = read_csv(path, columns)
-            return runs_of_table(path.name, table, columns), table.remarks, columns.Ts_s
-        arrays = ARRAY_READERS[suffix](path)
+        content = open_checked(path)
     except OSError as fault:
         raise RecordError(f"{path}: cannot be read ({fault.strerror}); check its permissions") from fault
-    return runs_of_arrays(path.name, arrays, columns), (), columns.Ts_s or scalar_period(arrays)
+    if isinstance(content, bytes):
+        table = read_csv(path.name, content, columns)
+        return _Content(runs_of_table(path.name, table), table.chosen, table.remarks, table.chosen.Ts_s or table.Ts_s)
+    if not content.arrays:
+        raise RecordError(f"{path.name}: holds no numeric arrays; save voltage and displacement as arrays of numbers")
+    chosen, Ts_s, guess = chosen_arrays(path.name, content, columns)
+    runs = runs_of_arrays(path.name, content.arrays, chosen, Ts_s)
+    return _Content(runs, chosen, (*content.remarks, *([guess] if guess else [])), Ts_s)
 
 
 def _named_after(record: Record, stem: str) -> Record:

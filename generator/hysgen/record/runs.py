@@ -15,10 +15,8 @@ from hysgen.record.arrays import Array, find, key_of
 from hysgen.record.channels import Channels, index_of, one_series
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import CsvTable
+from hysgen.record.names import to_paste
 from hysgen.record.sampling import gap_rows
-
-SCALARS = {"ts_s": 1.0, "fs_hz": -1.0}
-"""Lower-case names of scalars that give the sampling period to the power of +1 (period) or -1 (rate)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +40,17 @@ class RawRun:
         return RawRun(name, None if self.time_s is None else self.time_s[start:stop], channels)
 
 
-def runs_of_table(source: str, table: CsvTable, columns: Columns) -> list[RawRun]:
+def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
     """The runs of a CSV file. Raises RecordError for a missing column, with the names that exist."""
-    there = table.columns
+    there, columns = table.columns, table.chosen
 
     def column(role: str, name: str) -> NDArray[np.float64]:
         if name not in there:
-            cure = f"say which one it is with {role}=NAME" + (", or give Ts_s in seconds" if role == "time" else "")
+            cure = f"say which one it is: {to_paste(columns, {}, table.names)}"
+            if role == "time":
+                cure += " or, without time stamps, --columns Ts_s=SECONDS"
             if len(table.names) == 1:
-                cure = "give the separator if that is several names in one"
+                cure = "give --columns separator=... if that is several names in one"
             raise RecordError(
                 f"{source}: has no {role} column '{name}'{nearest(name, table.names)}; "
                 f"the header names {', '.join(table.names)}; {cure}"
@@ -75,16 +75,26 @@ def runs_of_table(source: str, table: CsvTable, columns: Columns) -> list[RawRun
     return list(_at_numbers(whole, there[columns.segment], columns.segment))
 
 
-def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -> list[RawRun]:
-    """The runs of an NPZ, MAT or HDF5 file.
+def runs_of_arrays(
+    source: str, arrays: Mapping[str, Array], columns: Columns, Ts_s: float | None = None
+) -> list[RawRun]:
+    """The runs of arrays. Ts_s: sampling period, if the file or the user gives it; then no time is needed.
 
+    Groups that hold the same names are segments, if the names are given without a group.
     Raises RecordError for an array that is missing, of another length, or of several axes without a selection.
     """
+    groups = _groups(arrays, columns)
+    if len(groups) > 1:
+        return [
+            replace(run, name=group if run.name == "0" else f"{group}:{run.name}")
+            for group in groups
+            for run in runs_of_arrays(source, _inside(arrays, group), columns, Ts_s)
+        ]
     u = find(source, arrays, "voltage", columns.voltage)
     y = find(source, arrays, "displacement", columns.displacement)
     time = None
     there = key_of(arrays, columns.time.partition("[")[0]) is not None
-    if columns.time and (there or (columns.Ts_s or scalar_period(arrays)) is None):
+    if columns.time and (there or Ts_s is None):
         time = _as_many(source, columns.time, find(source, arrays, "time", columns.time), len(u))
     pairs = _neighbours(arrays, columns) if (pairs := columns.aux_pairs()) is None else pairs
     aux = {label: _as_many(source, name, find(source, arrays, "aux", name), len(u)) for label, name in pairs}
@@ -116,14 +126,19 @@ def runs_of_arrays(source: str, arrays: Mapping[str, Array], columns: Columns) -
     return runs
 
 
-def scalar_period(arrays: Mapping[str, Array]) -> float | None:
-    """The sampling period in s from a scalar Ts_s or fs_Hz in the file, or None."""
-    for key, array in arrays.items():
-        power = SCALARS.get(key.rpartition("/")[2].lower())
-        if power is not None and array.size == 1 and array.dtype.kind in "fiu":
-            value = float(np.ravel(array)[0])
-            return value**power if value > 0.0 else None
-    return None
+def _groups(arrays: Mapping[str, Array], columns: Columns) -> list[str]:
+    """The groups that hold voltage and displacement, in the order of the file; "" for names that are unique."""
+    names = (columns.voltage, columns.displacement)
+    if any("/" in name or key_of(arrays, name.partition("[")[0]) is not None for name in names):
+        return []
+    folders = dict.fromkeys(key.rpartition("/")[0] for key in arrays)
+    return [folder for folder in folders if all(f"{folder}/{name}" in arrays for name in names)]
+
+
+def _inside(arrays: Mapping[str, Array], group: str) -> dict[str, Array]:
+    """The arrays of a group under their names in it, and scalars of the whole file."""
+    inside = {key.removeprefix(f"{group}/"): array for key, array in arrays.items() if key.startswith(f"{group}/")}
+    return {key: array for key, array in arrays.items() if "/" not in key and array.size == 1} | inside
 
 
 def at_gaps(run: RawRun) -> Iterator[RawRun]:

@@ -18,6 +18,9 @@ in whole microseconds, which is valid, has steps that are 3 % off.
 """
 GAP = 1.5
 """A step longer than this many periods is a gap: samples are missing."""
+FEWEST_ROUNDED = 20
+"""Stamps of a run that show whether they are rounded."""
+
 AGREEMENT = 0.01
 """Largest relative difference between the period given by the user and the period of the time stamps."""
 
@@ -48,6 +51,10 @@ def sampling_period(runs: Sequence[Stamps], jitter: float = JITTER, given_s: flo
     Raises RecordError with file, row and cure for stamps that are not finite or do not rise, for a gap, for a step more
     than `jitter` periods off, and for a period `given_s` that differs by more than 1 %.
     """
+    rounded = [_rounded(run) for run in runs]
+    if all(period is not None for period in rounded):
+        # The logger wrote the time with few digits: the samples are even, the stamps are not.
+        return _same_period(runs, [period for period in rounded if period is not None], given_s)
     for run in runs:
         _check_rising(run)
     median = float(np.median(np.concatenate([np.diff(run.time_s) for run in runs])))
@@ -59,10 +66,62 @@ def sampling_period(runs: Sequence[Stamps], jitter: float = JITTER, given_s: flo
         if abs(given_s - mean) > AGREEMENT * mean:
             raise RecordError(
                 f"{runs[0].source}: Ts_s = {given_s:g} s was given, but {runs[0].name} rises by {mean:.6g} s per row; "
-                "correct one of them, check the time unit, or name no time column"
+                "correct one of them, give --columns time_unit=..., or read without it: --columns time=,Ts_s=..."
             )
         return given_s
     return _simplest(mean, 2.0 * len(runs) * max(_rounding(run, mean) for run in runs) / steps)
+
+
+def rounding_line(runs: Sequence[Stamps]) -> str | None:
+    """A line for time stamps that the logger rounded; None for others."""
+    if any(_rounded(run) is None for run in runs):
+        return None
+    quantum = _quantum(runs[0].time_s)
+    return (
+        f"{runs[0].source}: {runs[0].name} is rounded to {quantum:g} s; the samples are taken to be even "
+        "(if they are not, give --columns Ts_s=SECONDS)"
+    )
+
+
+def _same_period(runs: Sequence[Stamps], periods: Sequence[float], given_s: float | None) -> float:
+    steps = sum(run.time_s.size - 1 for run in runs)
+    mean = sum(period * (run.time_s.size - 1) for run, period in zip(runs, periods, strict=True)) / steps
+    if given_s is not None:
+        return given_s
+    uncertainty = 2.0 * _quantum(runs[0].time_s) / max(run.time_s.size - 1 for run in runs)
+    return _simplest(mean, uncertainty)
+
+
+def _quantum(time_s: NDArray[np.float64]) -> float:
+    """The smallest positive step, as a decimal with one or two digits."""
+    steps = np.diff(time_s)
+    positive = steps[steps > 0.0]
+    return float(f"{positive.min():.2g}") if positive.size else 0.0
+
+
+def _rounded(run: Stamps) -> float | None:
+    """The period in s of stamps that lie on a uniform grid within their last digit and are not even; else None.
+
+    Rounded stamps repeat, or their steps differ by multiples of the quantum q, and |t(k) - t(0) - k Ts| <= q for all k.
+    """
+    if run.time_s.size < FEWEST_ROUNDED or not np.isfinite(run.time_s).all():
+        return None
+    steps = np.diff(run.time_s)
+    if steps.min() < 0.0 or steps.max() <= 0.0:
+        return None
+    quantum = _quantum(run.time_s)
+    period = float(run.time_s[-1] - run.time_s[0]) / steps.size
+    repeats = float(np.mean(steps == 0.0))
+    uneven = float(np.max(np.abs(steps - period))) > JITTER * period
+    whole = np.abs(steps / quantum - np.rint(steps / quantum)).max() < 0.01 if quantum else False
+    between = (period / quantum) % 1.0 if quantum else 0.0
+    # One row twice, or one row lost, in stamps of enough digits: a fault of the file, and no rounding.
+    if min(between, 1.0 - between) < 0.02:
+        return None
+    if not (repeats > 0.0 or uneven) or not whole or steps.max() > np.ceil(period / quantum + 1e-9) * quantum * 1.01:
+        return None
+    grid = run.time_s[0] + period * np.arange(run.time_s.size)
+    return period if float(np.max(np.abs(run.time_s - grid))) <= 1.5 * quantum else None
 
 
 def _check_rising(run: Stamps) -> None:
@@ -78,7 +137,7 @@ def _check_rising(run: Stamps) -> None:
     if now == before:
         raise RecordError(
             f"{run.source}: {run.locate(row)}: {run.name} repeats {now:.9g} s; delete one of the two rows, "
-            "or write the time with more digits"
+            "or, if the logger rounds, read without the column: --columns time=,Ts_s=SECONDS"
         )
     raise RecordError(
         f"{run.source}: {run.locate(row)}: {run.name} falls from {before:.9g} to {now:.9g} s; sort the rows, "
@@ -94,7 +153,7 @@ def _check_even(run: Stamps, period: float, jitter: float) -> None:
         raise RecordError(
             f"{run.source}: {run.locate(step + 1)}: {run.name} jumps from {run.time_s[step]:.9g} s by "
             f"{steps[step]:.6g} s where the period is {period:.6g} s ({gaps.size} such gaps); "
-            "number the runs in a segment column, or read with split_at_gaps"
+            "number the runs in a segment column, or give --split-at-gaps"
         )
     off = np.abs(steps - period) / period
     step = int(np.argmax(off))
@@ -102,7 +161,8 @@ def _check_even(run: Stamps, period: float, jitter: float) -> None:
         raise RecordError(
             f"{run.source}: {run.locate(step + 1)}: {run.name} steps by {steps[step]:.6g} s where the period is "
             f"{period:.6g} s: {100 * off[step]:.1f} % off, the worst of {np.count_nonzero(off > jitter)} "
-            f"above {100 * jitter:g} %; sample evenly, write the time with more digits, or allow more jitter"
+            f"above {100 * jitter:g} %; sample evenly, write the time with more digits, or give "
+            f"--jitter {np.ceil(100.0 * off[step]) / 100.0:g}"
         )
 
 
