@@ -49,8 +49,11 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read_records(paths: list[str], arguments: argparse.Namespace, console: Console) -> Record:
-    """The records at `paths`, joined as segments of one record; warnings go to stderr."""
+def read_records(paths: list[str], arguments: argparse.Namespace, console: Console, echo: bool = True) -> Record:
+    """The records at `paths`, joined as segments of one record; warnings go to stderr.
+
+    echo: print one line with rate, duration and ranges.
+    """
     columns = Columns.from_text(arguments.columns) if arguments.columns else Columns()
     record = load_record(
         [Path(path) for path in paths],
@@ -61,27 +64,36 @@ def read_records(paths: list[str], arguments: argparse.Namespace, console: Conso
     )
     for warning in record.warnings:
         console.warn(warning)
-    console.say(record.one_line())
+    if echo:
+        console.say(record.one_line())
     return record
 
 
-def parse_rows(text: str, samples: int) -> tuple[int, int]:
+def parse_rows(text: str, samples: int, Ts_s: float) -> tuple[int, int]:
     """(A, B) of rows "A:B", counted from 0, B excluded; an empty A or B means the end of the record.
 
+    A number that ends in s or ms is a time after the first row; a negative one counts from the end.
     Raises RecordError if the text is no range within the record.
 
-    >>> parse_rows("5000:", 7100)
-    (5000, 7100)
+    >>> parse_rows("5000:", 7100, 1e-3), parse_rows("0.5s:-100", 7100, 1e-3)
+    ((5000, 7100), (500, 7000))
     """
     first, colon, last = text.partition(":")
+
+    def row(part: str, empty: int) -> int:
+        part = part.strip()
+        scale = 1e-3 if part.endswith("ms") else 1.0
+        number = round(scale * float(part.rstrip("ms")) / Ts_s) if part.endswith("s") else int(part or empty)
+        return number + samples if number < 0 else number
+
     try:
-        start, stop = int(first or 0), int(last or samples)
+        start, stop = row(first, 0), row(last, samples)
     except ValueError:
         colon = ""
         start = stop = 0
     if not colon or not 0 <= start < stop <= samples:
         raise RecordError(
-            f"rows: '{text}' is not a range of the record's {samples} samples; write FIRST:LAST, as 0:5000"
+            f"rows: '{text}' is not a range of the record's {samples} samples; write FIRST:LAST, as 0:5000 or 0s:0.1s"
         )
     return start, stop
 

@@ -12,6 +12,7 @@ from hysgen.cli.outputs import Output
 
 GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "look at a record, fit a model": {
+        "inspect": ("inspect", "what a file holds: channels, units, rate, noise, excitation, what each cause needs"),
         "diagnose": ("diagnose", "what the simulation gets wrong, the causes, an extended model and its gain"),
         "fit": ("fit", "fit a model to one or several records"),
         "score": ("score", "errors of a model: one step, against the horizon, in free run"),

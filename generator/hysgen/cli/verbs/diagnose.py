@@ -62,7 +62,7 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
         fit=FitSettings(name=name, rules=arguments.rules), price=price_of, keep_all=arguments.keep_all
     )
     if arguments.rows:
-        start, stop = parse_rows(arguments.rows, record.samples)
+        start, stop = parse_rows(arguments.rows, record.samples, record.Ts_s)
         if holdout is None and stop < record.samples:
             # The two parts are one record: the states at the end of the first are those at the start of the second.
             settings = dataclasses.replace(settings, identify=(stop - start) / (record.samples - start))

@@ -105,7 +105,7 @@ def fit_arguments(parser: argparse.ArgumentParser) -> None:
 def run_fit(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console)
     if arguments.rows:
-        record = record.rows(*parse_rows(arguments.rows, record.samples))
+        record = record.rows(*parse_rows(arguments.rows, record.samples, record.Ts_s))
     settings = FitSettings(
         name=arguments.name or c_name(arguments.output),
         rules=arguments.rules,

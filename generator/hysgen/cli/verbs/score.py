@@ -47,12 +47,12 @@ def score_arguments(parser: argparse.ArgumentParser) -> None:
 def run_score(arguments: argparse.Namespace, console: Console) -> int:
     model = load_model(arguments.model)
     whole = read_records(arguments.records, arguments, console)
-    record = whole.rows(*parse_rows(arguments.rows, whole.samples)) if arguments.rows else whole
+    record = whole.rows(*parse_rows(arguments.rows, whole.samples, whole.Ts_s)) if arguments.rows else whole
     scores = score(model, record, arguments.settle)
     result = scores.to_json()
     console.say(scores.table())
     if arguments.rivals:
-        known = whole.rows(*parse_rows(arguments.rivals, whole.samples))
+        known = whole.rows(*parse_rows(arguments.rivals, whole.samples, whole.Ts_s))
         unscored = arguments.settle if scores.unknown_past is None else scores.unknown_past.rows
         rivals = score_rivals(fit_rivals(known), record, unscored)
         console.say("\nrivals in free run")
