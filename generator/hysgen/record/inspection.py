@@ -80,12 +80,12 @@ class Inspection(Displayed):
         first = [
             *(f"channel {name}: {low:.5g} .. {high:.5g}" for name, (low, high) in record.aux_ranges.items()),
             f"noise: {self.noise.describe()}, {100.0 * per_sample:.2g} % of the stroke",
-            f"excitation: {self.swings} swings of {self.sizes} sizes, {self.lowest_Hz:.3g} to {self.highest_Hz:.3g} Hz, "
-            f"at most {self.fastest_V_per_s:.4g} V/s; {self.rests} rests, the longest {self.longest_rest_s:.3g} s",
+            f"excitation: {self.swings} swings of {self.sizes} sizes, {self.lowest_Hz:.3g} to {self.highest_Hz:.3g} "
+            f"Hz, at most {self.fastest_V_per_s:.4g} V/s; {self.rests} rests, the longest {self.longest_rest_s:.3g} s",
             *(f"warning: {line}" for line in self.warnings),
         ]
         rows = [[one.cause, "yes" if one.met else "no", one.why] for one in self.requirements]
-        return Summary(record.one_line(), ["cause", "can show", "because"], rows, left=3, first=first)
+        return Summary(record.one_line(), ["cause", "well excited", "because"], rows, left=3, first=first)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -164,12 +164,12 @@ def _requirements(found: Inspection) -> Iterator[Requirement]:
         "creep",
         rests,
         f"longest rest {found.longest_rest_s:.3g} s"
-        + ("" if rests else f"; hold the voltage for {LONG_REST_S:g} s or more"),
+        + ("" if rests else f"; only strong creep shows, hold the voltage for {LONG_REST_S:g} s or more"),
     )
     yield Requirement(
         "resonance",
         found.highest_Hz > 0.0,
-        f"modes up to about {0.5 / record.Ts_s:.4g} Hz if excited; the voltage has power up to {found.highest_Hz:.4g} Hz",
+        f"the voltage has power up to {found.highest_Hz:.4g} Hz; the sampling shows modes below {0.5 / record.Ts_s:.4g} Hz",
     )
     wide = found.highest_Hz > 3.0 * max(found.lowest_Hz, 1e-12)
     yield Requirement(
