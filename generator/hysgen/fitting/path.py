@@ -85,8 +85,8 @@ class PathTask:
 def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
     """Weight of each sample, by segment: 0 until the input has covered its range, at most for LATEST_COVERED of it.
 
-    Before, plays may stand anywhere. The known past of a segment counts too. trust: further weights to multiply by; ones
-    by default.
+    Before, plays may stand anywhere. The known past of a segment counts too. trust: further weights to multiply by;
+    ones by default.
     """
     weights = []
     for i, (segment, past) in enumerate(zip(record.whole().segments, record.past_samples, strict=True)):

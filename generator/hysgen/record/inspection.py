@@ -169,7 +169,7 @@ def _requirements(found: Inspection) -> Iterator[Requirement]:
     yield Requirement(
         "resonance",
         found.highest_Hz > 0.0,
-        f"the voltage has power up to {found.highest_Hz:.4g} Hz; the sampling shows modes below {0.5 / record.Ts_s:.4g} Hz",
+        f"the voltage has power up to {found.highest_Hz:.4g} Hz of {0.5 / record.Ts_s:.4g} Hz that the sampling shows",
     )
     wide = found.highest_Hz > 3.0 * max(found.lowest_Hz, 1e-12)
     yield Requirement(

@@ -26,13 +26,16 @@ SAMPLES = 100_000
 """Samples per build in the comparison of the generated C with its reference."""
 
 
-def diagnosis_page(study: Study, characterisation: Characterisation | None = None) -> Page:
-    """The report. Generates the C of the extended model, compares it with its reference here, and counts its cost.
+def diagnosis_page(
+    study: Study, characterisation: Characterisation | None = None, proof: tuple[Report, Cost] | None = None
+) -> Page:
+    """The report.
 
-    characterisation: uncertainty and positions, as a section of their own.
+    characterisation: uncertainty and positions, as a section of their own. proof: comparison and cost of the extended
+    model's C; by default, both are made here.
     """
     drawn = {picture.name: picture for picture in pictures(study)}
-    report, price, why_not = _proof(study)
+    report, price, why_not = (*proof, "") if proof is not None else _proof(study)
     return Page(
         title=f"{file_names(study.record.source)}: what the simulation gets wrong",
         lead=verdict(study),

@@ -33,7 +33,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "firmware": ("firmware", "the files that the firmware needs of a model, and the cost of its image"),
     },
     "examples and studies": {
-        "demo": ("studies", "the whole way on the bundled record"),
+        "demo": ("demo", "the whole way on the bundled record"),
         "experiments": ("studies", "the paper's experiments on the virtual stage"),
         "track": ("firmware", "the complete firmware on the virtual stage"),
         "bank": ("studies", "how often a diagnosis of hidden effects is right"),

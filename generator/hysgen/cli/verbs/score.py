@@ -10,9 +10,10 @@ from hysgen.certify.dynamics import dynamics
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model, add_record_options, parse_rows, read_records
 from hysgen.cli.verbs import Verb
+from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
 from hysgen.model.rivals import fit_rivals, score_rivals
-from hysgen.model.scores import score, score_lines
+from hysgen.model.scores import Score, score, score_lines
 from hysgen.model.simulate import free_run, one_step
 
 SCORE_HELP = """\
@@ -40,6 +41,7 @@ def score_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rivals", metavar="A:B", help="also score the paper's rivals, fitted to rows A to B of the same records"
     )
+    parser.add_argument("--report", metavar="FILE.html", help="write one page with the scores, the model and pictures")
     parser.add_argument("--plot", metavar="FILE.png", help="draw measured and simulated displacement")
     add_record_options(parser)
 
@@ -51,6 +53,7 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     scores = score(model, record, arguments.settle)
     result = scores.to_json()
     console.say(scores.table())
+    rivals: list[tuple[str, Score]] = []
     if arguments.rivals:
         known = whole.rows(*parse_rows(arguments.rivals, whole.samples, whole.Ts_s))
         unscored = arguments.settle if scores.unknown_past is None else scores.unknown_past.rows
@@ -58,6 +61,12 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         console.say("\nrivals in free run")
         console.say("\n".join(score_lines(rivals)))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}
+    if arguments.report:
+        from hysgen.report.model import ScoredModels, model_page
+
+        scored = ScoredModels(record, {model.name: model}, {model.name: scores}, rivals)
+        write_whole(Path(arguments.report), model_page(f"{model.name} on {record.source}", scored).html())
+        console.say(f"\nwritten: {arguments.report}")
     if arguments.plot:
         # matplotlib takes half a second to import.
         from hysgen.report.plots import style

@@ -1,0 +1,99 @@
+"""demo: the whole way on the bundled record."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from hysgen.c674x.cost import cost
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits import VerifySettings, verify
+from hysgen.cli.console import Console
+from hysgen.cli.outputs import Output, check_file, check_files
+from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs.diagnose import scored
+from hysgen.cli.verbs.generate import cost_text
+from hysgen.codegen import Options, generate, write
+from hysgen.diagnosis import DiagnoseSettings
+from hysgen.diagnosis.evaluation import LADDER, diagnose_and_evaluate
+from hysgen.display import table
+from hysgen.fitting import FitSettings
+from hysgen.machine.files import write_whole
+from hysgen.model.file import save_model
+from hysgen.record import load_record
+from hysgen.report.diagnosis import diagnosis_page
+from hysgen.report.words import price_of, verdict
+from hysgen.stage.demo_record import bundled_csv, identification_rows
+
+DEMO_HELP = """\
+The whole way on the bundled record: diagnosis, C, equality of bits, cost, a page, all in one folder.
+
+The demo does what the other verbs do; each step shows the command that repeats it.
+"""
+DEMO_FILES = ("paper.json", "stage.json", "report.html")
+"""Files of the demo beside record.csv and the generated C."""
+
+DEMO_SAMPLES = 50_000
+
+
+def demo_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("-o", "--output", default="hysgen-demo", metavar="DIR", help="folder (default %(default)s)")
+    parser.add_argument(
+        "--samples",
+        type=int,
+        default=DEMO_SAMPLES,
+        help="samples that verify compares in each build (default %(default)s)",
+    )
+
+
+def run_demo(arguments: argparse.Namespace, console: Console) -> int:
+    started = time.monotonic()
+    folder = Path(arguments.output)
+    csv, model_file, code, page = (folder / name for name in ("record.csv", "stage.json", "c", "report.html"))
+    if not (csv.exists() and csv.read_bytes() == bundled_csv().encode()):
+        check_file(csv, "-o", arguments.force)
+        write_whole(csv, bundled_csv())
+    check_files(folder, DEMO_FILES, "-o", arguments.force)
+    record, cut = load_record(csv), identification_rows()
+    settings = DiagnoseSettings(FitSettings(name="stage"), identify=cut / record.samples, price=price_of)
+
+    console.say(f"$ hysgen diagnose {csv} --rows 0:{cut} -o {model_file} --report {page}\n{record.one_line()}")
+    study = diagnose_and_evaluate(record, None, settings, console.progress)
+    console.say("\n".join([*verdict(study), "", table(LADDER, study.ladder())]))
+    model = scored(study)
+    save_model(model, model_file)
+    save_model(study.diagnosis.base, folder / "paper.json")
+
+    console.say(f"\n$ hysgen generate {model_file} -o {code}")
+    texts = generate(model, Options(inverse=certify(model).inverse_holds))
+    check_files(code, list(texts), "-o", arguments.force)
+    write(texts, code)
+    console.say(f"written: {', '.join(sorted(texts))}")
+
+    console.say(f"\n$ hysgen verify {code} --samples {arguments.samples} --structures 0")
+    report = verify(code, VerifySettings(samples=arguments.samples, other_models=0), console.progress)
+    console.say("\n".join(report.lines()))
+
+    console.say(f"\n$ hysgen cost {code}")
+    price = cost(code)
+    console.say(cost_text(price))
+
+    write_whole(page, diagnosis_page(study, proof=(report, price)).html())
+    seconds = time.monotonic() - started
+    console.say(f"\n{seconds:.0f} s; the page with pictures: {page}; models: {model_file}, {folder / 'paper.json'}")
+    result = {
+        "diagnosis": study.to_json(),
+        "verify": report.to_json(),
+        "cost": price.to_json(),
+        "report": str(page),
+        "seconds": round(seconds, 1),
+    }
+    return console.finish(result, report.equal)
+
+
+VERBS = {
+    "demo": Verb(
+        DEMO_HELP, demo_arguments, run_demo, {"output": Output("-o", folder=True)}, ("hysgen demo -o hysgen-demo",)
+    ),
+}
