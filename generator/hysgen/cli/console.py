@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import re
+import shutil
 import sys
+import textwrap
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,46 +22,73 @@ SCHEMA_VERSION = 1
 
 SECONDS_BETWEEN_PLAIN_LINES = 5.0
 
+LEAST_SECONDS = 3.0
+"""Seconds from which on the progress says how many have passed and are left."""
+
+CELLS = re.compile(r"\S {2,}\S")
+"""Two blanks inside a line: a row of a table, which is not folded."""
+
 
 @dataclass
 class Console:
     """Output of one verb. json_to: a file, "-" for stdout (text is then suppressed), or None for no JSON.
 
-    verb: named by the schema of the JSON. quiet: print neither progress nor warnings.
+    verb: named by the schema of the JSON. quiet: print neither progress nor warnings. verbose: every step of the
+    progress on a line of its own. On a terminal, lines are folded to its width.
     """
 
     json_to: str | None = None
     verb: str = ""
     quiet: bool = False
+    verbose: bool = False
     out: TextIO = field(default_factory=lambda: sys.stdout)
     err: TextIO = field(default_factory=lambda: sys.stderr)
     _last_line: float = 0.0
+    _started: float = field(default_factory=time.monotonic)
     _open_line: bool = False
 
     def say(self, text: str = "") -> None:
         """Print lines of text, unless stdout carries the JSON."""
         self._close_line()
         if self.json_to != "-":
-            print(text, file=self.out, flush=True)
+            print(folded(text, self._width()), file=self.out, flush=True)
 
     def warn(self, text: str) -> None:
         """Print a warning on stderr."""
         if self.quiet:
             return
         self._close_line()
-        print(f"warning: {text}", file=self.err, flush=True)
+        print(folded(f"warning: {text}", self._width()), file=self.err, flush=True)
 
     def progress(self, fraction: float, what: str) -> None:
         """Print the fraction done: one line rewritten on a terminal, else a line every few seconds."""
         if self.quiet:
             return
         now = time.monotonic()
-        if self.err.isatty():
-            print(f"\r\x1b[K{100 * fraction:5.1f} %  {what}", end="", file=self.err, flush=True)
+        line = f"{100 * fraction:5.1f} %  {what}{self._seconds(fraction, now)}"
+        if self.verbose:
+            print(line, file=self.err, flush=True)
+        elif self.err.isatty():
+            width = shutil.get_terminal_size().columns
+            print(f"\r\x1b[K{line[: width - 1]}", end="", file=self.err, flush=True)
             self._open_line = True
-        elif now - self._last_line >= SECONDS_BETWEEN_PLAIN_LINES:
-            print(f"{100 * fraction:5.1f} %  {what}", file=self.err, flush=True)
+        elif now - self._last_line >= SECONDS_BETWEEN_PLAIN_LINES or fraction >= 1.0:
+            print(line, file=self.err, flush=True)
             self._last_line = now
+
+    def _seconds(self, fraction: float, now: float) -> str:
+        """Seconds since the start, and those that are left if the rest goes as fast."""
+        passed = now - self._started
+        if passed < LEAST_SECONDS:
+            return ""
+        left = f", about {passed * (1.0 - fraction) / fraction:.0f} s left" if 0.05 < fraction < 1.0 else ""
+        return f"  ({passed:.0f} s{left})"
+
+    def _width(self) -> int | None:
+        """Columns of the terminal; None where the text goes to a file, unless COLUMNS says how wide it may be."""
+        if self.out.isatty() or os.environ.get("COLUMNS", "").isdecimal():
+            return max(shutil.get_terminal_size().columns, 40)
+        return None
 
     def write_json(self, result: Mapping[str, Any]) -> None:
         """Write the result of the verb as JSON with the option --json. Raises ValueError for NaN and infinity.
@@ -84,3 +115,24 @@ class Console:
         if self._open_line:
             print("\r\x1b[K", end="", file=self.err, flush=True)
             self._open_line = False
+
+
+def folded(text: str, width: int | None) -> str:
+    """The text with sentences folded at `width` columns; rows of tables stay as they are.
+
+    >>> print(folded("noise floor 0.001 um rms from rests of the input", 24))
+    noise floor 0.001 um rms
+        from rests of the
+        input
+    """
+    if width is None:
+        return text
+    lines: list[str] = []
+    for line in text.split("\n"):
+        if len(line) <= width or CELLS.search(line):
+            lines.append(line)
+        else:
+            lines += textwrap.wrap(
+                line, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+            )
+    return "\n".join(lines)

@@ -14,8 +14,10 @@ import textwrap
 from collections.abc import Sequence
 from typing import NoReturn
 
+from hysgen.cli.completion import SHELLS, options_of, script
 from hysgen.cli.console import Console
 from hysgen.cli.outputs import check_outputs
+from hysgen.cli.project import project_options
 from hysgen.cli.verbs import GROUPS, NAMES, verb
 from hysgen.errors import HysgenError
 from hysgen.machine.installed import version
@@ -31,7 +33,9 @@ first steps:
   hysgen diagnose record.csv -o stage.json --report page.html  causes of the error, an extended model
   hysgen generate stage.json -o c && hysgen verify c           its C, equal to the reference in every bit
 
-`hysgen VERB --help` has options and examples. Exit codes: 0 done, 1 done with a negative answer, 2 not done.
+`hysgen VERB --help` has options and examples; `hysgen completion bash` completes them; hysgen.toml in the working
+folder holds options for every call ([record] columns = "...").
+Exit codes: 0 done, 1 done with a negative answer, 2 not done.
 HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder)."""
 
 
@@ -59,7 +63,10 @@ def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
         sub.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE, or to stdout with -")
         sub.add_argument("--force", action="store_true", help="replace files that hysgen did not write")
         sub.add_argument("-q", "--quiet", action="store_true", help="no progress and no warnings")
+        sub.add_argument("-v", "--verbose", action="store_true", help="every step on a line of its own, with its time")
         sub.set_defaults(run=chosen.run, outputs=chosen.outputs)
+        if len(names) == 1:
+            sub.set_defaults(**project_options(name, sub, NAMES))
     return top
 
 
@@ -104,9 +111,14 @@ def _run(words: list[str]) -> int:
     if words in (["--version"], ["-V"]):
         print(f"hysgen {version()}", flush=True)
         return 0
+    if words[0] == "completion":
+        if len(words) != 2 or words[1] not in SHELLS:
+            raise HysgenError(f"completion: name a shell out of {', '.join(SHELLS)}")
+        print(script(words[1], options_of(parser())), end="", flush=True)
+        return 0
     names = [words[0]] if words[0] in NAMES else NAMES
     arguments = parser(names).parse_args(words)
-    console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet)
+    console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)
     code = int(arguments.run(arguments, console))
     sys.stdout.flush()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import sys
+import tempfile
 from pathlib import Path
 
 from hysgen.cli.console import Console
@@ -31,8 +33,9 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         "--columns",
         metavar="KEY=VALUE,...",
         default="",
-        help="names, units and separators, e.g. voltage=force_N,displacement=x_nm,separator=tab,Ts_s=2e-5 "
-        "(default: time_s, voltage_V, displacement_um)",
+        help="names, units and separators of the file, as voltage=force_N,displacement=x_nm,separator=tab,Ts_s=2e-5; "
+        "keys: "
+        f"{', '.join(field.name for field in dataclasses.fields(Columns))} (default: guessed, and said)",
     )
     parser.add_argument(
         "--accept", choices=ACCEPTABLE, action="append", default=[], help="take a record in spite of this finding"
@@ -55,18 +58,26 @@ def read_records(paths: list[str], arguments: argparse.Namespace, console: Conso
     echo: print one line with rate, duration and ranges.
     """
     columns = Columns.from_text(arguments.columns) if arguments.columns else Columns()
-    record = load_record(
-        [Path(path) for path in paths],
-        columns,
-        jitter=arguments.jitter,
-        accept=arguments.accept,
-        split_at_gaps=arguments.split_at_gaps,
-    )
+    with tempfile.TemporaryDirectory() as folder:
+        record = load_record(
+            [_from_stdin(Path(folder)) if path == "-" else Path(path) for path in paths],
+            columns,
+            jitter=arguments.jitter,
+            accept=arguments.accept,
+            split_at_gaps=arguments.split_at_gaps,
+        )
     for warning in record.warnings:
         console.warn(warning)
     if echo:
         console.say(record.one_line())
     return record
+
+
+def _from_stdin(folder: Path) -> Path:
+    """What stdin holds, as a file: readers of other formats need to move in it."""
+    path = folder / "stdin"
+    path.write_bytes(sys.stdin.buffer.read())
+    return path
 
 
 def parse_rows(text: str, samples: int, Ts_s: float) -> tuple[int, int]:

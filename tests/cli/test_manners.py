@@ -1,0 +1,113 @@
+"""Help, completion, project file, stdin, rows in seconds, width of the terminal, quiet and verbose."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hysgen.cli import main
+from hysgen.cli.completion import options_of, script
+from hysgen.cli.console import Console, folded
+from hysgen.cli.main import parser
+from hysgen.cli.options import parse_rows
+from hysgen.cli.verbs import NAMES, verb
+from hysgen.errors import RecordError
+from hysgen.stage.demo_record import bundled_csv
+
+HEAD = "\n".join(bundled_csv().splitlines()[:2001]) + "\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("r.csv").write_text(HEAD.replace("time_s,voltage_V,displacement_um", "t,a,b"))
+    return tmp_path
+
+
+def test_a_project_file_holds_options_and_the_command_line_wins(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["inspect", "r.csv"]) == 2
+    Path("hysgen.toml").write_text('[record]\ncolumns = "time=t,voltage=a,displacement=b"\n[fit]\nrules = 4\n')
+    assert main(["inspect", "r.csv"]) == 0
+    assert main(["fit", "r.csv", "-o", "a.json", "--method", "batch"]) == 0
+    assert "(4 rules" in capsys.readouterr().out
+    assert main(["fit", "r.csv", "-o", "a.json", "--method", "batch", "--rules", "5"]) == 0
+    assert "(5 rules" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[fit]\nrulez = 4", "hysgen fit has no option --rulez"),
+        ("[polish]\nx = 1", "[polish] is no verb"),
+        ("rules = 4", "rules stands outside a table"),
+        ("[fit]\nrules = 'many'", "rules = 'many' does not suit --rules"),
+        ("[fit]\nmethod = 'magic'", "method = 'magic': choose from rls, batch, refined"),
+        ("[fit", "hysgen.toml: cannot be read"),
+    ],
+)
+def test_a_fault_in_the_project_file_is_one_line(
+    text: str, said: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("hysgen.toml").write_text(text)
+    assert main(["fit", "r.csv", "-o", "a.json"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_a_record_comes_from_stdin() -> None:
+    call = [sys.executable, "-m", "hysgen", "inspect", "-", "--rows", "0s:20ms"]
+    done = subprocess.run(call, input=HEAD, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "1000 samples at 50 kHz" in done.stdout
+
+
+def test_rows_are_counted_in_samples_or_seconds_and_from_the_end() -> None:
+    assert parse_rows("5000:", 7100, 1e-3) == (5000, 7100)
+    assert parse_rows("0.5s:2500ms", 7100, 1e-3) == (500, 2500)
+    assert parse_rows("-100:", 7100, 1e-3) == (7000, 7100)
+    with pytest.raises(RecordError, match=r"write FIRST:LAST, as 0:5000 or 0s:0.1s"):
+        parse_rows("0:9s", 7100, 1e-3)
+
+
+def test_completion_knows_every_verb_and_option() -> None:
+    options = options_of(parser())
+    assert tuple(options) == NAMES
+    for shell in ("bash", "zsh", "fish"):
+        text = script(shell, options)
+        assert all(name in text for name in NAMES)
+    bash = subprocess.run(["bash", "-n"], input=script("bash", options), capture_output=True, text=True, check=False)
+    assert bash.returncode == 0, bash.stderr
+
+
+def test_every_everyday_verb_shows_examples_that_parse() -> None:
+    for name in ("inspect", "diagnose", "fit", "score", "describe", "generate", "cost", "refit", "demo"):
+        assert verb(name).examples, name
+
+
+def test_sentences_are_folded_to_the_terminal_and_tables_are_not(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    row = "free run    0.00321  0.01169      0.315      0.091 and more"
+    assert folded(row, 30) == row
+    monkeypatch.setenv("COLUMNS", "60")
+    Console().say("word " * 40)
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 60
+
+
+def test_progress_says_seconds_and_quiet_says_nothing() -> None:
+    err = io.StringIO()
+    console = Console(err=err, verbose=True)
+    console._started -= 30.0
+    console.progress(0.5, "fitting")
+    assert "50.0 %  fitting  (30 s, about 30 s left)" in err.getvalue()
+    silent = io.StringIO()
+    Console(err=silent, quiet=True).progress(0.5, "fitting")
+    Console(err=silent, quiet=True).warn("x")
+    assert silent.getvalue() == ""
