@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
-import hysgen  # noqa: F401  before NumPy, whose BLAS reads once how many threads it may have
+# As the command line does, before NumPy: its BLAS reads once how many threads it may have.
+for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_threads, "1")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

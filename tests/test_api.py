@@ -125,3 +125,115 @@ def test_diagnosis_shows_its_ladder_and_draws_what_is_asked_for() -> None:
     with pytest.raises(hysgen.HysgenError, match="there is no such picture; choose one of loops-before"):
         study.plot("moon")
     assert np.isfinite(study.model.parameters).all()
+
+
+def test_a_model_runs_on_arrays(model: hysgen.Model, record: hysgen.Record) -> None:
+    """Free run, one step and inverse of arrays and columns; the inverse takes the simulation to its reference."""
+    u_V, y_um = record.u_V, record.y_um
+    y_hat = model.simulate(u_V)
+    # Rest under the first voltage is not where the plays of the measured stage stand: the first stroke is left out.
+    assert np.sqrt(np.mean((y_hat - y_um)[2000:] ** 2)) < 0.01
+    np.testing.assert_array_equal(model.simulate(u_V[:, None]), y_hat)
+    ahead = model.predict(y_um, u_V)
+    assert ahead[0] == y_um[0]
+    assert np.sqrt(np.mean((ahead - y_um) ** 2)) < 0.002
+    reference = 3.3 + 0.8 * np.sin(2 * np.pi * 20.0 * TS_S * np.arange(2000))
+    drive_V = model.inverse(reference)
+    assert drive_V.shape == (1999,)
+    reached = model.simulate(drive_V, y0_um=float(reference[0]))
+    # 5 nm: the inverse is float32, the simulation float64, and both start at rest under nearly the same voltage.
+    assert np.sqrt(np.mean((reached - reference[:-1])[1000:] ** 2)) < 0.005
+    for wrong, said in (
+        (["a"], "holds no numbers"),
+        (np.zeros((3, 3)), r"shape \(3, 3\)"),
+        ([1.0, np.nan], "index 1 is nan"),
+    ):
+        with pytest.raises(hysgen.HysgenError, match=said):
+            model.simulate(wrong)
+
+
+def test_models_are_compared_hashed_and_written_by_name(
+    model: hysgen.Model, record: hysgen.Record, tmp_path: Path
+) -> None:
+    hysgen.save_model(model, str(tmp_path / "m.json"))
+    again = hysgen.load_model(str(tmp_path / "m.json"))
+    assert again == model
+    assert hash(again) == hash(model)
+    assert len({again, model}) == 1
+    assert model != hysgen.fit(record, method="batch")
+    assert model != 3
+    assert again.to_json()["schema"] == "hysgen-model"
+
+
+def test_data_frames_come_in_and_go_out(record: hysgen.Record) -> None:
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"t": record.time_s, "drive [V]": record.u_V, "sensor [nm]": 1e3 * record.y_um})
+    made = hysgen.Record.from_dataframe(frame)
+    assert made.Ts_s == pytest.approx(TS_S)
+    np.testing.assert_allclose(made.y_um, record.y_um, rtol=1e-12)
+    indexed = frame.set_index(pandas.to_timedelta(frame.pop("t"), unit="s"))
+    assert hysgen.Record.from_dataframe(indexed).Ts_s == pytest.approx(TS_S)
+    assert list(record.to_dataframe().columns) == ["time_s", "voltage_V", "displacement_um"]
+    assert hysgen.fit(record.to_dataframe(), method="batch", rules=4).grid.rules == 4
+
+
+def test_a_record_is_cut_like_an_array(record: hysgen.Record) -> None:
+    part = record[1000:3000]
+    assert (len(part), part.past_samples) == (2000, (1000,))
+    np.testing.assert_array_equal(part.u_V, record.u_V[1000:3000])
+    assert hysgen.Record.from_arrays(record.u_V[:, None], record.y_um, fs_Hz=1.0 / TS_S).fs_Hz == pytest.approx(1e4)
+
+
+def test_every_error_of_the_interface_is_a_hysgen_error(record: hysgen.Record, model: hysgen.Model) -> None:
+    calls = {
+        "rulez: is not known \\(did you mean 'rules'": lambda: hysgen.fit(record, rulez=8),
+        "a dict is no record": lambda: hysgen.fit({"u": 1}),
+        "a int is no name of a file": lambda: hysgen.load_record(3),
+        "columns: 'volts' is not known": lambda: hysgen.load_record("x.csv", {"volts": "u"}),
+        "a float is no description of columns": lambda: hysgen.load_record("x.csv", 3.0),
+        "give either Ts_s in seconds or fs_Hz": lambda: hysgen.Record.from_arrays([1.0], [1.0]),
+        "index a record by rows": lambda: record[5],
+        "nothing to plot": lambda: hysgen.score(model, record).plot("bode"),
+    }
+    for said, call in calls.items():
+        with pytest.raises(hysgen.HysgenError, match=said):
+            call()
+
+
+def test_what_the_command_line_does_is_in_the_interface(
+    model: hysgen.Model, record: hysgen.Record, tmp_path: Path
+) -> None:
+    assert "memory" in str(hysgen.inspect(record))
+    assert "time constant" in hysgen.describe(model).describe()
+    assert hysgen.certificates(model).inverse_holds
+    again, scores = hysgen.refit(model, record)
+    assert hysgen.compare(model, again, [record]).scores[0][1] == pytest.approx(scores.free_run.e_rms_um, rel=0.5)
+    assert set(hysgen.rivals(record[:6000], record[6000:])) == {
+        "Prandtl-Ishlinskii, 20 plays",
+        "proportional",
+        "ARX(2,2,0)",
+    }
+    saved = hysgen.page((model, scores, record)).save(tmp_path / "page.html")
+    assert saved.read_text().startswith("<!DOCTYPE html>")
+
+
+def test_the_estimator_is_fitted_scored_and_cloned_by_its_parameters(record: hysgen.Record) -> None:
+    estimator = hysgen.HysteresisRegressor(Ts_s=TS_S, method="batch")
+    with pytest.raises(hysgen.HysgenError, match="call fit"):
+        estimator.predict(record.u_V)
+    assert estimator.fit(record.u_V[:6000, None], record.y_um[:6000]).score(record.u_V, record.y_um) > 0.999
+    copy = hysgen.HysteresisRegressor(**estimator.get_params())
+    assert copy.get_params() == estimator.get_params()
+    assert copy.set_params(rules=4).rules == 4
+    with pytest.raises(hysgen.HysgenError, match="is no parameter"):
+        copy.set_params(colour="red")
+
+
+def test_importing_hysgen_leaves_the_threads_of_the_notebook_alone() -> None:
+    code = (
+        "import os; os.environ.pop('OPENBLAS_NUM_THREADS', None); before = dict(os.environ)\n"
+        "import hysgen; hysgen.Record; assert dict(os.environ) == before\n"
+        "assert set(dir(hysgen)) - {'__version__', '__doc__', '__all__'} == set(hysgen.__all__)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

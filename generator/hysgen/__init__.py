@@ -12,13 +12,7 @@ The names of `hysgen.api`, loaded when the first of them is used.
 from __future__ import annotations
 
 import importlib
-import os
 from typing import TYPE_CHECKING, Any
-
-# For matrices as small as these, BLAS threads cost up to ten times the work on a busy machine, and their number changes
-# the last bits of results. A number set by the user is kept.
-for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_threads, "1")
 
 __all__ = [
     "Columns",
@@ -27,6 +21,7 @@ __all__ = [
     "FitSettings",
     "Generated",
     "HysgenError",
+    "HysteresisRegressor",
     "Model",
     "Options",
     "Record",
@@ -34,12 +29,20 @@ __all__ = [
     "Report",
     "Scores",
     "Study",
+    "certificates",
+    "compare",
     "cost",
+    "describe",
     "diagnose",
     "fit",
     "generate",
+    "image",
+    "inspect",
     "load_model",
     "load_record",
+    "page",
+    "refit",
+    "rivals",
     "save_model",
     "score",
     "verify",
@@ -53,6 +56,7 @@ if TYPE_CHECKING:
         FitSettings,
         Generated,
         HysgenError,
+        HysteresisRegressor,
         Model,
         Options,
         Record,
@@ -60,12 +64,20 @@ if TYPE_CHECKING:
         Report,
         Scores,
         Study,
+        certificates,
+        compare,
         cost,
+        describe,
         diagnose,
         fit,
         generate,
+        image,
+        inspect,
         load_model,
         load_record,
+        page,
+        refit,
+        rivals,
         save_model,
         score,
         verify,
@@ -81,4 +93,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*__all__, "__version__", "__doc__", "__all__"})

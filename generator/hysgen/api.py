@@ -10,12 +10,16 @@ hysgen.verify(code)                         # the C compared with its reference,
 from __future__ import annotations
 
 import dataclasses
+import importlib
+import os
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from hysgen.c674x.cost import Cost, cost_of_texts
-from hysgen.certify.certificates import certify
+from hysgen.certify.certificates import Certificates, certify
+from hysgen.certify.dynamics import Dynamics, dynamics
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.codegen import Options, write
@@ -24,14 +28,25 @@ from hysgen.codegen.manifest import read_folder
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
-from hysgen.errors import HysgenError, RecordWarning
+from hysgen.errors import FitError, HysgenError, RecordError, RecordWarning
+from hysgen.estimator import HysteresisRegressor
+from hysgen.firmware.image import encode
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
+from hysgen.fitting.compare import Comparison
+from hysgen.fitting.compare import compare as compare_models
+from hysgen.fitting.refit import refit as refit_model
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
-from hysgen.model.scores import Scores, score
+from hysgen.model.rivals import fit_rivals, score_rivals
+from hysgen.model.scores import Score, Scores, score
 from hysgen.record import Columns, Record, check_for_fit, check_validation, load_record
+from hysgen.record.columns import nearest
+from hysgen.record.inspection import inspect
 from hysgen.report.words import price_of
+
+if TYPE_CHECKING:
+    from hysgen.report.page import Page
 
 __all__ = [
     "Columns",
@@ -40,6 +55,7 @@ __all__ = [
     "FitSettings",
     "Generated",
     "HysgenError",
+    "HysteresisRegressor",
     "Model",
     "Options",
     "Record",
@@ -47,18 +63,27 @@ __all__ = [
     "Report",
     "Scores",
     "Study",
+    "certificates",
+    "compare",
     "cost",
+    "describe",
     "diagnose",
     "fit",
     "generate",
+    "image",
+    "inspect",
     "load_model",
     "load_record",
+    "page",
+    "refit",
+    "rivals",
     "save_model",
     "score",
     "verify",
 ]
 
 Progress = Callable[[float, str], None]
+Settings = TypeVar("Settings", FitSettings, DiagnoseSettings)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -83,18 +108,21 @@ class Generated(Displayed):
 
 
 def fit(
-    record: Record,
+    record: Record | Any,
     settings: FitSettings | None = None,
     *,
     memory: bool | PathSize = False,
     progress: Progress | None = None,
+    **changes: Any,
 ) -> Model:
     """A model of a record: by default the paper's structure with refined free run, otherwise as in `settings`.
 
-    memory: whether the path before the rules holds a hysteresis, and its size if not the default `PathSize()`.
+    record: a Record, a DataFrame, or the name of a file. memory: whether the path before the rules holds a hysteresis,
+    and its size if not the default `PathSize()`. changes: fields of FitSettings, as rules=8.
     Raises FitError or RecordError.
     """
-    chosen = settings or FitSettings()
+    record = _record(record)
+    chosen = _with(settings or FitSettings(), changes)
     if memory is not False:
         chosen = dataclasses.replace(chosen, memory=PathSize() if memory is True else memory)
     parameters = 3 * chosen.rules
@@ -104,23 +132,89 @@ def fit(
     return fit_model(record, chosen, progress=progress)
 
 
+def refit(model: Model, record: Record | Any, progress: Progress | None = None) -> tuple[Model, Scores]:
+    """The same structure fitted to another record, and its scores there. Raises ModelError, RecordError or FitError."""
+    return refit_model(model, _record(record), progress)
+
+
+def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Comparison:
+    """What changed from one model to another of the same structure; free-run errors of both on `records`."""
+    return compare_models(old, new, list(records))
+
+
+def rivals(known: Record, unseen: Record) -> dict[str, Score]:
+    """Free-run scores on `unseen` of the paper's rivals (Prandtl-Ishlinskii, proportional, ARX), fitted to `known`."""
+    return dict(score_rivals(fit_rivals(known), unseen))
+
+
+def certificates(model: Model) -> Certificates:
+    """Contraction of the free run, gain and inverse over the whole range of a model."""
+    return certify(model)
+
+
+def describe(model: Model) -> Dynamics:
+    """A model as a dynamic system: time constant, gain, loop against frequency."""
+    return dynamics(model)
+
+
+def page(result: Study | tuple[Model, Scores, Record], title: str = "") -> Page:
+    """The report of a diagnosis, or of a model with its scores on a record; `page(study).save("report.html")`."""
+    if isinstance(result, Study):
+        return importlib.import_module("hysgen.report.diagnosis").diagnosis_page(result)  # type: ignore[no-any-return]
+    model, scores, record = result
+    room = importlib.import_module("hysgen.report.model")
+    scored = room.ScoredModels(record, {model.name: model}, {model.name: scores})
+    made: Page = room.model_page(title or f"{model.name} on {record.source}", scored)
+    return made
+
+
+def image(model: Model) -> bytes:
+    """The model's numbers as a parameter image, which running firmware takes if it is whole, right and certified."""
+    return encode(model)
+
+
+def _record(given: Any) -> Record:
+    """A Record from itself, from a DataFrame, or from the name of a file. Raises RecordError for anything else."""
+    if isinstance(given, Record):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return load_record(given)
+    if hasattr(given, "columns"):
+        return Record.from_dataframe(given)
+    raise RecordError(
+        f"a {type(given).__name__} is no record; give a Record, a DataFrame or the name of a file, or make one with "
+        "Record.from_arrays(u_V, y_um, Ts_s)"
+    )
+
+
+def _with(settings: Settings, changes: Mapping[str, Any]) -> Settings:
+    """The settings with these fields. Raises FitError for a field that they do not have."""
+    known = [field.name for field in dataclasses.fields(settings)]
+    for name in changes:
+        if name not in known:
+            raise FitError(f"{name}: is not known{nearest(name, known)}; choose from {', '.join(known)}")
+    return dataclasses.replace(settings, **changes)
+
+
 def _warn(lines: Iterable[str]) -> None:
     for line in lines:
         warnings.warn(line, RecordWarning, stacklevel=3)
 
 
 def diagnose(
-    record: Record,
-    holdout: Record | None = None,
+    record: Record | Any,
+    holdout: Record | Any | None = None,
     settings: DiagnoseSettings | None = None,
     progress: Progress | None = None,
+    **changes: Any,
 ) -> Study:
     """Errors of the simulation of a record, their causes, and the gain and price of an extended model.
 
     Structure and parameters come from `record` (from its first 65 % if `holdout` is None); scores are held out.
-    Raises RecordError or FitError.
+    changes: fields of DiagnoseSettings, as keep_all=True. Raises RecordError or FitError.
     """
-    chosen = settings or DiagnoseSettings()
+    record, holdout = _record(record), None if holdout is None else _record(holdout)
+    chosen = _with(settings or DiagnoseSettings(), changes)
     if chosen.price is None:
         chosen = dataclasses.replace(chosen, price=price_of)
     _warn(check_for_fit(record, chosen.fit.rules, 3 * chosen.fit.rules))

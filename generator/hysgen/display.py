@@ -82,7 +82,13 @@ class Displayed(abc.ABC):
         except ModuleNotFoundError as fault:
             missing = str(fault.name).partition(".")[0]
             raise HysgenError(f"{missing} is not installed; pip install {missing} to plot") from fault
-        return drawing.draw(self, *what)
+        try:
+            return drawing.draw(self, *what)
+        except TypeError as fault:
+            if not what:
+                raise
+            asked = ", ".join(repr(one) for one in what)
+            raise HysgenError(f"{type(self).__name__}: nothing to plot for {asked}; call plot() without it") from fault
 
     def __repr__(self) -> str:
         return f"<{self.summary().title}>"

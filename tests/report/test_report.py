@@ -18,6 +18,7 @@ import pytest
 from fixtures.bank_records import hum_study
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
+from hysgen.diagnosis.bootstrap import Gain
 from hysgen.diagnosis.evaluation import LADDER, Study
 from hysgen.display import table
 from hysgen.fitting import FitSettings, fit
@@ -190,10 +191,12 @@ def test_verdict_names_size_causes_gain_and_price(hum: Study) -> None:
 
 def test_cause_that_is_named_but_not_extended_is_listed_separately(hum: Study) -> None:
     causes = hum.diagnosis.causes
-    kept = dataclasses.replace(causes[1], extended=False, price=None)
+    lost = Gain(0.01, 0.011, -0.002, 0.001, 0.1)
+    kept = dataclasses.replace(causes[1], extended=False, price=None, beside=lost)
     other = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(causes[0], kept)))
     assert [cause.name for cause in other.extended] == ["memory"]
-    assert verdict(other)[-1].startswith("Also named: periodic: seen in the record, but not extended")
+    assert verdict(other)[-1].startswith("periodic is named and not extended: with its extension the held-out error")
+    assert "-0.002 .. 0.001 um (95 %); --keep-all keeps it" in verdict(other)[-1]
     assert "+ periodic" not in diagnosis_text(other)
     assert "+ periodic" not in {picture.name: picture for picture in pictures(other)}["ladder"].alt
     price = causes[0].price

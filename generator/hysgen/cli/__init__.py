@@ -1,5 +1,13 @@
 """The command line: `hysgen VERB ...`."""
 
-from hysgen.cli.main import main
+import os
+
+# Before NumPy is imported: for matrices as small as these, BLAS threads cost up to ten times the work on a busy
+# machine, and their number changes the last bits of results. A number set by the user is kept. In a notebook, hysgen
+# limits the threads inside its own calls only (`machine.threads`).
+for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_threads, "1")
+
+from hysgen.cli.main import main  # noqa: E402
 
 __all__ = ["main"]

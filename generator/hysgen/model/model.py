@@ -11,12 +11,13 @@ This package is float64: the reference for the errors of the float32 layers.
 from __future__ import annotations
 
 import dataclasses
+import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
@@ -28,6 +29,9 @@ from hysgen.model.terms import Term
 Floats = NDArray[np.float64]
 
 MOST_RULES = 256
+
+ON_ARRAYS = "hysgen.checking.on_arrays"
+"""Module with the functions behind `Model.simulate`, `predict` and `inverse`, imported by the first call."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +101,7 @@ class Grid:
         return np.clip(y_um, self.y_min_um, self.y_max_um)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Model(Displayed):
     """A Takagi-Sugeno hysteresis model with additive terms and input blocks.
 
@@ -159,6 +163,42 @@ class Model(Displayed):
         ]
         kinds = ", ".join(["rules", *(term.kind for term in self.terms), *(block.kind for block in self.blocks)])
         return Summary(f"Model {self.name}: {kinds}, {self.parameters.size} parameters", ["part", "what"], rows, left=2)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all parts are equal, to the bit; names, scores and history too."""
+        if not isinstance(other, Model):
+            return NotImplemented
+        pairs = ((getattr(self, part.name), getattr(other, part.name)) for part in dataclasses.fields(self))
+        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
+
+    def __hash__(self) -> int:
+        numbers = (self.consequents.tobytes(), self.weights.tobytes())
+        return hash((self.name, self.Ts_s, self.grid, self.u_min_V, self.u_max_V, self.blocks, self.terms, numbers))
+
+    def to_json(self) -> dict[str, Any]:
+        """The content of the model file as plain JSON values."""
+        content: dict[str, Any] = importlib.import_module("hysgen.model.file").model_to_json(self)
+        return content
+
+    def simulate(
+        self, u_V: ArrayLike, y0_um: float | None = None, channels: Mapping[str, ArrayLike] | None = None
+    ) -> Floats:
+        """Displacement in um, (n,), of a free run under the voltages u_V, (n,), from rest under u(0) or from y0_um."""
+        run: Floats = importlib.import_module(ON_ARRAYS).simulate(self, u_V, y0_um, channels)
+        return run
+
+    def predict(self, y_um: ArrayLike, u_V: ArrayLike, channels: Mapping[str, ArrayLike] | None = None) -> Floats:
+        """One step ahead in um, (n,): element k predicts y(k) from measured y(k-1) and u(k-1); element 0 is y(0)."""
+        run: Floats = importlib.import_module(ON_ARRAYS).predict(self, y_um, u_V, channels)
+        return run
+
+    def inverse(self, reference_um: ArrayLike, y_um: ArrayLike | None = None) -> Floats:
+        """Voltage in V, (n - 1,), that takes y(k) to reference(k + 1), Eq. (11), in float32 by the generated C.
+
+        y_um: measured displacement; by default the reference itself (feed-forward).
+        """
+        run: Floats = importlib.import_module(ON_ARRAYS).inverse(self, reference_um, y_um)
+        return run
 
     def within(
         self, displacement_um: tuple[float, float] | None = None, input_V: tuple[float, float] | None = None

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from hysgen.display import Displayed, Summary, table
 from hysgen.errors import RecordError
+from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.model.regression import Starts
 from hysgen.model.simulate import HorizonCurve, ModelOutput, free_run, horizon_curve, one_step
@@ -192,6 +193,7 @@ def persistence(record: Record) -> list[Floats]:
     return [np.concatenate([segment.y_um[:1], segment.y_um[:-1]]) for segment in record.segments]
 
 
+@one_blas_thread()
 def score(
     model: Model,
     record: Record,

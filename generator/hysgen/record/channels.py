@@ -45,6 +45,8 @@ def one_series(source: str, name: str, values: ArrayLike) -> NDArray[np.float64]
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
         raise RecordError(f"{source}: {name} holds {array.dtype}, not real numbers; give float values")
+    if array.ndim == 2 and 1 in array.shape and array.size > 1:
+        array = array.ravel()  # a column of MATLAB or of a DataFrame
     if array.ndim != 1:
         raise RecordError(f"{source}: {name} has shape {array.shape}; give a one-dimensional array")
     return array.astype(np.float64)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +17,7 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import RecordError
 from hysgen.record.channels import Channels
 from hysgen.record.checks import check_values
+from hysgen.record.columns import Columns
 from hysgen.record.relation import rate, relation, scale
 
 LONGEST_PERIOD_S = 100.0
@@ -141,17 +144,23 @@ class Record(Displayed):
         cls,
         u_V: ArrayLike,
         y_um: ArrayLike,
-        Ts_s: float,
+        Ts_s: float | None = None,
         aux: Mapping[str, ArrayLike] | None = None,
         source: str = "arrays",
         accept: Collection[str] = (),
+        *,
+        fs_Hz: float | None = None,
     ) -> Record:
         """A record of one segment "0" from arrays, after the same checks of values as for files.
 
-        u_V, y_um: (n,) in V and um. aux: further channels, each (n,).
+        u_V, y_um: (n,) or (n, 1) in V and um. Ts_s or fs_Hz: sampling period or rate. aux: further channels, each (n,).
         accept: names of refusals ("constant", "saturation", "swapped") that become warnings.
         Raises RecordError with one line: source, index, channel, fault and cure.
         """
+        if (Ts_s is None) == (fs_Hz is None):
+            raise RecordError(f"{source}: give either Ts_s in seconds or fs_Hz in hertz")
+        if Ts_s is None:
+            Ts_s = 1.0 / fs_Hz if fs_Hz else math.nan
         if not (math.isfinite(Ts_s) and Ts_s > 0.0):
             raise RecordError(f"{source}: sampling period Ts_s = {Ts_s:g} s; give a positive number of seconds")
         channels = Channels.of_arrays(source, u_V, y_um, aux or {})
@@ -165,6 +174,61 @@ class Record(Displayed):
         warnings = (*warnings, *related, *scale([channels]), *rate(source, Ts_s))
         segment = Segment("0", channels.u_V, channels.y_um, channels.aux)
         return cls.from_segments([segment], Ts_s, source, warnings)
+
+    @classmethod
+    def from_dataframe(cls, frame: Any, columns: Columns | str | Mapping[str, Any] | None = None) -> Record:
+        """A record of a pandas (or Polars) DataFrame; names of its columns are found as those of a file are.
+
+        An index that is no plain count is read as a column too. columns: as for `load_record`.
+        Raises RecordError as `load_record` does.
+        """
+        made: Record = importlib.import_module("hysgen.record.read").record_of_frame(frame, columns)
+        return made
+
+    def to_dataframe(self) -> Any:
+        """A pandas DataFrame with time_s, voltage_V, displacement_um, the further channels, and segment if several.
+
+        Raises RecordError without pandas.
+        """
+        try:
+            pandas = importlib.import_module("pandas")
+        except ModuleNotFoundError as fault:
+            raise RecordError("pandas is not installed; pip install pandas to make a DataFrame") from fault
+        content: dict[str, Any] = {"time_s": self.time_s, "voltage_V": self.u_V, "displacement_um": self.y_um}
+        content |= {name: np.concatenate([part.aux[name] for part in self.segments]) for name in self.aux_names}
+        if len(self.segments) > 1:
+            content["segment"] = np.repeat([part.name for part in self.segments], [p.samples for p in self.segments])
+        return pandas.DataFrame(content)
+
+    @property
+    def u_V(self) -> NDArray[np.float64]:
+        """(n,) voltage of all segments."""
+        return np.concatenate([segment.u_V for segment in self.segments])
+
+    @property
+    def y_um(self) -> NDArray[np.float64]:
+        """(n,) displacement of all segments."""
+        return np.concatenate([segment.y_um for segment in self.segments])
+
+    @property
+    def time_s(self) -> NDArray[np.float64]:
+        """(n,) time stamps of all segments; each segment starts at its own."""
+        return np.concatenate([one.start_s + self.Ts_s * np.arange(one.samples) for one in self.segments])
+
+    @property
+    def fs_Hz(self) -> float:
+        """Sampling rate in Hz."""
+        return 1.0 / self.Ts_s
+
+    def __len__(self) -> int:
+        return self.samples
+
+    def __getitem__(self, rows: slice) -> Record:
+        """`record[a:b]`: rows a..b-1; the rows before are their past. Raises RecordError for other indices."""
+        if not isinstance(rows, slice) or rows.step not in (None, 1):
+            raise RecordError(f"{self.source}: index a record by rows, as record[5000:10000]")
+        start, stop, _ = rows.indices(self.samples)
+        return self.rows(start, stop)
 
     @staticmethod
     def joined(*records: Record) -> Record:

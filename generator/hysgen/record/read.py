@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from hysgen.errors import RecordError
 from hysgen.record.array_names import chosen_arrays
@@ -13,7 +16,7 @@ from hysgen.record.checks import check_finite, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record, Segment
-from hysgen.record.formats import open_checked
+from hysgen.record.formats import FileArrays, open_checked
 from hysgen.record.further import kept, left_out
 from hysgen.record.relation import rate, relation, scale
 from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays, runs_of_table
@@ -24,7 +27,7 @@ DEFAULT = Columns()
 
 def load_record(
     path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
-    columns: Columns = DEFAULT,
+    columns: Columns | str | Mapping[str, Any] = DEFAULT,
     *,
     jitter: float = JITTER,
     accept: Collection[str] = (),
@@ -34,14 +37,21 @@ def load_record(
 
     path: text (CSV, LVM, GCS array, ...), NPZ, NPY, MAT v5 or v7.3, HDF5, and with `hysgen[formats]` Excel, Parquet,
         Feather, TDMS, MDF4, UFF 58; each also packed by gzip or zip. The format is recognised by the content.
-    columns: names, units and separators, the same for all files; names that are not given are guessed (`names`).
+    columns: names, units and separators, the same for all files, as Columns, as a dict of its fields, or as the text of
+        --columns; names that are not given are guessed (`names`).
     jitter: largest deviation of a time step, relative to the period.
     accept: refusals that become warnings, out of "constant", "saturation", "swapped".
     split_at_gaps: start a new segment after a gap in time instead of refusing it.
 
     Nothing in the files can run code. Raises RecordError with one line: file, row, field, fault and cure.
     """
-    paths = [Path(path)] if isinstance(path, (str, os.PathLike)) else [Path(one) for one in path]
+    columns = columns_of(columns)
+    if hasattr(path, "columns"):
+        raise RecordError("a DataFrame is no file; give it to Record.from_dataframe")
+    try:
+        paths = [Path(path)] if isinstance(path, (str, os.PathLike)) else [Path(one) for one in path]
+    except TypeError as fault:
+        raise RecordError(f"a {type(path).__name__} is no name of a file; give a path, or several") from fault
     records = []
     for one in paths:
         record = _load_file(one, columns, jitter, accept, split_at_gaps)
@@ -81,26 +91,66 @@ def record_csv(record: Record) -> str:
     return write_csv(columns)
 
 
+def record_of_frame(frame: Any, columns: Columns | str | Mapping[str, Any] | None = None) -> Record:
+    """`Record.from_dataframe`."""
+    if not hasattr(frame, "columns") or not hasattr(frame, "__getitem__"):
+        raise RecordError(f"a {type(frame).__name__} is no DataFrame; give one, or Record.from_arrays(u_V, y_um, Ts_s)")
+    arrays = {str(name): np.asarray(frame[name]) for name in frame.columns}
+    index = getattr(frame, "index", None)
+    if index is not None and type(index).__name__ != "RangeIndex":
+        arrays[str(index.name or "time")] = np.asarray(index)
+    for name, values in arrays.items():
+        if values.dtype.kind in "mM":
+            stamps = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")
+            arrays[name] = (stamps - stamps[0]).astype(np.int64) * 1e-9
+    numeric = {name: values for name, values in arrays.items() if values.dtype.kind in "fiub"}
+    content = _of_file_arrays("DataFrame", FileArrays(numeric), columns_of(columns))
+    return _checked("DataFrame", content, JITTER, (), False)
+
+
+def columns_of(given: Columns | str | Mapping[str, Any] | None) -> Columns:
+    """Columns from themselves, from the text of --columns, or from a mapping of the fields. Raises RecordError."""
+    if given is None:
+        return DEFAULT
+    if isinstance(given, Columns):
+        return given
+    if isinstance(given, str):
+        return Columns.from_text(given) if given else DEFAULT
+    if isinstance(given, Mapping):
+        known = [one.name for one in fields(Columns)]
+        for key in given:
+            if key not in known:
+                raise RecordError(
+                    f"columns: '{key}' is not known{nearest(str(key), known)}; choose from {', '.join(known)}"
+                )
+        return Columns(**given)
+    raise RecordError(
+        f"columns: a {type(given).__name__} is no description of columns; give Columns(...), text or a dict"
+    )
+
+
 def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Record:
-    content = _content(path, columns)
+    return _checked(path.name, _content(path, columns), jitter, accept, split_at_gaps)
+
+
+def _checked(source: str, content: _Content, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Record:
+    """The record of a file's content, after the checks of time and values."""
     runs, columns, remarks, given_s = content.runs, content.columns, content.remarks, content.Ts_s
     # Before the check of the time: channels of unequal length would be cut at the wrong rows.
     for run in runs:
         check_finite(run.channels)
     if split_at_gaps:
         runs = [part for run in runs for part in at_gaps(run)]
-    runs, dropped = _with_channels(runs, path.name, columns)
+    runs, dropped = _with_channels(runs, source, columns)
     warnings = check_values([run.channels for run in runs], accept)
-    stamps = [
-        Stamps(path.name, run.time_s, columns.time, run.channels.locate) for run in runs if run.time_s is not None
-    ]
+    stamps = [Stamps(source, run.time_s, columns.time, run.channels.locate) for run in runs if run.time_s is not None]
     Ts_s = sampling_period(stamps, jitter, columns.Ts_s) if stamps else given_s
     if stamps and (line := rounding_line(stamps)) is not None:
         remarks = (*remarks, line)
     if Ts_s is None:
-        raise RecordError(f"{path.name}: has no time and no sampling period; give --columns Ts_s=SECONDS")
+        raise RecordError(f"{source}: has no time and no sampling period; give --columns Ts_s=SECONDS")
     channels = [run.channels for run in runs]
-    doubts = list(rate(path.name, Ts_s))
+    doubts = list(rate(source, Ts_s))
     if not any("exchanged" in line for line in warnings):
         doubts += relation(channels, Ts_s)
     if columns.displacement_unit is None and columns.unit("displacement") == "um":
@@ -109,8 +159,8 @@ def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[s
     for run in runs:
         start_s = float(run.time_s[0]) if run.time_s is not None else 0.0
         segments.append(Segment(run.name, run.channels.u_V, run.channels.y_um, run.channels.aux, start_s))
-    named = (f"{path.name}: {line.removeprefix(f'{path.name}: ')}" for line in (*columns.remarks(), *remarks))
-    return Record.from_segments(segments, Ts_s, path.name, (*named, *dropped, *warnings, *doubts))
+    named = (f"{source}: {line.removeprefix(f'{source}: ')}" for line in (*columns.remarks(), *remarks))
+    return Record.from_segments(segments, Ts_s, source, (*named, *dropped, *warnings, *doubts))
 
 
 def _with_channels(runs: list[RawRun], source: str, columns: Columns) -> tuple[list[RawRun], tuple[str, ...]]:
@@ -149,10 +199,14 @@ def _content(path: Path, columns: Columns) -> _Content:
     if isinstance(content, bytes):
         table = read_csv(path.name, content, columns)
         return _Content(runs_of_table(path.name, table), table.chosen, table.remarks, table.chosen.Ts_s or table.Ts_s)
+    return _of_file_arrays(path.name, content, columns)
+
+
+def _of_file_arrays(source: str, content: FileArrays, columns: Columns) -> _Content:
     if not content.arrays:
-        raise RecordError(f"{path.name}: holds no numeric arrays; save voltage and displacement as arrays of numbers")
-    chosen, Ts_s, guess = chosen_arrays(path.name, content, columns)
-    runs = runs_of_arrays(path.name, content.arrays, chosen, Ts_s)
+        raise RecordError(f"{source}: holds no numeric arrays; save voltage and displacement as arrays of numbers")
+    chosen, Ts_s, guess = chosen_arrays(source, content, columns)
+    runs = runs_of_arrays(source, content.arrays, chosen, Ts_s)
     return _Content(runs, chosen, (*content.remarks, *([guess] if guess else [])), Ts_s)
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import functools
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import jinja2
 
 from hysgen.codegen.render import template_environment
+from hysgen.machine.files import write_whole
 from hysgen.machine.installed import version
 from hysgen.report.plots.style import Picture
 
@@ -66,6 +69,11 @@ class Page:
     def html(self) -> str:
         """The page as one HTML document."""
         return _environment().get_template("report/page.html.j2").render(page=self, version=version())
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page, whole or not at all. Returns its path."""
+        write_whole(Path(path), self.html())
+        return Path(path)
 
 
 @functools.cache
