@@ -12,7 +12,7 @@ OUT ?= hysgen-demo
 
 .PHONY: run test prove check style help clean
 
-run: $(VENV)/.installed  ## the main job on the bundled record: fit, score, C, equivalence, cost, plots
+run: $(VENV)/.installed  ## the main job on the bundled record: diagnosis, C, equality of bits, cost, one page
 	$(PY) -m hysgen demo -o $(OUT)
 
 check: style  ## style, types, import layers, and the fast tests: at most 90 s on two cores
