@@ -22,8 +22,8 @@ LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
 PATH = re.compile(r"(?<![\w/.<>:-])(?:[\w.-]+/)+[\w.-]*\w")
 MODULE = re.compile(r"(?<![\w/])hysgen(?:\.\w+)+")
 SOURCES = ("generator", "templates", "firmware", "tests", "benchmarks", "docs")
-OF_THE_READER = {"firmware/stage", "kick"}
-"""Folders that a page tells the reader to make, and the cause that docs/extend.md tells the reader to write."""
+OF_THE_READER = {"firmware/stage", "kick", "toml"}
+"""Folders and files that a page tells the reader to make, and the cause of docs/extend.md."""
 
 by_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 

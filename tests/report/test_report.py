@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import dataclasses
 import json
 import math
@@ -42,15 +43,18 @@ pytestmark = pytest.mark.slow
 """Every page needs a diagnosis, or generated C that was verified."""
 
 SECTIONS = (
-    "Measured and simulated loops",
+    "The record",
+    "Measured and simulated",
     "Where the error lies",
     "Causes and their evidence",
     "What each extension gains, and its price",
     "Model and certificates",
     "Generated C against its reference",
     "Cost against budget",
+    "Glossary",
     "Provenance",
 )
+PICTURES = 17
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 
 
@@ -116,14 +120,19 @@ def test_page_is_well_formed_and_every_link_leads_somewhere(page: str) -> None:
     assert not reader.open
     anchors = {attributes["id"] for _, attributes in reader.tags if "id" in attributes}
     links = [attributes["href"] for tag, attributes in reader.tags if tag == "a"]
-    assert len(links) == len(SECTIONS)
-    assert all(link is not None and link.removeprefix("#") in anchors for link in links)
+    inner = [link for link in links if link is not None and link.startswith("#")]
+    # The contents, and the labels of the figures at the top that the glossary explains.
+    assert len(inner) == len(SECTIONS) + 6
+    assert all(link.removeprefix("#") in anchors for link in inner)
+    tables = [link for link in links if link is not None and link.startswith("data:text/csv;base64,")]
+    assert len(tables) == sum(tag == "table" for tag, _ in reader.tags)
+    assert base64.b64decode(tables[0].partition(",")[2]).decode().startswith("cause,of the error,")
 
 
 def test_page_needs_no_other_file_and_no_script(page: str) -> None:
     reader = read(page)
     sources = [value for _, a in reader.tags for key, value in a.items() if key in ("src", "href") and value]
-    assert all(source.startswith(("#", "data:image/svg+xml;base64,")) for source in sources)
+    assert all(source.startswith(("#", "data:image/svg+xml;base64,", "data:text/csv;base64,")) for source in sources)
     assert not {"script", "link", "iframe", "object"} & {tag for tag, _ in reader.tags}
     without_pictures = re.sub(r"base64,[A-Za-z0-9+/=]+", "", page)
     assert "http" not in without_pictures
@@ -132,7 +141,7 @@ def test_page_needs_no_other_file_and_no_script(page: str) -> None:
 
 def test_every_picture_says_in_words_what_it_shows(page: str) -> None:
     words = [attributes.get("alt") or "" for tag, attributes in read(page).tags if tag == "img"]
-    assert len(words) == 12
+    assert len(words) == PICTURES
     assert len(set(words)) == len(words)
     assert all(re.search(r"\d", alt) for alt in words)
 
@@ -156,7 +165,7 @@ def test_browser_shows_the_page_without_scrolling_sideways(page: str, width: int
     told = re.search(r"told (\d+) (\d+) (\d+) end", dom)
     assert told is not None, dom[-300:]
     wide, shown, images = map(int, told.groups())
-    assert (wide <= shown, shown, images) == (True, width, 12)
+    assert (wide <= shown, shown, images) == (True, width, PICTURES)
 
 
 def test_page_shows_the_numbers_of_the_diagnosis(hum: Study, page: str) -> None:
@@ -252,7 +261,7 @@ def test_verb_writes_page_pictures_and_json_and_the_same_study_gives_the_same_by
     assert [cause["name"] for cause in told["causes"]] == ["memory", "periodic"]
     assert told["causes"][0]["cost"]["cycles"] > 0
     assert told["error_of_base"]["rms_um"] == told["free_run_rms"]["base"]
-    assert len(list(Path("p").iterdir())) == 12
+    assert len(list(Path("p").iterdir())) == PICTURES
     assert Path("r.html").read_text(encoding="utf-8") == page
     for picture in pictures(hum)[:2]:
         assert Path(f"p/{picture.name}.png").read_bytes() == png_bytes(picture.figure)

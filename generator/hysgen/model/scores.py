@@ -136,7 +136,7 @@ USELESS = 0.7
 """Free-run error relative to the standard deviation of the displacement from which on a model explains less than half
 of the variance."""
 
-SCORE_HEADER = ["", "e_rms um", "max um", "max e_r %", "of span %"]
+SCORE_HEADER = ["", "e_rms um", "max um", "max e_r %", "of stroke %"]
 
 
 def score_lines(rows: Sequence[tuple[str, Score]]) -> list[str]:

@@ -12,9 +12,11 @@ from hysgen.errors import HysgenError
 from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.style import Picture
+from hysgen.report.plots.system import fit_percent
 from hysgen.report.sections import (
     cost_section,
     equivalence_section,
+    glossary_section,
     model_section,
     provenance_section,
     uncertainty_section,
@@ -27,12 +29,15 @@ SAMPLES = 100_000
 
 
 def diagnosis_page(
-    study: Study, characterisation: Characterisation | None = None, proof: tuple[Report, Cost] | None = None
+    study: Study,
+    characterisation: Characterisation | None = None,
+    proof: tuple[Report, Cost] | None = None,
+    command: str = "",
 ) -> Page:
     """The report.
 
     characterisation: uncertainty and positions, as a section of their own. proof: comparison and cost of the extended
-    model's C; by default, both are made here.
+    model's C; by default, both are made here. command: the command line that repeats the report, if there is one.
     """
     drawn = {picture.name: picture for picture in pictures(study)}
     report, price, why_not = (*proof, "") if proof is not None else _proof(study)
@@ -41,6 +46,7 @@ def diagnosis_page(
         lead=verdict(study),
         figures=key_figures(study, report, price),
         sections=[
+            _record(drawn, study),
             _loops(drawn),
             _error(drawn, study),
             _causes(study),
@@ -49,9 +55,11 @@ def diagnosis_page(
             model_section(study.diagnosis.model),
             equivalence_section(report, why_not),
             cost_section(price, why_not),
+            glossary_section(),
             provenance_section(
                 study.diagnosis.model,
                 [
+                    *([("command", command)] if command else []),
                     ("record", study.record.source),
                     ("record SHA-256", study.record.digest),
                     ("identified on", f"rows 0 to {study.cut - 1}"),
@@ -78,9 +86,13 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
     figures = [
         KeyFigure("free run, paper's model", f"{diagnosis.base_rms_um:.3g} µm", _span(study, diagnosis.base_rms_um)),
     ]
+    held = study.held_out()
+    delivered = held.extended_um if study.improved else held.base_um
+    percent = fit_percent(held.measured_um, delivered)
     if study.improved:
         extended = diagnosis.extended_rms_um
         figures.append(KeyFigure("free run, extended", f"{extended:.3g} µm", _span(study, extended)))
+    figures.append(KeyFigure("fit (NRMSE)", f"{percent:.4g} %", "free run of the model written, held out"))
     figures.append(KeyFigure("noise floor", f"{diagnosis.noise.rms_um:.2g} µm", f"from {diagnosis.noise.source}"))
     total = total_price(study)
     if total is not None:
@@ -95,16 +107,29 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
     return figures
 
 
+def _record(drawn: dict[str, Picture], study: Study) -> PageSection:
+    return PageSection(
+        "The record",
+        text=[f"{study.record.one_line()}."],
+        pictures=[drawn["record"], drawn["record-spectrum"]],
+        notes=[f"Warning: {line}." for line in study.record.warnings],
+    )
+
+
 def _loops(drawn: dict[str, Picture]) -> PageSection:
     return PageSection(
-        "Measured and simulated loops",
-        text=["Held-out part of the record: no choice was made on it. Grey is measured."],
-        pictures=[drawn[name] for name in ("loops-before", "loops-after") if name in drawn],
+        "Measured and simulated",
+        text=["Held-out part of the record. Grey is measured."],
+        pictures=[drawn[name] for name in ("free-run", "loops-before", "loops-after", "response") if name in drawn],
     )
 
 
 def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
-    chosen = [drawn[name] for name in drawn if name in ("horizon", "time", "spectrum") or name.startswith("error-by-")]
+    chosen = [
+        drawn[name]
+        for name in drawn
+        if name in ("horizon", "time", "spectrum", "correlation") or name.startswith("error-by-")
+    ]
     after = f", {100 * study.after.above_noise:.0f} % of that of the extended model" if study.improved else ""
     return PageSection(
         "Where the error lies",
@@ -113,7 +138,10 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
             f"floor{after}. One-step errors are small for every model; the free run is the error of a simulation."
         ],
         pictures=chosen,
-        notes=["Steps: rms, dotted: mean. Empty where the record has no such samples. Error: simulated - measured."],
+        notes=[
+            "Empty where the record has no such samples. Error: simulated - measured. Grey band of the correlations: "
+            "white noise, 99 %."
+        ],
     )
 
 

@@ -78,7 +78,9 @@ def model_page(title: str, scored: ScoredModels, report: Report | None = None, p
 def _key_figures(scored: ScoredModels, report: Report | None, price: Cost | None) -> list[KeyFigure]:
     """Free-run errors and noise floor; with generated C its cost and the equality of its bits."""
     figures = [
-        KeyFigure(f"free run, {name}", f"{s.free_run.e_rms_um:.3g} µm", f"{s.free_run.of_span_percent:.2g} % of span")
+        KeyFigure(
+            f"free run, {name}", f"{s.free_run.e_rms_um:.3g} µm", f"{s.free_run.of_span_percent:.2g} % of the stroke"
+        )
         for name, s in scored.scores.items()
     ]
     figures.append(KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", "lower bound for any model"))
@@ -102,7 +104,7 @@ def _pictures(scored: ScoredModels) -> list[Picture]:
         pictures.append(Picture(f"loops-{len(pictures)}", f"Measured loops, model: {name}", alt, figure))
     errors = ", ".join(f"{name} at most {s.free_run.largest_um:.3g} µm" for name, s in scores.items())
     drawn = validation(record, runs, "", colours)
-    pictures.append(Picture("time", "Free run in time", f"Error of the free run: {errors}.", drawn))
+    pictures.append(Picture("time", "Free run in time", f"Error of the free run: {errors}.", drawn, wide=True))
     curves = {name: s.horizon for name, s in scores.items()}
     levels = {"noise floor": scored.noise.rms_um}
     ends = ", ".join(f"{name} {c.rms_um[0]:.2g} to {c.rms_um[-1]:.2g} µm" for name, c in curves.items())

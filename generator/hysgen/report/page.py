@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import csv
 import functools
+import io
 import os
 import re
 from collections.abc import Sequence
@@ -16,6 +19,9 @@ from hysgen.machine.files import write_whole
 from hysgen.machine.installed import version
 from hysgen.report.plots.style import Picture
 
+GLOSSARY = ("free run", "fit (NRMSE)", "noise floor", "price a sample", "generated C")
+"""Labels of figures that the section "Glossary" explains (`sections.TERMS`)."""
+
 
 @dataclass(frozen=True)
 class KeyFigure:
@@ -24,6 +30,11 @@ class KeyFigure:
     label: str
     value: str
     note: str = ""
+
+    @property
+    def explained(self) -> bool:
+        """Whether the glossary of a page has the label."""
+        return self.label.partition(",")[0] in GLOSSARY
 
 
 @dataclass(frozen=True)
@@ -34,6 +45,13 @@ class PageTable:
     cells: Sequence[Sequence[str]]
     caption: str = ""
     left: int = 1
+
+    @property
+    def csv_uri(self) -> str:
+        """The table as CSV inside a `data:` address."""
+        stream = io.StringIO()
+        csv.writer(stream, lineterminator="\n").writerows([list(self.header), *map(list, self.cells)])
+        return "data:text/csv;base64," + base64.b64encode(stream.getvalue().encode()).decode()
 
     @property
     def rows(self) -> list[list[tuple[str, str]]]:

@@ -138,6 +138,30 @@ def uncertainty_section(found: Characterisation) -> PageSection:
     )
 
 
+TERMS = (
+    ("free run", "simulation from the first measured displacement alone; its error is the error of a simulation"),
+    ("fit (NRMSE)", "100 (1 - |y - yhat| / |y - mean y|) in %, of the free run"),
+    ("noise floor", "rms of the displacement that no model can explain, estimated from the record"),
+    ("stroke", "range of the displacement over the whole record; percentages refer to it"),
+    ("held out", "rows that no fit uses; they are scored only"),
+    ("gain", "fall of the held-out rms error by an extension, with a 95 % interval by block bootstrap"),
+    (
+        "confidence",
+        "share of bootstrap draws on blocks left out in which an extension lowers the error by more than 2 %",
+    ),
+    ("of the error", "share of the power of the error above the noise floor"),
+    ("horizon", "time over which the displacement is predicted from one measured sample"),
+    ("price a sample", "cycles of the DSP and bytes that the extensions add"),
+    ("generated C", "float32 C of the model; equal bits: every build computes what the NumPy reference computes"),
+)
+"""Words of the page with their meaning."""
+
+
+def glossary_section() -> PageSection:
+    """The words of the page; the figures at its top link to it."""
+    return PageSection("Glossary", tables=[PageTable(["word", "meaning"], [list(term) for term in TERMS], left=2)])
+
+
 def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> PageSection:
     """The inputs of this page: `facts`, digest of the model, settings of its fit, versions of the software."""
     fit = model.history.get("fit", {})

@@ -58,7 +58,8 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     record, cut = load_record(csv), identification_rows()
     settings = DiagnoseSettings(FitSettings(name="stage"), identify=cut / record.samples, price=price_of)
 
-    console.say(f"$ hysgen diagnose {csv} --rows 0:{cut} -o {model_file} --report {page}\n{record.one_line()}")
+    command = f"hysgen diagnose {csv} --rows 0:{cut} -o {model_file} --report {page}"
+    console.say(f"$ {command}\n{record.one_line()}")
     study = diagnose_and_evaluate(record, None, settings, console.progress)
     console.say("\n".join([*verdict(study), "", table(LADDER, study.ladder())]))
     model = scored(study)
@@ -79,7 +80,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     price = cost(code)
     console.say(cost_text(price))
 
-    write_whole(page, diagnosis_page(study, proof=(report, price)).html())
+    write_whole(page, diagnosis_page(study, proof=(report, price), command=command).html())
     seconds = time.monotonic() - started
     console.say(f"\n{seconds:.0f} s; the page with pictures: {page}; models: {model_file}, {folder / 'paper.json'}")
     result = {

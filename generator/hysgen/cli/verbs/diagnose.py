@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import shlex
+import sys
 from pathlib import Path
 
 from hysgen.cli.console import Console
@@ -92,9 +94,16 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.report:
         from hysgen.report.diagnosis import diagnosis_page
 
-        write_whole(Path(arguments.report), diagnosis_page(study, found).html())
+        write_whole(Path(arguments.report), diagnosis_page(study, found, command=command_line()).html())
         console.say(f"written: {arguments.report}")
     return console.finish(study.to_json() | ({"uncertainty": found.to_json()} if found else {}))
+
+
+def command_line() -> str:
+    """The command line of this process; "" where another program made the study."""
+    program = Path(sys.argv[0])
+    own = program.name == "hysgen" or (program.name == "__main__.py" and program.parent.name == "hysgen")
+    return " ".join(["hysgen", *map(shlex.quote, sys.argv[1:])]) if own else ""
 
 
 def scored(study: Study) -> Model:

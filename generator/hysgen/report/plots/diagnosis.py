@@ -17,6 +17,7 @@ from hysgen.diagnosis.error_map import ErrorMap, range_in_words
 from hysgen.diagnosis.evaluation import Study
 from hysgen.report.plots import style
 from hysgen.report.plots.style import Picture
+from hysgen.report.plots.system import system_pictures
 from hysgen.report.plots.traces import envelope
 
 Floats = NDArray[np.float64]
@@ -34,6 +35,7 @@ def pictures(study: Study) -> list[Picture]:
     """All pictures of a diagnosis in reading order: loops, horizon, time, spectrum, profiles, ladder."""
     shown = [(BASE, study.before), *([(EXTENDED, study.after)] if study.improved else [])]
     return [
+        *system_pictures(study),
         *loop_pictures(study),
         horizon_picture(shown, study),
         time_picture(study),
@@ -63,9 +65,10 @@ def loop_pictures(study: Study) -> list[Picture]:
 
 def horizon_picture(shown: list[tuple[str, ErrorMap]], study: Study) -> Picture:
     """Error against the horizon, with noise floor and persistence."""
-    fig, axis = _figure("horizon [samples]", "error rms [µm]")
+    fig, axis = _figure("horizon [ms]", "error rms [µm]")
     for label, error in shown:
-        axis.loglog(error.horizon.steps, error.horizon.rms_um, marker=".", label=label, **LINES[label])
+        horizon_ms = 1e3 * study.record.Ts_s * np.array(error.horizon.steps, dtype=np.float64)
+        axis.loglog(horizon_ms, error.horizon.rms_um, marker=".", label=label, **LINES[label])
     _level(axis, study.diagnosis.noise.rms_um, "noise floor")
     _level(axis, study.diagnosis.persistence_um, "persistence, 1 step")
     _plain(axis, x=False)
@@ -107,15 +110,19 @@ def spectrum_picture(shown: list[tuple[str, ErrorMap]]) -> Picture:
 
 
 def profile_picture(shown: list[tuple[str, ErrorMap]], number: int) -> Picture:
-    """The error sorted by one quantity: rms as solid or dashed steps, mean dotted."""
+    """The rms error sorted by one quantity, on a logarithmic axis: both models are seen."""
     first = shown[0][1].profiles[number]
-    fig, axis = _figure(f"{first.quantity} [{first.unit}]", "error [µm]: rms, mean")
+    fig, axis = _figure(f"{first.quantity} [{first.unit}]", "error rms [µm]")
+    levels = np.concatenate([np.array(error.profiles[number].rms_um) for _, error in shown])
+    lowest = 0.5 * float(np.nanmin(levels[levels > 0.0])) if (levels > 0.0).any() else 1e-9
     for label, error in shown:
         profile = error.profiles[number]
-        axis.stairs(np.array(profile.rms_um), profile.edges, label=label, linewidth=1.4, **LINES[label])
-        axis.stairs(np.array(profile.mean_um), profile.edges, color=LINES[label]["color"], linestyle=":", linewidth=0.9)
-    axis.axhline(0.0, color=style.NOTE, linewidth=0.6)
-    axis.set_ylim(top=1.3 * max(float(np.nanmax(error.profiles[number].rms_um)) for _, error in shown))
+        heights = np.array(profile.rms_um)
+        axis.stairs(np.where(heights > 0.0, heights, lowest), profile.edges, baseline=lowest, label=label,
+                    linewidth=1.4, **LINES[label])  # fmt: skip
+    axis.set_yscale("log")
+    axis.set_ylim(lowest, 3.0 * max(float(np.nanmax(levels)), lowest))
+    _plain(axis, x=False)
     if first.edges == (-1.5, -0.5, 0.5, 1.5):
         axis.set_xticks([-1, 0, 1], first.unit.split(", "))
         axis.set_xlabel(f"{first.quantity} of the input")
@@ -135,20 +142,23 @@ def ladder_picture(study: Study) -> Picture:
     labels = [BASE, *(f"+ {cause.name}" for cause in causes)]
     fig, axis = _figure("", "free run, held out, rms [µm]")
     place = np.arange(len(levels))
-    lowest = 0.6 * min(*levels, diagnosis.noise.rms_um)
+    lowest = 0.6 * min([*levels, diagnosis.noise.rms_um])
     axis.plot(place, levels, color=style.NOTE, linewidth=0.8, zorder=1)
     axis.scatter(place, levels, color=[style.SIMULATED] + [style.EXTENDED] * (len(levels) - 1), s=45, zorder=3)
     for i, cause in enumerate(causes, start=1):
         ends = [max(cause.step.before_um - fall, lowest) for fall in (cause.step.high_um, cause.step.low_um)]
         axis.plot([i, i], ends, color=style.EXTENDED, linewidth=1.5, zorder=2)
+        if cause.step.before_um - cause.step.high_um < lowest:
+            # The interval goes on below the frame: an arrow says so, where a line would look like its end.
+            axis.plot([i], [lowest], marker="v", color=style.EXTENDED, clip_on=False, zorder=2)
     for i, level in enumerate(levels):
         price = causes[i - 1].price if i else None
         text = f"{level:.3g}" + (f"\n{price.cycles:+d} cycles" if price else "")
-        axis.annotate(text, (i, level), xytext=(7, 5), textcoords="offset points", fontsize=8)
+        axis.annotate(text, (i, level), xytext=(0, 9), textcoords="offset points", fontsize=8, ha="center")
     axis.set_yscale("log")
-    axis.set_ylim(lowest, 2.0 * max(levels))
+    axis.set_ylim(lowest, 4.0 * max(levels))
     _plain(axis, x=False)
-    axis.set_xlim(-0.4, len(levels) - 0.2)
+    axis.set_xlim(-0.6, len(levels) - 0.4)
     _level(axis, diagnosis.noise.rms_um, "noise floor")
     axis.set_xticks(place, [label.replace("'s ", "'s\n") for label in labels], fontsize=8 if len(labels) < 6 else 7)
     steps = ", ".join(f"{label} {level:.3g} µm" for label, level in zip(labels, levels, strict=True))

@@ -40,12 +40,16 @@ _SETTINGS: Any = {
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure for reports. name: stem of its file; title: the question it answers; alt: its content and numbers."""
+    """A figure for reports. name: stem of its file; title: the question it answers; alt: its content and numbers.
+
+    wide: takes the whole width of the page.
+    """
 
     name: str
     title: str
     alt: str
     figure: Figure
+    wide: bool = False
 
     @property
     def data_uri(self) -> str:

@@ -20,7 +20,7 @@ MOST_POINTS = 20_000
 
 
 def validation(record: Record, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]) -> Figure:
-    """Displacement against time, measured and simulated, and below it the errors, measured - simulated.
+    """Displacement against time, measured and simulated, and below it the errors, simulated - measured.
 
     Shows the first segment of the record. simulated_um: (n,) by name in the legend; colours: by the same names.
     """
@@ -31,11 +31,11 @@ def validation(record: Record, simulated_um: Mapping[str, Floats], title: str, c
     above.plot(t_s[keep], measured_um[keep], color=style.MEASURED, label="measured")
     for name, y_um in simulated_um.items():
         above.plot(t_s[keep], y_um[keep], color=colours[name], linestyle="--")
-        error_um = measured_um - y_um
+        error_um = y_um - measured_um
         rms_um = float(np.sqrt(np.mean(error_um**2)))
         below.plot(t_s[keep], error_um[keep], color=colours[name], label=f"{name}: {rms_um:.2g} µm rms")
     above.set(ylabel="displacement [µm]", title=title)
-    below.set(xlabel="time [s]", ylabel="error [µm]")
+    below.set(xlabel="time [s]", ylabel="simulated - measured [µm]")
     fig.legend(loc="outside lower center", ncols=2)
     return fig
 
