@@ -309,8 +309,8 @@ BAD_OPTIONS: list[tuple[str, Callable[[], object], tuple[str, ...]]] = [
     ),
     (
         "arrays: axes",
-        lambda: Record.from_arrays(U_V[None], Y_UM, 1e-3),
-        ("voltage_V has shape (1, 400)", "one-dimensional"),
+        lambda: Record.from_arrays(U_V.reshape(2, 200), Y_UM, 1e-3),
+        ("voltage_V has shape (2, 200)", "one-dimensional"),
     ),
     ("split nowhere", lambda: Record.from_arrays(U_V, Y_UM, 1e-3).split(1.0), ("split at 1", "between 0 and 1")),
     (
