@@ -392,7 +392,7 @@ def test_rest_is_the_output_under_the_same_input(block: Hysteresis) -> None:
 
 @by_block
 def test_constants_are_the_exact_ones_rounded(block: Hysteresis) -> None:
-    """Every row of `curve` against exact fractions: g0 and the first n plays taken along, in powers of x."""
+    """Every row of `curve` against exact fractions: g0 and the first n plays taken along, in powers of side x."""
     exact_curve = powers([Fraction(a) for a in block.curve_um])
     number = block.numbers
     size = sum(abs(float(a)) for a in exact_curve) + float(np.abs(number.play[:, 1:]).sum())
@@ -400,7 +400,7 @@ def test_constants_are_the_exact_ones_rounded(block: Hysteresis) -> None:
         row = exact_curve + [Fraction(0)] * (number.curve.shape[2] - len(exact_curve))
         row[0] += sum((powers([Fraction(0), *map(Fraction, a)])[0] for a in block.series.plays), Fraction(0))
         for n in range(block.plays + 1):
-            found = number.curve[direction, n].astype(np.float64)
+            found = side * float(side) ** np.arange(len(row)) * number.curve[direction, n].astype(np.float64)
             assert np.abs(found - [float(a) for a in row]).max() < 1.2e-7 * size
             if n < block.plays:
                 taken = powers([Fraction(0), *map(Fraction, block.series.plays[n])])

@@ -27,7 +27,7 @@ from numpy.polynomial import chebyshev
 from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock
-from hysgen.model.path.hysteresis_mirror import SLACK, STEPS, HysteresisMirror, Numbers
+from hysgen.model.path.hysteresis_mirror import SLACK, HysteresisMirror, Numbers, newton_steps
 from hysgen.model.structs import Member
 
 LEAST_HALF_WIDTH = 2.0**-12
@@ -194,7 +194,7 @@ class Hysteresis(InputBlock):
     @property
     def steps(self) -> int:
         """Newton steps of the inverse."""
-        return STEPS
+        return _steps(self)
 
     @property
     def groups(self) -> list[list[int]]:
@@ -255,7 +255,7 @@ class Hysteresis(InputBlock):
         return (*(plays if self.plays else ()), *(duhem if self.states else ()), *last)
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> HysteresisMirror:
-        return HysteresisMirror(self.numbers, self.members(), u_V)
+        return HysteresisMirror(self.numbers, self.members(), self.steps, u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         number = self.numbers
@@ -288,6 +288,11 @@ def _numbers(block: Hysteresis) -> Numbers:
     return Numbers.of(
         block.series, Interval(block.low_V, block.high_V), Interval(*block.slope_range()), block.mean_slope
     )
+
+
+@functools.lru_cache(maxsize=16)
+def _steps(block: Hysteresis) -> int:
+    return newton_steps(block, block.numbers, Interval(block.low_V, block.high_V))
 
 
 def _range(coefficients: Floats, low: float, high: float) -> tuple[float, float]:

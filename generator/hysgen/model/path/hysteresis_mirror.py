@@ -9,13 +9,15 @@ input, left_i = 1 - d_i(turn), so rounding errors do not accumulate between two 
 d_i <- e d_i + (1 - e) would lose slow motion, because 1 - e is a multiple of 2^-24. At a turn, side and d_i change
 sign, and left_i becomes back_i = 1 + d_i.
 
-Inverse: Newton steps on h as a function of the input ahead. Ahead of the present input, in one direction, the plays are
-taken along in the order of their half-widths (z is a 1-Lipschitz function of r). Where n of them are taken along, h is
+Inverse: Newton steps on f(x) = side h(side x) in the direction of the wanted output, where both x and f rise with the
+motion if h rises with v. Ahead of the present input, the plays are
+taken along in the order of their half-widths (z is a 1-Lipschitz function of r). Where n of them are taken along, f is
 
-    h(x) = [g0(x) + sum_(j < n) g_j(x - side r_j)] + sum_(j >= n) g_j(z_j) + Duhem states
+    f(x) = side [g0(side x) + sum_(j < n) g_j(side (x - r_j))] + side sum_(j >= n) g_j(z_j) + Duhem states
 
-The bracket is one polynomial of x; its coefficients for every n and both directions are constants. The second sum,
-sum_um[n], is known from the last sample. The first x follows from the mean slope.
+The first part is one polynomial of x; its coefficients for every n and both directions are constants. The second sum,
+sum_um[n], is known from the last sample. The first x follows from the mean slope. The number of steps is found for each
+block (`newton_steps`).
 
 No product is denormal: x and z_j are 0 or at least 2^-40 in magnitude (r_j >= 2^-12), coefficients are at least 2^-40,
 and a partial sum c + z q of a polynomial, a multiple of the last bit of its smaller part, is 0 or at least 2^-65.
@@ -33,19 +35,27 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import HysteresisSeries
-from hysgen.machine.reproducible import total
+from hysgen.machine.reproducible import drawn, total
 from hysgen.model.float32_arithmetic import bits_of, float_of, flushed, power_of_two
 from hysgen.model.float32_constants import LEAST, RECIPROCAL_SEED
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockMirror, Floats, Floats32, limited
+from hysgen.model.path.base import BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member
 
 SLACK: Final = np.float32(2.0**-22)
 """Distance in half ranges from which on `solve` takes a play along; larger than the rounding error of z + r."""
 
-STEPS: Final = 3
-"""Newton steps of `solve`. For a stroke of 10 um, the largest residual of 100 Hz over the whole range is 3e-6 um
-(rounding) at 50 kHz and at 2 kHz, of random jumps over the whole range 3e-5 um. Two steps leave 1e-4 um at 2 kHz."""
+LEAST_STEPS: Final = 3
+MOST_STEPS: Final = 6
+"""Fewest and most Newton steps of `solve`. Two steps leave 1e-4 um of a stroke of 10 um at 100 Hz and 2 kHz."""
+
+RESIDUAL: Final = 2.0**-21
+"""Residual of `solve` in strokes up to which no further step is taken: 5e-6 um of 10 um, half of the tolerance beyond
+which the inverse of the model is flagged, and three times what rounding leaves."""
+
+JUMPS: Final = 32
+JUMP_LANES: Final = 4096
+"""Random jumps of the input in each lane, and lanes, along which `newton_steps` finds the residual."""
 
 LEAST_SLOPE: Final = 0.02
 """Smallest slope of a Newton step, as a part of the mean slope."""
@@ -64,7 +74,7 @@ class Numbers:
     middle, half, per_half: of the input range in V and 1/V. play: (m, 1 + D) half-width and coefficients of z .. z^D.
     curve: (2, m + 1, C + 1) coefficients of the powers of x in um, of g0 and the first n plays taken along,
 
-        g0(x) + sum_(j < n) g_j(x - side r_j),   first for side = 1, then for side = -1
+        side [g0(side x) + sum_(j < n) g_j(side (x - r_j))],   first for side = 1, then for side = -1
 
     rate: exponent of the first Duhem state, -log2(e) / reach. duhem: (s, 3) b, c, 1 / reach. slope: least and largest
     dh/dx of a Newton step, and 1 / mean dh/dx.
@@ -94,6 +104,8 @@ class Numbers:
         curve[: series.curve.size] = _powers(series.curve)
         curve[0] += total(powers[:, 0])
         powers[:, 0] = 0.0
+        rows = np.stack([_taken_along(curve, powers, side * series.half_width) for side in (1.0, -1.0)])
+        rows[1] *= np.where(np.arange(curve.size) % 2 == 1, 1.0, -1.0)
         duhem = np.column_stack([_coefficients(series.duhem), (1.0 / series.reach).astype(np.float32)])
         # The factor b + 2 c of the slope of a state at d = 1 must not be tiny unless it is 0.
         vanishing = np.abs(duhem[:, 0] + (duhem[:, 1] + duhem[:, 1])) < LEAST
@@ -103,7 +115,7 @@ class Numbers:
             np.float32(half),
             np.float32(1.0 / half),
             np.column_stack([series.half_width.astype(np.float32), _coefficients(powers[:, 1:])]),
-            _coefficients(np.stack([_taken_along(curve, powers, side * series.half_width) for side in (1.0, -1.0)])),
+            _coefficients(rows),
             np.float32(-LOG2_E / series.reach[0]) if series.reach.size else ZERO,
             duhem,
             _newton_slopes(slopes, mean_slope),
@@ -152,11 +164,11 @@ def _newton_slopes(slopes: Interval, mean: float) -> Floats32:
 
 
 class HysteresisMirror(BlockMirror):
-    """The float32 operator over lanes, at rest under the input v_V of the constructor."""
+    """The float32 operator over lanes, at rest under the input v_V of the constructor; steps: Newton steps."""
 
-    def __init__(self, numbers: Numbers, members: tuple[Member, ...], v_V: Floats32) -> None:
+    def __init__(self, numbers: Numbers, members: tuple[Member, ...], steps: int, v_V: Floats32) -> None:
         self.members = members
-        self._numbers = numbers
+        self._numbers, self._steps = numbers, steps
         x = self._normalised(v_V)
         self.play = [limited(x, -(ONE - row[0]), ONE - row[0]) for row in self._numbers.play]
         self.sum_um = [np.zeros_like(x) for _ in range(len(self.play) + 1)]
@@ -182,7 +194,8 @@ class HysteresisMirror(BlockMirror):
         if len(self._numbers.duhem):
             falls = (x < self.last) | ((self.last < self.turn) & (x <= self.last))
             self.turn, self.left = self._turned(falls)
-            states = [ONE - left * e for left, e in zip(self.left, self._decays(x, self.turn), strict=True)]
+            decays = self._decays(np.abs(x - self.turn), limit=True)
+            states = [ONE - left * e for left, e in zip(self.left, decays, strict=True)]
             self.back = [ONE + d for d in states]
             parts = [d * (b + c * np.abs(d)) for d, (b, c, _) in zip(states, self._numbers.duhem, strict=True)]
             h = np.asarray(h + np.where(falls, -ONE, ONE) * _total(parts))
@@ -190,36 +203,40 @@ class HysteresisMirror(BlockMirror):
         return h
 
     def solve(self, wanted: Floats32) -> Floats32:
-        """Voltages, (lanes,), for which `apply` would return `wanted`, by STEPS Newton steps
+        """Voltages, (lanes,), for which `apply` would return `wanted`: the last of `iterates`."""
+        return self.iterates(wanted)[-1]
 
-            x <- x - (h(x) - wanted) / h'(x)
+    def iterates(self, wanted: Floats32) -> list[Floats32]:
+        """Voltages, (lanes,), of the mean slope and after every Newton step
 
-        with h' limited to the constants `slope`, and x to the side of the last input on which `wanted` lies.
+            x <- x - (f(x) - side wanted) / f'(x)
+
+        with f' limited to the constants `slope`, and x to the side of the last input on which `wanted` lies.
         """
         least, largest, per_mean = self._numbers.slope
         way = (wanted - self.h_um) * per_mean
         falls = way < 0.0
         side: Floats32 = np.where(falls, -ONE, ONE)
-        low, high = np.where(falls, -ONE, self.last), np.where(falls, self.last, ONE)
-        taken = [side * z + row[0] - SLACK for z, row in zip(self.play, self._numbers.play, strict=True)]
+        start, aim = side * self.last, side * wanted
+        taken = [side * z + (row[0] - SLACK) for z, row in zip(self.play, self._numbers.play, strict=True)]
         turn, left = self._turned(falls)
+        turn = side * turn
         sums, lane = np.array(self.sum_um), np.arange(wanted.size)
-        x = flushed(limited(self.last + way, low, high))
-        for _ in range(STEPS):
-            n = sum(((side * x > start).astype(np.int64) for start in taken), np.zeros(wanted.size, np.int64))
-            h, slope = _polynomial(x, self._numbers.curve[falls.astype(np.int64), n].T)
-            if taken:
-                h = h + sums[n, lane]
+        x = flushed(limited(start + side * way, start, ONE))
+        found = [x]
+        for _ in range(self._steps):
+            e = self._decays(x - turn)
+            n = sum(((x > begin).astype(np.int64) for begin in taken), np.zeros(wanted.size, np.int64))
+            missed, slope = _polynomial(x, self._numbers.curve[falls.astype(np.int64), n].T)
+            missed = missed + (side * sums[n, lane] - aim if taken else -aim)
             if left:
-                parts = [
-                    _duhem(missing * e, row)
-                    for missing, e, row in zip(left, self._decays(x, turn), self._numbers.duhem, strict=True)
-                ]
-                h = h + side * _total([part for part, _ in parts])
+                parts = [_duhem(a * decay, row) for a, decay, row in zip(left, e, self._numbers.duhem, strict=True)]
+                missed = missed + _total([part for part, _ in parts])
                 slope = slope + _total([rise for _, rise in parts])
             per_slope = _rough_reciprocal(limited(slope, least, largest))
-            x = flushed(limited(x - (h - wanted) * per_slope, low, high))
-        return self._numbers.middle + x * self._numbers.half
+            x = flushed(limited(x - missed * per_slope, start, ONE))
+            found.append(x)
+        return [self._numbers.middle + (side * x) * self._numbers.half for x in found]
 
     def _normalised(self, v_V: Floats32) -> Floats32:
         """x of the voltages v_V."""
@@ -231,13 +248,43 @@ class HysteresisMirror(BlockMirror):
         left = [np.where(turns, new, old) for new, old in zip(self.back, self.left, strict=True)]
         return np.where(turns, self.last, self.turn), left
 
-    def _decays(self, x: Floats32, turn: Floats32) -> list[Floats32]:
-        """e_i, (states,), between the turn and x."""
-        e = power_of_two(np.abs(x - turn) * self._numbers.rate)
-        found = [np.where(e > ONE, ONE, e)]
+    def _decays(self, way: Floats32, *, limit: bool = False) -> list[Floats32]:
+        """e_i, (states,), over the way from the turn; at most 1 with `limit`."""
+        if not len(self._numbers.duhem):
+            return []
+        e = power_of_two(way * self._numbers.rate)
+        found = [np.where(e > ONE, ONE, e) if limit else e]
         while len(found) < len(self._numbers.duhem):
             found.append(found[-1] * found[-1])
         return found
+
+
+def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval) -> int:
+    """Fewest Newton steps with which `solve` meets random jumps over the whole range within RESIDUAL, or as near as
+    with MOST_STEPS, up to rounding.
+
+    The jumps are a sample of all pasts, no bound; a larger residual sets the status bit INVERSE_RESIDUAL.
+    """
+    rng = np.random.default_rng(1)
+    draws = drawn(rng, range_V.low, range_V.high, (JUMPS + 1) * JUMP_LANES).reshape(JUMPS + 1, -1).astype(np.float32)
+    mirror = HysteresisMirror(numbers, block.members(), MOST_STEPS, draws[0])
+    # Jumps of the first quarter of the lanes, of the second and so on: whole range, and ever smaller ones.
+    sizes = np.repeat(np.float32([1.0, 0.3, 0.1, 0.03]), JUMP_LANES // 4)
+    worst, v_V = np.zeros(MOST_STEPS + 1), draws[0]
+    for target in draws[1:]:
+        v_V = v_V + sizes * (target - v_V)
+        before = [word.copy().view(np.uint32) for word in mirror.state()]
+        wanted = mirror.apply(v_V)
+        after = [word.copy().view(np.uint32) for word in mirror.state()]
+        mirror.restore(before)
+        for k, solved in enumerate(mirror.iterates(wanted)):
+            mirror.restore(before)
+            if k >= LEAST_STEPS:
+                worst[k] = max(worst[k], float(np.abs(mirror.apply(solved) - wanted).max()))
+        mirror.restore(after)
+    stroke = 2.0 / abs(float(numbers.slope[2]))
+    enough = worst <= max(RESIDUAL * stroke, 1.5 * worst[MOST_STEPS])
+    return LEAST_STEPS + int(np.argmax(enough[LEAST_STEPS:]))
 
 
 def _series(x: Floats32, coefficients: Floats32) -> Floats32:
