@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from fixtures.generated_models import everything, learning, smooth
+from fixtures.generated_models import diagnosed, everything, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.c674x import toolchain
@@ -201,6 +201,20 @@ def test_every_function_is_within_the_budget_that_is_kept(name: str) -> None:
         assert found["predict"]["cycles"] <= 180
         assert found["inverse"]["cycles"] <= 200
         assert found["learn"]["cycles"] <= 2357
+
+
+@pytest.mark.slow
+def test_the_largest_path_leaves_the_period_that_it_must() -> None:
+    """Issue 16: 12 plays, 2 Duhem states, 4 creep states, a mode, and a learner of 18 parameters."""
+    need_compiler()
+    model = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:])
+    assert [block.kind for block in model.blocks] == ["hysteresis", "creep", "modes"]
+    found = {
+        function: row["cycles"] for function, row in footprint(model.name, generate(model)).items() if "cycles" in row
+    }
+    assert found["predict"] <= 500
+    assert found["inverse"] <= 1200
+    assert max(found["predict"], found["inverse"]) + found["learn"] + found["commit"] <= 4300
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fixtures.generated_models import hysteresis
 from fixtures.tools import need
 from hysgen.checking.proof.eva.calls import prove_call
 from hysgen.checking.proof.warnings import wall
@@ -268,6 +269,49 @@ def test_an_operation_that_differs_is_seen_in_the_bits(block: Hysteresis) -> Non
     ):
         altered, _ = Compiled(block, float(v[0]), alter=alter).apply(v)
         assert (altered != h).any()
+
+
+def kinked() -> Hysteresis:
+    """Four wide plays that take over most of the slope one after the other, with short decay lengths."""
+    plays = (1.1, 0.05, 0.02) * 4
+    return Hysteresis(-20.0, 120.0, (4.0, 1.6, 0.2, 0.05), (0.05, 0.3, 0.55, 0.85), plays, 0.37, (0.2, 0.1, 0.15, 0.05))
+
+
+def jumps(block: Hysteresis, count: int) -> Floats32:
+    """Independent voltages of the whole range, and jumps of a third to a thousandth of it."""
+    rng = np.random.default_rng(5)
+    far = rng.uniform(block.low_V, block.high_V, count)
+    near = far[: count // 2] + rng.choice([45.0, 4.0, 0.4, 0.04], count // 2) * rng.normal(size=count // 2)
+    return np.clip(
+        np.concatenate([np.column_stack([far[: count // 2], near]).ravel(), far[count // 2 :]]), -20, 120
+    ).astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    ("block", "count"),
+    [
+        (operator(12, 2), 1_000_000),
+        (hysteresis(12, 2), 1_000_000),
+        *((block, 200_000) for block in (operator(), falling(), kinked())),
+    ],
+)
+def test_the_inverse_meets_random_jumps(block: Hysteresis, count: int) -> None:
+    """Issue 16: 1e-5 um of a stroke of 10 um."""
+    v = jumps(block, count)
+    wanted, _ = Compiled(block, float(v[0])).apply(v)
+    _, reached, _ = Compiled(block, float(v[0])).follow(wanted)
+    assert np.abs(reached - wanted).max() <= 1e-5
+
+
+def test_the_steps_of_the_inverse_are_as_many_as_the_block_needs() -> None:
+    assert operator(0, 0).steps == 3
+    block = kinked()
+    assert block.steps > 3
+    v = jumps(block, 20_000)
+    fewer = Compiled(block, float(v[0]), alter=(f"step < {block.steps}u", "step < 3u"))
+    wanted, _ = Compiled(block, float(v[0])).apply(v)
+    _, reached, _ = fewer.follow(wanted)
+    assert np.abs(reached - wanted).max() > 1e-5
 
 
 def test_lanes_are_independent() -> None:

@@ -155,8 +155,8 @@ float extended_simulate(extended_t *self, float u_V);
  *
  * Where no limit acts, y(k+1) is missed by at most EXTENDED_INVERSE_ERROR_UM; where the path is
  * missed by more than EXTENDED_W_TOLERANCE, EXTENDED_STATUS_INVERSE_RESIDUAL is set.
- * 587 float +-, 430 float *, 115 float comparisons, 629 integer, 391 loads, 50 stores, 40 branches.
- * C674x: about 2512 cycles (estimate). */
+ * 587 float +-, 432 float *, 113 float comparisons, 540 integer, 383 loads, 50 stores, 16 branches.
+ * C674x: about 1959 cycles (estimate). */
 float extended_inverse(extended_t *self, float y_um, float y_next_um);
 
 #define EXTENDED_LEARNED 18u  /**< parameters that are learned */

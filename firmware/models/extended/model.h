@@ -23,7 +23,7 @@
 #define MODEL_COMMIT_MATURE  0x00000400u
 
 /* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
-#define MODEL_DIGEST   { 0x11d8bd36u, 0x41816814u, 0xaf007a99u, 0x1119ad82u }
+#define MODEL_DIGEST   { 0x325053b6u, 0x3d7e4da6u, 0xa83dddbbu, 0xc29f3f41u }
 
 #define MODEL_BUSY       EXTENDED_BUSY
 #define MODEL_COMMITTED  EXTENDED_COMMITTED

@@ -164,8 +164,8 @@ float diagnosed_simulate(diagnosed_t *self, float u_V);
  *
  * Where no limit acts, y(k+1) is missed by at most DIAGNOSED_INVERSE_ERROR_UM; where the path is
  * missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
- * 588 float +-, 368 float *, 151 float comparisons, 679 integer, 402 loads, 56 stores, 44 branches.
- * C674x: about 2623 cycles (estimate). */
+ * 588 float +-, 370 float *, 149 float comparisons, 580 integer, 395 loads, 56 stores, 10 branches.
+ * C674x: about 1864 cycles (estimate). */
 float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um);
 
 #define DIAGNOSED_LEARNED 18u  /**< parameters that are learned */

@@ -209,8 +209,8 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  *
  * Where no limit acts, y(k+1) is missed by at most EVERYTHING_INVERSE_ERROR_UM; where the path is
  * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
- * 502 float +-, 323 float *, 101 float comparisons, 637 integer, 330 loads, 48 stores, 32 branches.
- * C674x: about 2156 cycles (estimate). */
+ * 502 float +-, 325 float *, 99 float comparisons, 562 integer, 329 loads, 48 stores, 10 branches.
+ * C674x: about 1659 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 /* The compiler of the caller must lay the structs out as the compiler of everything.c: another size is an error here. */

@@ -27,7 +27,14 @@ from numpy.polynomial import chebyshev
 from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock
-from hysgen.model.path.hysteresis_mirror import SLACK, HysteresisMirror, Numbers, newton_steps
+from hysgen.model.path.hysteresis_mirror import (
+    RESIDUAL,
+    RESIDUAL_UM,
+    SLACK,
+    HysteresisMirror,
+    Numbers,
+    newton_steps,
+)
 from hysgen.model.structs import Member
 
 LEAST_HALF_WIDTH = 2.0**-12
@@ -292,7 +299,8 @@ def _numbers(block: Hysteresis) -> Numbers:
 
 @functools.lru_cache(maxsize=16)
 def _steps(block: Hysteresis) -> int:
-    return newton_steps(block, block.numbers, Interval(block.low_V, block.high_V))
+    range_V = Interval(block.low_V, block.high_V)
+    return newton_steps(block, block.numbers, range_V, max(RESIDUAL_UM, RESIDUAL * block.image(range_V).width))
 
 
 def _range(coefficients: Floats, low: float, high: float) -> tuple[float, float]:

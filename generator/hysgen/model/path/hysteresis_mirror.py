@@ -26,6 +26,7 @@ and a partial sum c + z q of a polynomial, a multiple of the last bit of its sma
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -39,7 +40,7 @@ from hysgen.machine.reproducible import drawn, total
 from hysgen.model.float32_arithmetic import bits_of, float_of, flushed, power_of_two
 from hysgen.model.float32_constants import LEAST, RECIPROCAL_SEED
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockMirror, Floats, Floats32, InputBlock, limited
+from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member
 
 SLACK: Final = np.float32(2.0**-22)
@@ -49,13 +50,16 @@ LEAST_STEPS: Final = 3
 MOST_STEPS: Final = 6
 """Fewest and most Newton steps of `solve`. Two steps leave 1e-4 um of a stroke of 10 um at 100 Hz and 2 kHz."""
 
+RESIDUAL_UM: Final = 5e-6
 RESIDUAL: Final = 2.0**-21
-"""Residual of `solve` in strokes up to which no further step is taken: 5e-6 um of 10 um, half of the tolerance beyond
-which the inverse of the model is flagged, and three times what rounding leaves."""
+"""Residual of `solve` up to which no further step is taken, in um, or as a part of a range of h above 10 um: half of
+the largest that the inverse of the model may leave, and three times the rounding error of a range of 10 um."""
 
-JUMPS: Final = 32
-JUMP_LANES: Final = 4096
-"""Random jumps of the input in each lane, and lanes, along which `newton_steps` finds the residual."""
+LANES: Final = 4096
+JUMPS: Final = 16
+WORST: Final = 256
+SEARCHES: Final = 10
+"""`newton_steps`: random jumps in each of LANES; a search near the WORST of them, LANES/WORST places around each."""
 
 LEAST_SLOPE: Final = 0.02
 """Smallest slope of a Newton step, as a part of the mean slope."""
@@ -259,32 +263,60 @@ class HysteresisMirror(BlockMirror):
         return found
 
 
-def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval) -> int:
-    """Fewest Newton steps with which `solve` meets random jumps over the whole range within RESIDUAL, or as near as
-    with MOST_STEPS, up to rounding.
+def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest: float) -> int:
+    """Fewest Newton steps with which `solve` leaves at most `largest` um of random jumps, MOST_STEPS at most.
 
-    The jumps are a sample of all pasts, no bound; a larger residual sets the status bit INVERSE_RESIDUAL.
+    The jumps lead from random pasts over the whole range and over parts of it; a search near those that LEAST_STEPS
+    meet worst follows. Pasts are a sample: a larger residual of others sets the status bit INVERSE_RESIDUAL.
     """
     rng = np.random.default_rng(1)
-    draws = drawn(rng, range_V.low, range_V.high, (JUMPS + 1) * JUMP_LANES).reshape(JUMPS + 1, -1).astype(np.float32)
-    mirror = HysteresisMirror(numbers, block.members(), MOST_STEPS, draws[0])
-    # Jumps of the first quarter of the lanes, of the second and so on: whole range, and ever smaller ones.
-    sizes = np.repeat(np.float32([1.0, 0.3, 0.1, 0.03]), JUMP_LANES // 4)
-    worst, v_V = np.zeros(MOST_STEPS + 1), draws[0]
-    for target in draws[1:]:
-        v_V = v_V + sizes * (target - v_V)
-        before = [word.copy().view(np.uint32) for word in mirror.state()]
-        wanted = mirror.apply(v_V)
-        after = [word.copy().view(np.uint32) for word in mirror.state()]
-        mirror.restore(before)
-        for k, solved in enumerate(mirror.iterates(wanted)):
-            mirror.restore(before)
-            if k >= LEAST_STEPS:
-                worst[k] = max(worst[k], float(np.abs(mirror.apply(solved) - wanted).max()))
-        mirror.restore(after)
-    stroke = 2.0 / abs(float(numbers.slope[2]))
-    enough = worst <= max(RESIDUAL * stroke, 1.5 * worst[MOST_STEPS])
-    return LEAST_STEPS + int(np.argmax(enough[LEAST_STEPS:]))
+    ends = drawn(rng, range_V.low, range_V.high, (JUMPS + 1) * LANES).reshape(JUMPS + 1, LANES).astype(np.float32)
+    sizes = np.repeat(np.array([1.0, 0.3, 0.1, 0.03], np.float32), LANES // 4)
+    v_V = ends[0]
+    mirror = HysteresisMirror(numbers, block.members(), MOST_STEPS, v_V)
+    states, jumps, residuals = [], [], []
+    for end in ends[1:]:
+        v_V = v_V + sizes * (end - v_V)
+        state = _words(mirror)
+        states.append(state)
+        jumps.append(v_V)
+        residuals.append(_residuals(mirror, state, v_V))
+    found = np.concatenate(residuals, axis=1)
+    worst = np.argsort(-found[0], kind="stable")[:WORST]
+    pasts = [np.repeat(np.concatenate(words)[worst], LANES // WORST) for words in zip(*states, strict=True)]
+    centre, away = np.concatenate(jumps)[worst], 0.02 * range_V.width
+    for _ in range(SEARCHES):
+        around = drawn(rng, -away, away, LANES).astype(np.float32).reshape(WORST, -1)
+        around[:, 0] = 0.0
+        places = centre[:, None] + around
+        near = _residuals(mirror, pasts, places.ravel())
+        found = np.column_stack([found.max(axis=1), near])
+        centre = places[np.arange(WORST), near[0].reshape(WORST, -1).argmax(axis=1)]
+        away *= 0.6
+    enough = found.max(axis=1) <= largest
+    return LEAST_STEPS + int(np.argmax(enough)) if enough.any() else MOST_STEPS
+
+
+def _residuals(mirror: HysteresisMirror, state: Sequence[Bits], v_V: Floats32) -> Floats32:
+    """(1 + MOST_STEPS - LEAST_STEPS, lanes) |h - wanted| of LEAST_STEPS and more steps; wanted: h of v_V from `state`.
+
+    Leaves the mirror behind v_V.
+    """
+    mirror.restore(state)
+    wanted = mirror.apply(v_V)
+    behind = _words(mirror)
+    mirror.restore(state)
+    found = []
+    for solved in mirror.iterates(wanted)[LEAST_STEPS:]:
+        mirror.restore(state)
+        found.append(np.abs(mirror.apply(solved) - wanted))
+    mirror.restore(behind)
+    return np.array(found)
+
+
+def _words(mirror: HysteresisMirror) -> list[Bits]:
+    """A copy of the state."""
+    return [word.copy().view(np.uint32) for word in mirror.state()]
 
 
 def _series(x: Floats32, coefficients: Floats32) -> Floats32:
