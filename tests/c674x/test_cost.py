@@ -37,8 +37,8 @@ STRAIGHT = [
     model if model.name != "everything" else dataclasses.replace(model, blocks=model.blocks[:3]) for model in MODELS
 ]
 """The same without the responses of the stage, whose loops stand once in the machine code and count many times."""
-JITTER = 4
-"""Most cycles by which a function may depend on the data: gcc makes a branch of one comparison in the Newton steps."""
+JITTER = 6
+"""Most cycles by which a function may depend on the data: gcc makes a branch of the direction of the Newton steps."""
 FUNCTIONS = ("predict", "simulate", "inverse")
 BUDGET = Path(__file__).parents[2] / "firmware" / "budget.json"
 
