@@ -356,10 +356,11 @@ EXTENDED_INLINE float extended_hysteresis_duhem_um(float d, const float duhem[3]
     return d * (duhem[0] + duhem[1] * extended_hysteresis_magnitude(d));
 }
 
-/* Advance the Duhem states to the input x and return their part of the output. Measured in the direction of the input,
+/* The Duhem states of `next`, at the input x, from those of `self`; returns their part of the output. Measured in the
+ * direction of the input,
  *     d_i = 1 - left_i e_i,   e_i = exp(-2^i |x - turn| / reach)
  * where left_i is 1 - d_i at the last turn. After a turn, the direction and with it d_i change sign: left_i = back_i. */
-EXTENDED_INLINE float extended_hysteresis_followed_um(extended_hysteresis_t *self, float x)
+EXTENDED_INLINE float extended_hysteresis_followed_um(const extended_hysteresis_t *self, extended_hysteresis_t *next, float x)
 {
     const uint32_t fell = (uint32_t)(self->last < self->turn);
     const float from_last = x - self->last;
@@ -385,17 +386,17 @@ EXTENDED_INLINE float extended_hysteresis_followed_um(extended_hysteresis_t *sel
     const float d3 = 1.0f - left3 * e3;
     const float d4 = 1.0f - left4 * e4;
 
-    self->turn = (turns != 0u) ? self->last : self->turn;
-    self->left[0] = left0;
-    self->back[0] = 1.0f + d0;
-    self->left[1] = left1;
-    self->back[1] = 1.0f + d1;
-    self->left[2] = left2;
-    self->back[2] = 1.0f + d2;
-    self->left[3] = left3;
-    self->back[3] = 1.0f + d3;
-    self->left[4] = left4;
-    self->back[4] = 1.0f + d4;
+    next->turn = (turns != 0u) ? self->last : self->turn;
+    next->left[0] = left0;
+    next->back[0] = 1.0f + d0;
+    next->left[1] = left1;
+    next->back[1] = 1.0f + d1;
+    next->left[2] = left2;
+    next->back[2] = 1.0f + d2;
+    next->left[3] = left3;
+    next->back[3] = 1.0f + d3;
+    next->left[4] = left4;
+    next->back[4] = 1.0f + d4;
     return side * (extended_hysteresis_duhem_um(d0, &extended_hysteresis_duhem[0]) + extended_hysteresis_duhem_um(d1, &extended_hysteresis_duhem[3]) + extended_hysteresis_duhem_um(d2, &extended_hysteresis_duhem[6]) + extended_hysteresis_duhem_um(d3, &extended_hysteresis_duhem[9]) + extended_hysteresis_duhem_um(d4, &extended_hysteresis_duhem[12]));
 }
 
@@ -403,18 +404,15 @@ EXTENDED_CODE
 static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
 {
     const float x = extended_hysteresis_normalised(v);
-    const float memory = extended_hysteresis_followed_um(self, x);
-    float h = extended_hysteresis_curve_um(x);
-
     float sum = 0.0f;
 
     const float z7 = extended_hysteresis_moved(self->play[7], x, extended_hysteresis_play[28]);
-    const float z6 = extended_hysteresis_moved(self->play[6], x, extended_hysteresis_play[24]);
-    const float z5 = extended_hysteresis_moved(self->play[5], x, extended_hysteresis_play[20]);
-    const float z4 = extended_hysteresis_moved(self->play[4], x, extended_hysteresis_play[16]);
     self->play[7] = z7;
+    const float z6 = extended_hysteresis_moved(self->play[6], x, extended_hysteresis_play[24]);
     self->play[6] = z6;
+    const float z5 = extended_hysteresis_moved(self->play[5], x, extended_hysteresis_play[20]);
     self->play[5] = z5;
+    const float z4 = extended_hysteresis_moved(self->play[4], x, extended_hysteresis_play[16]);
     self->play[4] = z4;
     sum = sum + extended_hysteresis_play_um(z7, &extended_hysteresis_play[28]);
     self->sum_um[7] = sum;
@@ -425,12 +423,12 @@ static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
     sum = sum + extended_hysteresis_play_um(z4, &extended_hysteresis_play[16]);
     self->sum_um[4] = sum;
     const float z3 = extended_hysteresis_moved(self->play[3], x, extended_hysteresis_play[12]);
-    const float z2 = extended_hysteresis_moved(self->play[2], x, extended_hysteresis_play[8]);
-    const float z1 = extended_hysteresis_moved(self->play[1], x, extended_hysteresis_play[4]);
-    const float z0 = extended_hysteresis_moved(self->play[0], x, extended_hysteresis_play[0]);
     self->play[3] = z3;
+    const float z2 = extended_hysteresis_moved(self->play[2], x, extended_hysteresis_play[8]);
     self->play[2] = z2;
+    const float z1 = extended_hysteresis_moved(self->play[1], x, extended_hysteresis_play[4]);
     self->play[1] = z1;
+    const float z0 = extended_hysteresis_moved(self->play[0], x, extended_hysteresis_play[0]);
     self->play[0] = z0;
     sum = sum + extended_hysteresis_play_um(z3, &extended_hysteresis_play[12]);
     self->sum_um[3] = sum;
@@ -440,10 +438,61 @@ static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
     self->sum_um[1] = sum;
     sum = sum + extended_hysteresis_play_um(z0, &extended_hysteresis_play[0]);
     self->sum_um[0] = sum;
-    h = h + sum;
-    h = h + memory;
+    const float memory = extended_hysteresis_followed_um(self, self, x);
+    const float curve = extended_hysteresis_curve_um(x);
+    const float h = (curve + sum) + memory;
+
     self->last = x;
     self->h_um = h;
+    return h;
+}
+
+/* The same, with the state behind it in `next`. */
+EXTENDED_CODE
+static float extended_hysteresis_ahead(const extended_hysteresis_t *self, extended_hysteresis_t *next, float v)
+{
+    next->sum_um[8] = 0.0f;
+    const float x = extended_hysteresis_normalised(v);
+    float sum = 0.0f;
+
+    const float z7 = extended_hysteresis_moved(self->play[7], x, extended_hysteresis_play[28]);
+    next->play[7] = z7;
+    const float z6 = extended_hysteresis_moved(self->play[6], x, extended_hysteresis_play[24]);
+    next->play[6] = z6;
+    const float z5 = extended_hysteresis_moved(self->play[5], x, extended_hysteresis_play[20]);
+    next->play[5] = z5;
+    const float z4 = extended_hysteresis_moved(self->play[4], x, extended_hysteresis_play[16]);
+    next->play[4] = z4;
+    sum = sum + extended_hysteresis_play_um(z7, &extended_hysteresis_play[28]);
+    next->sum_um[7] = sum;
+    sum = sum + extended_hysteresis_play_um(z6, &extended_hysteresis_play[24]);
+    next->sum_um[6] = sum;
+    sum = sum + extended_hysteresis_play_um(z5, &extended_hysteresis_play[20]);
+    next->sum_um[5] = sum;
+    sum = sum + extended_hysteresis_play_um(z4, &extended_hysteresis_play[16]);
+    next->sum_um[4] = sum;
+    const float z3 = extended_hysteresis_moved(self->play[3], x, extended_hysteresis_play[12]);
+    next->play[3] = z3;
+    const float z2 = extended_hysteresis_moved(self->play[2], x, extended_hysteresis_play[8]);
+    next->play[2] = z2;
+    const float z1 = extended_hysteresis_moved(self->play[1], x, extended_hysteresis_play[4]);
+    next->play[1] = z1;
+    const float z0 = extended_hysteresis_moved(self->play[0], x, extended_hysteresis_play[0]);
+    next->play[0] = z0;
+    sum = sum + extended_hysteresis_play_um(z3, &extended_hysteresis_play[12]);
+    next->sum_um[3] = sum;
+    sum = sum + extended_hysteresis_play_um(z2, &extended_hysteresis_play[8]);
+    next->sum_um[2] = sum;
+    sum = sum + extended_hysteresis_play_um(z1, &extended_hysteresis_play[4]);
+    next->sum_um[1] = sum;
+    sum = sum + extended_hysteresis_play_um(z0, &extended_hysteresis_play[0]);
+    next->sum_um[0] = sum;
+    const float memory = extended_hysteresis_followed_um(self, next, x);
+    const float curve = extended_hysteresis_curve_um(x);
+    const float h = (curve + sum) + memory;
+
+    next->last = x;
+    next->h_um = h;
     return h;
 }
 
@@ -526,42 +575,38 @@ EXTENDED_INLINE extended_hysteresis_ahead_t extended_hysteresis_duhem_ahead(floa
 }
 
 /* The voltage for which extended_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
- *     x <- x - (h(x) - wanted) / h'(x)
- * on h as a function of the input ahead, in the direction of `wanted`; the first x is that of the mean slope. */
+ *     x <- x - (f(x) - side wanted) / f'(x),   f(x) = side h(side x)
+ * in the direction of `wanted`; the first x is that of the mean slope. */
 EXTENDED_CODE
 static float extended_hysteresis_solve(const extended_hysteresis_t *self, float wanted)
 {
     const float way = (wanted - self->h_um) * extended_hysteresis_range[5];
     const uint32_t falls = (uint32_t)(way < 0.0f);
     const float side = (falls != 0u) ? -1.0f : 1.0f;
-    const float low = (falls != 0u) ? -1.0f : self->last;
-    const float high = (falls != 0u) ? self->last : 1.0f;
+    const float start = side * self->last;
+    const float aim = side * wanted;
     const float *row = &extended_hysteresis_curve[falls * 72u];
     float taken[8];
     const uint32_t turns = falls ^ (uint32_t)(self->last < self->turn);
-    const float turn = (turns != 0u) ? self->last : self->turn;
+    const float turn = side * ((turns != 0u) ? self->last : self->turn);
     const float left0 = (turns != 0u) ? self->back[0] : self->left[0];
     const float left1 = (turns != 0u) ? self->back[1] : self->left[1];
     const float left2 = (turns != 0u) ? self->back[2] : self->left[2];
     const float left3 = (turns != 0u) ? self->back[3] : self->left[3];
     const float left4 = (turns != 0u) ? self->back[4] : self->left[4];
     uint32_t beyond;
-    float x = extended_flushed(extended_limited(self->last + way, low, high, &beyond));
+    float x = extended_flushed(extended_limited(start + side * way, start, 1.0f, &beyond));
 
-    taken[0] = side * self->play[0] + extended_hysteresis_play[0] - 2.38418579e-07f;
-    taken[1] = side * self->play[1] + extended_hysteresis_play[4] - 2.38418579e-07f;
-    taken[2] = side * self->play[2] + extended_hysteresis_play[8] - 2.38418579e-07f;
-    taken[3] = side * self->play[3] + extended_hysteresis_play[12] - 2.38418579e-07f;
-    taken[4] = side * self->play[4] + extended_hysteresis_play[16] - 2.38418579e-07f;
-    taken[5] = side * self->play[5] + extended_hysteresis_play[20] - 2.38418579e-07f;
-    taken[6] = side * self->play[6] + extended_hysteresis_play[24] - 2.38418579e-07f;
-    taken[7] = side * self->play[7] + extended_hysteresis_play[28] - 2.38418579e-07f;
+    taken[0] = side * self->play[0] + (extended_hysteresis_play[0] - 2.38418579e-07f);
+    taken[1] = side * self->play[1] + (extended_hysteresis_play[4] - 2.38418579e-07f);
+    taken[2] = side * self->play[2] + (extended_hysteresis_play[8] - 2.38418579e-07f);
+    taken[3] = side * self->play[3] + (extended_hysteresis_play[12] - 2.38418579e-07f);
+    taken[4] = side * self->play[4] + (extended_hysteresis_play[16] - 2.38418579e-07f);
+    taken[5] = side * self->play[5] + (extended_hysteresis_play[20] - 2.38418579e-07f);
+    taken[6] = side * self->play[6] + (extended_hysteresis_play[24] - 2.38418579e-07f);
+    taken[7] = side * self->play[7] + (extended_hysteresis_play[28] - 2.38418579e-07f);
     for (uint32_t step = 0u; step < 3u; ++step) {
-        const uint32_t n = extended_hysteresis_count(taken, side * x);
-        const extended_hysteresis_ahead_t moved = extended_hysteresis_polynomial(&row[8u * n], x);
-        float h = moved.um + self->sum_um[n];
-        float slope = moved.slope;
-        const float e0 = extended_hysteresis_decay(x - turn);
+        const float e0 = extended_power_of_two((x - turn) * extended_hysteresis_rate[0]);
         const float e1 = e0 * e0;
         const float e2 = e1 * e1;
         const float e3 = e2 * e2;
@@ -571,14 +616,18 @@ static float extended_hysteresis_solve(const extended_hysteresis_t *self, float 
         const extended_hysteresis_ahead_t d2 = extended_hysteresis_duhem_ahead(left2, e2, &extended_hysteresis_duhem[6]);
         const extended_hysteresis_ahead_t d3 = extended_hysteresis_duhem_ahead(left3, e3, &extended_hysteresis_duhem[9]);
         const extended_hysteresis_ahead_t d4 = extended_hysteresis_duhem_ahead(left4, e4, &extended_hysteresis_duhem[12]);
+        const uint32_t n = extended_hysteresis_count(taken, x);
+        const extended_hysteresis_ahead_t moved = extended_hysteresis_polynomial(&row[8u * n], x);
+        float missed = moved.um + (side * self->sum_um[n] - aim);
+        float slope = moved.slope;
 
-        h = h + side * (d0.um + d1.um + d2.um + d3.um + d4.um);
+        missed = missed + (d0.um + d1.um + d2.um + d3.um + d4.um);
         slope = slope + (d0.slope + d1.slope + d2.slope + d3.slope + d4.slope);
         slope = extended_limited(slope, extended_hysteresis_range[3], extended_hysteresis_range[4], &beyond);
-        x = extended_limited(x - (h - wanted) * extended_hysteresis_rough_reciprocal(slope), low, high, &beyond);
+        x = extended_limited(x - missed * extended_hysteresis_rough_reciprocal(slope), start, 1.0f, &beyond);
         x = extended_flushed(x);
     }
-    return extended_hysteresis_range[0] + x * extended_hysteresis_range[1];
+    return extended_hysteresis_range[0] + (side * x) * extended_hysteresis_range[1];
 }
 
 /* amount sum_i s_i */
@@ -626,6 +675,30 @@ EXTENDED_INLINE float extended_creep_apply(extended_creep_t *self, float x)
     return y;
 }
 
+/* The same, with the state behind it in `next`. */
+EXTENDED_INLINE float extended_creep_ahead(const extended_creep_t *self, extended_creep_t *next, float x)
+{
+    const float y = x + extended_creep_slow(self);
+    const float high0 = self->high[0];
+    const float t0 = extended_carried(self->low[0], extended_creep_rate[0] * (x - high0));
+    const float high1 = self->high[1];
+    const float t1 = extended_carried(self->low[1], extended_creep_rate[1] * (x - high1));
+    const float high2 = self->high[2];
+    const float t2 = extended_carried(self->low[2], extended_creep_rate[2] * (x - high2));
+    const float high3 = self->high[3];
+    const float t3 = extended_carried(self->low[3], extended_creep_rate[3] * (x - high3));
+
+    next->low[0] = extended_lost(high0, t0);
+    next->high[0] = extended_total(high0, t0);
+    next->low[1] = extended_lost(high1, t1);
+    next->high[1] = extended_total(high1, t1);
+    next->low[2] = extended_lost(high2, t2);
+    next->high[2] = extended_total(high2, t2);
+    next->low[3] = extended_lost(high3, t3);
+    next->high[3] = extended_total(high3, t3);
+    return y;
+}
+
 /* x = y - amount sum_i s_i */
 EXTENDED_INLINE float extended_creep_solve(const extended_creep_t *self, float wanted)
 {
@@ -669,34 +742,6 @@ EXTENDED_INLINE float extended_inputs_apply(extended_inputs_t *inputs, float u)
     return extended_inputs_respond(&inputs->hysteresis, &inputs->creep, v);
 }
 
-EXTENDED_CODE
-static void extended_hysteresis_copy(extended_hysteresis_t *to, const extended_hysteresis_t *from)
-{
-    to->turn = from->turn;
-    to->last = from->last;
-    to->h_um = from->h_um;
-    for (uint32_t i = 0u; i < 5u; ++i) {
-        to->left[i] = from->left[i];
-        to->back[i] = from->back[i];
-    }
-    for (uint32_t i = 0u; i < 8u; ++i) {
-        to->play[i] = from->play[i];
-    }
-    for (uint32_t i = 0u; i < 9u; ++i) {
-        to->sum_um[i] = from->sum_um[i];
-    }
-}
-
-EXTENDED_CODE
-static void extended_creep_copy(extended_creep_t *to, const extended_creep_t *from)
-{
-    for (uint32_t i = 0u; i < 4u; ++i) {
-        to->high[i] = from->high[i];
-        to->low[i] = from->low[i];
-    }
-}
-
-
 /** What the inverse of the path finds besides the command. */
 typedef struct {
     float w;               /**< input of the rules that follows from the command */
@@ -717,9 +762,8 @@ static float extended_inputs_invert(extended_inputs_t *inputs, float w, extended
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
-    extended_hysteresis_copy(&hysteresis, &inputs->hysteresis);
-    extended_creep_copy(&creep, &inputs->creep);
-    (void)extended_inputs_respond(&hysteresis, &creep, inputs->v_V);
+float w_ahead = extended_flushed(extended_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
+(void)extended_creep_ahead(&inputs->creep, &creep, w_ahead);
     solved = extended_flushed(extended_creep_solve(&creep, solved));
     solved = extended_flushed(extended_hysteresis_solve(&hysteresis, solved));
     const float allowed = extended_limited(solved, EXTENDED_U_MIN_V, EXTENDED_U_MAX_V, &found->u_clamped);
@@ -2363,6 +2407,33 @@ static void extended_delay_copy(extended_delay_t *to, const extended_delay_t *fr
     to->wanted_V = from->wanted_V;
     for (uint32_t i = 0u; i < 4u; ++i) {
         to->ring[i] = from->ring[i];
+    }
+}
+
+EXTENDED_CODE
+static void extended_hysteresis_copy(extended_hysteresis_t *to, const extended_hysteresis_t *from)
+{
+    to->turn = from->turn;
+    to->last = from->last;
+    to->h_um = from->h_um;
+    for (uint32_t i = 0u; i < 5u; ++i) {
+        to->left[i] = from->left[i];
+        to->back[i] = from->back[i];
+    }
+    for (uint32_t i = 0u; i < 8u; ++i) {
+        to->play[i] = from->play[i];
+    }
+    for (uint32_t i = 0u; i < 9u; ++i) {
+        to->sum_um[i] = from->sum_um[i];
+    }
+}
+
+EXTENDED_CODE
+static void extended_creep_copy(extended_creep_t *to, const extended_creep_t *from)
+{
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        to->high[i] = from->high[i];
+        to->low[i] = from->low[i];
     }
 }
 

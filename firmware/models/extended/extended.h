@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "1c7161ccf380a61e7f130025066b887aff421f8a761a8da90da4c70b2ec26c87"
-#define EXTENDED_ALGORITHM_WORD 0x1c7161ccu  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "426e536a1484458269e0f6e8743f3380d977a5fdc89da6afcb1a11e29e6058d1"
+#define EXTENDED_ALGORITHM_WORD 0x426e536au  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */

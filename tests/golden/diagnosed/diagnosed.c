@@ -356,10 +356,11 @@ DIAGNOSED_INLINE float diagnosed_hysteresis_duhem_um(float d, const float duhem[
     return d * (duhem[0] + duhem[1] * diagnosed_hysteresis_magnitude(d));
 }
 
-/* Advance the Duhem states to the input x and return their part of the output. Measured in the direction of the input,
+/* The Duhem states of `next`, at the input x, from those of `self`; returns their part of the output. Measured in the
+ * direction of the input,
  *     d_i = 1 - left_i e_i,   e_i = exp(-2^i |x - turn| / reach)
  * where left_i is 1 - d_i at the last turn. After a turn, the direction and with it d_i change sign: left_i = back_i. */
-DIAGNOSED_INLINE float diagnosed_hysteresis_followed_um(diagnosed_hysteresis_t *self, float x)
+DIAGNOSED_INLINE float diagnosed_hysteresis_followed_um(const diagnosed_hysteresis_t *self, diagnosed_hysteresis_t *next, float x)
 {
     const uint32_t fell = (uint32_t)(self->last < self->turn);
     const float from_last = x - self->last;
@@ -376,11 +377,11 @@ DIAGNOSED_INLINE float diagnosed_hysteresis_followed_um(diagnosed_hysteresis_t *
     const float d0 = 1.0f - left0 * e0;
     const float d1 = 1.0f - left1 * e1;
 
-    self->turn = (turns != 0u) ? self->last : self->turn;
-    self->left[0] = left0;
-    self->back[0] = 1.0f + d0;
-    self->left[1] = left1;
-    self->back[1] = 1.0f + d1;
+    next->turn = (turns != 0u) ? self->last : self->turn;
+    next->left[0] = left0;
+    next->back[0] = 1.0f + d0;
+    next->left[1] = left1;
+    next->back[1] = 1.0f + d1;
     return side * (diagnosed_hysteresis_duhem_um(d0, &diagnosed_hysteresis_duhem[0]) + diagnosed_hysteresis_duhem_um(d1, &diagnosed_hysteresis_duhem[3]));
 }
 
@@ -388,22 +389,19 @@ DIAGNOSED_CODE
 static float diagnosed_hysteresis_apply(diagnosed_hysteresis_t *self, float v)
 {
     const float x = diagnosed_hysteresis_normalised(v);
-    const float memory = diagnosed_hysteresis_followed_um(self, x);
-    float h = diagnosed_hysteresis_curve_um(x);
-
     float sum = 0.0f;
 
     const float z11 = diagnosed_hysteresis_moved(self->play[11], x, diagnosed_hysteresis_play[44]);
-    const float z10 = diagnosed_hysteresis_moved(self->play[10], x, diagnosed_hysteresis_play[40]);
-    const float z9 = diagnosed_hysteresis_moved(self->play[9], x, diagnosed_hysteresis_play[36]);
-    const float z8 = diagnosed_hysteresis_moved(self->play[8], x, diagnosed_hysteresis_play[32]);
-    const float z7 = diagnosed_hysteresis_moved(self->play[7], x, diagnosed_hysteresis_play[28]);
-    const float z6 = diagnosed_hysteresis_moved(self->play[6], x, diagnosed_hysteresis_play[24]);
     self->play[11] = z11;
+    const float z10 = diagnosed_hysteresis_moved(self->play[10], x, diagnosed_hysteresis_play[40]);
     self->play[10] = z10;
+    const float z9 = diagnosed_hysteresis_moved(self->play[9], x, diagnosed_hysteresis_play[36]);
     self->play[9] = z9;
+    const float z8 = diagnosed_hysteresis_moved(self->play[8], x, diagnosed_hysteresis_play[32]);
     self->play[8] = z8;
+    const float z7 = diagnosed_hysteresis_moved(self->play[7], x, diagnosed_hysteresis_play[28]);
     self->play[7] = z7;
+    const float z6 = diagnosed_hysteresis_moved(self->play[6], x, diagnosed_hysteresis_play[24]);
     self->play[6] = z6;
     sum = sum + diagnosed_hysteresis_play_um(z11, &diagnosed_hysteresis_play[44]);
     self->sum_um[11] = sum;
@@ -418,16 +416,16 @@ static float diagnosed_hysteresis_apply(diagnosed_hysteresis_t *self, float v)
     sum = sum + diagnosed_hysteresis_play_um(z6, &diagnosed_hysteresis_play[24]);
     self->sum_um[6] = sum;
     const float z5 = diagnosed_hysteresis_moved(self->play[5], x, diagnosed_hysteresis_play[20]);
-    const float z4 = diagnosed_hysteresis_moved(self->play[4], x, diagnosed_hysteresis_play[16]);
-    const float z3 = diagnosed_hysteresis_moved(self->play[3], x, diagnosed_hysteresis_play[12]);
-    const float z2 = diagnosed_hysteresis_moved(self->play[2], x, diagnosed_hysteresis_play[8]);
-    const float z1 = diagnosed_hysteresis_moved(self->play[1], x, diagnosed_hysteresis_play[4]);
-    const float z0 = diagnosed_hysteresis_moved(self->play[0], x, diagnosed_hysteresis_play[0]);
     self->play[5] = z5;
+    const float z4 = diagnosed_hysteresis_moved(self->play[4], x, diagnosed_hysteresis_play[16]);
     self->play[4] = z4;
+    const float z3 = diagnosed_hysteresis_moved(self->play[3], x, diagnosed_hysteresis_play[12]);
     self->play[3] = z3;
+    const float z2 = diagnosed_hysteresis_moved(self->play[2], x, diagnosed_hysteresis_play[8]);
     self->play[2] = z2;
+    const float z1 = diagnosed_hysteresis_moved(self->play[1], x, diagnosed_hysteresis_play[4]);
     self->play[1] = z1;
+    const float z0 = diagnosed_hysteresis_moved(self->play[0], x, diagnosed_hysteresis_play[0]);
     self->play[0] = z0;
     sum = sum + diagnosed_hysteresis_play_um(z5, &diagnosed_hysteresis_play[20]);
     self->sum_um[5] = sum;
@@ -441,10 +439,77 @@ static float diagnosed_hysteresis_apply(diagnosed_hysteresis_t *self, float v)
     self->sum_um[1] = sum;
     sum = sum + diagnosed_hysteresis_play_um(z0, &diagnosed_hysteresis_play[0]);
     self->sum_um[0] = sum;
-    h = h + sum;
-    h = h + memory;
+    const float memory = diagnosed_hysteresis_followed_um(self, self, x);
+    const float curve = diagnosed_hysteresis_curve_um(x);
+    const float h = (curve + sum) + memory;
+
     self->last = x;
     self->h_um = h;
+    return h;
+}
+
+/* The same, with the state behind it in `next`. */
+DIAGNOSED_CODE
+static float diagnosed_hysteresis_ahead(const diagnosed_hysteresis_t *self, diagnosed_hysteresis_t *next, float v)
+{
+    next->sum_um[12] = 0.0f;
+    const float x = diagnosed_hysteresis_normalised(v);
+    float sum = 0.0f;
+
+    const float z11 = diagnosed_hysteresis_moved(self->play[11], x, diagnosed_hysteresis_play[44]);
+    next->play[11] = z11;
+    const float z10 = diagnosed_hysteresis_moved(self->play[10], x, diagnosed_hysteresis_play[40]);
+    next->play[10] = z10;
+    const float z9 = diagnosed_hysteresis_moved(self->play[9], x, diagnosed_hysteresis_play[36]);
+    next->play[9] = z9;
+    const float z8 = diagnosed_hysteresis_moved(self->play[8], x, diagnosed_hysteresis_play[32]);
+    next->play[8] = z8;
+    const float z7 = diagnosed_hysteresis_moved(self->play[7], x, diagnosed_hysteresis_play[28]);
+    next->play[7] = z7;
+    const float z6 = diagnosed_hysteresis_moved(self->play[6], x, diagnosed_hysteresis_play[24]);
+    next->play[6] = z6;
+    sum = sum + diagnosed_hysteresis_play_um(z11, &diagnosed_hysteresis_play[44]);
+    next->sum_um[11] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z10, &diagnosed_hysteresis_play[40]);
+    next->sum_um[10] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z9, &diagnosed_hysteresis_play[36]);
+    next->sum_um[9] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z8, &diagnosed_hysteresis_play[32]);
+    next->sum_um[8] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z7, &diagnosed_hysteresis_play[28]);
+    next->sum_um[7] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z6, &diagnosed_hysteresis_play[24]);
+    next->sum_um[6] = sum;
+    const float z5 = diagnosed_hysteresis_moved(self->play[5], x, diagnosed_hysteresis_play[20]);
+    next->play[5] = z5;
+    const float z4 = diagnosed_hysteresis_moved(self->play[4], x, diagnosed_hysteresis_play[16]);
+    next->play[4] = z4;
+    const float z3 = diagnosed_hysteresis_moved(self->play[3], x, diagnosed_hysteresis_play[12]);
+    next->play[3] = z3;
+    const float z2 = diagnosed_hysteresis_moved(self->play[2], x, diagnosed_hysteresis_play[8]);
+    next->play[2] = z2;
+    const float z1 = diagnosed_hysteresis_moved(self->play[1], x, diagnosed_hysteresis_play[4]);
+    next->play[1] = z1;
+    const float z0 = diagnosed_hysteresis_moved(self->play[0], x, diagnosed_hysteresis_play[0]);
+    next->play[0] = z0;
+    sum = sum + diagnosed_hysteresis_play_um(z5, &diagnosed_hysteresis_play[20]);
+    next->sum_um[5] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z4, &diagnosed_hysteresis_play[16]);
+    next->sum_um[4] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z3, &diagnosed_hysteresis_play[12]);
+    next->sum_um[3] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z2, &diagnosed_hysteresis_play[8]);
+    next->sum_um[2] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z1, &diagnosed_hysteresis_play[4]);
+    next->sum_um[1] = sum;
+    sum = sum + diagnosed_hysteresis_play_um(z0, &diagnosed_hysteresis_play[0]);
+    next->sum_um[0] = sum;
+    const float memory = diagnosed_hysteresis_followed_um(self, next, x);
+    const float curve = diagnosed_hysteresis_curve_um(x);
+    const float h = (curve + sum) + memory;
+
+    next->last = x;
+    next->h_um = h;
     return h;
 }
 
@@ -520,54 +585,54 @@ DIAGNOSED_INLINE diagnosed_hysteresis_ahead_t diagnosed_hysteresis_duhem_ahead(f
 }
 
 /* The voltage for which diagnosed_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
- *     x <- x - (h(x) - wanted) / h'(x)
- * on h as a function of the input ahead, in the direction of `wanted`; the first x is that of the mean slope. */
+ *     x <- x - (f(x) - side wanted) / f'(x),   f(x) = side h(side x)
+ * in the direction of `wanted`; the first x is that of the mean slope. */
 DIAGNOSED_CODE
 static float diagnosed_hysteresis_solve(const diagnosed_hysteresis_t *self, float wanted)
 {
     const float way = (wanted - self->h_um) * diagnosed_hysteresis_range[5];
     const uint32_t falls = (uint32_t)(way < 0.0f);
     const float side = (falls != 0u) ? -1.0f : 1.0f;
-    const float low = (falls != 0u) ? -1.0f : self->last;
-    const float high = (falls != 0u) ? self->last : 1.0f;
+    const float start = side * self->last;
+    const float aim = side * wanted;
     const float *row = &diagnosed_hysteresis_curve[falls * 52u];
     float taken[12];
     const uint32_t turns = falls ^ (uint32_t)(self->last < self->turn);
-    const float turn = (turns != 0u) ? self->last : self->turn;
+    const float turn = side * ((turns != 0u) ? self->last : self->turn);
     const float left0 = (turns != 0u) ? self->back[0] : self->left[0];
     const float left1 = (turns != 0u) ? self->back[1] : self->left[1];
     uint32_t beyond;
-    float x = diagnosed_flushed(diagnosed_limited(self->last + way, low, high, &beyond));
+    float x = diagnosed_flushed(diagnosed_limited(start + side * way, start, 1.0f, &beyond));
 
-    taken[0] = side * self->play[0] + diagnosed_hysteresis_play[0] - 2.38418579e-07f;
-    taken[1] = side * self->play[1] + diagnosed_hysteresis_play[4] - 2.38418579e-07f;
-    taken[2] = side * self->play[2] + diagnosed_hysteresis_play[8] - 2.38418579e-07f;
-    taken[3] = side * self->play[3] + diagnosed_hysteresis_play[12] - 2.38418579e-07f;
-    taken[4] = side * self->play[4] + diagnosed_hysteresis_play[16] - 2.38418579e-07f;
-    taken[5] = side * self->play[5] + diagnosed_hysteresis_play[20] - 2.38418579e-07f;
-    taken[6] = side * self->play[6] + diagnosed_hysteresis_play[24] - 2.38418579e-07f;
-    taken[7] = side * self->play[7] + diagnosed_hysteresis_play[28] - 2.38418579e-07f;
-    taken[8] = side * self->play[8] + diagnosed_hysteresis_play[32] - 2.38418579e-07f;
-    taken[9] = side * self->play[9] + diagnosed_hysteresis_play[36] - 2.38418579e-07f;
-    taken[10] = side * self->play[10] + diagnosed_hysteresis_play[40] - 2.38418579e-07f;
-    taken[11] = side * self->play[11] + diagnosed_hysteresis_play[44] - 2.38418579e-07f;
+    taken[0] = side * self->play[0] + (diagnosed_hysteresis_play[0] - 2.38418579e-07f);
+    taken[1] = side * self->play[1] + (diagnosed_hysteresis_play[4] - 2.38418579e-07f);
+    taken[2] = side * self->play[2] + (diagnosed_hysteresis_play[8] - 2.38418579e-07f);
+    taken[3] = side * self->play[3] + (diagnosed_hysteresis_play[12] - 2.38418579e-07f);
+    taken[4] = side * self->play[4] + (diagnosed_hysteresis_play[16] - 2.38418579e-07f);
+    taken[5] = side * self->play[5] + (diagnosed_hysteresis_play[20] - 2.38418579e-07f);
+    taken[6] = side * self->play[6] + (diagnosed_hysteresis_play[24] - 2.38418579e-07f);
+    taken[7] = side * self->play[7] + (diagnosed_hysteresis_play[28] - 2.38418579e-07f);
+    taken[8] = side * self->play[8] + (diagnosed_hysteresis_play[32] - 2.38418579e-07f);
+    taken[9] = side * self->play[9] + (diagnosed_hysteresis_play[36] - 2.38418579e-07f);
+    taken[10] = side * self->play[10] + (diagnosed_hysteresis_play[40] - 2.38418579e-07f);
+    taken[11] = side * self->play[11] + (diagnosed_hysteresis_play[44] - 2.38418579e-07f);
     for (uint32_t step = 0u; step < 3u; ++step) {
-        const uint32_t n = diagnosed_hysteresis_count(taken, side * x);
-        const diagnosed_hysteresis_ahead_t moved = diagnosed_hysteresis_polynomial(&row[4u * n], x);
-        float h = moved.um + self->sum_um[n];
-        float slope = moved.slope;
-        const float e0 = diagnosed_hysteresis_decay(x - turn);
+        const float e0 = diagnosed_power_of_two((x - turn) * diagnosed_hysteresis_rate[0]);
         const float e1 = e0 * e0;
         const diagnosed_hysteresis_ahead_t d0 = diagnosed_hysteresis_duhem_ahead(left0, e0, &diagnosed_hysteresis_duhem[0]);
         const diagnosed_hysteresis_ahead_t d1 = diagnosed_hysteresis_duhem_ahead(left1, e1, &diagnosed_hysteresis_duhem[3]);
+        const uint32_t n = diagnosed_hysteresis_count(taken, x);
+        const diagnosed_hysteresis_ahead_t moved = diagnosed_hysteresis_polynomial(&row[4u * n], x);
+        float missed = moved.um + (side * self->sum_um[n] - aim);
+        float slope = moved.slope;
 
-        h = h + side * (d0.um + d1.um);
+        missed = missed + (d0.um + d1.um);
         slope = slope + (d0.slope + d1.slope);
         slope = diagnosed_limited(slope, diagnosed_hysteresis_range[3], diagnosed_hysteresis_range[4], &beyond);
-        x = diagnosed_limited(x - (h - wanted) * diagnosed_hysteresis_rough_reciprocal(slope), low, high, &beyond);
+        x = diagnosed_limited(x - missed * diagnosed_hysteresis_rough_reciprocal(slope), start, 1.0f, &beyond);
         x = diagnosed_flushed(x);
     }
-    return diagnosed_hysteresis_range[0] + x * diagnosed_hysteresis_range[1];
+    return diagnosed_hysteresis_range[0] + (side * x) * diagnosed_hysteresis_range[1];
 }
 
 /* amount sum_i s_i */
@@ -615,6 +680,30 @@ DIAGNOSED_INLINE float diagnosed_creep_apply(diagnosed_creep_t *self, float x)
     return y;
 }
 
+/* The same, with the state behind it in `next`. */
+DIAGNOSED_INLINE float diagnosed_creep_ahead(const diagnosed_creep_t *self, diagnosed_creep_t *next, float x)
+{
+    const float y = x + diagnosed_creep_slow(self);
+    const float high0 = self->high[0];
+    const float t0 = diagnosed_carried(self->low[0], diagnosed_creep_rate[0] * (x - high0));
+    const float high1 = self->high[1];
+    const float t1 = diagnosed_carried(self->low[1], diagnosed_creep_rate[1] * (x - high1));
+    const float high2 = self->high[2];
+    const float t2 = diagnosed_carried(self->low[2], diagnosed_creep_rate[2] * (x - high2));
+    const float high3 = self->high[3];
+    const float t3 = diagnosed_carried(self->low[3], diagnosed_creep_rate[3] * (x - high3));
+
+    next->low[0] = diagnosed_lost(high0, t0);
+    next->high[0] = diagnosed_total(high0, t0);
+    next->low[1] = diagnosed_lost(high1, t1);
+    next->high[1] = diagnosed_total(high1, t1);
+    next->low[2] = diagnosed_lost(high2, t2);
+    next->high[2] = diagnosed_total(high2, t2);
+    next->low[3] = diagnosed_lost(high3, t3);
+    next->high[3] = diagnosed_total(high3, t3);
+    return y;
+}
+
 /* x = y - amount sum_i s_i */
 DIAGNOSED_INLINE float diagnosed_creep_solve(const diagnosed_creep_t *self, float wanted)
 {
@@ -656,6 +745,23 @@ DIAGNOSED_INLINE float diagnosed_modes_apply(diagnosed_modes_t *self, float x)
     self->position[0] = diagnosed_total(position0, forward0);
     self->velocity_low[0] = diagnosed_lost(velocity0, turn0);
     self->velocity[0] = diagnosed_total(velocity0, turn0);
+    return w;
+}
+
+/* The same, with the state behind it in `next`. */
+DIAGNOSED_INLINE float diagnosed_modes_ahead(const diagnosed_modes_t *self, diagnosed_modes_t *next, float x)
+{
+    const float w = diagnosed_modes_direct[0] * x + diagnosed_modes_moving(self);
+    const float position0 = self->position[0];
+    const float velocity0 = self->velocity[0];
+    const float away0 = x - position0;
+    const float forward0 = diagnosed_carried(self->position_low[0], diagnosed_modes_real[0] * away0 + diagnosed_modes_imag[0] * velocity0);
+    const float turn0 = diagnosed_carried(self->velocity_low[0], diagnosed_modes_imag[0] * away0 - diagnosed_modes_real[0] * velocity0);
+
+    next->position_low[0] = diagnosed_lost(position0, forward0);
+    next->position[0] = diagnosed_total(position0, forward0);
+    next->velocity_low[0] = diagnosed_lost(velocity0, turn0);
+    next->velocity[0] = diagnosed_total(velocity0, turn0);
     return w;
 }
 
@@ -704,45 +810,6 @@ DIAGNOSED_INLINE float diagnosed_inputs_apply(diagnosed_inputs_t *inputs, float 
     return diagnosed_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v);
 }
 
-DIAGNOSED_CODE
-static void diagnosed_hysteresis_copy(diagnosed_hysteresis_t *to, const diagnosed_hysteresis_t *from)
-{
-    to->turn = from->turn;
-    to->last = from->last;
-    to->h_um = from->h_um;
-    for (uint32_t i = 0u; i < 2u; ++i) {
-        to->left[i] = from->left[i];
-        to->back[i] = from->back[i];
-    }
-    for (uint32_t i = 0u; i < 12u; ++i) {
-        to->play[i] = from->play[i];
-    }
-    for (uint32_t i = 0u; i < 13u; ++i) {
-        to->sum_um[i] = from->sum_um[i];
-    }
-}
-
-DIAGNOSED_CODE
-static void diagnosed_creep_copy(diagnosed_creep_t *to, const diagnosed_creep_t *from)
-{
-    for (uint32_t i = 0u; i < 4u; ++i) {
-        to->high[i] = from->high[i];
-        to->low[i] = from->low[i];
-    }
-}
-
-DIAGNOSED_CODE
-static void diagnosed_modes_copy(diagnosed_modes_t *to, const diagnosed_modes_t *from)
-{
-    for (uint32_t i = 0u; i < 1u; ++i) {
-        to->position[i] = from->position[i];
-        to->position_low[i] = from->position_low[i];
-        to->velocity[i] = from->velocity[i];
-        to->velocity_low[i] = from->velocity_low[i];
-    }
-}
-
-
 /** What the inverse of the path finds besides the command. */
 typedef struct {
     float w;               /**< input of the rules that follows from the command */
@@ -764,10 +831,9 @@ static float diagnosed_inputs_invert(diagnosed_inputs_t *inputs, float w, diagno
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
-    diagnosed_hysteresis_copy(&hysteresis, &inputs->hysteresis);
-    diagnosed_creep_copy(&creep, &inputs->creep);
-    diagnosed_modes_copy(&modes, &inputs->modes);
-    (void)diagnosed_inputs_respond(&hysteresis, &creep, &modes, inputs->v_V);
+float w_ahead = diagnosed_flushed(diagnosed_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
+w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahead));
+(void)diagnosed_modes_ahead(&inputs->modes, &modes, w_ahead);
     solved = diagnosed_flushed(diagnosed_modes_solve(&modes, solved));
     solved = diagnosed_flushed(diagnosed_creep_solve(&creep, solved));
     solved = diagnosed_flushed(diagnosed_hysteresis_solve(&hysteresis, solved));
@@ -2414,6 +2480,44 @@ static void diagnosed_delay_copy(diagnosed_delay_t *to, const diagnosed_delay_t 
     to->wanted_V = from->wanted_V;
     for (uint32_t i = 0u; i < 2u; ++i) {
         to->ring[i] = from->ring[i];
+    }
+}
+
+DIAGNOSED_CODE
+static void diagnosed_hysteresis_copy(diagnosed_hysteresis_t *to, const diagnosed_hysteresis_t *from)
+{
+    to->turn = from->turn;
+    to->last = from->last;
+    to->h_um = from->h_um;
+    for (uint32_t i = 0u; i < 2u; ++i) {
+        to->left[i] = from->left[i];
+        to->back[i] = from->back[i];
+    }
+    for (uint32_t i = 0u; i < 12u; ++i) {
+        to->play[i] = from->play[i];
+    }
+    for (uint32_t i = 0u; i < 13u; ++i) {
+        to->sum_um[i] = from->sum_um[i];
+    }
+}
+
+DIAGNOSED_CODE
+static void diagnosed_creep_copy(diagnosed_creep_t *to, const diagnosed_creep_t *from)
+{
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        to->high[i] = from->high[i];
+        to->low[i] = from->low[i];
+    }
+}
+
+DIAGNOSED_CODE
+static void diagnosed_modes_copy(diagnosed_modes_t *to, const diagnosed_modes_t *from)
+{
+    for (uint32_t i = 0u; i < 1u; ++i) {
+        to->position[i] = from->position[i];
+        to->position_low[i] = from->position_low[i];
+        to->velocity[i] = from->velocity[i];
+        to->velocity_low[i] = from->velocity_low[i];
     }
 }
 

@@ -391,10 +391,11 @@ EVERYTHING_INLINE float everything_hysteresis_duhem_um(float d, const float duhe
     return d * (duhem[0] + duhem[1] * everything_hysteresis_magnitude(d));
 }
 
-/* Advance the Duhem states to the input x and return their part of the output. Measured in the direction of the input,
+/* The Duhem states of `next`, at the input x, from those of `self`; returns their part of the output. Measured in the
+ * direction of the input,
  *     d_i = 1 - left_i e_i,   e_i = exp(-2^i |x - turn| / reach)
  * where left_i is 1 - d_i at the last turn. After a turn, the direction and with it d_i change sign: left_i = back_i. */
-EVERYTHING_INLINE float everything_hysteresis_followed_um(everything_hysteresis_t *self, float x)
+EVERYTHING_INLINE float everything_hysteresis_followed_um(const everything_hysteresis_t *self, everything_hysteresis_t *next, float x)
 {
     const uint32_t fell = (uint32_t)(self->last < self->turn);
     const float from_last = x - self->last;
@@ -411,11 +412,11 @@ EVERYTHING_INLINE float everything_hysteresis_followed_um(everything_hysteresis_
     const float d0 = 1.0f - left0 * e0;
     const float d1 = 1.0f - left1 * e1;
 
-    self->turn = (turns != 0u) ? self->last : self->turn;
-    self->left[0] = left0;
-    self->back[0] = 1.0f + d0;
-    self->left[1] = left1;
-    self->back[1] = 1.0f + d1;
+    next->turn = (turns != 0u) ? self->last : self->turn;
+    next->left[0] = left0;
+    next->back[0] = 1.0f + d0;
+    next->left[1] = left1;
+    next->back[1] = 1.0f + d1;
     return side * (everything_hysteresis_duhem_um(d0, &everything_hysteresis_duhem[0]) + everything_hysteresis_duhem_um(d1, &everything_hysteresis_duhem[3]));
 }
 
@@ -423,22 +424,19 @@ EVERYTHING_CODE
 static float everything_hysteresis_apply(everything_hysteresis_t *self, float v)
 {
     const float x = everything_hysteresis_normalised(v);
-    const float memory = everything_hysteresis_followed_um(self, x);
-    float h = everything_hysteresis_curve_um(x);
-
     float sum = 0.0f;
 
     const float z5 = everything_hysteresis_moved(self->play[5], x, everything_hysteresis_play[20]);
-    const float z4 = everything_hysteresis_moved(self->play[4], x, everything_hysteresis_play[16]);
-    const float z3 = everything_hysteresis_moved(self->play[3], x, everything_hysteresis_play[12]);
-    const float z2 = everything_hysteresis_moved(self->play[2], x, everything_hysteresis_play[8]);
-    const float z1 = everything_hysteresis_moved(self->play[1], x, everything_hysteresis_play[4]);
-    const float z0 = everything_hysteresis_moved(self->play[0], x, everything_hysteresis_play[0]);
     self->play[5] = z5;
+    const float z4 = everything_hysteresis_moved(self->play[4], x, everything_hysteresis_play[16]);
     self->play[4] = z4;
+    const float z3 = everything_hysteresis_moved(self->play[3], x, everything_hysteresis_play[12]);
     self->play[3] = z3;
+    const float z2 = everything_hysteresis_moved(self->play[2], x, everything_hysteresis_play[8]);
     self->play[2] = z2;
+    const float z1 = everything_hysteresis_moved(self->play[1], x, everything_hysteresis_play[4]);
     self->play[1] = z1;
+    const float z0 = everything_hysteresis_moved(self->play[0], x, everything_hysteresis_play[0]);
     self->play[0] = z0;
     sum = sum + everything_hysteresis_play_um(z5, &everything_hysteresis_play[20]);
     self->sum_um[5] = sum;
@@ -452,10 +450,53 @@ static float everything_hysteresis_apply(everything_hysteresis_t *self, float v)
     self->sum_um[1] = sum;
     sum = sum + everything_hysteresis_play_um(z0, &everything_hysteresis_play[0]);
     self->sum_um[0] = sum;
-    h = h + sum;
-    h = h + memory;
+    const float memory = everything_hysteresis_followed_um(self, self, x);
+    const float curve = everything_hysteresis_curve_um(x);
+    const float h = (curve + sum) + memory;
+
     self->last = x;
     self->h_um = h;
+    return h;
+}
+
+/* The same, with the state behind it in `next`. */
+EVERYTHING_CODE
+static float everything_hysteresis_ahead(const everything_hysteresis_t *self, everything_hysteresis_t *next, float v)
+{
+    next->sum_um[6] = 0.0f;
+    const float x = everything_hysteresis_normalised(v);
+    float sum = 0.0f;
+
+    const float z5 = everything_hysteresis_moved(self->play[5], x, everything_hysteresis_play[20]);
+    next->play[5] = z5;
+    const float z4 = everything_hysteresis_moved(self->play[4], x, everything_hysteresis_play[16]);
+    next->play[4] = z4;
+    const float z3 = everything_hysteresis_moved(self->play[3], x, everything_hysteresis_play[12]);
+    next->play[3] = z3;
+    const float z2 = everything_hysteresis_moved(self->play[2], x, everything_hysteresis_play[8]);
+    next->play[2] = z2;
+    const float z1 = everything_hysteresis_moved(self->play[1], x, everything_hysteresis_play[4]);
+    next->play[1] = z1;
+    const float z0 = everything_hysteresis_moved(self->play[0], x, everything_hysteresis_play[0]);
+    next->play[0] = z0;
+    sum = sum + everything_hysteresis_play_um(z5, &everything_hysteresis_play[20]);
+    next->sum_um[5] = sum;
+    sum = sum + everything_hysteresis_play_um(z4, &everything_hysteresis_play[16]);
+    next->sum_um[4] = sum;
+    sum = sum + everything_hysteresis_play_um(z3, &everything_hysteresis_play[12]);
+    next->sum_um[3] = sum;
+    sum = sum + everything_hysteresis_play_um(z2, &everything_hysteresis_play[8]);
+    next->sum_um[2] = sum;
+    sum = sum + everything_hysteresis_play_um(z1, &everything_hysteresis_play[4]);
+    next->sum_um[1] = sum;
+    sum = sum + everything_hysteresis_play_um(z0, &everything_hysteresis_play[0]);
+    next->sum_um[0] = sum;
+    const float memory = everything_hysteresis_followed_um(self, next, x);
+    const float curve = everything_hysteresis_curve_um(x);
+    const float h = (curve + sum) + memory;
+
+    next->last = x;
+    next->h_um = h;
     return h;
 }
 
@@ -530,48 +571,48 @@ EVERYTHING_INLINE everything_hysteresis_ahead_t everything_hysteresis_duhem_ahea
 }
 
 /* The voltage for which everything_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
- *     x <- x - (h(x) - wanted) / h'(x)
- * on h as a function of the input ahead, in the direction of `wanted`; the first x is that of the mean slope. */
+ *     x <- x - (f(x) - side wanted) / f'(x),   f(x) = side h(side x)
+ * in the direction of `wanted`; the first x is that of the mean slope. */
 EVERYTHING_CODE
 static float everything_hysteresis_solve(const everything_hysteresis_t *self, float wanted)
 {
     const float way = (wanted - self->h_um) * everything_hysteresis_range[5];
     const uint32_t falls = (uint32_t)(way < 0.0f);
     const float side = (falls != 0u) ? -1.0f : 1.0f;
-    const float low = (falls != 0u) ? -1.0f : self->last;
-    const float high = (falls != 0u) ? self->last : 1.0f;
+    const float start = side * self->last;
+    const float aim = side * wanted;
     const float *row = &everything_hysteresis_curve[falls * 28u];
     float taken[6];
     const uint32_t turns = falls ^ (uint32_t)(self->last < self->turn);
-    const float turn = (turns != 0u) ? self->last : self->turn;
+    const float turn = side * ((turns != 0u) ? self->last : self->turn);
     const float left0 = (turns != 0u) ? self->back[0] : self->left[0];
     const float left1 = (turns != 0u) ? self->back[1] : self->left[1];
     uint32_t beyond;
-    float x = everything_flushed(everything_limited(self->last + way, low, high, &beyond));
+    float x = everything_flushed(everything_limited(start + side * way, start, 1.0f, &beyond));
 
-    taken[0] = side * self->play[0] + everything_hysteresis_play[0] - 2.38418579e-07f;
-    taken[1] = side * self->play[1] + everything_hysteresis_play[4] - 2.38418579e-07f;
-    taken[2] = side * self->play[2] + everything_hysteresis_play[8] - 2.38418579e-07f;
-    taken[3] = side * self->play[3] + everything_hysteresis_play[12] - 2.38418579e-07f;
-    taken[4] = side * self->play[4] + everything_hysteresis_play[16] - 2.38418579e-07f;
-    taken[5] = side * self->play[5] + everything_hysteresis_play[20] - 2.38418579e-07f;
+    taken[0] = side * self->play[0] + (everything_hysteresis_play[0] - 2.38418579e-07f);
+    taken[1] = side * self->play[1] + (everything_hysteresis_play[4] - 2.38418579e-07f);
+    taken[2] = side * self->play[2] + (everything_hysteresis_play[8] - 2.38418579e-07f);
+    taken[3] = side * self->play[3] + (everything_hysteresis_play[12] - 2.38418579e-07f);
+    taken[4] = side * self->play[4] + (everything_hysteresis_play[16] - 2.38418579e-07f);
+    taken[5] = side * self->play[5] + (everything_hysteresis_play[20] - 2.38418579e-07f);
     for (uint32_t step = 0u; step < 3u; ++step) {
-        const uint32_t n = everything_hysteresis_count(taken, side * x);
-        const everything_hysteresis_ahead_t moved = everything_hysteresis_polynomial(&row[4u * n], x);
-        float h = moved.um + self->sum_um[n];
-        float slope = moved.slope;
-        const float e0 = everything_hysteresis_decay(x - turn);
+        const float e0 = everything_power_of_two((x - turn) * everything_hysteresis_rate[0]);
         const float e1 = e0 * e0;
         const everything_hysteresis_ahead_t d0 = everything_hysteresis_duhem_ahead(left0, e0, &everything_hysteresis_duhem[0]);
         const everything_hysteresis_ahead_t d1 = everything_hysteresis_duhem_ahead(left1, e1, &everything_hysteresis_duhem[3]);
+        const uint32_t n = everything_hysteresis_count(taken, x);
+        const everything_hysteresis_ahead_t moved = everything_hysteresis_polynomial(&row[4u * n], x);
+        float missed = moved.um + (side * self->sum_um[n] - aim);
+        float slope = moved.slope;
 
-        h = h + side * (d0.um + d1.um);
+        missed = missed + (d0.um + d1.um);
         slope = slope + (d0.slope + d1.slope);
         slope = everything_limited(slope, everything_hysteresis_range[3], everything_hysteresis_range[4], &beyond);
-        x = everything_limited(x - (h - wanted) * everything_hysteresis_rough_reciprocal(slope), low, high, &beyond);
+        x = everything_limited(x - missed * everything_hysteresis_rough_reciprocal(slope), start, 1.0f, &beyond);
         x = everything_flushed(x);
     }
-    return everything_hysteresis_range[0] + x * everything_hysteresis_range[1];
+    return everything_hysteresis_range[0] + (side * x) * everything_hysteresis_range[1];
 }
 
 /* amount sum_i s_i */
@@ -619,6 +660,30 @@ EVERYTHING_INLINE float everything_creep_apply(everything_creep_t *self, float x
     return y;
 }
 
+/* The same, with the state behind it in `next`. */
+EVERYTHING_INLINE float everything_creep_ahead(const everything_creep_t *self, everything_creep_t *next, float x)
+{
+    const float y = x + everything_creep_slow(self);
+    const float high0 = self->high[0];
+    const float t0 = everything_carried(self->low[0], everything_creep_rate[0] * (x - high0));
+    const float high1 = self->high[1];
+    const float t1 = everything_carried(self->low[1], everything_creep_rate[1] * (x - high1));
+    const float high2 = self->high[2];
+    const float t2 = everything_carried(self->low[2], everything_creep_rate[2] * (x - high2));
+    const float high3 = self->high[3];
+    const float t3 = everything_carried(self->low[3], everything_creep_rate[3] * (x - high3));
+
+    next->low[0] = everything_lost(high0, t0);
+    next->high[0] = everything_total(high0, t0);
+    next->low[1] = everything_lost(high1, t1);
+    next->high[1] = everything_total(high1, t1);
+    next->low[2] = everything_lost(high2, t2);
+    next->high[2] = everything_total(high2, t2);
+    next->low[3] = everything_lost(high3, t3);
+    next->high[3] = everything_total(high3, t3);
+    return y;
+}
+
 /* x = y - amount sum_i s_i */
 EVERYTHING_INLINE float everything_creep_solve(const everything_creep_t *self, float wanted)
 {
@@ -660,6 +725,23 @@ EVERYTHING_INLINE float everything_modes_apply(everything_modes_t *self, float x
     self->position[0] = everything_total(position0, forward0);
     self->velocity_low[0] = everything_lost(velocity0, turn0);
     self->velocity[0] = everything_total(velocity0, turn0);
+    return w;
+}
+
+/* The same, with the state behind it in `next`. */
+EVERYTHING_INLINE float everything_modes_ahead(const everything_modes_t *self, everything_modes_t *next, float x)
+{
+    const float w = everything_modes_direct[0] * x + everything_modes_moving(self);
+    const float position0 = self->position[0];
+    const float velocity0 = self->velocity[0];
+    const float away0 = x - position0;
+    const float forward0 = everything_carried(self->position_low[0], everything_modes_real[0] * away0 + everything_modes_imag[0] * velocity0);
+    const float turn0 = everything_carried(self->velocity_low[0], everything_modes_imag[0] * away0 - everything_modes_real[0] * velocity0);
+
+    next->position_low[0] = everything_lost(position0, forward0);
+    next->position[0] = everything_total(position0, forward0);
+    next->velocity_low[0] = everything_lost(velocity0, turn0);
+    next->velocity[0] = everything_total(velocity0, turn0);
     return w;
 }
 
@@ -712,45 +794,6 @@ EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, flo
     return everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v);
 }
 
-EVERYTHING_CODE
-static void everything_hysteresis_copy(everything_hysteresis_t *to, const everything_hysteresis_t *from)
-{
-    to->turn = from->turn;
-    to->last = from->last;
-    to->h_um = from->h_um;
-    for (uint32_t i = 0u; i < 2u; ++i) {
-        to->left[i] = from->left[i];
-        to->back[i] = from->back[i];
-    }
-    for (uint32_t i = 0u; i < 6u; ++i) {
-        to->play[i] = from->play[i];
-    }
-    for (uint32_t i = 0u; i < 7u; ++i) {
-        to->sum_um[i] = from->sum_um[i];
-    }
-}
-
-EVERYTHING_CODE
-static void everything_creep_copy(everything_creep_t *to, const everything_creep_t *from)
-{
-    for (uint32_t i = 0u; i < 4u; ++i) {
-        to->high[i] = from->high[i];
-        to->low[i] = from->low[i];
-    }
-}
-
-EVERYTHING_CODE
-static void everything_modes_copy(everything_modes_t *to, const everything_modes_t *from)
-{
-    for (uint32_t i = 0u; i < 1u; ++i) {
-        to->position[i] = from->position[i];
-        to->position_low[i] = from->position_low[i];
-        to->velocity[i] = from->velocity[i];
-        to->velocity_low[i] = from->velocity_low[i];
-    }
-}
-
-
 /** What the inverse of the path finds besides the command. */
 typedef struct {
     float w;               /**< input of the rules that follows from the command */
@@ -772,10 +815,9 @@ static float everything_inputs_invert(everything_inputs_t *inputs, float w, ever
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
-    everything_hysteresis_copy(&hysteresis, &inputs->hysteresis);
-    everything_creep_copy(&creep, &inputs->creep);
-    everything_modes_copy(&modes, &inputs->modes);
-    (void)everything_inputs_respond(&hysteresis, &creep, &modes, inputs->v_V);
+float w_ahead = everything_flushed(everything_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
+w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ahead));
+(void)everything_modes_ahead(&inputs->modes, &modes, w_ahead);
     solved = everything_flushed(everything_modes_solve(&modes, solved));
     solved = everything_flushed(everything_creep_solve(&creep, solved));
     solved = everything_flushed(everything_hysteresis_solve(&hysteresis, solved));

@@ -33,8 +33,8 @@ extern "C" {
 
 #define EVERYTHING_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of everything.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EVERYTHING_ALGORITHM "16a79b454c17c052e6fb90b1f2ec5467539e56bfdec2baa159f8fb2563d27767"
-#define EVERYTHING_ALGORITHM_WORD 0x16a79b45u  /**< its first 32 bits */
+#define EVERYTHING_ALGORITHM "c87d0995650a2e36b8869287e815b7e8fcb9cf2fb0f2bf9a96a4e09ae2158b8e"
+#define EVERYTHING_ALGORITHM_WORD 0xc87d0995u  /**< its first 32 bits */
 
 #define EVERYTHING_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EVERYTHING_PERIOD_NS 20000u  /**< sample period [ns] */
