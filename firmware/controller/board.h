@@ -1,7 +1,7 @@
 /* board.h: what the firmware asks of a board. One folder of firmware/board/ per board implements it.
  *
  * board_t is the board's own struct, defined in its board_type.h; main owns the only instance.
- * Called in the 50 kHz interrupt: the first six. Called in the idle loop: the others. */
+ * Called in the 50 kHz interrupt: the first nine. Called in the idle loop: the others. */
 
 #ifndef BOARD_H
 #define BOARD_H
@@ -34,9 +34,22 @@ uint32_t board_cycles(board_t *board);
 /* 1 if the next period's interrupt is waiting already: this one took too long. */
 uint32_t board_overrun(board_t *board);
 
-/* Bytes of a parameter image that arrived since the last call, at most `room`; returns how many. `*begin` is set to 1
- * if the first of them is the first of an image: whatever came before and was not whole is forgotten. */
-uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin);
+/* Move bytes between the line's hardware and the board's buffers: what arrived since the last call, and what is to be sent. In the
+ * interrupt behind board_voltage, so that a line of up to 500 kbit/s loses nothing while the idle loop erases memory, and needs no
+ * interrupt of its own, which would delay the next voltage. */
+void board_line_serve(board_t *board);
+
+/* Amplifier: 1 switched on, 0 off. */
+void board_amplifier_enable(board_t *board, uint32_t on);
+
+/* Restart the hardware watchdog: firmware is alive. */
+void board_alive(board_t *board);
+
+/* Bytes that arrived on the line, at most `room`; returns how many. A byte that finds the buffer full is lost. */
+uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room);
+
+/* Send up to `count` bytes; returns how many found room. */
+uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count);
 
 /* Parameter store: memory that survives power off. Writing turns bytes of an erased slot into `bytes`; both may be cut
  * off anywhere by a power failure. Offsets and counts are in bytes and multiples of 4. board_store_write returns 0 if the board

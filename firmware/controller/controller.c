@@ -3,6 +3,9 @@
 #include "bank.h"
 #include "number.h"
 
+/* A change of the voltage from this part of the largest one on counts as the largest one: rounding loses the rest. */
+#define CONTROLLER_WHOLE_STEP 0.99f
+
 /* One step of at most `step` from `from` towards `target`; within reach it is `target` itself, without rounding. */
 static float controller_towards(float from, float target, float step)
 {
@@ -16,7 +19,7 @@ static float controller_towards(float from, float target, float step)
 
 static uint32_t controller_moves(controller_state_t state)
 {
-    return (uint32_t)((state != CONTROLLER_OFF) & (state != CONTROLLER_TRIP) & (state != CONTROLLER_TRIPPED));
+    return (uint32_t)((state != CONTROLLER_OFF) && (state != CONTROLLER_TRIP) && (state != CONTROLLER_TRIPPED));
 }
 
 void controller_init(controller_t *self, const settings_t *settings)
@@ -28,6 +31,7 @@ void controller_init(controller_t *self, const settings_t *settings)
     self->committing = 0u;
     self->installing = 0u;
     self->learns = 0u;
+    self->begun = 0u;
     self->status = 0u;
     self->upward = 1u;
     self->waited = 0u;
@@ -55,21 +59,24 @@ uint32_t controller_install(controller_t *self, const model_bank_t *bank)
 {
     const controller_state_t state = self->state;
 
-    if ((state != CONTROLLER_OFF) & (state != CONTROLLER_TRIP) & (state != CONTROLLER_TRIPPED)) {
+    if ((state != CONTROLLER_OFF) && (state != CONTROLLER_TRIP) && (state != CONTROLLER_TRIPPED)) {
         return 0u;
     }
     bank_copy(&self->bank, bank);
     return 1u;
 }
 
-/* The model starts where the stage is, under the voltage that it has, with the parameters to begin with. */
+/* The model starts where the stage is, under the voltage that it has, with the parameters to begin with. Its inverse keeps to the
+ * limits of the output, so that model and stage get the same voltage. */
 static void controller_begin(controller_t *self)
 {
     model_init(&self->model, self->watchdog.reading_um, self->output_V);
+    model_limits(&self->model, self->settings->low_V, self->settings->high_V, self->settings->step_V);
     bank_copy(&self->model.bank[0], &self->bank);
     bank_copy(&self->model.bank[1], &self->bank);
     trim_init(&self->trim);
     self->upward = 1u;
+    self->begun = 1u;
     self->held = 0u;
     self->offset_um = 0.0f;
     self->state = CONTROLLER_LOOP;
@@ -79,14 +86,15 @@ static void controller_take_request(controller_t *self)
 {
     const uint32_t request = self->request;
 
-    if ((request == CONTROLLER_START) & (self->installing != 0u)) {
+    if ((request == CONTROLLER_START) && (self->installing != 0u)) {
         return;
     }
     self->request = CONTROLLER_NO_REQUEST;
-    if ((request == CONTROLLER_START) & (self->state == CONTROLLER_OFF)) {
+    if ((request == CONTROLLER_START) && (self->state == CONTROLLER_OFF)) {
+        self->begun = 0u;
         self->state = CONTROLLER_RISE;
     }
-    if ((request == CONTROLLER_STOP) & (controller_moves(self->state) != 0u)) {
+    if ((request == CONTROLLER_STOP) && (controller_moves(self->state) != 0u)) {
         self->state = CONTROLLER_FALL;
     }
     if (request == CONTROLLER_CLEAR) {
@@ -94,7 +102,7 @@ static void controller_take_request(controller_t *self)
         self->status &= STATUS_LASTING;
         self->clears += 1u;
         watchdog_init(&self->watchdog, self->settings);
-        if ((self->state == CONTROLLER_TRIPPED) & (self->status == 0u)) {
+        if ((self->state == CONTROLLER_TRIPPED) && (self->status == 0u)) {
             self->state = CONTROLLER_OFF;
         }
     }
@@ -134,6 +142,16 @@ static int32_t controller_at_limit(const controller_t *self)
     return (MODEL_GAIN_SIGN > 0.0f) ? end : -end;
 }
 
+/* Status of a voltage that the inverse found inside the limits: it rests at one of them, or moves as fast as it may. */
+static uint32_t controller_limits_reached(const controller_t *self, float u_V)
+{
+    const settings_t *settings = self->settings;
+    const uint32_t ends = (uint32_t)(u_V <= settings->low_V) | (uint32_t)(u_V >= settings->high_V);
+    const uint32_t fast = (uint32_t)(number_size(u_V - self->output_V) >= CONTROLLER_WHOLE_STEP * settings->step_V);
+
+    return (ends * STATUS_OUTPUT_LIMITED) | (fast * STATUS_OUTPUT_SLEWED);
+}
+
 /* Feed-forward through the inverse, Eq. (11), with trim and learning as the settings have them. */
 static float controller_follow(controller_t *self, float reference_um)
 {
@@ -154,6 +172,7 @@ static float controller_follow(controller_t *self, float reference_um)
     if (self->model.status != 0u) {
         self->status |= STATUS_MODEL;
     }
+    self->status |= controller_limits_reached(self, u_V);
     self->reference_um = reference_um;
     self->asked_um[now] = reference_um;
     self->expected_um[now] = self->model.y_um + self->offset_um - correction;
@@ -249,6 +268,9 @@ static float controller_wish(controller_t *self, float reference_um)
     case CONTROLLER_FALL:
         u_V = controller_towards(self->output_V, settings->off_V, settings->ramp_V);
         if (u_V == settings->off_V) {
+            if (((settings->options & SETTINGS_KEEP) != 0u) && (self->begun != 0u)) {
+                bank_copy(&self->bank, &self->model.bank[self->model.active]);
+            }
             self->state = CONTROLLER_OFF;
         }
         break;
@@ -276,7 +298,7 @@ static void controller_limit_time(controller_t *self, controller_state_t before)
     } else if (state == CONTROLLER_TRIP) {
         self->status |= STATUS_FAULT_TIMEOUT;
         self->state = CONTROLLER_TRIPPED;
-    } else if ((state != CONTROLLER_OFF) & (state != CONTROLLER_TRACK) & (state != CONTROLLER_TRIPPED)) {
+    } else if ((state != CONTROLLER_OFF) && (state != CONTROLLER_TRACK) && (state != CONTROLLER_TRIPPED)) {
         self->status |= STATUS_FAULT_TIMEOUT;
     } else {
         /* A state that may last. */
@@ -302,12 +324,13 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
     }
     self->status |= watchdog_reading(&self->watchdog, settings, y_um, self->output_V);
     self->status |= watchdog_amplifier(&self->watchdog, settings, amplifier);
-    if (((self->status & STATUS_FAULTS) != 0u) & (self->state != CONTROLLER_TRIPPED)) {
+    if (((self->status & STATUS_FAULTS) != 0u) && (self->state != CONTROLLER_TRIPPED)) {
         self->state = CONTROLLER_TRIP;
     }
     wish_V = controller_wish(self, reference_um);
     controller_limit_time(self, before);
-    /* Whatever was wished, even if it is no number: the voltage stays inside its range and below its rate. */
+    /* Each state keeps to the limits by itself, so that the model is told the voltage that is put out. These lines hold whatever was
+     * wished, even if it is no number: the voltage stays inside its range and below its rate. */
     if (number_finite(wish_V) == 0u) {
         wish_V = self->output_V;
         self->status |= STATUS_OUTPUT_LIMITED;

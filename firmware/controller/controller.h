@@ -54,6 +54,7 @@ typedef struct {
     volatile uint32_t installing;   /* the idle loop is storing and installing parameters; START waits */
 
     uint32_t learns;         /* this sample is one to learn from */
+    uint32_t begun;          /* the model drives with its own bank since the last START */
     uint32_t upward;         /* LOOP: on the way up */
     uint32_t waited;         /* samples in the present state */
     uint32_t held;           /* samples in HOLD */

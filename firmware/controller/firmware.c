@@ -1,10 +1,16 @@
 #include "firmware.h"
 
-#include "model.h"
+#include <stddef.h>
 
-void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings)
+#include "bank.h"
+#include "bytes.h"
+#include "model.h"
+#include "number.h"
+
+void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner)
 {
-    self->received = IMAGE_BYTES;
+    self->received = 0u;
+    self->image_arrives = 0u;
     self->image_status = 0u;
     self->cleared = 0u;
     self->image_answer = IMAGE_GOOD;
@@ -17,16 +23,19 @@ void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings)
     self->cycles_last = 0u;
     self->cycles_most = 0u;
     self->entered = 0u;
+    self->asked_um = 0.0f;
+    self->asks = 0u;
+    link_init(&self->link);
     controller_init(&self->controller, settings);
     self->settings_wrong = settings_check(settings);
-    if (self->settings_wrong != (const char *)0) {
+    if (self->settings_wrong != NULL) {
         self->controller.status |= STATUS_FAULT_SETTINGS;
     }
     self->selftest = model_selftest();
     if (self->selftest != 0u) {
         self->controller.status |= STATUS_FAULT_SELFTEST;
     }
-    if (store_load(&self->store, board, &self->bench, &self->controller.bank) != 0u) {
+    if (store_load(&self->store, board, owner, &self->bench, &self->controller.bank) != 0u) {
         self->image_status = STATUS_IMAGE_FALLBACK;
     }
 }
@@ -36,12 +45,19 @@ void firmware_interrupt(firmware_t *self, board_t *board)
     const uint32_t start = board_cycles(board);
     const uint32_t since = (self->controller.samples != 0u) ? start - self->entered : 0u;
     const float y_um = board_displacement_um(board);
-    const float reference_um = board_reference_um(board);
+    const float board_um = board_reference_um(board);
+    const float reference_um = (self->asks != 0u) ? self->asked_um : board_um;
     const uint32_t amplifier = board_amplifier(board);
 
     self->entered = start;
     board_voltage(board, controller_step(&self->controller, y_um, reference_um, amplifier));
     controller_learn(&self->controller);
+    board_line_serve(board);
+    board_amplifier_enable(board, (uint32_t)(self->controller.state != CONTROLLER_TRIPPED));
+    /* The watchdog waits for both: an idle loop that is stuck stops it too, though not one that erases memory. */
+    if (self->controller.samples - self->ticked < self->controller.settings->state_samples) {
+        board_alive(board);
+    }
     self->cycles_last = board_cycles(board) - start;
     self->cycles_most = (self->cycles_last > self->cycles_most) ? self->cycles_last : self->cycles_most;
     controller_time(&self->controller, self->cycles_last, board_overrun(board), since);
@@ -52,22 +68,194 @@ uint32_t firmware_status(const firmware_t *self)
     return self->controller.status | self->image_status;
 }
 
-/* Bytes of an image as they arrive; a complete one waits for the stage to be off. Bytes behind a complete one, noise on the
- * line for instance, are ignored until the next image begins. */
-static void firmware_receive(firmware_t *self, board_t *board)
+void firmware_panic(const firmware_t *self, board_t *board)
 {
-    uint8_t bytes[64];
-    uint32_t begin = 0u;
-    const uint32_t count = board_receive(board, bytes, (uint32_t)sizeof bytes, &begin);
+    const settings_t *settings = self->controller.settings;
 
-    if (begin != 0u) {
-        self->received = 0u;
-        self->image_pending = 0u;
+    board_voltage(board, (number_finite(settings->off_V) != 0u) ? settings->off_V : 0.0f);
+    board_amplifier_enable(board, 0u);
+}
+
+static void firmware_answer_status(firmware_t *self)
+{
+    const controller_t *controller = &self->controller;
+    link_t *link = &self->link;
+
+    link_add(link, (uint32_t)controller->state);
+    link_add(link, firmware_status(self));
+    link_add(link, controller->samples);
+    link_add(link, number_bits(controller->watchdog.reading_um));
+    link_add(link, number_bits(controller->output_V));
+    link_add(link, number_bits(controller->reference_um));
+    link_add(link, number_bits(controller->offset_um));
+    link_add(link, self->image_answer);
+    link_add(link, self->image_pending);
+    link_add(link, self->received);
+    link_add(link, self->store.counter);
+    link_add(link, self->commits);
+    link_add(link, self->commit_answer);
+    link_add(link, controller->learner.updates);
+    link_add(link, controller->learner.rejected);
+    link_add(link, self->cycles_last);
+    link_add(link, self->cycles_most);
+    link_add(link, self->selftest);
+}
+
+static void firmware_answer_identity(firmware_t *self)
+{
+    static const uint32_t digest[4] = MODEL_DIGEST;
+    const image_owner_t *owner = self->store.owner;
+    link_t *link = &self->link;
+
+    link_add(link, LINK_VERSION);
+    for (uint32_t i = 0u; i < 4u; ++i) {
+        link_add(link, digest[i]);
     }
-    for (uint32_t i = 0u; (i < count) & (self->received < IMAGE_BYTES); ++i) {
-        self->incoming[self->received] = bytes[i];
-        self->received += 1u;
-        self->image_pending = (uint32_t)(self->received == IMAGE_BYTES);
+    link_add(link, MODEL_BUILD);
+    link_add(link, owner->device[0]);
+    link_add(link, owner->device[1]);
+    link_add(link, (uint32_t)((owner->key[0] | owner->key[1] | owner->key[2] | owner->key[3]) != 0u));
+    link_add(link, MODEL_PERIOD_NS);
+    link_add(link, MODEL_PREVIEW);
+    link_add(link, IMAGE_BYTES);
+    link_add(link, MODEL_RULES);
+    link_add(link, MODEL_WEIGHTS);
+    link_add(link, number_bits(MODEL_Y_MIN_UM));
+    link_add(link, number_bits(MODEL_Y_MAX_UM));
+    link_add(link, number_bits(MODEL_U_MIN_V));
+    link_add(link, number_bits(MODEL_U_MAX_V));
+    link_add_text(link, MODEL_NAME);
+}
+
+static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t count)
+{
+    uint8_t code = LINK_LENGTH;
+
+    if (count == 1u) {
+        const uint32_t known = (uint32_t)(data[0] >= CONTROLLER_START) & (uint32_t)(data[0] <= CONTROLLER_CLEAR);
+
+        code = (known != 0u) ? LINK_DONE : LINK_VALUE;
+        if (known != 0u) {
+            self->controller.request = data[0];
+        }
+    }
+    return code;
+}
+
+static uint8_t firmware_reference(firmware_t *self, const uint8_t *data, uint32_t count)
+{
+    uint8_t code = LINK_LENGTH;
+
+    if (count == 0u) {
+        self->asks = 0u;
+        code = LINK_DONE;
+    } else if (count == 4u) {
+        const float asked_um = number_of(bytes_word(data));
+
+        code = (number_finite(asked_um) != 0u) ? LINK_DONE : LINK_VALUE;
+        if (code == LINK_DONE) {
+            self->asked_um = asked_um;
+            self->asks = 1u;
+        }
+    } else {
+        /* Neither a word nor nothing. */
+    }
+    return code;
+}
+
+/* A piece of an image. Offset 0 begins one and forgets what came before; any other piece has to follow the one before, or to
+ * repeat a piece whose answer was lost. A complete image waits for the stage to be off. */
+static uint8_t firmware_piece(firmware_t *self, const uint8_t *data, uint32_t count)
+{
+    uint8_t code = LINK_LENGTH;
+
+    if ((count > 4u) && (count <= 4u + LINK_CHUNK)) {
+        const uint32_t offset = bytes_word(data);
+        const uint32_t length = count - 4u;
+
+        if (offset == 0u) {
+            self->received = 0u;
+            self->image_pending = 0u;
+            self->image_arrives = 1u;
+        }
+        if ((self->image_arrives == 0u) || (offset > self->received) || (length > IMAGE_BYTES - offset)) {
+            code = LINK_VALUE;
+        } else {
+            for (uint32_t i = 0u; i < length; ++i) {
+                const uint32_t at = offset + i;
+
+                if (at < IMAGE_BYTES) {
+                    self->incoming[at] = data[4u + i];
+                }
+            }
+            self->received = offset + length;
+            code = LINK_DONE;
+        }
+        if ((code == LINK_DONE) && (self->received == IMAGE_BYTES)) {
+            self->image_pending = 1u;
+            self->image_arrives = 0u;
+        }
+    }
+    return code;
+}
+
+/* A command and its answer. */
+static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t count)
+{
+    const uint8_t kind = command[0];
+    const uint8_t number = (count > 1u) ? command[1] : 0u;
+    const uint8_t *data = &command[2];
+    const uint32_t length = (count > 2u) ? count - 2u : 0u;
+    uint8_t code = LINK_UNKNOWN;
+
+    if (count < 2u) {
+        code = LINK_LENGTH;
+    } else if (kind == LINK_REQUEST) {
+        code = firmware_request(self, data, length);
+    } else if (kind == LINK_REFERENCE) {
+        code = firmware_reference(self, data, length);
+    } else if (kind == LINK_IMAGE) {
+        code = firmware_piece(self, data, length);
+    } else if ((kind == LINK_STATUS) || (kind == LINK_IDENTIFY)) {
+        code = (length == 0u) ? LINK_DONE : LINK_LENGTH;
+    } else {
+        /* Unknown. */
+    }
+    link_answer(&self->link, kind, number, code);
+    if ((code == LINK_DONE) && (kind == LINK_STATUS)) {
+        firmware_answer_status(self);
+    }
+    if ((code == LINK_DONE) && (kind == LINK_IDENTIFY)) {
+        firmware_answer_identity(self);
+    }
+    link_close(&self->link);
+}
+
+/* At most so many bytes from the line a call: the idle loop has other things to do. */
+#define FIRMWARE_LINE_BYTES 64u
+
+/* Sends what is left of an answer; takes commands as long as nothing is left. */
+static void firmware_line(firmware_t *self, board_t *board)
+{
+    link_t *link = &self->link;
+    uint32_t more = 1u;
+
+    for (uint32_t i = 0u; (i < FIRMWARE_LINE_BYTES) && (more != 0u); ++i) {
+        if (link->wire_sent < link->wire_count) {
+            link->wire_sent += board_line_write(board, &link->wire[link->wire_sent], link->wire_count - link->wire_sent);
+            more = (uint32_t)(link->wire_sent >= link->wire_count);
+        } else {
+            uint8_t byte = 0u;
+
+            more = board_line_read(board, &byte, 1u);
+            if (more != 0u) {
+                const uint32_t count = frame_take(&link->frame, byte);
+
+                if (count != 0u) {
+                    firmware_obey(self, link->frame.bytes, count);
+                }
+            }
+        }
     }
 }
 
@@ -76,6 +264,7 @@ static void firmware_take_image(firmware_t *self, board_t *board)
 {
     model_bank_t bank;
 
+    bank_copy(&bank, &self->controller.bank);
     self->image_pending = 0u;
     for (uint32_t i = 0u; i < IMAGE_BYTES; ++i) {
         self->store.bytes[i] = self->incoming[i];
@@ -98,7 +287,7 @@ static void firmware_image(firmware_t *self, board_t *board)
     }
     self->controller.installing = 1u;
     state = self->controller.state;
-    if ((state == CONTROLLER_OFF) | (state == CONTROLLER_TRIPPED)) {
+    if ((state == CONTROLLER_OFF) || (state == CONTROLLER_TRIPPED)) {
         firmware_take_image(self, board);
     }
     self->controller.installing = 0u;
@@ -111,11 +300,11 @@ static void firmware_commit(firmware_t *self)
     controller_t *controller = &self->controller;
     uint32_t answer;
 
-    if (((controller->settings->options & SETTINGS_LEARN) == 0u) | (controller->state != CONTROLLER_TRACK)) {
+    if (((controller->settings->options & SETTINGS_LEARN) == 0u) || (controller->state != CONTROLLER_TRACK)) {
         self->committing = 0u;
         return;
     }
-    if ((self->committing == 0u) & (controller->samples - self->commit_last < controller->settings->commit_pause)) {
+    if ((self->committing == 0u) && (controller->samples - self->commit_last < controller->settings->commit_pause)) {
         return;
     }
     self->committing = 1u;
@@ -139,7 +328,7 @@ void firmware_idle(firmware_t *self, board_t *board)
         self->cleared = clears;
         self->image_status = 0u;
     }
-    firmware_receive(self, board);
+    firmware_line(self, board);
     firmware_image(self, board);
     if (self->ticked != samples) {
         self->ticked = samples;

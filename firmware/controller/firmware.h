@@ -7,14 +7,19 @@
 
 #include "board.h"
 #include "controller.h"
+#include "link.h"
 #include "store.h"
 
 typedef struct {
     controller_t controller;
     store_t store;
     image_bench_t bench;
+    link_t link;
+    volatile float asked_um;         /* reference from the link [um], */
+    volatile uint32_t asks;          /* 1: in place of the board's; only the idle loop writes both */
     uint8_t incoming[IMAGE_BYTES];
-    uint32_t received;           /* bytes of the image that is arriving; IMAGE_BYTES: whole, or none has begun */
+    uint32_t received;           /* bytes of the image that arrived last */
+    uint32_t image_arrives;      /* an image has begun and is not complete */
     volatile uint32_t image_status;  /* STATUS_IMAGE_ bits, sticky until CLEAR; only the idle loop writes them */
     uint32_t cleared;            /* CLEARs that image_status has taken */
     uint32_t image_answer;       /* of the image that arrived last */
@@ -32,7 +37,7 @@ typedef struct {
 } firmware_t;
 
 /* Self-test, parameters from the store, everything off. The interrupt may be enabled afterwards. */
-void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings);
+void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner);
 
 /* Every 20 us. */
 void firmware_interrupt(firmware_t *self, board_t *board);
@@ -40,7 +45,10 @@ void firmware_interrupt(firmware_t *self, board_t *board);
 /* STATUS_ bits of the controller and of the parameter images. */
 uint32_t firmware_status(const firmware_t *self);
 
-/* Again and again in between: takes parameter images, commits what was learnt. */
+/* Again and again in between: obeys the link, takes parameter images, commits what was learnt. */
 void firmware_idle(firmware_t *self, board_t *board);
+
+/* The last thing that a failing processor does, in its exception handler: output to off_V at once, amplifier off. */
+void firmware_panic(const firmware_t *self, board_t *board);
 
 #endif

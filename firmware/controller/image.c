@@ -1,8 +1,10 @@
 #include "image.h"
 
 #include "bank.h"
+#include "bytes.h"
 #include "crc32.h"
 #include "number.h"
+#include "siphash.h"
 
 /* Largest number that a parameter can be: products of a few of them stay finite. */
 #define IMAGE_LARGEST 1.0e6f
@@ -14,9 +16,7 @@ static const uint32_t image_digest[4] = MODEL_DIGEST;
 
 uint32_t image_word(const uint8_t *bytes, uint32_t i)
 {
-    const uint8_t *at = &bytes[4u * i];
-
-    return (uint32_t)at[0] | ((uint32_t)at[1] << 8) | ((uint32_t)at[2] << 16) | ((uint32_t)at[3] << 24);
+    return bytes_word(&bytes[4u * i]);
 }
 
 static float image_number(const uint8_t *bytes, uint32_t i)
@@ -32,32 +32,61 @@ static uint32_t image_plausible(float x)
     return (uint32_t)(size == 0u) | ((uint32_t)(size >= 0x00800000u) & (uint32_t)(size <= number_bits(IMAGE_LARGEST)));
 }
 
-uint32_t image_check(const uint8_t *bytes, uint32_t count)
+/* 1 if the image bears the MAC of its bytes. Compared as a whole, so that the time does not tell where a guess is wrong. */
+static uint32_t image_authentic(const uint8_t *bytes, const image_owner_t *owner)
 {
-    uint32_t same = 1u;
-    uint32_t plausible = 1u;
+    uint32_t tag[2];
 
-    if (count != IMAGE_BYTES) {
-        return IMAGE_INCOMPLETE;
-    }
-    if ((image_word(bytes, 0u) != IMAGE_MAGIC) | (image_word(bytes, 1u) != IMAGE_VERSION)) {
-        return IMAGE_UNKNOWN;
-    }
-    if (image_word(bytes, IMAGE_WORDS - 1u) != crc32(bytes, IMAGE_BYTES - 4u)) {
-        return IMAGE_DAMAGED;
-    }
+    siphash(owner->key, bytes, 4u * IMAGE_MAC, tag);
+    return (uint32_t)(((tag[0] ^ image_word(bytes, IMAGE_MAC)) | (tag[1] ^ image_word(bytes, IMAGE_MAC + 1u))) == 0u);
+}
+
+/* 1 if the numbers are those of this model's structure. */
+static uint32_t image_fits(const uint8_t *bytes)
+{
+    uint32_t same = (uint32_t)(image_word(bytes, 2u) == IMAGE_BYTES);
+
     for (uint32_t i = 0u; i < 4u; ++i) {
         same &= (uint32_t)(image_word(bytes, 3u + i) == image_digest[i]);
     }
-    same &= (uint32_t)(image_word(bytes, 2u) == IMAGE_BYTES);
-    same &= (uint32_t)(image_word(bytes, 7u) == MODEL_RULES) & (uint32_t)(image_word(bytes, 8u) == MODEL_WEIGHTS);
-    if (same == 0u) {
-        return IMAGE_FOREIGN;
-    }
+    return same & (uint32_t)(image_word(bytes, 7u) == MODEL_RULES) & (uint32_t)(image_word(bytes, 8u) == MODEL_WEIGHTS);
+}
+
+static uint32_t image_of_numbers(const uint8_t *bytes)
+{
+    uint32_t plausible = 1u;
+
     for (uint32_t i = 0u; i < IMAGE_NUMBERS; ++i) {
         plausible &= image_plausible(image_number(bytes, i));
     }
-    return (plausible != 0u) ? IMAGE_GOOD : IMAGE_NO_NUMBER;
+    return plausible;
+}
+
+uint32_t image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner)
+{
+    uint32_t answer = IMAGE_GOOD;
+
+    if (count != IMAGE_BYTES) {
+        answer = IMAGE_INCOMPLETE;
+    } else if ((image_word(bytes, 0u) != IMAGE_MAGIC) || (image_word(bytes, 1u) != IMAGE_VERSION)) {
+        answer = IMAGE_UNKNOWN;
+    } else if (image_word(bytes, IMAGE_CRC) != crc32(bytes, 4u * IMAGE_CRC)) {
+        answer = IMAGE_DAMAGED;
+    } else if (image_authentic(bytes, owner) == 0u) {
+        answer = IMAGE_FORGED;
+    } else if (image_fits(bytes) == 0u) {
+        answer = IMAGE_FOREIGN;
+    } else if ((image_word(bytes, IMAGE_DEVICE) != owner->device[0])
+               || (image_word(bytes, IMAGE_DEVICE + 1u) != owner->device[1])) {
+        answer = IMAGE_STRANGE;
+    } else if ((image_word(bytes, IMAGE_BUILD) != 0u) && (image_word(bytes, IMAGE_BUILD) != MODEL_BUILD)) {
+        answer = IMAGE_OTHER_BUILD;
+    } else if (image_of_numbers(bytes) == 0u) {
+        answer = IMAGE_NO_NUMBER;
+    } else {
+        /* Good so far: certification comes next. */
+    }
+    return answer;
 }
 
 /* The model's own commit is the judge: a learner on the bench is told that the image's numbers are what it learnt, old

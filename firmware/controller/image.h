@@ -7,12 +7,16 @@
  *      2      bytes of the whole image
  *      3 .. 6 digest of all that the numbers must fit: ranges, partition, shapes of terms and input blocks
  *      7, 8   rules, weights
- *      9 ..   slope[], offset[], gain[] of the rules, weight[] of the terms: float32, as in the model's bank
- *      last   CRC-32 of all bytes before
+ *      9, 10  device: image_owner_t.device, the low word first
+ *     11      build: MODEL_BUILD of the firmware that it is for, or 0 for any with this structure
+ *     12      counter: larger than that of the image in use
+ *     13 ..   slope[], offset[], gain[] of the rules, weight[] of the terms: float32, as in the model's bank
+ *      then   CRC-32 of all bytes before
+ *      last   two words: SipHash-2-4 of all bytes before, with the owner's key, the low word first
  *
- * An image is whole (size, CRC), right (magic, version, digest, rules, weights), of numbers (finite, no denormals), and
- * certified: gain, slope and the terms' loop stay within the limits that the model's own commit keeps. Otherwise it is
- * refused and nothing changes. */
+ * An image is whole (size, CRC), authentic (MAC), right (magic, version, digest, rules, weights, device, build), of numbers (finite,
+ * no denormals), and certified: gain, slope and the terms' loop stay within the limits that the model's own commit keeps. Otherwise
+ * it is refused and nothing changes. */
 
 #ifndef IMAGE_H
 #define IMAGE_H
@@ -22,10 +26,15 @@
 #include "model.h"
 
 #define IMAGE_MAGIC    0x49535948u
-#define IMAGE_VERSION  1u
-#define IMAGE_HEADER   9u
+#define IMAGE_VERSION  2u
+#define IMAGE_DEVICE   9u
+#define IMAGE_BUILD    11u
+#define IMAGE_COUNTER  12u
+#define IMAGE_HEADER   13u
 #define IMAGE_NUMBERS  (3u * MODEL_RULES + MODEL_WEIGHTS)
-#define IMAGE_WORDS    (IMAGE_HEADER + IMAGE_NUMBERS + 1u)
+#define IMAGE_CRC      (IMAGE_HEADER + IMAGE_NUMBERS)
+#define IMAGE_MAC      (IMAGE_CRC + 1u)
+#define IMAGE_WORDS    (IMAGE_MAC + 2u)
 #define IMAGE_BYTES    (4u * IMAGE_WORDS)
 
 /* Answers: why an image is refused. */
@@ -36,7 +45,17 @@
 #define IMAGE_FOREIGN      4u  /* numbers of another structure, range or partition */
 #define IMAGE_NO_NUMBER    5u  /* a parameter is not finite, denormal or absurdly large */
 #define IMAGE_NOT_STORED   7u  /* the board has no memory that survives power off */
-#define IMAGE_UNCERTIFIED  6u  /* 6 + the answer of the model's commit, which is 2 or more */
+#define IMAGE_UNCERTIFIED  6u  /* 6 + the answer of the model's commit, which is 2 to 5 */
+#define IMAGE_FORGED       13u /* the MAC does not fit the bytes and the owner's key */
+#define IMAGE_STRANGE      14u /* for another device */
+#define IMAGE_OTHER_BUILD  15u /* for another build of the firmware */
+#define IMAGE_REPLAYED     16u /* its counter is not larger than that of the image in use */
+
+/* Whose images are taken. One const instance per device, in memory that the link cannot read. */
+typedef struct {
+    uint32_t key[4];     /* of the MAC; all zeros: no secret, and whoever reaches the line may send images */
+    uint32_t device[2];  /* stage and electronics, as in the image */
+} image_owner_t;
 
 /* Everything that one image's certification needs besides the image; 10 to 40 KiB, so it is the caller's. */
 typedef struct {
@@ -44,8 +63,8 @@ typedef struct {
     model_learner_t learner;
 } image_bench_t;
 
-/* Whole, right and of numbers? */
-uint32_t image_check(const uint8_t *bytes, uint32_t count);
+/* Whole, authentic, right and of numbers? */
+uint32_t image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner);
 
 /* The certificates of an image that image_check found good. If they hold, its numbers are in *bank. */
 uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank);

@@ -1,5 +1,7 @@
 #include "settings.h"
 
+#include <stddef.h>
+
 #include "model.h"
 #include "number.h"
 
@@ -51,7 +53,7 @@ const char *settings_check(const settings_t *settings)
         uint32_t low;
         uint32_t high;
     } counts[] = {
-        { "options", s->options, 0u, SETTINGS_TRIM | SETTINGS_LEARN },
+        { "options", s->options, 0u, SETTINGS_TRIM | SETTINGS_LEARN | SETTINGS_KEEP },
         { "state_samples", s->state_samples, 1u, UINT32_MAX },
         { "hold_samples", s->hold_samples, 1u, s->state_samples - 1u },
         { "stuck_samples", s->stuck_samples, 1u, UINT32_MAX },
@@ -60,19 +62,19 @@ const char *settings_check(const settings_t *settings)
         { "period_cycles", s->period_cycles, 1u, 0x7FFFFFFFu },
         { "budget_cycles", s->budget_cycles, 1u, s->period_cycles },
     };
-    const char *wrong = (const char *)0;
+    const char *wrong = NULL;
 
     for (uint32_t i = 0u; i < (uint32_t)(sizeof ranges / sizeof ranges[0]); ++i) {
         const settings_range_t *range = &ranges[i];
         const uint32_t good = number_finite(range->value) & (uint32_t)(range->value >= range->low)
             & (uint32_t)(range->value <= range->high);
 
-        if ((good == 0u) && (wrong == (const char *)0)) {
+        if ((good == 0u) && (wrong == NULL)) {
             wrong = range->field;
         }
     }
     for (uint32_t i = 0u; i < (uint32_t)(sizeof counts / sizeof counts[0]); ++i) {
-        if (((counts[i].value < counts[i].low) | (counts[i].value > counts[i].high)) && (wrong == (const char *)0)) {
+        if (((counts[i].value < counts[i].low) | (counts[i].value > counts[i].high)) && (wrong == NULL)) {
             wrong = counts[i].field;
         }
     }

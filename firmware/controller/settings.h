@@ -9,6 +9,7 @@
 
 #define SETTINGS_TRIM   0x1u  /* feedback trim */
 #define SETTINGS_LEARN  0x2u  /* on-line learning, with commit */
+#define SETTINGS_KEEP   0x4u  /* the next start begins with the parameters that were committed last, not with those of the store */
 
 typedef struct {
     uint32_t options;

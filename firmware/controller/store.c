@@ -1,17 +1,10 @@
 #include "store.h"
 
 #include "bank.h"
+#include "bytes.h"
 #include "crc32.h"
 
 #define SEAL_BYTES 16u
-
-static void store_put(uint8_t *bytes, uint32_t i, uint32_t word)
-{
-    bytes[4u * i] = (uint8_t)(word & 0xFFu);
-    bytes[4u * i + 1u] = (uint8_t)((word >> 8) & 0xFFu);
-    bytes[4u * i + 2u] = (uint8_t)((word >> 16) & 0xFFu);
-    bytes[4u * i + 3u] = (uint8_t)((word >> 24) & 0xFFu);
-}
 
 /* 1 and the sequence number if the seal of `slot` is valid and belongs to the image in self->bytes. */
 static uint32_t store_seals(const store_t *self, board_t *board, uint32_t slot, uint32_t *sequence)
@@ -22,7 +15,7 @@ static uint32_t store_seals(const store_t *self, board_t *board, uint32_t slot, 
     *sequence = image_word(seal, 1u);
     return (uint32_t)(image_word(seal, 0u) == STORE_SEAL_MAGIC)
         & (uint32_t)(image_word(seal, 3u) == crc32(seal, SEAL_BYTES - 4u))
-        & (uint32_t)(image_word(seal, 2u) == image_word(self->bytes, IMAGE_WORDS - 1u));
+        & (uint32_t)(image_word(seal, 2u) == image_word(self->bytes, IMAGE_CRC));
 }
 
 /* Read slot into self->bytes. Returns 1 and its sequence number if its seal is valid and belongs to that image. */
@@ -32,21 +25,30 @@ static uint32_t store_sealed(store_t *self, board_t *board, uint32_t slot, uint3
     return store_seals(self, board, slot, sequence);
 }
 
-/* 1 if the slot in use holds the image in self->bytes, byte for byte, with a valid seal. */
+#define STORE_OTHER  0u  /* other bytes, or no slot in use */
+#define STORE_OPEN   1u  /* the same bytes, without a valid seal */
+#define STORE_SEALED 2u
+
+/* What the slot in use holds, compared with the image in self->bytes. */
 static uint32_t store_holds(const store_t *self, board_t *board)
 {
-    uint32_t same = 1u;
-    uint32_t sequence;
-    uint8_t word[4];
+    const uint32_t slot = self->slot;
+    uint32_t held = STORE_OTHER;
 
-    if (self->slot == STORE_NONE) {
-        return 0u;
+    if (slot < BOARD_SLOTS) {
+        uint32_t same = 1u;
+        uint32_t sequence;
+        uint8_t word[4];
+
+        for (uint32_t at = 0u; (at < IMAGE_BYTES) && (same != 0u); at += 4u) {
+            board_store_read(board, slot, at, word, 4u);
+            same = (uint32_t)(bytes_word(word) == bytes_word(&self->bytes[at]));
+        }
+        if (same != 0u) {
+            held = (store_seals(self, board, slot, &sequence) != 0u) ? STORE_SEALED : STORE_OPEN;
+        }
     }
-    for (uint32_t at = 0u; at < IMAGE_BYTES; at += 4u) {
-        board_store_read(board, self->slot, at, word, 4u);
-        same &= (uint32_t)(image_word(word, 0u) == image_word(&self->bytes[at], 0u));
-    }
-    return same & store_seals(self, board, self->slot, &sequence);
+    return held;
 }
 
 /* 1 if sequence number a is newer than b; they may wrap. */
@@ -57,14 +59,14 @@ static uint32_t store_newer(uint32_t a, uint32_t b)
 
 static uint32_t store_judge(store_t *self, image_bench_t *bench, model_bank_t *bank, uint32_t count)
 {
-    self->answer = image_check(self->bytes, count);
+    self->answer = image_check(self->bytes, count, self->owner);
     if (self->answer == IMAGE_GOOD) {
         self->answer = image_certify(self->bytes, bench, bank);
     }
     return self->answer;
 }
 
-uint32_t store_load(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank)
+uint32_t store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank)
 {
     uint32_t sequence[BOARD_SLOTS];
     uint32_t sealed[BOARD_SLOTS];
@@ -74,19 +76,22 @@ uint32_t store_load(store_t *self, board_t *board, image_bench_t *bench, model_b
 
     self->slot = STORE_NONE;
     self->sequence = 0u;
+    self->counter = 0u;
+    self->owner = owner;
     self->answer = IMAGE_GOOD;
     for (uint32_t slot = 0u; slot < BOARD_SLOTS; ++slot) {
         sealed[slot] = store_sealed(self, board, slot, &sequence[slot]);
     }
-    first = (uint32_t)((sealed[0] == 0u) | ((sealed[1] != 0u) & (store_newer(sequence[1], sequence[0]) != 0u)));
+    first = (uint32_t)((sealed[0] == 0u) || ((sealed[1] != 0u) && (store_newer(sequence[1], sequence[0]) != 0u)));
     for (uint32_t i = 0u; i < BOARD_SLOTS; ++i) {
         const uint32_t slot = (i == 0u) ? first : 1u - first;
 
-        if ((found == STORE_NONE) & (sealed[slot] != 0u)) {
+        if ((found == STORE_NONE) && (sealed[slot] != 0u)) {
             (void)store_sealed(self, board, slot, &sequence[slot]);
             if (store_judge(self, bench, bank, IMAGE_BYTES) == IMAGE_GOOD) {
                 found = slot;
                 self->sequence = sequence[slot];
+                self->counter = image_word(self->bytes, IMAGE_COUNTER);
             } else {
                 bad = 1u;
             }
@@ -96,43 +101,58 @@ uint32_t store_load(store_t *self, board_t *board, image_bench_t *bench, model_b
     return bad;
 }
 
-uint32_t store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count)
+/* Write the image in self->bytes to the slot that is not in use, and seal it; both are read back. */
+static uint32_t store_write(store_t *self, board_t *board)
 {
-    const uint32_t slot = (self->slot == 0u) ? 1u : 0u;
-    const uint32_t crc = image_word(self->bytes, IMAGE_WORDS - 1u);
+    const uint32_t slot = (uint32_t)(self->slot == 0u);
+    const uint32_t crc = image_word(self->bytes, IMAGE_CRC);
+    const uint32_t counter = image_word(self->bytes, IMAGE_COUNTER);
     const uint32_t next = self->sequence + 1u;
     uint8_t seal[SEAL_BYTES];
-    model_bank_t good;
     uint32_t sequence;
+    uint32_t answer = IMAGE_NOT_STORED;
 
-    if (store_judge(self, bench, &good, count) != IMAGE_GOOD) {
-        return self->answer;
-    }
-    if (store_holds(self, board) != 0u) {
-        bank_copy(bank, &good);
-        return IMAGE_GOOD;
-    }
-    store_put(seal, 0u, STORE_SEAL_MAGIC);
-    store_put(seal, 1u, next);
-    store_put(seal, 2u, crc);
-    store_put(seal, 3u, crc32(seal, SEAL_BYTES - 4u));
+    bytes_put(&seal[0], STORE_SEAL_MAGIC);
+    bytes_put(&seal[4], next);
+    bytes_put(&seal[8], crc);
+    bytes_put(&seal[12], crc32(seal, SEAL_BYTES - 4u));
     board_store_erase(board, slot);
-    if (board_store_write(board, slot, 0u, self->bytes, IMAGE_BYTES) == 0u) {
-        self->answer = IMAGE_NOT_STORED;
-        return self->answer;
+    if (board_store_write(board, slot, 0u, self->bytes, IMAGE_BYTES) != 0u) {
+        board_store_read(board, slot, 0u, self->bytes, IMAGE_BYTES);
+        answer = image_check(self->bytes, IMAGE_BYTES, self->owner);
     }
-    board_store_read(board, slot, 0u, self->bytes, IMAGE_BYTES);
-    self->answer = image_check(self->bytes, IMAGE_BYTES);
-    if (self->answer != IMAGE_GOOD) {
-        return self->answer;
+    if (answer == IMAGE_GOOD) {
+        (void)board_store_write(board, slot, STORE_SEAL_OFFSET, seal, SEAL_BYTES);
+        if ((store_sealed(self, board, slot, &sequence) == 0u) || (sequence != next)) {
+            answer = IMAGE_DAMAGED;
+        }
     }
-    (void)board_store_write(board, slot, STORE_SEAL_OFFSET, seal, SEAL_BYTES);
-    if ((store_sealed(self, board, slot, &sequence) == 0u) | (sequence != next)) {
-        self->answer = IMAGE_DAMAGED;
-        return self->answer;
+    if (answer == IMAGE_GOOD) {
+        self->slot = slot;
+        self->sequence = next;
+        self->counter = counter;
     }
-    self->slot = slot;
-    self->sequence = next;
-    bank_copy(bank, &good);
-    return IMAGE_GOOD;
+    return answer;
+}
+
+uint32_t store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count)
+{
+    model_bank_t good;
+
+    bank_copy(&good, bank);
+    if (store_judge(self, bench, &good, count) == IMAGE_GOOD) {
+        const uint32_t held = store_holds(self, board);
+
+        if ((held == STORE_OTHER) && (image_word(self->bytes, IMAGE_COUNTER) <= self->counter)) {
+            self->answer = IMAGE_REPLAYED;
+        } else if (held != STORE_SEALED) {
+            self->answer = store_write(self, board);
+        } else {
+            /* In use, and sealed. */
+        }
+    }
+    if (self->answer == IMAGE_GOOD) {
+        bank_copy(bank, &good);
+    }
+    return self->answer;
 }

@@ -20,15 +20,18 @@ typedef struct {
     uint8_t bytes[IMAGE_BYTES];  /* image being looked at, or written */
     uint32_t slot;               /* in use, or STORE_NONE: the numbers that the firmware was built with */
     uint32_t sequence;           /* of the newest image that was found */
+    uint32_t counter;            /* of the image in use; 0: none */
+    const image_owner_t *owner;  /* whose images are taken */
     uint32_t answer;             /* of the image that was looked at last */
 } store_t;
 
 /* Look for the newest image that is whole, right and certified, and put its numbers into *bank; leaves *bank alone if
  * there is none. Returns 1 if a sealed image was found that was not good. */
-uint32_t store_load(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank);
+uint32_t store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank);
 
 /* Check the image in self->bytes, write it to the slot that is not in use, and put its numbers into *bank. An image equal to
- * the one in use is not written again: erasing wears the memory. Returns
+ * the one in use is not written again: erasing wears the memory. Any other needs a larger counter than the one in use, so that nobody
+ * brings an old image back. Returns
  * IMAGE_GOOD, or why not: then neither the slot in use nor *bank has changed. */
 uint32_t store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count);
 

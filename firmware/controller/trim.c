@@ -12,7 +12,8 @@ void trim_init(trim_t *self)
 uint32_t trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited)
 {
     const float limit = settings->trim_limit_um;
-    const uint32_t winds = (uint32_t)((limited > 0) & (residual_um > 0.0f)) | (uint32_t)((limited < 0) & (residual_um < 0.0f));
+    const uint32_t winds = (uint32_t)(((limited > 0) && (residual_um > 0.0f))
+                                      || ((limited < 0) && (residual_um < 0.0f)));
     const float moved = self->integral_um + settings->trim_integral * residual_um;
     float correction;
 

@@ -45,7 +45,7 @@ uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_
 
     if (number_finite(y_um) == 0u) {
         status |= STATUS_SENSOR_INVALID;
-    } else if ((y_um < settings->low_um) | (y_um > settings->high_um)) {
+    } else if ((y_um < settings->low_um) || (y_um > settings->high_um)) {
         status |= STATUS_SENSOR_RANGE;
     } else if (number_bits(y_um) != number_bits(self->reading_um)) {
         self->reading_um = y_um;
@@ -58,7 +58,7 @@ uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_
     if (watchdog_count(&self->unread, (uint32_t)(status != 0u), settings->bad_samples) != 0u) {
         status |= STATUS_FAULT_SENSOR;
     }
-    if ((self->same >= settings->stuck_samples) & (number_size(u_V - self->same_V) >= settings->stuck_V)) {
+    if ((self->same >= settings->stuck_samples) && (number_size(u_V - self->same_V) >= settings->stuck_V)) {
         status |= STATUS_FAULT_STUCK;
     }
     return status;
@@ -75,9 +75,9 @@ uint32_t watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32
 {
     const uint32_t limits = (uint32_t)((amplifier & BOARD_AMPLIFIER_LIMITS) != 0u);
     const uint32_t lasts = watchdog_count(&self->limits, limits, settings->bad_samples);
-    uint32_t status = (limits != 0u) ? STATUS_AMPLIFIER_LIMITS : 0u;
+    uint32_t status = limits * STATUS_AMPLIFIER_LIMITS;
 
-    if ((lasts != 0u) | ((amplifier & BOARD_AMPLIFIER_FAILED) != 0u)) {
+    if ((lasts != 0u) || ((amplifier & BOARD_AMPLIFIER_FAILED) != 0u)) {
         status |= STATUS_FAULT_AMPLIFIER;
     }
     return status;

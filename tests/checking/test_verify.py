@@ -55,7 +55,7 @@ def test_generated_c_equals_reference_in_every_installed_build() -> None:
     report = verify_texts(extended(), generate(extended()), VerifySettings(SAMPLES, 0))
     assert report.equal, "\n".join(report.lines())
     assert report.samples >= SAMPLES
-    assert {run.function for run in report.runs} == {"selftest", "init", "predict", "simulate", "inverse"}
+    assert {run.function for run in report.runs} == {"selftest", "init", "predict", "simulate", "limits", "inverse"}
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ import pytest
 
 FIRMWARE = Path(__file__).resolve().parents[2] / "firmware"
 PROJECT = FIRMWARE / "ccs" / "hysgen_firmware.projectspec"
-STANDARD = {"stdint.h", "float.h", "limits.h", "c6x.h"}
+STANDARD = {"stdint.h", "stddef.h", "float.h", "limits.h", "c6x.h"}
 
 
 def project() -> ElementTree.Element:

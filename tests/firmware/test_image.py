@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import struct
+import zlib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import booted, model, sine, tracking
+from fixtures.firmware_bench import ModelStage, booted, image, model, sine, tracking
 from hysgen.errors import ModelError
-from hysgen.firmware.binding import firmware_model, structure_digest
-from hysgen.firmware.host import SLOT_BYTES, BoardFault, FirmwareStatus, HostFirmware, HostImage, Request, State
-from hysgen.firmware.image import ANSWERS, decode, encode, pack
+from hysgen.firmware.binding import build_id, firmware_model, structure_digest
+from hysgen.firmware.host import (
+    SLOT_BYTES,
+    BoardFault,
+    FirmwareStatus,
+    HostFirmware,
+    HostImage,
+    Request,
+    Settings,
+    State,
+)
+from hysgen.firmware.image import ANSWERS, Label, Owner, decode, encode, pack
 from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
@@ -48,7 +59,7 @@ def test_an_image_cut_at_any_byte_or_with_any_bit_flipped_changes_nothing() -> N
     for bit in range(8 * len(data)):
         flipped = bytearray(data)
         flipped[bit // 8] ^= 1 << (bit % 8)
-        assert firmware.send(bytes(flipped)) in (2, 3)
+        assert firmware.send(bytes(flipped)) in (2, 3, 13)
         assert firmware.bank() == good
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
     assert firmware.send(data) == 0
@@ -61,14 +72,14 @@ def test_bytes_of_a_broken_transfer_do_not_leak_into_the_next_one() -> None:
     assert firmware.send(data) == 0
     firmware.send(data[:90])
     good = firmware.bank()
-    other = encode(changed(SOFTER))
-    assert firmware.send(other[90:], begins=False) == 3
+    other = encode(changed(SOFTER), Label(counter=2))
+    assert firmware.send(other[90:], offset=90) == 3
     assert firmware.bank() == good
 
 
 def test_power_cut_at_any_byte_of_the_store_leaves_the_old_or_the_new_parameters() -> None:
     firmware = booted()
-    first, second = encode(changed(STIFFER)), encode(changed(SOFTER))
+    first, second = encode(changed(STIFFER)), encode(changed(SOFTER), Label(counter=2))
     assert firmware.send(first) == 0
     old = firmware.bank()
     kept = [bytes(firmware.slot(slot)) for slot in (0, 1)]
@@ -90,7 +101,7 @@ def test_power_cut_at_any_byte_of_the_store_leaves_the_old_or_the_new_parameters
 
 def test_any_flipped_bit_of_the_newest_stored_image_falls_back_to_the_one_before() -> None:
     firmware = booted()
-    first, second = encode(changed(STIFFER)), encode(changed(SOFTER))
+    first, second = encode(changed(STIFFER)), encode(changed(SOFTER), Label(counter=2))
     firmware.send(first)
     old = firmware.bank()
     firmware.send(second)
@@ -132,11 +143,11 @@ def test_whole_and_right_but_not_certified_is_refused(consequents: tuple[float, 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf, 1e-40, 2e6])
 def test_what_is_no_number_of_a_model_is_refused_although_its_crc_is_right(number: float) -> None:
-    image = decode(encode(model()))
-    for table in (image.bank.slope, image.bank.gain, image.bank.offset):
+    decoded = decode(encode(model()))
+    for table in (decoded.bank.slope, decoded.bank.gain, decoded.bank.offset):
         kept = table[3]
         table[3] = number
-        assert booted().send(pack(image)) == 5
+        assert booted().send(pack(decoded)) == 5
         table[3] = kept
 
 
@@ -171,8 +182,8 @@ def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -
     new, _ = refit(old, weaker, same_range=True)
     assert structure_digest(new) == structure_digest(old)
     assert structure_digest(refit(old, weaker)[0]) != structure_digest(old)
-    image = HostImage.compile(old.name, firmware_model(old))
-    firmware = HostFirmware(image, StageState(laboratory(), TS_S, 1))
+    refitted = HostImage.compile(old.name, firmware_model(old))
+    firmware = HostFirmware(refitted, StageState(laboratory(), TS_S, 1))
     before = firmware.bank()
     assert firmware.send(encode(new)) == 0
     assert firmware.bank() != before
@@ -211,18 +222,20 @@ def test_a_fault_during_the_writing_of_an_image_does_not_lose_it() -> None:
 def test_stray_bytes_behind_a_waiting_image_do_no_harm() -> None:
     firmware, data = tracking(), encode(changed(STIFFER))
     good = firmware.bank()
-    firmware.send(data + b"\n\0\xff")
-    firmware.send(b"\n", begins=False)
+    firmware.send(data)
+    firmware.line(b"\n\0\xff\0")
+    firmware.send(b"\n", offset=len(data))
     assert FirmwareStatus.IMAGE_REFUSED not in firmware.status
     stop(firmware)
     assert firmware.bank() != good
-    firmware.send(b"noise", begins=False)
+    firmware.line(b"noise\0")
+    firmware.send(b"noise", offset=len(data) - 5)
     assert FirmwareStatus.IMAGE_REFUSED not in firmware.status
 
 
 def test_a_refused_image_is_told_until_clear_and_no_longer() -> None:
     firmware, data = booted(), encode(changed(STIFFER))
-    firmware.send(b"x" * (len(data) + 88))
+    firmware.send(b"x" * len(data))
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
     firmware.request(Request.CLEAR)
     firmware.run(np.full(2, 2.0))
@@ -246,8 +259,81 @@ def test_an_image_that_is_in_use_is_not_written_again() -> None:
     assert firmware.bank() == bank
 
 
+KEY = bytes(range(1, 17))
+OWNER = Owner(KEY, 0x1122334455667788)
+
+
+def owned() -> HostFirmware:
+    """The image of an owner with a key and a device number, which has taken an image with counter 5."""
+    firmware = HostFirmware(image(), ModelStage(model()), owner=OWNER)
+    assert firmware.send(encode(changed(STIFFER), Label(OWNER.device, build_id(model()), 5), KEY)) == 0
+    return firmware
+
+
+SOFT = changed(SOFTER)
+ATTACKS = {
+    "flipped, CRC made right": (lambda: forged(encode(SOFT, Label(OWNER.device, 0, 6), KEY)), 13),
+    "without the key": (lambda: encode(SOFT, Label(OWNER.device, 0, 6)), 13),
+    "another key": (lambda: encode(SOFT, Label(OWNER.device, 0, 6), KEY[::-1]), 13),
+    "of another device": (lambda: encode(SOFT, Label(OWNER.device ^ 1, 0, 6), KEY), 14),
+    "of a device without a number": (lambda: encode(SOFT, Label(0, 0, 6), KEY), 14),
+    "for another build": (lambda: encode(SOFT, Label(OWNER.device, build_id(SOFT), 6), KEY), 15),
+    "same counter": (lambda: encode(SOFT, Label(OWNER.device, 0, 5), KEY), 16),
+    "an older one, replayed": (lambda: encode(SOFT, Label(OWNER.device, 0, 4), KEY), 16),
+    "cut": (lambda: encode(SOFT, Label(OWNER.device, 0, 6), KEY)[:-9], 0),
+    "of another structure": (lambda: encode(replace(SOFT, u_max_V=50.0), Label(OWNER.device, 0, 6), KEY), 4),
+    "of wild numbers": (lambda: encode(changed(np.array([1.0, -1.0, 1.0])), Label(OWNER.device, 0, 6), KEY), 10),
+}
+
+
+def forged(data: bytes) -> bytes:
+    """The image with one bit of a number flipped and its CRC computed anew, by someone without the key."""
+    body = bytearray(data[:-12])
+    body[-6] ^= 1
+    return bytes(body) + struct.pack("<I", zlib.crc32(bytes(body))) + data[-8:]
+
+
+@pytest.mark.parametrize("attack", ATTACKS)
+def test_an_attackers_image_is_refused_and_changes_nothing(attack: str) -> None:
+    made, answer = ATTACKS[attack]
+    firmware = owned()
+    bank = firmware.bank()
+    kept = [bytes(firmware.slot(slot)) for slot in (0, 1)]
+    assert firmware.send(made()) == answer, ANSWERS[answer]
+    assert firmware.bank() == bank
+    assert [bytes(firmware.slot(slot)) for slot in (0, 1)] == kept
+    firmware.boot()
+    assert firmware.bank() == bank
+    assert firmware.send(encode(SOFT, Label(OWNER.device, 0, 6), KEY)) == 0
+    assert firmware.bank() != bank
+
+
+def test_the_counter_survives_power_off() -> None:
+    firmware = owned()
+    firmware.boot()
+    assert firmware.send(encode(SOFT, Label(OWNER.device, 0, 5), KEY)) == 16
+    assert firmware.send(encode(SOFT, Label(OWNER.device, 0, 6), KEY)) == 0
+
+
+def test_learned_parameters_are_kept_over_stop_if_the_settings_say_so() -> None:
+    for keep in (False, True):
+        settings = Settings(learn=True, keep=keep, commit_pause=2000)
+        firmware = HostFirmware(image(), ModelStage(changed(SOFTER)), settings)
+        built_in = firmware.bank()
+        firmware.start(2.0)
+        firmware.run(sine(12_000))
+        assert firmware.firmware.commits > 0
+        stop(firmware)
+        assert (firmware.bank() != built_in) == keep
+        firmware.boot()
+        assert firmware.bank() == built_in
+
+
 def test_python_reads_only_whole_images() -> None:
     data = encode(model())
-    for broken in (data[:20], data[:-1], b"x" + data[1:], data[:-5] + b"\0" + data[-4:]):
+    for broken in (data[:20], data[:-1], b"x" + data[1:], data[:-13] + b"\0" + data[-12:]):
         with pytest.raises(ModelError, match=r"^file: "):
             decode(broken, "file")
+    with pytest.raises(ModelError, match="MAC"):
+        decode(data, "file", KEY)
+    assert decode(encode(model(), key=KEY), "file", KEY).label == Label()

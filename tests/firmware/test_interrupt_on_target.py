@@ -23,7 +23,7 @@ from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, read_sources
 
-CONTROL = ("amr", "fadcr", "fmcr", "istp")
+CONTROL = ("amr", "fadcr", "fmcr", "istp", "tsr")
 LINK = 32 + 3
 STACK_TOP = 0x1183_F000
 RESTING_AMR = 0x0001_0004
@@ -34,6 +34,9 @@ VICTIM = """
 uint32_t started;
 void start(void);
 void start(void) { started = 0x600DF00Du; }
+uint32_t panicked;
+void main_panic(void);
+void main_panic(void) { panicked = 1u; }
 int32_t eleven(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, int32_t f, int32_t g, int32_t h, int32_t i,
                int32_t j, int32_t k) __attribute__((noinline));
 int32_t eleven(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, int32_t f, int32_t g, int32_t h, int32_t i,
@@ -220,14 +223,25 @@ def test_start_up_sets_stack_vectors_and_modes_and_calls_start() -> None:
     assert run.registers[STACK_POINTER] == top
     assert top % 8 == 0
     assert target.view("started", 1, np.uint32)[0] == 0x600DF00D
-    assert run.control == {"amr": 0, "fadcr": 0, "fmcr": 0, "istp": target.address("vectors")}
+    assert run.control == {"amr": 0, "fadcr": 0, "fmcr": 0, "istp": target.address("vectors"), "tsr": 4}
 
 
-@pytest.mark.parametrize(("slot", "leads_to"), [(0, "_c_int00"), (1, "nrp"), (4, "tick")])
+@pytest.mark.parametrize(("slot", "leads_to"), [(0, "_c_int00"), (1, "panic"), (4, "tick")])
 def test_each_vector_ends_in_its_own_slot(slot: int, leads_to: str) -> None:
     """A slot is eight instructions; the branch lands before the next slot begins."""
     packets: Mapping[int, object] = machine().packets
     first = packets[machine().address("vectors") + 32 * slot].instructions[0]  # type: ignore[attr-defined]
     assert first.mnemonic == "b"
-    target = first.operands[0]
-    assert target == "nrp" if leads_to == "nrp" else target.address == machine().address(leads_to)
+    assert first.operands[0].address == machine().address(leads_to)
+
+
+def test_an_exception_leaves_a_broken_stack_and_ends_in_the_firmwares_last_words() -> None:
+    target = machine()
+    registers = [0x5A00_0000 + index for index in range(64)]
+    registers[STACK_POINTER] = 0xDEAD_BEE0
+    run = Preempted(target, registers)
+    run.control["amr"] = RESTING_AMR
+    run.run(target.address("panic"), last=target.address("halt"))
+    assert run.registers[STACK_POINTER] == target.address("__stack_top")
+    assert run.control["amr"] == 0
+    assert target.view("panicked", 1, np.uint32)[0] == 1

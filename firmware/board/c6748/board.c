@@ -2,25 +2,13 @@
 
 #include "board.h"
 
+#include "chip.h"
 #include "model.h"
 #include "number.h"
 
 #if MODEL_PERIOD_NS != BOARD_PERIOD_NS
 #error "the model was identified at another sampling period than this board's timer has: see BOARD_PERIOD"
 #endif
-
-#define TIMER0            0x01C20000u
-#define TIMER_TIM12       0x10u
-#define TIMER_PRD12       0x18u
-#define TIMER_TCR         0x20u
-#define TIMER_TGCR        0x24u
-#define INTC_INTMUX1      0x01800104u
-#define EVENT_TIMER0      4u            /* T64P0_TINT12 */
-
-static volatile uint32_t *board_register(uint32_t address)
-{
-    return (volatile uint32_t *)(uintptr_t)address;
-}
 
 #if defined(__TI_COMPILER_VERSION__)
 #include <c6x.h>
@@ -82,19 +70,11 @@ static uint32_t board_waiting(void)
 void board_start(board_t *board)
 {
     board->next = 0u;
-    board->line_in = 0u;
-    board->line_start = 0u;
-    board->line_begins = 0u;
-    board->line_out = 0u;
-    board->line_begun = 0u;
-    board->line_broken = 1u;
-    /* Timer64P0 as one 32-bit timer that reloads; its event to interrupt 4. */
-    *board_register(TIMER0 + TIMER_TGCR) = 0u;
-    *board_register(TIMER0 + TIMER_TGCR) = 0x5u; /* unchained 32 bit, TIM12 out of reset */
-    *board_register(TIMER0 + TIMER_TIM12) = 0u;
-    *board_register(TIMER0 + TIMER_PRD12) = BOARD_PERIOD - 1u;
-    *board_register(INTC_INTMUX1) = (*board_register(INTC_INTMUX1) & ~0x7Fu) | EVENT_TIMER0;
-    *board_register(TIMER0 + TIMER_TCR) = 0x80u; /* continuous */
+    board->received.in = 0u;
+    board->received.out = 0u;
+    board->sent.in = 0u;
+    board->sent.out = 0u;
+    chip_start_sampling(BOARD_PERIOD);
     board_enable();
 }
 
@@ -117,7 +97,7 @@ float board_reference_um(board_t *board)
 uint32_t board_amplifier(board_t *board)
 {
     (void)board;
-    return *board_register(BOARD_AMPLIFIER_PINS) & 3u;
+    return ~*chip_register(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_AMPLIFIER_PINS;
 }
 
 void board_voltage(board_t *board, float u_V)
@@ -125,7 +105,7 @@ void board_voltage(board_t *board, float u_V)
     const float code = number_limited((u_V - BOARD_DAC_LOW_V) * BOARD_DAC_PER_V + 0.5f, 0.0f, BOARD_DAC_CODES);
 
     (void)board;
-    *board_register(BOARD_DAC_ADDRESS) = (uint32_t)(int32_t)code;
+    *(volatile uint16_t *)(uintptr_t)BOARD_DAC_ADDRESS = (uint16_t)(int32_t)code;
 }
 
 uint32_t board_cycles(board_t *board)
@@ -140,46 +120,73 @@ uint32_t board_overrun(board_t *board)
     return board_waiting();
 }
 
-void board_link(board_t *board, uint8_t byte, uint32_t begins)
+/* One word of a ring is written by one side only: `in` by the side that puts bytes in, `out` by the other. */
+static uint32_t ring_put(board_ring_t *ring, uint8_t byte)
 {
-    const uint32_t in = board->line_in;
+    const uint32_t in = ring->in;
+    const uint32_t fits = (uint32_t)((in - ring->out) < BOARD_LINE);
 
-    if (begins != 0u) {
-        board->line_broken = 0u;
+    if (fits != 0u) {
+        ring->bytes[in & (BOARD_LINE - 1u)] = byte;
+        ring->in = in + 1u;
     }
-    if ((in - board->line_out) >= BOARD_LINE) {
-        board->line_broken = 1u;
+    return fits;
+}
+
+static uint32_t ring_take(board_ring_t *ring, uint8_t *byte)
+{
+    const uint32_t out = ring->out;
+    const uint32_t holds = (uint32_t)(out != ring->in);
+
+    if (holds != 0u) {
+        *byte = ring->bytes[out & (BOARD_LINE - 1u)];
+        ring->out = out + 1u;
     }
-    if (board->line_broken == 0u) {
-        board->line[in & (BOARD_LINE - 1u)] = byte;
-        board->line_in = in + 1u;
-        if (begins != 0u) {
-            board->line_start = in;
-            board->line_begins += 1u;
-        }
+    return holds;
+}
+
+void board_line_serve(board_t *board)
+{
+    const uint32_t line = *chip_register(CHIP_UART2 + CHIP_UART_LSR);
+    uint8_t byte = 0u;
+
+    if ((line & CHIP_UART_RECEIVED) != 0u) {
+        (void)ring_put(&board->received, (uint8_t)(*chip_register(CHIP_UART2 + CHIP_UART_DATA) & 0xFFu));
+    }
+    if (((line & CHIP_UART_EMPTY) != 0u) && (ring_take(&board->sent, &byte) != 0u)) {
+        *chip_register(CHIP_UART2 + CHIP_UART_DATA) = byte;
     }
 }
 
-uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin)
+void board_amplifier_enable(board_t *board, uint32_t on)
 {
-    /* In this order: an image that begins in between lies behind `in`. */
-    const uint32_t in = board->line_in;
-    const uint32_t begins = board->line_begins;
-    const uint32_t start = board->line_start;
-    uint32_t out = board->line_out;
+    (void)board;
+    *chip_register(CHIP_GPIO + ((on != 0u) ? CHIP_GPIO_SET : CHIP_GPIO_CLEAR)) = BOARD_AMPLIFIER_ENABLE;
+}
+
+void board_alive(board_t *board)
+{
+    (void)board;
+    *chip_register(CHIP_TIMER1 + CHIP_TIMER_WDTCR) = CHIP_WATCHDOG_FIRST;
+    *chip_register(CHIP_TIMER1 + CHIP_TIMER_WDTCR) = CHIP_WATCHDOG_SECOND;
+}
+
+uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
+{
     uint32_t count = 0u;
 
-    *begin = 0u;
-    /* Bytes of the image before, whole or not, come first: a call ends where the next image begins. */
-    if ((board->line_begun != begins) & (out == start) & (out != in)) {
-        *begin = 1u;
-        board->line_begun = begins;
-    }
-    while ((count < room) & (out != in) & ((board->line_begun == begins) | (out != start))) {
-        bytes[count] = board->line[out & (BOARD_LINE - 1u)];
-        out += 1u;
+    while ((count < room) && (ring_take(&board->received, &bytes[count]) != 0u)) {
         count += 1u;
     }
-    board->line_out = out;
     return count;
+}
+
+uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
+{
+    uint32_t taken = 0u;
+
+    while ((taken < count) && (ring_put(&board->sent, bytes[taken]) != 0u)) {
+        taken += 1u;
+    }
+    return taken;
 }

@@ -1,6 +1,7 @@
 /* main.c: owns the one instance of everything. Interrupt 4 comes to main_tick: from start.s, or, with TI's tools, from the
  * vector table of your project. */
 
+#include "chip.h"
 #include "firmware.h"
 
 static firmware_t main_firmware;
@@ -41,6 +42,9 @@ static const settings_t main_settings = {
     .commit_pause = 25000u,
 };
 
+/* Fill in: your key (`hysgen image --key`), and the number of this stage and its electronics. All zeros: no secret. */
+static const image_owner_t main_owner = { { 0u, 0u, 0u, 0u }, { 0u, 0u } };
+
 #if defined(__TI_COMPILER_VERSION__)
 #define MAIN_INTERRUPT interrupt
 #else
@@ -54,8 +58,11 @@ void start(void);
 
 void start(void)
 {
-    for (uint32_t *word = start_bss; word != start_bss_end; ++word) {
+    uint32_t *word = start_bss;
+
+    while (word != start_bss_end) {
         *word = 0u;
+        ++word;
     }
     (void)main();
 }
@@ -67,9 +74,24 @@ MAIN_INTERRUPT void main_tick(void)
     firmware_interrupt(&main_firmware, &main_board);
 }
 
+/* From the NMI slot, for exceptions and NMI alike: output to off_V, amplifier off; then the watchdog resets the chip. */
+void main_panic(void);
+void main_panic(void)
+{
+    firmware_panic(&main_firmware, &main_board);
+    for (;;) {
+        /* Until the watchdog acts. */
+    }
+}
+
 int main(void)
 {
-    firmware_boot(&main_firmware, &main_board, &main_settings);
+    if (chip_start(BOARD_AMPLIFIER_ENABLE) != 0u) {
+        for (;;) {
+            /* Without clock or power of the devices nothing can be driven: the amplifier stays off. */
+        }
+    }
+    firmware_boot(&main_firmware, &main_board, &main_settings, &main_owner);
     board_start(&main_board);
     for (;;) {
         firmware_idle(&main_firmware, &main_board);

@@ -9,7 +9,7 @@ vectors:
         b       .S2     _c_int00        ; reset
         nop     5
         .align  5                       ; one fetch packet of 32 bytes each
-        b       .S2     NRP             ; NMI: back to where it came
+        b       .S2     panic           ; NMI, and exceptions
         nop     5
         .align  7                       ; two reserved
         b       .S2     tick            ; interrupt 4: Timer64P0
@@ -28,8 +28,21 @@ _c_int00:
         mvc     .S2     B0, AMR
         mvc     .S2     B0, FADCR
         mvc     .S2     B0, FMCR
+        mvk     .S2     4, B0           ; TSR.GEE: a wild opcode or access raises an exception, which goes to the NMI slot
+        mvc     .S2     B0, TSR
         callp   .S2     start, B3
 stay:   b       .S2     stay
+        nop     5
+
+; The interrupted stack may be what failed: a new one, above all data. main_panic does not return; the watchdog resets the chip.
+        .global panic
+panic:
+        mvkl    .S2     __stack_top, B15
+        mvkh    .S2     __stack_top, B15
+        mvk     .S2     0, B0
+        mvc     .S2     B0, AMR
+        callp   .S2     main_panic, B3
+halt:   b       .S2     halt
         nop     5
 
 ; Save what a C function may change, call it, restore, return: A0-A9, A16-A31, B0-B9, B16-B31. Interrupts stay off.

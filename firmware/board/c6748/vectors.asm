@@ -2,6 +2,7 @@
 
         .ref    _c_int00
         .ref    main_tick
+        .ref    main_panic
         .def    vectors
         .sect   ".vectors"
         .align  1024
@@ -29,20 +30,9 @@ empty   .macro
         NOP
         .endm
 
-nmi     .macro
-        B       .S2     NRP
-        NOP     5
-        NOP
-        NOP
-        NOP
-        NOP
-        NOP
-        NOP
-        .endm
-
 vectors:
         slot    _c_int00
-        nmi                     ; back to where it came
+        slot    main_panic      ; NMI, and exceptions
         empty                   ; reserved
         empty                   ; reserved
         slot    main_tick       ; interrupt 4: Timer64P0

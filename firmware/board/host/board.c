@@ -84,18 +84,43 @@ uint32_t board_overrun(board_t *board)
     return faulty(board, HOST_FAULT_OVERRUN);
 }
 
-uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin)
+void board_line_serve(board_t *board)
+{
+    board->served += 1u;
+}
+
+void board_amplifier_enable(board_t *board, uint32_t on)
+{
+    board->enabled = on;
+}
+
+void board_alive(board_t *board)
+{
+    board->alive += 1u;
+}
+
+uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
 {
     const uint32_t count = (board->incoming_count < room) ? board->incoming_count : room;
 
-    *begin = board->incoming_begins;
     if (count != 0u) {
         memcpy(bytes, board->incoming, count);
         board->incoming += count;
     }
     board->incoming_count -= count;
-    board->incoming_begins = 0u;
     return count;
+}
+
+uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
+{
+    uint32_t taken = 0u;
+
+    while ((taken < count) && (board->outgoing_count < HOST_LINE)) {
+        board->outgoing[board->outgoing_count] = bytes[taken];
+        board->outgoing_count += 1u;
+        taken += 1u;
+    }
+    return taken;
 }
 
 void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)

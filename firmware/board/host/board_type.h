@@ -17,6 +17,7 @@
 #define HOST_FAULT_LOST       8u  /* `fault_value` cycles pass between interrupts */
 
 #define HOST_NO_CUT 0xFFFFFFFFu
+#define HOST_LINE   512u  /* bytes from the firmware until the test takes them */
 
 typedef struct board {
     double (*step)(void *plant, double u_V);  /* holds u_V for a period, returns the reading at its end */
@@ -35,9 +36,13 @@ typedef struct board {
     float fault_value;
     uint32_t cycles;
 
-    const uint8_t *incoming;    /* bytes of an image on their way, */
+    const uint8_t *incoming;    /* bytes on the line to the firmware, */
     uint32_t incoming_count;
-    uint32_t incoming_begins;   /* the first of them is the first of an image */
+    uint8_t outgoing[512];      /* and from it */
+    uint32_t outgoing_count;
+    uint32_t served;            /* calls of board_line_serve */
+    uint32_t enabled;           /* the amplifier is switched on */
+    uint32_t alive;             /* calls of board_alive */
     uint8_t store[2][4096];
     void (*preempt)(void *with);  /* called while the store erases and after it has written, or NULL */
     void *preempt_with;

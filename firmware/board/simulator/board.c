@@ -43,6 +43,8 @@ static const settings_t simulated_settings = {
     .commit_pause = 1u,
 };
 
+static const image_owner_t simulated_owner = { { 0u, 0u, 0u, 0u }, { 0u, 0u } };
+
 float board_displacement_um(board_t *board)
 {
     return board->reading_um;
@@ -76,24 +78,56 @@ uint32_t board_overrun(board_t *board)
     return 0u;
 }
 
-uint32_t board_receive(board_t *board, uint8_t *bytes, uint32_t room, uint32_t *begin)
+void board_line_serve(board_t *board)
 {
     (void)board;
-    (void)bytes;
-    (void)room;
-    *begin = 0u;
-    return 0u;
+}
+
+void board_amplifier_enable(board_t *board, uint32_t on)
+{
+    board->enabled = on;
+}
+
+void board_alive(board_t *board)
+{
+    (void)board;
+}
+
+uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
+{
+    uint32_t count = 0u;
+
+    while ((count < room) && (board->in_first != board->in_last)) {
+        bytes[count] = board->in[board->in_first & (SIMULATED_LINE - 1u)];
+        board->in_first += 1u;
+        count += 1u;
+    }
+    return count;
+}
+
+uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
+{
+    uint32_t taken = 0u;
+
+    while ((taken < count) && (board->out_last - board->out_first < SIMULATED_LINE)) {
+        board->out[board->out_last & (SIMULATED_LINE - 1u)] = bytes[taken];
+        board->out_last += 1u;
+        taken += 1u;
+    }
+    return taken;
 }
 
 uint32_t simulated_boot(void);
 float simulated_interrupt(float reading_um, float reference_um);
 uint32_t simulated_idle(void);
 uint32_t simulated_state(void);
+void simulated_send(uint32_t byte);
+uint32_t simulated_sent(void);
 
 /* Returns the mismatches that the self-test found. */
 uint32_t simulated_boot(void)
 {
-    firmware_boot(&simulated, &simulated_board, &simulated_settings);
+    firmware_boot(&simulated, &simulated_board, &simulated_settings, &simulated_owner);
     simulated.controller.request = CONTROLLER_START;
     return simulated.selftest;
 }
@@ -117,4 +151,23 @@ uint32_t simulated_idle(void)
 uint32_t simulated_state(void)
 {
     return (uint32_t)simulated.controller.state | (simulated.commits << 8);
+}
+
+/* A byte to the firmware's line. */
+void simulated_send(uint32_t byte)
+{
+    simulated_board.in[simulated_board.in_last & (SIMULATED_LINE - 1u)] = (uint8_t)byte;
+    simulated_board.in_last += 1u;
+}
+
+/* The next byte from the firmware's line, or 256 if there is none. */
+uint32_t simulated_sent(void)
+{
+    uint32_t byte = 256u;
+
+    if (simulated_board.out_first != simulated_board.out_last) {
+        byte = simulated_board.out[simulated_board.out_first & (SIMULATED_LINE - 1u)];
+        simulated_board.out_first += 1u;
+    }
+    return byte;
 }

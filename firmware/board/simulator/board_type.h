@@ -5,10 +5,19 @@
 
 #include <stdint.h>
 
+#define SIMULATED_LINE 256u  /* a power of two */
+
 typedef struct {
     float reading_um;
     float reference_um;
     float output_V;
+    uint32_t enabled;             /* the amplifier is switched on */
+    uint8_t in[SIMULATED_LINE];   /* bytes on the line to the firmware, */
+    uint32_t in_first;
+    uint32_t in_last;
+    uint8_t out[SIMULATED_LINE];  /* and from it */
+    uint32_t out_first;
+    uint32_t out_last;
 } board_t;
 
 #endif

@@ -20,6 +20,7 @@
 #define APPENDIX_A_U_MIN_V                 -20.0f  /* 0xc1a00000 */
 #define APPENDIX_A_U_MAX_V                 120.0f  /* 0x42f00000 */
 #define APPENDIX_A_U_REST_V                  0.0f  /* 0x00000000 */
+#define APPENDIX_A_U_STEP_MAX_V            280.0f  /* 0x438c0000 */
 #define APPENDIX_A_REFERENCE_MIN_UM  -2.41429996f  /* 0xc01a83e4 */
 #define APPENDIX_A_REFERENCE_MAX_UM   6.81099987f  /* 0x40d9f3b6 */
 
@@ -5268,6 +5269,123 @@ static const uint32_t appendix_a_selftest_inverse_rows[32][3] = {
     { 0x000116c2u, 0x7f800000u, 0x41f6f9a3u },  /* 9.99995e-41, inf -> 30.8719 */
     { 0x40218d04u, 0x40256ad9u, 0x42b68caau },  /* 2.52423, 2.58465 -> 91.2747 */
     { 0x4067a433u, 0x406342a9u, 0x41e09692u },  /* 3.6194, 3.55094 -> 28.0735 */
+};
+
+/* learn: arguments, hash of every word of the learner afterwards. */
+#define APPENDIX_A_SELFTEST_LEARN_START_Y 0x400cb1c4u
+#define APPENDIX_A_SELFTEST_LEARN_START_U 0x00000000u
+#define APPENDIX_A_SELFTEST_LEARN_CALLS 264u  /* more than any commit takes */
+#define APPENDIX_A_SELFTEST_LEARN_AGE 131073u  /* set before row 32: past all waiting times */
+
+static const uint32_t appendix_a_selftest_learn_rows[64][3] = {
+    { 0x400cac1bu, 0x425a0febu, 0xcf1d4942u },  /* 2.198, 54.5155 */
+    { 0x400d2bbeu, 0x426a8ccbu, 0xe3b9c423u },  /* 2.20579, 58.6375 */
+    { 0x400e22a7u, 0x4047ce44u, 0x294b57c5u },  /* 2.22087, 3.12196 */
+    { 0x40094cdcu, 0x42ca9294u, 0xf50a6f3fu },  /* 2.14532, 101.286 */
+    { 0x400eb1a0u, 0x41da3340u, 0x98f18d3au },  /* 2.22959, 27.275 */
+    { 0x400c5057u, 0x4243a045u, 0xdf1b0782u },  /* 2.1924, 48.9065 */
+    { 0x400c4624u, 0x42a17c18u, 0xc2e4af81u },  /* 2.19178, 80.7424 */
+    { 0x400f7a55u, 0x42dad652u, 0x0cbf4d1eu },  /* 2.24184, 109.419 */
+    { 0x3f292a30u, 0x429a5df6u, 0xd803d16eu },  /* 0.6608, 77.1835 */
+    { 0x401831e8u, 0x42327443u, 0xbfc061f0u },  /* 2.37805, 44.6135 */
+    { 0x4017695bu, 0x4223bd24u, 0x72ab40b6u },  /* 2.36581, 40.9347 */
+    { 0x401653cdu, 0x41e33f9bu, 0x143394fbu },  /* 2.34886, 28.4061 */
+    { 0x40140887u, 0x421942b2u, 0x451ec97du },  /* 2.31302, 38.3151 */
+    { 0x4012b841u, 0x42a67383u, 0xfa124e6cu },  /* 2.2925, 83.2256 */
+    { 0x40160424u, 0x42d22afeu, 0xa65e88c7u },  /* 2.344, 105.084 */
+    { 0x401b81f5u, 0x42a7af82u, 0x27bf9e1eu },  /* 2.42981, 83.8428 */
+    { 0x401b2c8eu, 0x41eef478u, 0x47d3aa49u },  /* 2.42459, 29.8694 */
+    { 0x00000000u, 0x4283e016u, 0x78642f2au },  /* 0, 65.9377 */
+    { 0x401a4d2cu, 0x42b44c26u, 0xbb776bbeu },  /* 2.41096, 90.1487 */
+    { 0x401e3b5eu, 0x423559efu, 0x3f9d1a60u },  /* 2.47237, 45.3378 */
+    { 0x401d73d9u, 0xc15ba026u, 0x175a24beu },  /* 2.4602, -13.7266 */
+    { 0x4016a61bu, 0x4251fd51u, 0x45eaba68u },  /* 2.35389, 52.4974 */
+    { 0x4016bfd8u, 0x42c49237u, 0x4e90c155u },  /* 2.35546, 98.2856 */
+    { 0x401b7f0au, 0x42af5938u, 0xb96db833u },  /* 2.42963, 87.6743 */
+    { 0x401f1e5cu, 0x42226a5bu, 0x31f7b239u },  /* 2.48623, 40.6039 */
+    { 0x401dd008u, 0x42203378u, 0x50a82cecu },  /* 2.46582, 40.0503 */
+    { 0xf149f2cau, 0x42e3c5a8u, 0x3de66212u },  /* -1e+30, 113.886 */
+    { 0x4022cc87u, 0x4222f16fu, 0x119f75edu },  /* 2.54373, 40.7358 */
+    { 0x40217098u, 0x4233057du, 0xd1e21661u },  /* 2.5225, 44.7554 */
+    { 0x40208c36u, 0x428ae7f0u, 0xd742f2bfu },  /* 2.50856, 69.453 */
+    { 0x40223a78u, 0x42e89b47u, 0xee93478fu },  /* 2.53482, 116.303 */
+    { 0x4028ae49u, 0x421bde7bu, 0xffef565au },  /* 2.63564, 38.9673 */
+    { 0x4021bcf2u, 0x423fac3bu, 0x02b39262u },  /* 2.52716, 47.9182 */
+    { 0x40212c3du, 0x42b95f4bu, 0x6ff1e667u },  /* 2.51833, 92.6861 */
+    { 0x40252e97u, 0x4281fc35u, 0xaebb551bu },  /* 2.58097, 64.9926 */
+    { 0x3fca1becu, 0x424231a6u, 0x24c5784eu },  /* 1.57898, 48.5485 */
+    { 0x4025b580u, 0x41fdfb4au, 0x8851445fu },  /* 2.5892, 31.7477 */
+    { 0x402369bdu, 0x41fdc827u, 0x4d78e043u },  /* 2.55333, 31.7227 */
+    { 0x40211930u, 0x40e16fbau, 0x802e7d84u },  /* 2.51716, 7.04489 */
+    { 0x401c5cf7u, 0x42a9dcb1u, 0x935a888du },  /* 2.44317, 84.931 */
+    { 0x401fac66u, 0x42a20c87u, 0x4b35b15bu },  /* 2.4949, 81.0245 */
+    { 0x402288aau, 0x42e2ffafu, 0x7ba50c5cu },  /* 2.53959, 113.499 */
+    { 0x4028abf6u, 0x426db281u, 0x4868d1fbu },  /* 2.6355, 59.4243 */
+    { 0x40292208u, 0x422dc6bau, 0xf82bead0u },  /* 2.6427, 43.4441 */
+    { 0x3f8a6e33u, 0xc1055a2fu, 0x07b10208u },  /* 1.08149, -8.33452 */
+    { 0x40217749u, 0x42b4ed3bu, 0xb491aaa7u },  /* 2.52291, 90.4633 */
+    { 0x402549f9u, 0x42df3a54u, 0xdd789d5bu },  /* 2.58264, 111.614 */
+    { 0x402b1dd9u, 0x42a7af82u, 0xcc4d38c0u },  /* 2.6737, 83.8428 */
+    { 0x402b8014u, 0x4291b005u, 0x1a4f9217u },  /* 2.67969, 72.8438 */
+    { 0x402d5496u, 0x419333bcu, 0x8b757339u },  /* 2.70829, 18.4003 */
+    { 0x40297366u, 0x42a43af7u, 0xa0392dd9u },  /* 2.64767, 82.1152 */
+    { 0x402c4722u, 0x41efe1d4u, 0xaa423de3u },  /* 2.69184, 29.9853 */
+    { 0x4029a5ceu, 0x42dc97e0u, 0x003f370au },  /* 2.65074, 110.297 */
+    { 0x3f708589u, 0x42bd456eu, 0xa6fde571u },  /* 0.939538, 94.6356 */
+    { 0x4033462eu, 0x419110cdu, 0x98ed87cau },  /* 2.80116, 18.1332 */
+    { 0x402f490eu, 0x41ec3355u, 0xe2a34e22u },  /* 2.73883, 29.5251 */
+    { 0x402c8746u, 0x40247e78u, 0x61e335b2u },  /* 2.69576, 2.57022 */
+    { 0x402713f9u, 0x428ec970u, 0xb06a97d6u },  /* 2.61059, 71.3934 */
+    { 0x4028c9f8u, 0x425d3a6eu, 0x5095e7a5u },  /* 2.63733, 55.3071 */
+    { 0x4028e3b3u, 0x42e2ea73u, 0xd05fa464u },  /* 2.6389, 113.458 */
+    { 0x402ed914u, 0x40ad7765u, 0x34f8b744u },  /* 2.732, 5.42082 */
+    { 0x4029aa92u, 0x4130afaau, 0xa39519ebu },  /* 2.65104, 11.0429 */
+    { 0x4006f9dau, 0x42eb0910u, 0x56f10a33u },  /* 2.109, 117.518 */
+    { 0x402b9e14u, 0x421bde7bu, 0x022d8cefu },  /* 2.68152, 38.9673 */
+};
+
+/* commit: age, calls, answer, hash of every word of instance and learner afterwards, theta before. */
+static const uint32_t appendix_a_selftest_commit_rows[8][22] = {
+    { 0u, 1u, 2u, 0xedbf92dcu,
+0x405c5091u, 0x3ea04e5eu, 0xbeb79038u, 0x3eb91b92u, 0x3e9819d1u, 0x3fb95ac1u, 0x4007b572u, 0x3e22bfc3u,
+0x3f832843u, 0x40693cb5u, 0x3e2c547au, 0xbe1eb042u, 0x408a6546u, 0x3e573a76u, 0x3eda5910u, 0x409d29eeu,
+0x3ebe6f47u, 0x3f21a51eu
+    },
+    { 131073u, 259u, 1u, 0x83ac7899u,
+0x405c5062u, 0x3e936d8au, 0xbeb790a3u, 0x3eb91adau, 0x3e90ae00u, 0x3fb95aaeu, 0x4007b5adu, 0x3e2d8186u,
+0x3f83284bu, 0x40693d2eu, 0x3e44a3dcu, 0xbe1eaf87u, 0x408a6580u, 0x3e6e4bc3u, 0x3eda596bu, 0x409d29feu,
+0x3ec17fc5u, 0x3f21a52au
+    },
+    { 131073u, 206u, 5u, 0x0af4d89bu,
+0x405c5091u, 0x3ea04e5eu, 0xbeb79038u, 0x3eb91b92u, 0x3e9819d1u, 0x3fb95ac1u, 0x4007b572u, 0x3e22bfc3u,
+0x3f832843u, 0x40693cb5u, 0x3e2c547au, 0xbe1eb042u, 0x408a6546u, 0x3e573a76u, 0x3eda5910u, 0x409d29eeu,
+0x3ebe6f47u, 0x3f21a51eu
+    },
+    { 131073u, 2u, 4u, 0xecb4f662u,
+0x405c5062u, 0x3bbcb52bu, 0xbeb790a3u, 0x3eb91adau, 0x3bb930a4u, 0x3fb95aaeu, 0x4007b5adu, 0x3b5e166eu,
+0x3f83284bu, 0x40693d2eu, 0x3b7bb305u, 0xbe1eaf87u, 0x408a6580u, 0x3b988268u, 0x3eda596bu, 0x409d29feu,
+0x3bf7adc9u, 0x3f21a52au
+    },
+    { 131073u, 2u, 4u, 0x7fd7a285u,
+0x405c5062u, 0xbe936d8au, 0xbeb790a3u, 0x3eb91adau, 0xbe90ae00u, 0x3fb95aaeu, 0x4007b5adu, 0xbe2d8186u,
+0x3f83284bu, 0x40693d2eu, 0xbe44a3dcu, 0xbe1eaf87u, 0x408a6580u, 0xbe6e4bc3u, 0x3eda596bu, 0x409d29feu,
+0xbec17fc5u, 0x3f21a52au
+    },
+    { 131073u, 2u, 5u, 0xdd0b2b66u,
+0x408f343fu, 0x3e936d8au, 0xbeb790a3u, 0x3ef0a2e8u, 0x3e90ae00u, 0x3fb95aaeu, 0x40306c2du, 0x3e2d8186u,
+0x3f83284bu, 0x40979af7u, 0x3e44a3dcu, 0xbe1eaf87u, 0x40b3ea59u, 0x3e6e4bc3u, 0x3eda596bu, 0x40cc5030u,
+0x3ec17fc5u, 0x3f21a52au
+    },
+    { 131073u, 72u, 5u, 0xbb4db55fu,
+0xc08f343fu, 0x3e936d8au, 0xbeb790a3u, 0xbef0a2e8u, 0x3e90ae00u, 0x3fb95aaeu, 0xc0306c2du, 0x3e2d8186u,
+0x3f83284bu, 0xc0979af7u, 0x3e44a3dcu, 0xbe1eaf87u, 0xc0b3ea59u, 0x3e6e4bc3u, 0x3eda596bu, 0xc0cc5030u,
+0x3ec17fc5u, 0x3f21a52au
+    },
+    { 131073u, 1u, 3u, 0x0558cd9fu,
+0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
+0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
+0x4e6e6b28u, 0x4e6e6b28u
+    },
 };
 
 #endif

@@ -25,6 +25,9 @@
 /* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
 #define MODEL_DIGEST   { 0x74c897c7u, 0x088b5a74u, 0x4173cac7u, 0x0337a5d3u }
 
+/* Of the model file: a parameter image may name the build that it is for. */
+#define MODEL_BUILD    0x82289dfau
+
 #define MODEL_BUSY       APPENDIX_A_BUSY
 #define MODEL_COMMITTED  APPENDIX_A_COMMITTED
 
@@ -34,6 +37,7 @@ typedef appendix_a_learner_t model_learner_t;
 
 #define model_init        appendix_a_init
 #define model_simulate    appendix_a_simulate
+#define model_limits      appendix_a_limits
 #define model_inverse     appendix_a_inverse
 #define model_learn_init  appendix_a_learn_init
 #define model_learn       appendix_a_learn

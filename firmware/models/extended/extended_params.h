@@ -20,6 +20,7 @@
 #define EXTENDED_U_MIN_V                     22.0f  /* 0x41b00000 */
 #define EXTENDED_U_MAX_V                     56.0f  /* 0x42600000 */
 #define EXTENDED_U_REST_V                    22.0f  /* 0x41b00000 */
+#define EXTENDED_U_STEP_MAX_V                68.0f  /* 0x42880000 */
 #define EXTENDED_REFERENCE_MIN_UM      -3.1202178f  /* 0xc047b1a6 */
 #define EXTENDED_REFERENCE_MAX_UM      6.07393551f  /* 0x40c25dae */
 #define EXTENDED_W_MIN                0.432518363f  /* 0x3edd730c */
@@ -1260,6 +1261,123 @@ static const uint32_t extended_selftest_inverse_rows[32][3] = {
     { 0x000116c2u, 0x7f800000u, 0x41da23deu },  /* 9.99995e-41, inf -> 27.2675 */
     { 0x3fe69c28u, 0x3fe80e6cu, 0x422c5e98u },  /* 1.80164, 1.81294 -> 43.0924 */
     { 0x403928afu, 0x403871beu, 0x423e8549u },  /* 2.89311, 2.88194 -> 47.6302 */
+};
+
+/* learn: arguments, hash of every word of the learner afterwards. */
+#define EXTENDED_SELFTEST_LEARN_START_Y 0x3fbd09b6u
+#define EXTENDED_SELFTEST_LEARN_START_U 0x00000000u
+#define EXTENDED_SELFTEST_LEARN_CALLS 40u  /* more than any commit takes */
+#define EXTENDED_SELFTEST_LEARN_AGE 131073u  /* set before row 32: past all waiting times */
+
+static const uint32_t extended_selftest_learn_rows[64][3] = {
+    { 0x3fbcfe6du, 0x422062f4u, 0xa4328a73u },  /* 1.47651, 40.0966 */
+    { 0x3fba9a43u, 0x42246405u, 0xccbc5a65u },  /* 1.45783, 41.0977 */
+    { 0x3fb8d0f9u, 0x41dcec34u, 0x167ef32du },  /* 1.44388, 27.6153 */
+    { 0x3fb96875u, 0x424dd22au, 0x77b745ffu },  /* 1.4485, 51.4552 */
+    { 0x3fb9f023u, 0x4205eca0u, 0x01701177u },  /* 1.45264, 33.4811 */
+    { 0x3fb9543du, 0x421af011u, 0x7812a518u },  /* 1.44788, 38.7344 */
+    { 0x3fbba38bu, 0x4239dd30u, 0x796b5581u },  /* 1.46593, 46.466 */
+    { 0x3fbbce71u, 0x4255b88eu, 0x2744438cu },  /* 1.46724, 53.4302 */
+    { 0xbd6353f8u, 0x42366827u, 0xb8be6caau },  /* -0.0555, 45.6017 */
+    { 0x3fbeffe5u, 0x4216c477u, 0xc8991093u },  /* 1.49218, 37.6919 */
+    { 0x3fc1e368u, 0x42133197u, 0x94da4a5au },  /* 1.51475, 36.7984 */
+    { 0x3fc3afd4u, 0x420705e5u, 0xa3f1769bu },  /* 1.5288, 33.7558 */
+    { 0x3fc46fdfu, 0x4210a624u, 0x5b0d316bu },  /* 1.53466, 36.1622 */
+    { 0x3fc4c579u, 0x423c46bcu, 0x2e58df2bu },  /* 1.53728, 47.0691 */
+    { 0x3fc4b9fdu, 0x42518298u, 0x9ea1a676u },  /* 1.53693, 52.3775 */
+    { 0x3fc551aau, 0x423ce038u, 0xc0cc5336u },  /* 1.54155, 47.219 */
+    { 0x3fc771aeu, 0x420871cdu, 0x478df511u },  /* 1.55816, 34.1111 */
+    { 0x00000000u, 0x422b7b78u, 0x7e30bb9au },  /* 0, 42.8706 */
+    { 0x3fca619du, 0x4243006au, 0xb75f0f42u },  /* 1.5811, 48.7504 */
+    { 0x3fcaa8e1u, 0x42177896u, 0x7adeb6a1u },  /* 1.58328, 37.8678 */
+    { 0x3fcc0afcu, 0x41bc3036u, 0xa9034994u },  /* 1.59409, 23.5235 */
+    { 0x3fcdd104u, 0x421e6d10u, 0xd03fa6bfu },  /* 1.60794, 39.6065 */
+    { 0x3fcdc359u, 0x424ae7efu, 0x1e87cc2bu },  /* 1.60752, 50.7265 */
+    { 0x3fcc03a3u, 0x4240990du, 0x00c3251cu },  /* 1.59386, 48.1495 */
+    { 0x3fcccb4du, 0x4212df51u, 0xaceee938u },  /* 1.59995, 36.7181 */
+    { 0x3fcf18a2u, 0x421255a4u, 0x4ee00a07u },  /* 1.61794, 36.5836 */
+    { 0xf149f2cau, 0x425a0f8cu, 0xd24bc37fu },  /* -1e+30, 54.5152 */
+    { 0x3fd103d7u, 0x4213001fu, 0x357792ceu },  /* 1.63293, 36.7501 */
+    { 0x3fd19fcau, 0x4216e7bcu, 0x6df5856du },  /* 1.63769, 37.7263 */
+    { 0x3fd41005u, 0x422ee5afu, 0xa7b1c25eu },  /* 1.65674, 43.7243 */
+    { 0x3fd44db3u, 0x425c68aeu, 0xb17da487u },  /* 1.65862, 55.1022 */
+    { 0x3fd4d2b0u, 0x42114851u, 0xeb8c472bu },  /* 1.66268, 36.3206 */
+    { 0x3fd638d6u, 0x4219fa49u, 0x73cafb84u },  /* 1.67361, 38.4944 */
+    { 0x3fd83817u, 0x4245776eu, 0x9c0fb7abu },  /* 1.68921, 49.3666 */
+    { 0x3fd653bfu, 0x422a9072u, 0xc256709bu },  /* 1.67443, 42.6411 */
+    { 0x3f5c0d3fu, 0x421a9707u, 0x63fa08cdu },  /* 0.859577, 38.6475 */
+    { 0x3fd86d21u, 0x420a44eau, 0xc389dd31u },  /* 1.69083, 34.5673 */
+    { 0x3fd94358u, 0x420a3eb4u, 0xf360bab2u },  /* 1.69737, 34.5612 */
+    { 0x3fd950c8u, 0x41e48b5bu, 0x68d9af46u },  /* 1.69778, 28.568 */
+    { 0x3fd8eb6eu, 0x423deedau, 0x1cbef087u },  /* 1.69468, 47.4833 */
+    { 0x3fd84828u, 0x423a2358u, 0xa692e2c1u },  /* 1.6897, 46.5345 */
+    { 0x3fd77d24u, 0x4259af64u, 0x634107a6u },  /* 1.68351, 54.4213 */
+    { 0x3fd917a3u, 0x422527b2u, 0x5156222au },  /* 1.69603, 41.2888 */
+    { 0x3fdac6c9u, 0x4215a1a2u, 0x6ebec1d3u },  /* 1.70919, 37.4078 */
+    { 0x3eba3fc3u, 0x41c6aa14u, 0x800d33a7u },  /* 0.363768, 24.833 */
+    { 0x3fddd061u, 0x42434ea7u, 0xe87f5c46u },  /* 1.73292, 48.8268 */
+    { 0x3fdd80d5u, 0x4257da81u, 0x0c920621u },  /* 1.73049, 53.9634 */
+    { 0x3fdbfa69u, 0x423ce038u, 0x92313d2au },  /* 1.71858, 47.219 */
+    { 0x3fddfec6u, 0x423230ecu, 0x2fc71bceu },  /* 1.73434, 44.5478 */
+    { 0x3fe054bcu, 0x41fa9b31u, 0x5f7c7697u },  /* 1.75259, 31.3258 */
+    { 0x3fe10eafu, 0x423b3295u, 0x07414cb3u },  /* 1.75826, 46.7994 */
+    { 0x3fe1ec74u, 0x42088e9fu, 0x60839267u },  /* 1.76503, 34.1393 */
+    { 0x3fe15b93u, 0x425692e9u, 0xc883fb7bu },  /* 1.76061, 53.6435 */
+    { 0x3e63a1b2u, 0x42475c3du, 0x03fe7c3fu },  /* 0.222297, 49.8401 */
+    { 0x3fe23cecu, 0x41fa165eu, 0x26c8c538u },  /* 1.76748, 31.2609 */
+    { 0x3fe4c6afu, 0x42081c2du, 0xf66f98f1u },  /* 1.78731, 34.0275 */
+    { 0x3fe637e7u, 0x41dbd9c8u, 0x4bf7f1c6u },  /* 1.79858, 27.4813 */
+    { 0x3fe518e3u, 0x4230c83eu, 0x8cdf3a8cu },  /* 1.78982, 44.1955 */
+    { 0x3fe4130du, 0x422127cau, 0xa62d09bfu },  /* 1.78183, 40.2889 */
+    { 0x3fe2e550u, 0x4259a513u, 0x71b4a812u },  /* 1.77262, 54.4112 */
+    { 0x3fe376b8u, 0x41e16398u, 0xb84f8b3fu },  /* 1.77706, 28.1736 */
+    { 0x3fe42ba3u, 0x41ec4fd8u, 0x9556a916u },  /* 1.78258, 29.539 */
+    { 0x3fb1a3c5u, 0x425d96b0u, 0xd9f4e674u },  /* 1.38781, 55.3972 */
+    { 0x3fe4083fu, 0x42114851u, 0xb532e82fu },  /* 1.7815, 36.3206 */
+};
+
+/* commit: age, calls, answer, hash of every word of instance and learner afterwards, theta before. */
+static const uint32_t extended_selftest_commit_rows[8][22] = {
+    { 0u, 1u, 2u, 0x2c51ff35u,
+0x40b0553fu, 0x3de89043u, 0x3684a775u, 0x40a2dddeu, 0x3dd6c80eu, 0x36266d24u, 0x405d5bb1u, 0x3d91e931u,
+0xb58914e0u, 0x405d5b9du, 0x3d91e355u, 0xb619792eu, 0x40a2ddcau, 0x3dd6b4f5u, 0xb5eabc2cu, 0x40b05537u,
+0x3de87cf4u, 0xb4bee794u
+    },
+    { 131073u, 35u, 1u, 0x8cd47cb9u,
+0x40b0553cu, 0x3de87eaau, 0x00000000u, 0x40a2dde3u, 0x3dd6bd57u, 0x00000000u, 0x405d5bdfu, 0x3d91ee42u,
+0x00000000u, 0x405d5bdfu, 0x3d91ee42u, 0x00000000u, 0x40a2dde3u, 0x3dd6bd57u, 0x00000000u, 0x40b0553cu,
+0x3de87eaau, 0x00000000u
+    },
+    { 131073u, 35u, 1u, 0xbd49e88eu,
+0x40b0553fu, 0x3de89043u, 0x3684a775u, 0x40a2dddeu, 0x3dd6c80eu, 0x36266d24u, 0x405d5bb1u, 0x3d91e931u,
+0xb58914e0u, 0x405d5b9du, 0x3d91e355u, 0xb619792eu, 0x40a2ddcau, 0x3dd6b4f5u, 0xb5eabc2cu, 0x40b05537u,
+0x3de87cf4u, 0xb4bee794u
+    },
+    { 131073u, 2u, 4u, 0xf9e74403u,
+0x40b0553cu, 0x3b14cbf2u, 0x00000000u, 0x40a2dde3u, 0x3b096ef0u, 0x00000000u, 0x405d5bdfu, 0x3abaca92u,
+0x00000000u, 0x405d5bdfu, 0x3abaca92u, 0x00000000u, 0x40a2dde3u, 0x3b096ef0u, 0x00000000u, 0x40b0553cu,
+0x3b14cbf2u, 0x00000000u
+    },
+    { 131073u, 2u, 4u, 0x0d3e3117u,
+0x40b0553cu, 0xbde87eaau, 0x00000000u, 0x40a2dde3u, 0xbdd6bd57u, 0x00000000u, 0x405d5bdfu, 0xbd91ee42u,
+0x00000000u, 0x405d5bdfu, 0xbd91ee42u, 0x00000000u, 0x40a2dde3u, 0xbdd6bd57u, 0x00000000u, 0x40b0553cu,
+0xbde87eaau, 0x00000000u
+    },
+    { 131073u, 2u, 5u, 0x1024f57du,
+0x40e53b9au, 0x3de87eaau, 0x00000000u, 0x40d3ba0du, 0x3dd6bd57u, 0x00000000u, 0x408fe21du, 0x3d91ee42u,
+0x00000000u, 0x408fe21du, 0x3d91ee42u, 0x00000000u, 0x40d3ba0du, 0x3dd6bd57u, 0x00000000u, 0x40e53b9au,
+0x3de87eaau, 0x00000000u
+    },
+    { 131073u, 2u, 5u, 0xcb24f57du,
+0xc0e53b9au, 0x3de87eaau, 0x00000000u, 0xc0d3ba0du, 0x3dd6bd57u, 0x00000000u, 0xc08fe21du, 0x3d91ee42u,
+0x00000000u, 0xc08fe21du, 0x3d91ee42u, 0x00000000u, 0xc0d3ba0du, 0x3dd6bd57u, 0x00000000u, 0xc0e53b9au,
+0x3de87eaau, 0x00000000u
+    },
+    { 131073u, 1u, 3u, 0x82f13917u,
+0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
+0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
+0x4e6e6b28u, 0x4e6e6b28u
+    },
 };
 
 #endif

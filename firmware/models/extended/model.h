@@ -25,6 +25,9 @@
 /* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
 #define MODEL_DIGEST   { 0x325053b6u, 0x3d7e4da6u, 0xa83dddbbu, 0xc29f3f41u }
 
+/* Of the model file: a parameter image may name the build that it is for. */
+#define MODEL_BUILD    0x2ab3cf81u
+
 #define MODEL_BUSY       EXTENDED_BUSY
 #define MODEL_COMMITTED  EXTENDED_COMMITTED
 
@@ -34,6 +37,7 @@ typedef extended_learner_t model_learner_t;
 
 #define model_init        extended_init
 #define model_simulate    extended_simulate
+#define model_limits      extended_limits
 #define model_inverse     extended_inverse
 #define model_learn_init  extended_learn_init
 #define model_learn       extended_learn

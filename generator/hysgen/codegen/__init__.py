@@ -28,7 +28,7 @@ from hysgen.codegen.parameters import (
     term_sections,
 )
 from hysgen.codegen.render import Feature, context, render
-from hysgen.codegen.selftest import chains
+from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
 from hysgen.codegen.structs import structs
 from hysgen.errors import CertificateError, HysgenError
 from hysgen.float32.coefficients import Coefficients, coefficients
@@ -94,6 +94,9 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
         "sections": sections,
         "numbers_digest": numbers_digest(sections),
         "chains": chains(model, inverse=chosen.inverse),
+        "learning": learning(model, certificates),
+        "hash_start": f"0x{HASH_START:08x}",
+        "hash_factor": f"0x{HASH_FACTOR:08x}",
     }
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
     counted = figures(model.name, _firmware(model.name, facts, {}, {}))

@@ -90,6 +90,7 @@ def interface(model: Model, *, inverse: bool) -> Interface:
     if channels:
         functions.append(Function("aux", "void", (self_t, aux)))
     if inverse:
+        functions.append(Function("limits", "void", (self_t, "float low_V", "float high_V", "float step_V")))
         functions.append(Function("inverse", "float", (self_t, "float y_um", "float y_next_um")))
     if model.learner:
         functions.append(Function("learn_init", "void", (learner, f"const {name}_t *model")))

@@ -75,6 +75,7 @@ def range_section(numbers: Coefficients, *, responds: bool) -> Section:
             Constant("U_MIN_V", numbers.u_min_V),
             Constant("U_MAX_V", numbers.u_max_V),
             Constant("U_REST_V", numbers.rest_V),
+            Constant("U_STEP_MAX_V", numbers.u_step_max_V),
             Constant("REFERENCE_MIN_UM", numbers.reference_min_um),
             Constant("REFERENCE_MAX_UM", numbers.reference_max_um),
             *(path if responds else []),

@@ -18,6 +18,7 @@ from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.machine.files import digest
 from hysgen.machine.installed import version
+from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.terms import channels_of
@@ -70,6 +71,7 @@ def binding(model: Model) -> str:
         "preview": preview(model.blocks),
         "types": typedefs(model.name),
         "constants": constants,
+        "build": f"0x{build_id(model):08x}u",
         "digest": [f"0x{word:08x}u" for word in structure_digest(model)],
     }
     return render("firmware/model.h.j2", facts)
@@ -78,6 +80,11 @@ def binding(model: Model) -> str:
 def typedefs(name: str) -> list[str]:
     """The firmware's names for the structs of model `name`, as C."""
     return [f"typedef {name}_{struct} model_{struct};" for struct in TYPES]
+
+
+def build_id(model: Model) -> int:
+    """One word of the SHA-256 of the model file, never 0: the build of a firmware with these built-in numbers."""
+    return int(digest(dump_model(model).encode())[:8], 16) or 1
 
 
 def structure_digest(model: Model) -> tuple[int, ...]:

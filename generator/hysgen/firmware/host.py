@@ -18,7 +18,9 @@ from hysgen.codegen.interface import interface_of
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations.text import preprocessed
 from hysgen.firmware.binding import typedefs
+from hysgen.firmware.image import Owner
 from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
+from hysgen.firmware.wire import image_frames
 from hysgen.machine.native import Library, Toolchain, build
 from hysgen.model.file import parse_model
 from hysgen.model.path import preview
@@ -34,6 +36,8 @@ HEADERS: Final = (
     "controller.h",
     "image.h",
     "store.h",
+    "frame.h",
+    "link.h",
     "firmware.h",
 )
 """Hand-written headers that declare what is used from here, each behind those that it includes."""
@@ -118,6 +122,7 @@ class Settings:
 
     trim: bool = False
     learn: bool = False
+    keep: bool = False
     off_V: float = 0.0
     low_V: float = -20.0
     high_V: float = 120.0
@@ -193,13 +198,17 @@ class DrivenPlant(Protocol):
 class HostFirmware:
     """The image booted on a board with a stage. `firmware`, `board`: the C structs, through cffi."""
 
-    def __init__(self, image: HostImage, stage: DrivenPlant, settings: Settings | None = None) -> None:
+    def __init__(
+        self, image: HostImage, stage: DrivenPlant, settings: Settings | None = None, owner: Owner | None = None
+    ) -> None:
         self.image = image
         self.stage = stage
         self._ffi, self._lib = image.library.ffi, image.library.lib
         self.board = self._ffi.new("board_t *")
         self.firmware = self._ffi.new("firmware_t *")
         self._settings = self._ffi.new("settings_t *", _settings(settings or Settings()))
+        owner = owner or Owner()
+        self._owner = self._ffi.new("image_owner_t *", {"key": owner.key_words, "device": owner.device_words})
         self._kept: list[Any] = []
         step, plant = stage.address
         self.board.step = self._ffi.cast("double (*)(void *, double)", step)
@@ -212,7 +221,7 @@ class HostFirmware:
     def boot(self) -> None:
         """Power on: all memory but the store starts with arbitrary bytes (0xA5)."""
         self._ffi.memmove(self.firmware, b"\xa5" * self._ffi.sizeof("firmware_t"), self._ffi.sizeof("firmware_t"))
-        self._lib.firmware_boot(self.firmware, self.board, self._settings)
+        self._lib.firmware_boot(self.firmware, self.board, self._settings, self._owner)
 
     @property
     def state(self) -> State:
@@ -281,14 +290,31 @@ class HostFirmware:
         self.board.fault_until = min(after + samples, 0xFFFFFFFF)
         self.board.fault_length, self.board.fault_period = pattern
 
-    def send(self, data: bytes, begins: bool = True) -> int:
-        """Send bytes of a parameter image while the stage is off. Returns `image_answer`."""
+    def line(self, data: bytes) -> bytes:
+        """Put bytes on the line to the firmware, and run the idle loop until it has taken them. Returns its answers."""
         kept = self._ffi.new("uint8_t []", data or b"\0")
         self.board.incoming, self.board.incoming_count = kept, len(data)
-        self.board.incoming_begins = int(begins)
-        for _ in range(len(data) // 64 + 2):
+        answers = b""
+        while self.board.incoming_count:
             self._lib.firmware_idle(self.firmware, self.board)
+            answers += self._taken()
+        # The last answer, and a certification that a complete image waits for.
+        for _ in range(4):
+            self._lib.firmware_idle(self.firmware, self.board)
+            answers += self._taken()
+        return answers
+
+    def send(self, data: bytes, offset: int = 0) -> int:
+        """Send bytes of a parameter image, which begin at `offset` of it. Returns `image_answer`."""
+        for frame in image_frames(data, offset):
+            self.line(frame)
         return int(self.firmware.image_answer)
+
+    def _taken(self) -> bytes:
+        """The bytes from the firmware so far."""
+        count = self.board.outgoing_count
+        self.board.outgoing_count = 0
+        return bytes(self._ffi.buffer(self.board.outgoing, count))
 
     def preempt_store(self, request: Request) -> None:
         """Let interrupts come while the store erases and after it has written; set `request` before each."""
@@ -313,7 +339,7 @@ class HostFirmware:
 
 def _settings(settings: Settings) -> dict[str, float]:
     values = {each.name: getattr(settings, each.name) for each in fields(Settings)}
-    return {"options": 1 * values.pop("trim") + 2 * values.pop("learn"), **values}
+    return {"options": 1 * values.pop("trim") + 2 * values.pop("learn") + 4 * values.pop("keep"), **values}
 
 
 def _declarations(name: str, texts: Mapping[str, str], own: Mapping[str, str]) -> str:

@@ -1,7 +1,8 @@
 """Parameter images: the numbers of a model as bytes for running firmware (firmware/controller/image.h).
 
-words  0 magic, 1 version, 2 bytes, 3 .. 6 structure digest, 7 rules, 8 weights,
-       slope[], offset[], gain[] over the rules, weight[] of the terms (float32), CRC-32 of the words before;
+words  0 magic, 1 version, 2 bytes, 3 .. 6 structure digest, 7 rules, 8 weights, 9 and 10 device, 11 build, 12 counter,
+       slope[], offset[], gain[] over the rules, weight[] of the terms (float32), CRC-32 of the words before,
+       SipHash-2-4 of all words before (two words);
 words are 32 bits, little-endian
 """
 
@@ -10,18 +11,25 @@ from __future__ import annotations
 import struct
 import zlib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import structure_digest
+from hysgen.firmware.siphash import siphash
 from hysgen.float32.coefficients import Bank, coefficients
+from hysgen.float32.learner_status import COMMIT_MEANINGS, Commit
 from hysgen.model.model import Model
 
 MAGIC: Final = 0x49535948
-VERSION: Final = 1
-HEADER_WORDS: Final = 9
+VERSION: Final = 2
+HEADER: Final = "<9IQ2I"
+HEADER_WORDS: Final = 13
+TAIL_WORDS: Final = 3
+NO_KEY: Final = bytes(16)
+"""The key of a firmware without a secret."""
 
 ANSWERS: Final = {
     0: "accepted",
@@ -31,50 +39,111 @@ ANSWERS: Final = {
     4: "refused: numbers of another structure, range or partition",
     5: "refused: a parameter is not finite, denormal or absurdly large",
     7: "refused: the board has no memory that survives power off",
-    8: "refused: not certified: too few updates",
-    9: "refused: not certified: a parameter beyond its limit",
-    10: "refused: not certified: the gain comes too close to zero or changes its sign",
-    11: "refused: not certified: the slope comes too close to 1",
+    **{
+        6 + answer: f"refused: not certified: {COMMIT_MEANINGS[answer]}"
+        for answer in Commit
+        if answer > Commit.COMMITTED
+    },
+    13: "refused: its MAC does not fit its bytes and the firmware's key",
+    14: "refused: for another device",
+    15: "refused: for another build of the firmware",
+    16: "refused: its counter is not larger than that of the image in use",
 }
 """Meaning of the firmware's `image_answer`."""
 
 
 @dataclass(frozen=True)
+class Owner:
+    """Whose images a firmware takes: key of the MAC, 16 bytes, and number of the device, 64 bits."""
+
+    key: bytes = NO_KEY
+    device: int = 0
+
+    @property
+    def key_words(self) -> list[int]:
+        """The key as the firmware's four words."""
+        return list(struct.unpack("<4I", self.key))
+
+    @property
+    def device_words(self) -> list[int]:
+        """The device as the firmware's two words, the low one first."""
+        return [self.device & 0xFFFFFFFF, self.device >> 32]
+
+
+@dataclass(frozen=True)
+class Label:
+    """Where an image belongs: device, 64 bits; build of the firmware, or 0 for any; counter, larger than the last."""
+
+    device: int = 0
+    build: int = 0
+    counter: int = 1
+
+
+@dataclass(frozen=True)
 class ParameterImage:
-    """Content of an image: digest of the structure that it fits, and the numbers of a bank."""
+    """Content of an image: digest of the structure that it fits, the numbers of a bank, and its label."""
 
     digest: tuple[int, ...]
     bank: Bank
+    label: Label = Label()
 
 
-def encode(model: Model) -> bytes:
-    """The image of a model. Raises ModelError for more rules than the learner, and so the firmware, supports."""
+def encode(model: Model, label: Label = Label(), key: bytes = NO_KEY) -> bytes:
+    """The image of a model, authenticated with `key`.
+
+    Raises ModelError for more rules than the learner, and so the firmware, supports.
+    """
     numbers = coefficients(model)
     if numbers.windowed:
         raise ModelError(f"{model.name}: {numbers.rules} rules; the firmware drives models of up to 12, fit with fewer")
-    return pack(ParameterImage(structure_digest(model), numbers.bank))
+    return pack(ParameterImage(structure_digest(model), numbers.bank, label), key)
 
 
-def pack(image: ParameterImage) -> bytes:
+def pack(image: ParameterImage, key: bytes = NO_KEY) -> bytes:
     """The bytes of an image."""
-    bank = image.bank
+    bank, label = image.bank, image.label
     values = np.concatenate([bank.slope, bank.offset, bank.gain, bank.weight]).astype("<f4").tobytes()
-    size = 4 * (HEADER_WORDS + 1) + len(values)
-    head = struct.pack("<9I", MAGIC, VERSION, size, *image.digest, bank.slope.size, bank.weight.size)
-    return head + values + struct.pack("<I", zlib.crc32(head + values))
+    size = 4 * (HEADER_WORDS + TAIL_WORDS) + len(values)
+    counts = (bank.slope.size, bank.weight.size)
+    place = (label.device, label.build, label.counter)
+    body = struct.pack(HEADER, MAGIC, VERSION, size, *image.digest, *counts, *place) + values
+    body += struct.pack("<I", zlib.crc32(body))
+    return body + struct.pack("<Q", siphash(key, body))
 
 
-def decode(data: bytes, source: str = "image") -> ParameterImage:
-    """The inverse of `pack`. Raises ModelError for bytes that are too few, no image, of wrong size, or damaged."""
-    if len(data) < 4 * (HEADER_WORDS + 1):
+def decode(data: bytes, source: str = "image", key: bytes | None = None) -> ParameterImage:
+    """The inverse of `pack`; key: to check the MAC with, None: it is not checked.
+
+    Raises ModelError for bytes that are too few, no image, of wrong size, damaged, or not authenticated by the key.
+    """
+    if len(data) < 4 * (HEADER_WORDS + TAIL_WORDS):
         raise ModelError(f"{source}: {len(data)} bytes are no parameter image; write it with hysgen image")
-    magic, version, size, *digest, rules, weights = struct.unpack_from("<9I", data)
+    magic, version, size, *digest, rules, weights, device, build, counter = struct.unpack_from(HEADER, data)
     if magic != MAGIC or version != VERSION:
         raise ModelError(f"{source}: is not a parameter image of version {VERSION}; write it with hysgen image")
-    if size != len(data) or size != 4 * (HEADER_WORDS + 3 * rules + weights + 1):
+    if size != len(data) or size != 4 * (HEADER_WORDS + 3 * rules + weights + TAIL_WORDS):
         raise ModelError(f"{source}: {len(data)} bytes, its header says {size}; write it again")
-    if zlib.crc32(data[:-4]) != struct.unpack("<I", data[-4:])[0]:
+    crc, tag = struct.unpack("<IQ", data[-12:])
+    if zlib.crc32(data[:-12]) != crc:
         raise ModelError(f"{source}: its CRC does not fit its bytes; write it again")
+    if key is not None and siphash(key, data[:-8]) != tag:
+        raise ModelError(
+            f"{source}: its MAC does not fit its bytes and this key; write it again with the firmware's key"
+        )
     values = np.frombuffer(data, "<f4", 3 * rules + weights, 4 * HEADER_WORDS).astype(np.float32)
     slope, offset, gain = values[: 3 * rules].reshape(3, rules)
-    return ParameterImage(tuple(digest), Bank(slope=slope, offset=offset, gain=gain, weight=values[3 * rules :]))
+    bank = Bank(slope=slope, offset=offset, gain=gain, weight=values[3 * rules :])
+    return ParameterImage(tuple(digest), bank, Label(device, build, counter))
+
+
+def read_key(file: Path) -> bytes:
+    """The key in the first line of a file: 32 hexadecimal digits. Raises ModelError for anything else."""
+    try:
+        key = bytes.fromhex(file.read_text(encoding="ascii").split("\n", 1)[0].strip())
+    except OSError as fault:
+        raise ModelError(f"{file}: cannot be read ({fault.strerror})") from fault
+    except ValueError:
+        key = b""
+    if len(key) != len(NO_KEY):
+        raise ModelError(f"{file}: holds no 32 hexadecimal digits; make a key with: openssl rand -hex 16")
+    return key

@@ -57,6 +57,7 @@ class Coefficients:
     per_step: log2(e)/h, octaves per um (dense), or 1/h, steps per um (windowed).
     reference_min_um, reference_max_um: limits of y(k+1) in the inverse, the displacement range extended by its own
     width at either end.
+    u_step_max_V: initial and largest limit of the change of the inverse's voltage, twice the range of u: it never acts.
     w_min, w_max: range of w, the input of the rules (`Model.w_range`); that of u without responses of the stage.
     w_tolerance: largest |w' - w| that the inverse leaves unflagged, TOLERANCE of that range.
     rest_um, rest_V: replacements of a non-finite initial displacement and input.
@@ -68,6 +69,7 @@ class Coefficients:
     y_max_um: np.float32
     u_min_V: np.float32
     u_max_V: np.float32
+    u_step_max_V: np.float32
     w_min: np.float32
     w_max: np.float32
     w_tolerance: np.float32
@@ -108,6 +110,7 @@ def coefficients(model: Model) -> Coefficients:
         y_max_um=single(grid.y_max_um),
         u_min_V=single(model.u_min_V),
         u_max_V=single(model.u_max_V),
+        u_step_max_V=single(2.0 * (model.u_max_V - model.u_min_V)),
         w_min=single(w.low),
         w_max=single(w.high),
         w_tolerance=single(TOLERANCE * w.width),

@@ -152,6 +152,36 @@ APPENDIX_A_INLINE float appendix_a_limited(float x, float low, float high, uint3
         (appendix_a_bits(x) & ~(raise | lower)) | (appendix_a_bits(low) & raise) | (appendix_a_bits(high) & lower));
 }
 
+/** Voltages that the inverse may put out at one sample. */
+typedef struct {
+    float low;   /**< [V] */
+    float high;  /**< [V] */
+} appendix_a_span_t;
+
+/* low_V .. high_V, and at most step_V from the voltage before. */
+APPENDIX_A_INLINE appendix_a_span_t appendix_a_span(const appendix_a_t *self, float last_V)
+{
+    const float down = last_V - self->step_V;
+    const float up = last_V + self->step_V;
+    const float low = (down < self->low_V) ? self->low_V : down;
+    const float high = (up < self->low_V) ? self->low_V : up;
+    appendix_a_span_t span;
+
+    span.low = (low > self->high_V) ? self->high_V : low;
+    span.high = (high > self->high_V) ? self->high_V : high;
+    return span;
+}
+
+/* The voltage of the span that is nearest to x. */
+APPENDIX_A_INLINE float appendix_a_allowed(float x, appendix_a_span_t span, uint32_t *clamped)
+{
+    const float raised = (x < span.low) ? span.low : x;
+    const float allowed = (raised > span.high) ? span.high : raised;
+
+    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    return allowed;
+}
+
 /* A displacement inside the identified range, whatever came in. */
 APPENDIX_A_INLINE float appendix_a_checked_y(const appendix_a_t *self, float y_um, appendix_a_events_t *events)
 {
@@ -239,6 +269,9 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V)
     self->y_um = appendix_a_checked_y(self, y_um, &events);
     self->u_V = appendix_a_checked_u(self, u_V, &events);
     appendix_a_count_events(self, &events);
+    self->low_V = APPENDIX_A_U_MIN_V;
+    self->high_V = APPENDIX_A_U_MAX_V;
+    self->step_V = APPENDIX_A_U_STEP_MAX_V;
 }
 
 /* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */
@@ -293,6 +326,18 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+void appendix_a_limits(appendix_a_t *self, float low_V, float high_V, float step_V)
+{
+    uint32_t acted;
+    const float low = appendix_a_finite(low_V, APPENDIX_A_U_MIN_V, &acted);
+    const float high = appendix_a_finite(high_V, APPENDIX_A_U_MAX_V, &acted);
+    const float step = appendix_a_finite(step_V, APPENDIX_A_U_STEP_MAX_V, &acted);
+
+    self->low_V = appendix_a_limited(low, APPENDIX_A_U_MIN_V, APPENDIX_A_U_MAX_V, &acted);
+    self->high_V = appendix_a_limited(high, self->low_V, APPENDIX_A_U_MAX_V, &acted);
+    self->step_V = appendix_a_limited(step, 0.0f, APPENDIX_A_U_STEP_MAX_V, &acted);
+}
+
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 APPENDIX_A_CODE
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
@@ -301,6 +346,7 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
     appendix_a_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
+    const appendix_a_span_t span = appendix_a_span(self, self->u_V);
     const float y = appendix_a_checked_y(self, y_um, &events);
     const appendix_a_sums_t sums = appendix_a_rule_sums(bank, y);
     const float finite = appendix_a_finite(y_next_um, y, &rejected);
@@ -310,7 +356,7 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
     const float per_gain = appendix_a_reciprocal(sums.gain);
     const float per_weight = appendix_a_reciprocal(sums.weight);
     const float exact = appendix_a_flushed(numerator * per_gain);
-    const float u = appendix_a_limited(exact, APPENDIX_A_U_MIN_V, APPENDIX_A_U_MAX_V, &events.u_clamped);
+    const float u = appendix_a_allowed(exact, span, &events.u_clamped);
     const uint32_t unreachable = events.u_clamped;
 
     self->status |= (clamped * APPENDIX_A_STATUS_REFERENCE_CLAMPED) | (unreachable * APPENDIX_A_STATUS_UNREACHABLE);

@@ -20,6 +20,7 @@
 #define DIAGNOSED_U_MIN_V                    -20.0f  /* 0xc1a00000 */
 #define DIAGNOSED_U_MAX_V                    120.0f  /* 0x42f00000 */
 #define DIAGNOSED_U_REST_V                     0.0f  /* 0x00000000 */
+#define DIAGNOSED_U_STEP_MAX_V               280.0f  /* 0x438c0000 */
 #define DIAGNOSED_REFERENCE_MIN_UM     -2.41429996f  /* 0xc01a83e4 */
 #define DIAGNOSED_REFERENCE_MAX_UM      6.81099987f  /* 0x40d9f3b6 */
 #define DIAGNOSED_W_MIN               -0.709348381f  /* 0xbf3597db */
@@ -1259,6 +1260,123 @@ static const uint32_t diagnosed_selftest_inverse_rows[32][3] = {
     { 0x000116c2u, 0x7f800000u, 0x4240a00cu },  /* 9.99995e-41, inf -> 48.1563 */
     { 0x40218d04u, 0x402303b8u, 0x41ca1348u },  /* 2.52423, 2.5471 -> 25.2594 */
     { 0x4067a433u, 0x40662c54u, 0x42b8a31eu },  /* 3.6194, 3.59646 -> 92.3186 */
+};
+
+/* learn: arguments, hash of every word of the learner afterwards. */
+#define DIAGNOSED_SELFTEST_LEARN_START_Y 0x400cb1c4u
+#define DIAGNOSED_SELFTEST_LEARN_START_U 0x00000000u
+#define DIAGNOSED_SELFTEST_LEARN_CALLS 40u  /* more than any commit takes */
+#define DIAGNOSED_SELFTEST_LEARN_AGE 131073u  /* set before row 32: past all waiting times */
+
+static const uint32_t diagnosed_selftest_learn_rows[64][3] = {
+    { 0x400cac1bu, 0x425a0febu, 0x5ee565c4u },  /* 2.198, 54.5155 */
+    { 0x400b00c6u, 0x426a8ccbu, 0x70b9aadcu },  /* 2.17192, 58.6375 */
+    { 0x400a6addu, 0x4047ce44u, 0x8474e39fu },  /* 2.16277, 3.12196 */
+    { 0x40089410u, 0x42ca9294u, 0x7c559abbu },  /* 2.13404, 101.286 */
+    { 0x40084f89u, 0x41da3340u, 0x2186746au },  /* 2.12985, 27.275 */
+    { 0x4007c56eu, 0x4243a045u, 0x5f0ebe3du },  /* 2.12143, 48.9065 */
+    { 0x4006bfaau, 0x42a17c18u, 0x816f856cu },  /* 2.10545, 80.7424 */
+    { 0x4006dc78u, 0x42dad652u, 0x2e4025cfu },  /* 2.10721, 109.419 */
+    { 0x3f292a30u, 0x429a5df6u, 0x02a07308u },  /* 0.6608, 77.1835 */
+    { 0x40098f82u, 0x42327443u, 0x147f73b2u },  /* 2.14938, 44.6135 */
+    { 0x40095c6fu, 0x4223bd24u, 0x788d8f85u },  /* 2.14627, 40.9347 */
+    { 0x4008b4f2u, 0x41e33f9bu, 0xf5cf72c3u },  /* 2.13604, 28.4061 */
+    { 0x4007db71u, 0x421942b2u, 0x27db780du },  /* 2.12277, 38.3151 */
+    { 0x40071483u, 0x42a67383u, 0x8a6d1193u },  /* 2.11063, 83.2256 */
+    { 0x400794d3u, 0x42d22afeu, 0x643d0986u },  /* 2.11846, 105.084 */
+    { 0x400979fdu, 0x42a7af82u, 0x8f12c112u },  /* 2.14807, 83.8428 */
+    { 0x400a5085u, 0x41eef478u, 0x99c3d1c5u },  /* 2.16116, 29.8694 */
+    { 0x00000000u, 0x4283e016u, 0xfbd1a251u },  /* 0, 65.9377 */
+    { 0x400a1435u, 0x42b44c26u, 0xd769d924u },  /* 2.15748, 90.1487 */
+    { 0x400b8b43u, 0x423559efu, 0x94a67db3u },  /* 2.18037, 45.3378 */
+    { 0x400c4bf0u, 0xc15ba026u, 0xfdf0f1fdu },  /* 2.19213, -13.7266 */
+    { 0x400b102eu, 0x4251fd51u, 0xcba22bb4u },  /* 2.17286, 52.4974 */
+    { 0x400a8b27u, 0x42c49237u, 0x4a0f54e3u },  /* 2.16474, 98.2856 */
+    { 0x400c322cu, 0x42af5938u, 0xc6aab6e3u },  /* 2.19056, 87.6743 */
+    { 0x400e69c2u, 0x42226a5bu, 0x69caa161u },  /* 2.2252, 40.6039 */
+    { 0x400f3ae4u, 0x42203378u, 0x6917616bu },  /* 2.23797, 40.0503 */
+    { 0xf149f2cau, 0x42e3c5a8u, 0x46543aceu },  /* -1e+30, 113.886 */
+    { 0x4011486eu, 0x4222f16fu, 0x6dcf30c9u },  /* 2.27005, 40.7358 */
+    { 0x40128b20u, 0x4233057du, 0x5ce7bf76u },  /* 2.28974, 44.7554 */
+    { 0x4012cd3bu, 0x428ae7f0u, 0x79582c59u },  /* 2.29378, 69.453 */
+    { 0x4013b994u, 0x42e89b47u, 0x8cfee910u },  /* 2.3082, 116.303 */
+    { 0x401635bdu, 0x421bde7bu, 0xa8b55a88u },  /* 2.34703, 38.9673 */
+    { 0x401634fbu, 0x423fac3bu, 0x4dc864a5u },  /* 2.34698, 47.9182 */
+    { 0x4015b850u, 0x42b95f4bu, 0xd31c151bu },  /* 2.33937, 92.6861 */
+    { 0x40172ad0u, 0x4281fc35u, 0x7c88dee2u },  /* 2.36199, 64.9926 */
+    { 0x3fca1becu, 0x424231a6u, 0x9a1f2745u },  /* 1.57898, 48.5485 */
+    { 0x40193875u, 0x41fdfb4au, 0xabae5c54u },  /* 2.39407, 31.7477 */
+    { 0x40192d24u, 0x41fdc827u, 0x08b2e2ccu },  /* 2.39338, 31.7227 */
+    { 0x4018d078u, 0x40e16fbau, 0x88521488u },  /* 2.38772, 7.04489 */
+    { 0x4017f401u, 0x42a9dcb1u, 0x3ce9ce8cu },  /* 2.37427, 84.931 */
+    { 0x40186997u, 0x42a20c87u, 0x5e611a19u },  /* 2.38144, 81.0245 */
+    { 0x4019f8ceu, 0x42e2ffafu, 0x41102aebu },  /* 2.40581, 113.499 */
+    { 0x401c3775u, 0x426db281u, 0x9502b7bdu },  /* 2.44088, 59.4243 */
+    { 0x401d79b7u, 0x422dc6bau, 0x2745e37bu },  /* 2.46055, 43.4441 */
+    { 0x3f8a6e33u, 0xc1055a2fu, 0xbac86440u },  /* 1.08149, -8.33452 */
+    { 0x401be36cu, 0x42b4ed3bu, 0x3f419967u },  /* 2.43576, 90.4633 */
+    { 0x401bcdc5u, 0x42df3a54u, 0xfbcde2b0u },  /* 2.43443, 111.614 */
+    { 0x401dc0bdu, 0x42a7af82u, 0x53d05729u },  /* 2.46489, 83.8428 */
+    { 0x401ea4eau, 0x4291b005u, 0x3e71784eu },  /* 2.47882, 72.8438 */
+    { 0x401ef3f0u, 0x419333bcu, 0xc4e6b0a0u },  /* 2.48364, 18.4003 */
+    { 0x401e139bu, 0x42a43af7u, 0xe297c982u },  /* 2.46995, 82.1152 */
+    { 0x401dd983u, 0x41efe1d4u, 0x477f363eu },  /* 2.4664, 29.9853 */
+    { 0x401d52a7u, 0x42dc97e0u, 0xf6a362c8u },  /* 2.45817, 110.297 */
+    { 0x3f708589u, 0x42bd456eu, 0xf1bc1ac4u },  /* 0.939538, 94.6356 */
+    { 0x401f1c36u, 0x419110cdu, 0x11d7b435u },  /* 2.4861, 18.1332 */
+    { 0x401e4837u, 0x41ec3355u, 0x759757fdu },  /* 2.47316, 29.5251 */
+    { 0x401c8028u, 0x40247e78u, 0xd8e33e2bu },  /* 2.44532, 2.57022 */
+    { 0x401a51c3u, 0x428ec970u, 0x2747afa2u },  /* 2.41124, 71.3934 */
+    { 0x40193dd4u, 0x425d3a6eu, 0xe24c2a2fu },  /* 2.3944, 55.3071 */
+    { 0x4018e67cu, 0x42e2ea73u, 0x70b5c146u },  /* 2.38907, 113.458 */
+    { 0x4019960fu, 0x40ad7765u, 0x0b967eeeu },  /* 2.39978, 5.42082 */
+    { 0x4018a662u, 0x4130afaau, 0x7076070au },  /* 2.38516, 11.0429 */
+    { 0x4006f9dau, 0x42eb0910u, 0xc129fbefu },  /* 2.109, 117.518 */
+    { 0x401637ebu, 0x421bde7bu, 0x84e247cdu },  /* 2.34716, 38.9673 */
+};
+
+/* commit: age, calls, answer, hash of every word of instance and learner afterwards, theta before. */
+static const uint32_t diagnosed_selftest_commit_rows[8][22] = {
+    { 0u, 1u, 2u, 0xb1e9e845u,
+0x40ab28bcu, 0x3e9ad548u, 0x3ac7841fu, 0x409e5d6fu, 0x3e8705dbu, 0x3b1504f4u, 0x40575259u, 0x3e231149u,
+0x3a31023bu, 0x40577d0bu, 0x3e139e35u, 0xba2358dcu, 0x409f09b0u, 0x3e5566adu, 0xbad593e4u, 0x40acb919u,
+0x3e661f85u, 0xbac332ffu
+    },
+    { 131073u, 35u, 1u, 0xcde24c9au,
+0x40aaf7a7u, 0x3e92da1cu, 0x00000000u, 0x409e3e50u, 0x3e8109bcu, 0x3a8f3a5au, 0x405786e4u, 0x3e24e483u,
+0x3a525ba7u, 0x4057fa90u, 0x3e1be5e4u, 0x39029668u, 0x409f3da1u, 0x3e5c7b61u, 0xba80d100u, 0x40acc45eu,
+0x3e67a9b6u, 0xbab0b719u
+    },
+    { 131073u, 35u, 1u, 0x0e665381u,
+0x40ab28bcu, 0x3e9ad548u, 0x3ac7841fu, 0x409e5d6fu, 0x3e8705dbu, 0x3b1504f4u, 0x40575259u, 0x3e231149u,
+0x3a31023bu, 0x40577d0bu, 0x3e139e35u, 0xba2358dcu, 0x409f09b0u, 0x3e5566adu, 0xbad593e4u, 0x40acb919u,
+0x3e661f85u, 0xbac332ffu
+    },
+    { 131073u, 2u, 4u, 0xc69b6bbcu,
+0x40aaf7a7u, 0x3bbbf875u, 0x00000000u, 0x409e3e50u, 0x3ba52b2eu, 0x3a8f3a5au, 0x405786e4u, 0x3b531004u,
+0x3a525ba7u, 0x4057fa90u, 0x3b478ca9u, 0x39029668u, 0x409f3da1u, 0x3b8d1bc3u, 0xba80d100u, 0x40acc45eu,
+0x3b9443a7u, 0xbab0b719u
+    },
+    { 131073u, 2u, 4u, 0xef142226u,
+0x40aaf7a7u, 0xbe92da1cu, 0x00000000u, 0x409e3e50u, 0xbe8109bcu, 0x3a8f3a5au, 0x405786e4u, 0xbe24e483u,
+0x3a525ba7u, 0x4057fa90u, 0xbe1be5e4u, 0x39029668u, 0x409f3da1u, 0xbe5c7b61u, 0xba80d100u, 0x40acc45eu,
+0xbe67a9b6u, 0xbab0b719u
+    },
+    { 131073u, 2u, 5u, 0xf7535b6eu,
+0x40de41f2u, 0x3e92da1cu, 0x00000000u, 0x40cdb768u, 0x3e8109bcu, 0x3a8f3a5au, 0x408c17adu, 0x3e24e483u,
+0x3a525ba7u, 0x408c62ddu, 0x3e1be5e4u, 0x39029668u, 0x40cf0351u, 0x3e5c7b61u, 0xba80d100u, 0x40e098e0u,
+0x3e67a9b6u, 0xbab0b719u
+    },
+    { 131073u, 2u, 5u, 0x1f536e4eu,
+0xc0de41f2u, 0x3e92da1cu, 0x00000000u, 0xc0cdb768u, 0x3e8109bcu, 0x3a8f3a5au, 0xc08c17adu, 0x3e24e483u,
+0x3a525ba7u, 0xc08c62ddu, 0x3e1be5e4u, 0x39029668u, 0xc0cf0351u, 0x3e5c7b61u, 0xba80d100u, 0xc0e098e0u,
+0x3e67a9b6u, 0xbab0b719u
+    },
+    { 131073u, 1u, 3u, 0x4fe8890fu,
+0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
+0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
+0x4e6e6b28u, 0x4e6e6b28u
+    },
 };
 
 #endif

@@ -20,6 +20,7 @@
 #define EVERYTHING_U_MIN_V                    -20.0f  /* 0xc1a00000 */
 #define EVERYTHING_U_MAX_V                    120.0f  /* 0x42f00000 */
 #define EVERYTHING_U_REST_V                     0.0f  /* 0x00000000 */
+#define EVERYTHING_U_STEP_MAX_V               280.0f  /* 0x438c0000 */
 #define EVERYTHING_REFERENCE_MIN_UM     -2.41429996f  /* 0xc01a83e4 */
 #define EVERYTHING_REFERENCE_MAX_UM      6.81099987f  /* 0x40d9f3b6 */
 #define EVERYTHING_W_MIN               -0.710765958f  /* 0xbf35f4c2 */

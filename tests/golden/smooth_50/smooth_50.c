@@ -152,6 +152,36 @@ SMOOTH_50_INLINE float smooth_50_limited(float x, float low, float high, uint32_
         (smooth_50_bits(x) & ~(raise | lower)) | (smooth_50_bits(low) & raise) | (smooth_50_bits(high) & lower));
 }
 
+/** Voltages that the inverse may put out at one sample. */
+typedef struct {
+    float low;   /**< [V] */
+    float high;  /**< [V] */
+} smooth_50_span_t;
+
+/* low_V .. high_V, and at most step_V from the voltage before. */
+SMOOTH_50_INLINE smooth_50_span_t smooth_50_span(const smooth_50_t *self, float last_V)
+{
+    const float down = last_V - self->step_V;
+    const float up = last_V + self->step_V;
+    const float low = (down < self->low_V) ? self->low_V : down;
+    const float high = (up < self->low_V) ? self->low_V : up;
+    smooth_50_span_t span;
+
+    span.low = (low > self->high_V) ? self->high_V : low;
+    span.high = (high > self->high_V) ? self->high_V : high;
+    return span;
+}
+
+/* The voltage of the span that is nearest to x. */
+SMOOTH_50_INLINE float smooth_50_allowed(float x, smooth_50_span_t span, uint32_t *clamped)
+{
+    const float raised = (x < span.low) ? span.low : x;
+    const float allowed = (raised > span.high) ? span.high : raised;
+
+    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    return allowed;
+}
+
 /* A displacement inside the identified range, whatever came in. */
 SMOOTH_50_INLINE float smooth_50_checked_y(const smooth_50_t *self, float y_um, smooth_50_events_t *events)
 {
@@ -288,6 +318,9 @@ void smooth_50_init(smooth_50_t *self, float y_um, float u_V)
     self->y_um = smooth_50_checked_y(self, y_um, &events);
     self->u_V = smooth_50_checked_u(self, u_V, &events);
     smooth_50_count_events(self, &events);
+    self->low_V = SMOOTH_50_U_MIN_V;
+    self->high_V = SMOOTH_50_U_MAX_V;
+    self->step_V = SMOOTH_50_U_STEP_MAX_V;
 }
 
 /* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */
@@ -342,6 +375,18 @@ float smooth_50_simulate(smooth_50_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+void smooth_50_limits(smooth_50_t *self, float low_V, float high_V, float step_V)
+{
+    uint32_t acted;
+    const float low = smooth_50_finite(low_V, SMOOTH_50_U_MIN_V, &acted);
+    const float high = smooth_50_finite(high_V, SMOOTH_50_U_MAX_V, &acted);
+    const float step = smooth_50_finite(step_V, SMOOTH_50_U_STEP_MAX_V, &acted);
+
+    self->low_V = smooth_50_limited(low, SMOOTH_50_U_MIN_V, SMOOTH_50_U_MAX_V, &acted);
+    self->high_V = smooth_50_limited(high, self->low_V, SMOOTH_50_U_MAX_V, &acted);
+    self->step_V = smooth_50_limited(step, 0.0f, SMOOTH_50_U_STEP_MAX_V, &acted);
+}
+
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 SMOOTH_50_CODE
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
@@ -350,6 +395,7 @@ float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
     smooth_50_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
+    const smooth_50_span_t span = smooth_50_span(self, self->u_V);
     const float y = smooth_50_checked_y(self, y_um, &events);
     const smooth_50_sums_t sums = smooth_50_rule_sums(bank, y);
     const float finite = smooth_50_finite(y_next_um, y, &rejected);
@@ -359,7 +405,7 @@ float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
     const float per_gain = smooth_50_reciprocal(sums.gain);
     const float per_weight = smooth_50_reciprocal(sums.weight);
     const float exact = smooth_50_flushed(numerator * per_gain);
-    const float u = smooth_50_limited(exact, SMOOTH_50_U_MIN_V, SMOOTH_50_U_MAX_V, &events.u_clamped);
+    const float u = smooth_50_allowed(exact, span, &events.u_clamped);
     const uint32_t unreachable = events.u_clamped;
 
     self->status |= (clamped * SMOOTH_50_STATUS_REFERENCE_CLAMPED) | (unreachable * SMOOTH_50_STATUS_UNREACHABLE);

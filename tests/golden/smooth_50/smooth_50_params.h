@@ -20,6 +20,7 @@
 #define SMOOTH_50_U_MIN_V           -20.0f  /* 0xc1a00000 */
 #define SMOOTH_50_U_MAX_V           120.0f  /* 0x42f00000 */
 #define SMOOTH_50_U_REST_V            0.0f  /* 0x00000000 */
+#define SMOOTH_50_U_STEP_MAX_V      280.0f  /* 0x438c0000 */
 #define SMOOTH_50_REFERENCE_MIN_UM   -8.0f  /* 0xc1000000 */
 #define SMOOTH_50_REFERENCE_MAX_UM   17.5f  /* 0x418c0000 */
 

@@ -21,7 +21,9 @@ from hysgen.model.model import Model
 
 Words = NDArray[np.uint32]
 START_SAMPLES: Final = 5000
-"""Samples of `init` per style."""
+"""Samples of each function of SETUP per style."""
+SETUP: Final = frozenset({"init", "limits"})
+"""Functions that are not called at every sample."""
 Progress = Callable[[int], None]
 """Called with the number of samples just compared in every build."""
 
@@ -79,16 +81,16 @@ def compare(
 ) -> Iterator[tuple[ComparedRun, list[Mismatch]]]:
     """Self-test, commit and every task: the run, and the first difference of each build that differs.
 
-    samples: divided among the functions and their styles; `init` gets START_SAMPLES per style in addition.
+    samples: divided among the functions and their styles; those of SETUP get START_SAMPLES per style in addition.
     """
     if builds[0].host.selftested:
         yield compare_selftest(model, builds)
     if builds[0].host.commits:
         yield compare_commit(model, builds, seed)
     todo = tasks(builds[0].host)
-    functions = len({task.function for task in todo} - {"init"})
+    functions = len({task.function for task in todo} - SETUP)
     for task in todo:
-        share = START_SAMPLES if task.function == "init" else math.ceil(SHARES[task.style] * samples / functions)
+        share = START_SAMPLES if task.function in SETUP else math.ceil(SHARES[task.style] * samples / functions)
         yield compare_task(model, builds, task, share, seed, progress)
 
 

@@ -70,7 +70,7 @@ def _instance(model: Model) -> Lanes:
 
 
 def _wear_instance(host: Host, struct: Any) -> None:
-    """Counters near saturation, the second bank active, the first bank full of NaN."""
+    """Counters near saturation, the second bank active, the first bank full of NaN; limits of the inverse that act."""
     words, layout = host.words_of(struct), host.layout(f"{host.name}_t")
     for name in COUNTERS:
         words[layout[name]] = NEARLY_FULL
@@ -78,6 +78,11 @@ def _wear_instance(host: Host, struct: Any) -> None:
         if path.startswith("bank[0]"):
             words[place] = QUIET_NAN
     words[layout["active"]] = 1
+    low, high = (words[layout[name] :].view(np.float32)[0] for name in ("low_V", "high_V"))
+    quarter = np.float32(0.25) * (high - low)
+    limits = np.array([low + quarter, high - quarter, quarter / np.float32(16.0)], np.float32)
+    for name, limit in zip(("low_V", "high_V", "step_V"), limits.view(np.uint32), strict=True):
+        words[layout[name]] = limit
 
 
 def _new_learner(host: Host) -> Any:
@@ -103,6 +108,7 @@ MODEL: Final = ComparedStruct(
         "init": ("displacement", "voltage"),
         "predict": ("displacement", "voltage"),
         "simulate": ("voltage",),
+        "limits": ("voltage", "voltage", "voltage"),
         "inverse": ("displacement", "reference"),
     },
     first_word="y_um",

@@ -12,8 +12,8 @@ from hysgen.cli.verbs import Verb
 from hysgen.codegen import write
 from hysgen.display import table
 from hysgen.errors import BuildError, ModelError, TargetError
-from hysgen.firmware.binding import firmware_model, structure_digest
-from hysgen.firmware.image import encode
+from hysgen.firmware.binding import build_id, firmware_model, structure_digest
+from hysgen.firmware.image import NO_KEY, Label, encode, read_key
 from hysgen.firmware.reference_models import with_learner
 from hysgen.firmware.simulated import SAMPLES, SimulatedRun, compile_image, simulate, static_bounds
 from hysgen.firmware.target import MEMORIES, LinkedImage, link_image
@@ -99,7 +99,14 @@ def image_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="model file, or a shipped one")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="the image")
     parser.add_argument(
-        "--flashed", metavar="MODEL", help="model that the firmware was built with: does the image fit?"
+        "--flashed", metavar="MODEL", help="model that the firmware was built with: the image fits this build only"
+    )
+    parser.add_argument(
+        "--key", metavar="FILE", help="file with the firmware's key, 32 hexadecimal digits; default: none"
+    )
+    parser.add_argument("--device", default="0", metavar="HEX", help="number of the device (default %(default)s)")
+    parser.add_argument(
+        "--counter", type=int, default=1, metavar="N", help="larger than that of the last image (default %(default)s)"
     )
 
 
@@ -113,11 +120,27 @@ def run_image(arguments: argparse.Namespace, console: Console) -> int:
                 f"{arguments.model}: its ranges, partition or shapes are not those of {arguments.flashed}, so the "
                 "firmware would refuse the image; refit the flashed model over its range, or build the firmware again"
             )
-    data = encode(model)
+    data = encode(model, _label(arguments), _key(arguments))
     write_whole(Path(arguments.output), data)
     fits = "".join(f"{word:08x}" for word in words)
     console.say(f"written: {arguments.output} ({len(data)} bytes; fits firmware with structure {fits})")
     return console.finish({"model": model.name, "file": arguments.output, "bytes": len(data), "structure": fits})
+
+
+def _label(arguments: argparse.Namespace) -> Label:
+    """Raises ModelError for a device or a counter that does not fit its words."""
+    try:
+        device = int(arguments.device, 16)
+    except ValueError:
+        device = -1
+    if not (0 <= device < 1 << 64 and 0 < arguments.counter < 1 << 32):
+        raise ModelError("--device is a hexadecimal number of up to 16 digits, --counter one of 1 to 4294967295")
+    build = build_id(load_model(arguments.flashed)) if arguments.flashed else 0
+    return Label(device, build, arguments.counter)
+
+
+def _key(arguments: argparse.Namespace) -> bytes:
+    return read_key(Path(arguments.key)) if arguments.key else NO_KEY
 
 
 def track_arguments(parser: argparse.ArgumentParser) -> None:

@@ -47,6 +47,8 @@ class Instance(InstanceWords):
         self.y_um = np.full(lanes, self.numbers.rest_um)
         self.u_V = np.full(lanes, self.numbers.rest_V)
         self.y_um, self.u_V = self._checked_y(y_um), self._checked_u(u_V)
+        self.low_V, self.high_V = np.full(lanes, self.numbers.u_min_V), np.full(lanes, self.numbers.u_max_V)
+        self.step_V = np.full(lanes, self.numbers.u_step_max_V)
         self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s, self._limits())
         self.terms = [term.mirror(self.inputs.rest.size, self._model.Ts_s) for term in self._model.terms]
 
@@ -57,6 +59,20 @@ class Instance(InstanceWords):
             bits = term.listen(named)
             if bits is not None:
                 self.status = self.status | bits
+
+    def limits(self, low_V: Floats32, high_V: Floats32, step_V: Floats32) -> None:
+        """Limit the voltage of the inverse to low_V .. high_V and its change per sample to step_V, (lanes,) each, in V.
+
+        Numbers that are not finite are replaced by the limits that `init` sets; the limits never exceed these.
+        """
+        numbers = self.numbers
+        low, high, step = (
+            finite(number, np.full(self.low_V.shape, held))[0]
+            for number, held in ((low_V, numbers.u_min_V), (high_V, numbers.u_max_V), (step_V, numbers.u_step_max_V))
+        )
+        self.low_V, _ = limited(low, numbers.u_min_V, numbers.u_max_V)
+        self.high_V, _ = limited(high, self.low_V, numbers.u_max_V)
+        self.step_V, _ = limited(step, np.float32(0.0), numbers.u_step_max_V)
 
     def predict(self, y_um: Floats32, u_V: Floats32) -> Floats32:
         """One step from the measured y(k) [um] and u(k) [V], (lanes,) each; returns and stores y(k+1) [um]."""
@@ -88,7 +104,7 @@ class Instance(InstanceWords):
         sums, extra = rule_sums(numbers, self.bank, y), self._extra(preview(self._model.blocks))
         wanted = reference if extra is None else reference - extra
         numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
-        found = self.inputs.invert(flushed(numerator * reciprocal(sums.gain)))
+        found = self.inputs.invert(flushed(numerator * reciprocal(sums.gain)), self._allowed())
         self.u_V = found.u_V
         self._count_event(Status.U_CLAMPED, found.u_clamped.astype(np.uint32))
         self._count_event(Status.UNREACHABLE, found.unreachable.astype(np.uint32))
@@ -100,6 +116,13 @@ class Instance(InstanceWords):
         self.u_V = u
         w = self.inputs.apply(u)
         return self._apply(rule_sums(self.numbers, self.bank, y), self._extra(), y, w)
+
+    def _allowed(self) -> tuple[Floats32, Floats32]:
+        """Ends of the interval of voltages, (lanes,) each in V, that the limits of the inverse allow at this sample."""
+        last_V = self.inputs.v_V if self._model.blocks else self.u_V
+        lowest_V, _ = limited(last_V - self.step_V, self.low_V, self.high_V)
+        highest_V, _ = limited(last_V + self.step_V, self.low_V, self.high_V)
+        return lowest_V, highest_V
 
     def _limits(self) -> PathLimits:
         numbers = self.numbers

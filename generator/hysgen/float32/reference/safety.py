@@ -20,7 +20,7 @@ def finite(x: Floats32, held: Floats32) -> tuple[Floats32, Words]:
     return float_of(np.where(rejected, bits_of(held), chosen)), rejected.astype(np.uint32)
 
 
-def limited(x: Floats32, low: np.float32, high: np.float32) -> tuple[Floats32, Words]:
+def limited(x: Floats32, low: Floats32 | np.float32, high: Floats32 | np.float32) -> tuple[Floats32, Words]:
     """`x` limited to [low, high], and 1 where the limit changed it, else 0."""
     below, above = x < low, x > high
     return np.where(below, low, np.where(above, high, x)), (below | above).astype(np.uint32)

@@ -1,7 +1,7 @@
 """The float32 mirror of the path: the blocks of a model in series, the generated `<name>_inputs_...` functions.
 
     forward    v(k) = limiters and delay of u(k),   w(k) = responses of v(k), limited to the range of the rules
-    inverse    w(k+n) of Eq. (11) -> limited -> responses solved, last to first -> limited to the range of the command
+    inverse    w(k+n) of Eq. (11) -> limited -> responses solved, last to first -> limited to the allowed voltages
                -> limiters -> v(k+n), the command u(k) -> responses advanced by v -> w(k+n), which the rules take
 
 n is the preview. The responses advance by the voltage that reaches the stage, and so the inverse does not accumulate
@@ -41,7 +41,7 @@ class PathLimits:
 class PathInverse:
     """What the inverse of the path finds, (lanes,) each.
 
-    u_V: command. w: input of the rules that follows. u_clamped: v lay outside the range of the command. unreachable: w
+    u_V: command. w: input of the rules that follows. u_clamped: v lay outside the allowed interval. unreachable: w
     lay outside its range, or a limit kept the stage from it. residual: w is missed by more than the tolerance although
     no limit acted.
     """
@@ -87,8 +87,11 @@ class ChainMirror:
         self.v_V = v
         return self._respond(self._responses, v)[0]
 
-    def invert(self, w: Floats32) -> PathInverse:
-        """The command for which w, (lanes,), is the input of the rules `preview` samples later."""
+    def invert(self, w: Floats32, allowed_V: tuple[Floats32, Floats32] | None = None) -> PathInverse:
+        """The command for which w, (lanes,), is the input of the rules `preview` samples later.
+
+        allowed_V: ends of the interval to which the voltage v(k+n) is limited; default: the range of the command.
+        """
         limits = self._limits
         responses = [_copied(block) for block in self._responses] if self._interpolates else self._responses
         if self._interpolates:
@@ -98,7 +101,8 @@ class ChainMirror:
         for mirror, solves in zip(reversed(responses), reversed(self._solves), strict=True):
             solved = flushed(mirror.solve(solved)) if solves else solved
             target = target if solves else solved
-        allowed = limited(solved, limits.u_min_V, limits.u_max_V)
+        low_V, high_V = allowed_V or (limits.u_min_V, limits.u_max_V)
+        allowed = limited(solved, low_V, high_V)
         v = allowed
         for block in self._limiters:
             v = block.apply(v)
@@ -112,7 +116,7 @@ class ChainMirror:
         clamped = allowed != solved
         held = clamped | (wanted != w) | (v.view(np.uint32) != allowed.view(np.uint32))
         missed = (met - target > limits.w_tolerance) | (target - met > limits.w_tolerance)
-        at_end = (v <= limits.u_min_V) | (v >= limits.u_max_V)
+        at_end = (v <= low_V) | (v >= high_V)
         missed &= bool(responses)
         return PathInverse(u, reached, clamped, held | (missed & at_end), missed & ~(held | at_end))
 

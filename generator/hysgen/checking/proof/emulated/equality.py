@@ -15,7 +15,7 @@ from typing import Any, Final, cast
 
 from hysgen.checking.bits.builds import Build
 from hysgen.checking.bits.committing import compare_commit
-from hysgen.checking.bits.comparison import START_SAMPLES, Task, compare_selftest, compare_task, tasks
+from hysgen.checking.bits.comparison import SETUP, START_SAMPLES, Task, compare_selftest, compare_task, tasks
 from hysgen.checking.bits.inputs import LEARNING_SHARE, SHARES
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, LearningResult, compare_learning
 from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
@@ -140,7 +140,7 @@ def equality(
 
 def _share(task: Task, samples: int) -> int:
     """Samples of one function under one style."""
-    if task.function == "init":
+    if task.function in SETUP:
         return min(samples, START_SAMPLES)
     return math.ceil(SHARES[task.style] * samples * (LEARNING_SHARE if task.learns else 1.0))
 

@@ -57,7 +57,10 @@ def instance_box(model: Model) -> dict[str, Interval]:
     extra = sum(abs(w) * size for w, size in zip(model.weights, sizes, strict=True))
     rules = _rules(model, parts.applied)
     y = rules.outwards(WIDENED * rules.width + 1.01 * extra)
-    return {"y_um": y, "u_V": parts.command_V, **parts.floats}
+    numbers = coefficients(model)
+    range_V = Interval(float(numbers.u_min_V), float(numbers.u_max_V))
+    limits = {"low_V": range_V, "high_V": range_V, "step_V": Interval(0.0, float(numbers.u_step_max_V))}
+    return {"y_um": y, "u_V": parts.command_V, **limits, **parts.floats}
 
 
 def parts_box(model: Model) -> PartsBox:

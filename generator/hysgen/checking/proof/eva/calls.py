@@ -8,7 +8,7 @@ from typing import Final
 from hysgen.checking.proof.eva.banks import committed_gain_annotation
 from hysgen.checking.proof.eva.boxes import KEPT
 from hysgen.checking.proof.eva.frama import Floats, Verdict, analyse
-from hysgen.checking.proof.eva.splits import case_lines, splits
+from hysgen.checking.proof.eva.splits import Join, case_lines, splits
 from hysgen.checking.proof.eva.states import ANY_WORD, bank_words, between, instance_words
 from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen.interface import interface_of
@@ -19,9 +19,12 @@ from hysgen.model.terms import channels_of
 
 ENTRY: Final = "step.c"
 
-FUNCTIONS: Final[Mapping[str, int]] = {"init": 2, "predict": 2, "simulate": 1, "inverse": 2, "aux": 0}
+FUNCTIONS: Final[Mapping[str, int]] = {"init": 2, "predict": 2, "simulate": 1, "limits": 3, "inverse": 2, "aux": 0}
 """Functions of an instance and the number of their float arguments."""
 
+
+JOINS: Final = (Join("span"), Join("allowed"))
+"""Merges of the cases of a voltage and its limits, of which the interval of the voltage is all that matters later."""
 
 FINITE_CHECKED: Final[Mapping[str, Sequence[str]]] = {
     f"is_finite: {word}": [rf"    //@ check finite: \is_finite({word});"] for word in ("finite", "y", "u_finite")
@@ -46,7 +49,7 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
     name, known = model.name, instance_words(model, texts)
     banks = [] if function == "init" else bank_words(model)
     floats = {"finite": between(ANY), "any": f"{name}_float({ANY_WORD})"}
-    lines: dict[str, Sequence[str]] = {**case_lines(splits(model, KEPT))}
+    lines: dict[str, Sequence[str]] = {**case_lines(splits(model, KEPT), JOINS)}
     if inputs == "any":
         lines |= FINITE_CHECKED
     if function == "inverse" and banks:

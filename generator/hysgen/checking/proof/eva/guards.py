@@ -71,6 +71,27 @@ GUARDS: Final = (
         ("const float wanted = finite;", "clamped = 0u;"),
     ),
     Guard(
+        "the lowest voltage of the inverse is limited to the input range",
+        "limits",
+        "finite",
+        "limits low",
+        ("self->low_V = low;",),
+    ),
+    Guard(
+        "the highest voltage of the inverse is limited to the input range",
+        "limits",
+        "finite",
+        "limits high",
+        ("self->high_V = high;",),
+    ),
+    Guard(
+        "the largest step of the inverse's voltage is limited",
+        "limits",
+        "finite",
+        "limits step",
+        ("self->step_V = step;",),
+    ),
+    Guard(
         "the inverse's voltage is limited",
         "inverse",
         "finite",

@@ -1,0 +1,195 @@
+#include "chip.h"
+
+#define SYSCFG0          0x01C14000u
+#define SYSCFG_KICK0     0x038u
+#define SYSCFG_KICK1     0x03Cu
+#define SYSCFG_PINMUX    0x120u         /* PINMUX0; four bits a pin */
+#define SYSCFG_CFGCHIP0  0x17Cu         /* bit 4: PLL0 locked against writing */
+
+#define PLL0             0x01C11000u
+#define PLL_CTL          0x100u
+#define PLL_MULTIPLIER   0x110u
+#define PLL_DIVIDER1     0x118u
+#define PLL_DIVIDER2     0x11Cu
+#define PLL_DIVIDER3     0x120u
+#define PLL_DIVIDER4     0x160u
+#define PLL_DIVIDER6     0x168u
+#define PLL_POSTDIV      0x128u
+#define PLL_COMMAND      0x138u
+#define PLL_STATUS       0x13Cu
+#define PLL_DIVIDES      0x8000u
+#define PLL_ENABLE       0x001u         /* PLLEN: the core runs from the PLL, not from the crystal */
+#define PLL_POWER_DOWN   0x002u
+#define PLL_RESET        0x008u         /* 0: in reset */
+#define PLL_DISABLE      0x010u
+#define PLL_SOURCE       0x020u         /* PLLENSRC: 0, so that PLLEN acts */
+#define PLL_CLOCK_MODE   0x100u         /* 0: crystal */
+
+#define PSC0             0x01C10000u
+#define PSC1             0x01E27000u
+#define PSC_COMMAND      0x120u
+#define PSC_PENDING      0x128u
+#define PSC_STATE        0x800u         /* MDSTAT0 */
+#define PSC_CONTROL      0xA00u         /* MDCTL0 */
+#define PSC_ON           3u
+#define PSC0_EMIFA       3u
+#define PSC1_GPIO        3u
+#define PSC1_UART2       13u
+
+#define EMIFA            0x68000000u
+#define EMIFA_CE2CFG     0x10u
+#define EMIFA_CE3CFG     0x14u
+#define EMIFA_BUS        0x00420319u    /* 16 bits; clocks of 10.7 ns: write 1 + 5 + 2, read 1 + 7 + 2, turn around 3 */
+
+#define INTC_INTMUX1     0x01800104u
+#define EVENT_TIMER0     4u             /* T64P0_TINT12 */
+
+#define CHIP_WAITS       100000u        /* polls until a step counts as failed */
+
+/* Where a pin is multiplexed: register, place of its four bits, function. */
+typedef struct {
+    uint32_t pinmux;
+    uint32_t mask;
+    uint32_t function;
+} chip_pins_t;
+
+static const chip_pins_t chip_pins[] = {
+    { 1u, 0xFFF00000u, 0x88800000u },  /* GP0[0], GP0[1], GP0[2] */
+    { 4u, 0x00FF0000u, 0x00220000u },  /* UART2_TXD, UART2_RXD */
+    { 5u, 0xFF000000u, 0x11000000u },  /* EMA_BA0, EMA_BA1 */
+    { 7u, 0x00FF00FFu, 0x00110011u },  /* EMA_CS2, EMA_CS3, EMA_WE, EMA_OE */
+    { 8u, 0xFFFFFFFFu, 0x11111111u },  /* EMA_D8 .. EMA_D15 */
+    { 9u, 0xFFFFFFFFu, 0x11111111u },  /* EMA_D0 .. EMA_D7 */
+};
+
+static void chip_write(uint32_t address, uint32_t value)
+{
+    *chip_register(address) = value;
+}
+
+static void chip_change(uint32_t address, uint32_t clear, uint32_t set)
+{
+    *chip_register(address) = (*chip_register(address) & ~clear) | set;
+}
+
+/* 1 once the bits of `mask` are `value`, 0 if that takes too long. */
+static uint32_t chip_waited(uint32_t address, uint32_t mask, uint32_t value)
+{
+    uint32_t waits = 0u;
+
+    while (((*chip_register(address) & mask) != value) && (waits < CHIP_WAITS)) {
+        waits += 1u;
+    }
+    return (uint32_t)(waits < CHIP_WAITS);
+}
+
+/* At least `count` cycles of the core. */
+static void chip_rest(uint32_t count)
+{
+    for (uint32_t i = 0u; i < count; ++i) {
+        (void)*chip_register(PLL0 + PLL_STATUS);
+    }
+}
+
+/* PLL0 by the sequence of SPRUH79, "Initializing PLL mode from PLL power down": CHIP_CORE_HZ for the core, half for SYSCLK2 (UART2),
+ * a quarter for EMIFA and SYSCLK4. */
+static uint32_t chip_start_clock(void)
+{
+    uint32_t done;
+
+    chip_change(SYSCFG0 + SYSCFG_CFGCHIP0, 0x10u, 0u);
+    chip_change(PLL0 + PLL_CTL, PLL_SOURCE | PLL_ENABLE | PLL_CLOCK_MODE, 0u);
+    chip_rest(32u);
+    chip_change(PLL0 + PLL_CTL, PLL_RESET, PLL_DISABLE);
+    chip_change(PLL0 + PLL_CTL, PLL_POWER_DOWN, 0u);
+    chip_change(PLL0 + PLL_CTL, PLL_DISABLE, 0u);
+    chip_write(PLL0 + PLL_MULTIPLIER, CHIP_MULTIPLIER - 1u);
+    chip_write(PLL0 + PLL_POSTDIV, PLL_DIVIDES | 0u);
+    done = chip_waited(PLL0 + PLL_STATUS, 1u, 0u);
+    chip_write(PLL0 + PLL_DIVIDER1, PLL_DIVIDES | 0u);
+    chip_write(PLL0 + PLL_DIVIDER2, PLL_DIVIDES | 1u);
+    chip_write(PLL0 + PLL_DIVIDER3, PLL_DIVIDES | 3u);
+    chip_write(PLL0 + PLL_DIVIDER4, PLL_DIVIDES | 3u);
+    chip_write(PLL0 + PLL_DIVIDER6, PLL_DIVIDES | 0u);
+    chip_change(PLL0 + PLL_COMMAND, 0u, 1u);
+    done &= chip_waited(PLL0 + PLL_STATUS, 1u, 0u);
+    chip_rest(256u);
+    chip_change(PLL0 + PLL_CTL, 0u, PLL_RESET);
+    chip_rest(4096u);                                         /* lock: 2000 / sqrt(multiplier) ticks of the crystal */
+    chip_change(PLL0 + PLL_CTL, 0u, PLL_ENABLE);
+    return done;
+}
+
+static uint32_t chip_power(uint32_t psc, uint32_t module)
+{
+    uint32_t done;
+
+    chip_change(psc + PSC_CONTROL + 4u * module, 0x1Fu, PSC_ON);
+    chip_write(psc + PSC_COMMAND, 1u);
+    done = chip_waited(psc + PSC_PENDING, 1u, 0u);
+    return done & chip_waited(psc + PSC_STATE + 4u * module, 0x3Fu, PSC_ON);
+}
+
+/* UART2: 8 data bits, no parity, one stop bit, FIFOs, no interrupt of its own: board_line_serve runs in interrupt 4. */
+static void chip_start_line(void)
+{
+    const uint32_t divisor = (CHIP_CORE_HZ / 2u + 8u * CHIP_LINE_HZ) / (16u * CHIP_LINE_HZ);
+
+    chip_write(CHIP_UART2 + CHIP_UART_POWER, 0u);             /* reset of sender and receiver */
+    chip_write(CHIP_UART2 + CHIP_UART_IER, 0u);
+    chip_write(CHIP_UART2 + CHIP_UART_FCR, 0x07u);            /* FIFOs on, empty */
+    chip_write(CHIP_UART2 + CHIP_UART_MDR, 0u);               /* 16 clocks a bit */
+    chip_write(CHIP_UART2 + CHIP_UART_DLL, divisor & 0xFFu);
+    chip_write(CHIP_UART2 + CHIP_UART_DLH, divisor >> 8);
+    chip_write(CHIP_UART2 + CHIP_UART_LCR, 0x03u);            /* 8N1 */
+    chip_write(CHIP_UART2 + CHIP_UART_MCR, 0u);
+    chip_write(CHIP_UART2 + CHIP_UART_POWER, 0x6001u);        /* sender and receiver on; runs on while a debugger halts */
+}
+
+/* Timer64P1 as a watchdog of 64 bits. Behind the second word nothing but board_alive keeps the chip from a reset. */
+static void chip_start_watchdog(void)
+{
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_TCR, 0u);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_TGCR, 0u);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_TGCR, 0x0Bu);         /* watchdog mode, both halves out of reset */
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_TIM12, 0u);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_TIM34, 0u);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_PRD12, CHIP_WATCHDOG_TICKS);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_PRD34, 0u);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_TCR, 0x80u);          /* continuous */
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_WDTCR, CHIP_WATCHDOG_FIRST);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_WDTCR, CHIP_WATCHDOG_SECOND);
+}
+
+uint32_t chip_start(uint32_t outputs)
+{
+    uint32_t clock;
+    uint32_t power;
+
+    chip_write(SYSCFG0 + SYSCFG_KICK0, 0x83E70B13u);
+    chip_write(SYSCFG0 + SYSCFG_KICK1, 0x95A4F1E0u);
+    clock = chip_start_clock();
+    power = chip_power(PSC1, PSC1_GPIO);
+    /* The amplifier is off before its pin drives. */
+    chip_write(CHIP_GPIO + CHIP_GPIO_CLEAR, outputs);
+    chip_change(CHIP_GPIO + CHIP_GPIO_DIRECTION, outputs, 0u);
+    for (uint32_t i = 0u; i < (uint32_t)(sizeof chip_pins / sizeof chip_pins[0]); ++i) {
+        chip_change(SYSCFG0 + SYSCFG_PINMUX + 4u * chip_pins[i].pinmux, chip_pins[i].mask, chip_pins[i].function);
+    }
+    power &= chip_power(PSC0, PSC0_EMIFA) & chip_power(PSC1, PSC1_UART2);
+    chip_write(EMIFA + EMIFA_CE2CFG, EMIFA_BUS);
+    chip_write(EMIFA + EMIFA_CE3CFG, EMIFA_BUS);
+    chip_start_line();
+    return (clock == 0u) ? 1u : ((power == 0u) ? 2u : 0u);
+}
+
+void chip_start_sampling(uint32_t period)
+{
+    chip_write(CHIP_TIMER0 + CHIP_TIMER_TGCR, 0u);
+    chip_write(CHIP_TIMER0 + CHIP_TIMER_TGCR, 0x05u);         /* unchained 32 bit, TIM12 out of reset */
+    chip_write(CHIP_TIMER0 + CHIP_TIMER_TIM12, 0u);
+    chip_write(CHIP_TIMER0 + CHIP_TIMER_PRD12, period - 1u);
+    chip_change(INTC_INTMUX1, 0x7Fu, EVENT_TIMER0);
+    chip_start_watchdog();
+    chip_write(CHIP_TIMER0 + CHIP_TIMER_TCR, 0x80u);          /* continuous */
+}

@@ -1,0 +1,68 @@
+/* chip.h: the C6748's own devices, from reset to sampling, and the registers that board.c uses.
+ *
+ * Names and values after TI's SPRUH79 (technical reference), SPRS590 (data sheet: limits of clocks) and SPRUFK5 (megamodule). None
+ * of it ran on silicon; tests/firmware/test_chip.py holds every write against a model of the registers. */
+
+#ifndef CHIP_H
+#define CHIP_H
+
+#include <stdint.h>
+
+/* Fill in: the crystal. 375 MHz need 25 MHz; from the 24 MHz of TI's LCDK and EVM the PLL makes 360 MHz at most, 7200 cycles in 20 us
+ * (settings: period_cycles, budget_cycles). */
+#define CHIP_OSCILLATOR_HZ   25000000u
+#define CHIP_MULTIPLIER      15u          /* PLL0: 375 MHz, inside 300 .. 600 */
+#define CHIP_CORE_HZ         (CHIP_OSCILLATOR_HZ * CHIP_MULTIPLIER)
+#define CHIP_LINE_HZ         115200u
+
+#define CHIP_TIMER0          0x01C20000u  /* sampling */
+#define CHIP_TIMER1          0x01C21000u  /* watchdog */
+#define CHIP_TIMER_TIM12     0x10u
+#define CHIP_TIMER_TIM34     0x14u
+#define CHIP_TIMER_PRD12     0x18u
+#define CHIP_TIMER_PRD34     0x1Cu
+#define CHIP_TIMER_TCR       0x20u
+#define CHIP_TIMER_TGCR      0x24u
+#define CHIP_TIMER_WDTCR     0x28u
+#define CHIP_WATCHDOG_FIRST  0xA5C64000u  /* the two words that restart the watchdog, WDEN set in both */
+#define CHIP_WATCHDOG_SECOND 0xDA7E4000u
+#define CHIP_WATCHDOG_TICKS  (CHIP_OSCILLATOR_HZ / 100u)  /* 10 ms: 500 interrupts that did not come */
+
+#define CHIP_UART2           0x01D0D000u
+#define CHIP_UART_DATA       0x00u        /* read: byte received, write: byte to send */
+#define CHIP_UART_IER        0x04u
+#define CHIP_UART_FCR        0x08u
+#define CHIP_UART_LCR        0x0Cu
+#define CHIP_UART_MCR        0x10u
+#define CHIP_UART_LSR        0x14u
+#define CHIP_UART_DLL        0x20u
+#define CHIP_UART_DLH        0x24u
+#define CHIP_UART_POWER      0x30u
+#define CHIP_UART_MDR        0x34u
+#define CHIP_UART_RECEIVED   0x01u
+#define CHIP_UART_EMPTY      0x20u
+
+#define CHIP_GPIO            0x01E26000u
+#define CHIP_GPIO_DIRECTION  0x10u        /* banks 0 and 1; 1: input */
+#define CHIP_GPIO_SET        0x18u
+#define CHIP_GPIO_CLEAR      0x1Cu
+#define CHIP_GPIO_IN         0x20u
+
+#if defined(CHIP_MODEL)
+/* A test's model of the registers in place of the chip. */
+volatile uint32_t *chip_register(uint32_t address);
+#else
+static inline volatile uint32_t *chip_register(uint32_t address)
+{
+    return (volatile uint32_t *)(uintptr_t)address;
+}
+#endif
+
+/* Behind reset: clocks, pins, power of the devices, bus, line, amplifier's pins, watchdog. outputs: pins of GPIO bank 0 that drive;
+ * they are low. Returns 0, or the number of the step that did not finish: 1 PLL, 2 power of a device. */
+uint32_t chip_start(uint32_t outputs);
+
+/* Timer64P0 as one 32-bit timer of `period` oscillator ticks, to interrupt 4. */
+void chip_start_sampling(uint32_t period);
+
+#endif

@@ -1,0 +1,85 @@
+"""Commands to running firmware over its serial line."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from hysgen.cli.console import Console
+from hysgen.cli.verbs import Verb
+from hysgen.display import table
+from hysgen.errors import ModelError
+from hysgen.firmware.host import FirmwareStatus, Request, State
+from hysgen.firmware.image import NO_KEY, read_key
+from hysgen.firmware.link import BAUD, Client, open_line, to_json
+from hysgen.firmware.wire import LinkStatus
+from hysgen.model.file import load_model
+
+LINK_HELP = """\
+Talk to running firmware over its serial line: state, start, stop, clear, reference, parameter images.
+
+    hysgen link /dev/ttyUSB0 status
+    hysgen link /dev/ttyUSB0 start
+    hysgen link /dev/ttyUSB0 reference 2.1        (um; without a number: the board's own reference again)
+    hysgen link /dev/ttyUSB0 image FILE           (written by hysgen image)
+    hysgen link /dev/ttyUSB0 install MODEL --key FILE
+
+Needs pyserial (pip install 'hysgen[link]')."""
+
+ACTIONS = ("status", "identify", "start", "stop", "clear", "reference", "image", "install")
+
+
+def link_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("port", metavar="PORT", help="serial port, or a URL of pyserial such as socket://host:port")
+    parser.add_argument("action", nargs="?", default="status", choices=ACTIONS, help="default: status")
+    parser.add_argument("value", nargs="?", metavar="VALUE", help="of reference (um), image (file), install (model)")
+    parser.add_argument("--baud", type=int, default=BAUD, help="bits per second (default %(default)s)")
+    parser.add_argument("--key", metavar="FILE", help="file with the key of install, 32 hexadecimal digits")
+
+
+def run_link(arguments: argparse.Namespace, console: Console) -> int:
+    needs = arguments.action in ("image", "install")
+    if (arguments.value is None) == needs and (needs or arguments.action != "reference"):
+        raise ModelError(f"{arguments.action}: " + ("name the file or model to send" if needs else "takes no value"))
+    with Client(open_line(arguments.port, arguments.baud)) as client:
+        if arguments.action == "identify":
+            identity = client.identity()
+            console.say(table(["firmware", ""], [[name, str(value)] for name, value in to_json(identity).items()]))
+            return console.finish(to_json(identity))
+        _act(client, arguments, console)
+        status = client.status()
+    console.say(status_table(status))
+    return console.finish(to_json(status))
+
+
+def _act(client: Client, arguments: argparse.Namespace, console: Console) -> None:
+    action, value = arguments.action, arguments.value
+    if action in ("start", "stop", "clear"):
+        client.request(Request[action.upper()])
+    elif action == "reference":
+        try:
+            client.reference(None if value is None else float(value))
+        except ValueError:
+            raise ModelError(f"{value}: is no number; the reference is a displacement in um") from None
+    elif action == "image":
+        client.install(_image(Path(value)), lambda share: console.progress(share, "image"))
+    elif action == "install":
+        key = read_key(Path(arguments.key)) if arguments.key else NO_KEY
+        client.install_model(load_model(value), key, lambda share: console.progress(share, "image"))
+
+
+def _image(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as fault:
+        raise ModelError(f"{file}: cannot be read ({fault.strerror})") from fault
+
+
+def status_table(status: LinkStatus) -> str:
+    """The status as rows of name and value."""
+    named = to_json(status) | {"state": State(status.state).name, "status": str(FirmwareStatus(status.status))}
+    rows = [[name, f"{value:.6g}" if isinstance(value, float) else str(value)] for name, value in named.items()]
+    return table(["firmware", ""], rows)
+
+
+VERBS = {"link": Verb(LINK_HELP, link_arguments, run_link)}

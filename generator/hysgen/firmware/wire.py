@@ -1,0 +1,162 @@
+"""Frames and commands of the firmware's line (frame.h, link.h).
+
+    COBS(payload, CRC-32 of the payload, little-endian) 0x00
+    command: kind, number, data;   answer: kind + ANSWER, number, code, data
+
+Consistent overhead byte stuffing (Cheshire and Baker, 1999) removes every zero from a frame, so a zero ends each.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from typing import Final
+
+PROTOCOL: Final = 1
+ANSWER: Final = 0x80
+CHUNK: Final = 64
+"""Bytes of a parameter image in one frame."""
+
+
+class Command(IntEnum):
+    """Kind of a command (link.h)."""
+
+    STATUS = 1
+    REQUEST = 2
+    REFERENCE = 3
+    IMAGE = 4
+    IDENTIFY = 5
+
+
+CODES: Final = ("done", "no such command", "too few or too many data", "a value out of range or order")
+"""Meaning of the code of an answer."""
+
+
+@dataclass(frozen=True)
+class LinkStatus:
+    """Answer to STATUS: the firmware now, words in the order of the frame.
+
+    state, status, samples: of the controller. reading_um, output_V, reference_um, offset_um: of the last sample.
+    image_answer, image_pending, received: of the parameter image that arrived last. counter: of the image in use, 0 for
+    none. commits, commit_answer, updates, rejected: of learning. cycles_last, cycles_most: of the interrupt. selftest:
+    mismatches at boot.
+    """
+
+    state: int
+    status: int
+    samples: int
+    reading_um: float
+    output_V: float
+    reference_um: float
+    offset_um: float
+    image_answer: int
+    image_pending: int
+    received: int
+    counter: int
+    commits: int
+    commit_answer: int
+    updates: int
+    rejected: int
+    cycles_last: int
+    cycles_most: int
+    selftest: int
+
+    @classmethod
+    def unpack(cls, data: bytes) -> LinkStatus:
+        """Raises struct.error for data of another length."""
+        return cls(*struct.unpack("<3I4f11I", data))
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Answer to IDENTIFY: the firmware as built.
+
+    digest: of the structure that parameter images must fit. build, device, keyed: see `Label` and `Owner` of
+    `hysgen.firmware.image`. image_bytes: size of a parameter image.
+    """
+
+    protocol: int
+    digest: tuple[int, int, int, int]
+    build: int
+    device: int
+    keyed: bool
+    period_ns: int
+    preview: int
+    image_bytes: int
+    rules: int
+    weights: int
+    y_min_um: float
+    y_max_um: float
+    u_min_V: float
+    u_max_V: float
+    name: str
+
+    @classmethod
+    def unpack(cls, data: bytes) -> Identity:
+        """Raises struct.error for too few data."""
+        size = struct.calcsize("<6IQI5I4f")
+        protocol, *digest, build, device, keyed, period, preview, image, rules, weights, y0, y1, u0, u1 = struct.unpack(
+            "<6IQI5I4f", data[:size]
+        )
+        a, b, c, d = digest
+        name = data[size:].decode("ascii", "replace")
+        return cls(
+            protocol,
+            (a, b, c, d),
+            build,
+            device,
+            bool(keyed),
+            period,
+            preview,
+            image,
+            rules,
+            weights,
+            y0,
+            y1,
+            u0,
+            u1,
+            name,
+        )
+
+
+def frame(payload: bytes) -> bytes:
+    """The frame of a payload as it goes on the line."""
+    body = payload + struct.pack("<I", zlib.crc32(payload))
+    return b"".join(bytes([len(part) + 1]) + part for part in body.split(b"\0")) + b"\0"
+
+
+def payload(encoded: bytes) -> bytes | None:
+    """The payload of a frame without its last zero; None if it is damaged."""
+    parts, at = [], 0
+    while at < len(encoded):
+        code = encoded[at]
+        parts.append(encoded[at + 1 : at + code])
+        if code == 0 or len(parts[-1]) != code - 1:
+            return None
+        at += code
+    body = b"\0".join(parts)
+    if len(body) <= 4 or zlib.crc32(body[:-4]) != struct.unpack("<I", body[-4:])[0]:
+        return None
+    return body[:-4]
+
+
+def command(kind: Command, number: int = 0, data: bytes = b"") -> bytes:
+    """The frame of a command."""
+    return frame(bytes([kind, number & 0xFF]) + data)
+
+
+def pieces(data: bytes, offset: int = 0) -> Iterator[bytes]:
+    """The data of the IMAGE commands that send `data`, which begins at `offset` of the image."""
+    for at in range(0, len(data), CHUNK):
+        yield struct.pack("<I", offset + at) + data[at : at + CHUNK]
+
+
+def image_frames(data: bytes, offset: int = 0) -> Iterator[bytes]:
+    """The frames that send `data`, which begins at `offset` of a parameter image."""
+    return (command(Command.IMAGE, number, piece) for number, piece in enumerate(pieces(data, offset)))
+
+
+STATUS_BYTES: Final = 4 * len(fields(LinkStatus))

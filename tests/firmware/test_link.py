@@ -1,0 +1,244 @@
+"""The command link: the client drives the firmware over a pseudo-terminal, and over a line that spoils bytes."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pty
+import threading
+import tty
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fixtures.c674x_compiler import need_compiler
+from fixtures.firmware_bench import ModelStage, image, model
+from hysgen.cli.main import main
+from hysgen.errors import HysgenError, ModelError
+from hysgen.firmware.binding import build_id, structure_digest
+from hysgen.firmware.host import HostFirmware, Request, Settings, State
+from hysgen.firmware.image import Label, Owner, encode
+from hysgen.firmware.link import Client
+from hysgen.firmware.simulated import compile_image
+from hysgen.firmware.wire import ANSWER, Command, LinkStatus, command, frame, payload
+
+OWNER = Owner(bytes(range(16)), 0xABCDEF)
+QUICK = Settings(hold_samples=256, ramp_V=0.5, fall_V=0.5, approach_um=0.01)
+
+
+class Direct:
+    """A line to firmware in this process. loss: probability of each byte to be lost or changed."""
+
+    def __init__(self, firmware: HostFirmware, loss: float = 0.0) -> None:
+        self.firmware, self._loss, self._rng, self._answers = firmware, loss, np.random.default_rng(8), b""
+
+    def write(self, data: bytes) -> int:
+        self._answers += self._spoiled(self.firmware.line(self._spoiled(data)))
+        self.firmware.run(np.full(2, 2.0))
+        return len(data)
+
+    def read(self, size: int = 1) -> bytes:
+        taken, self._answers = self._answers[:size], self._answers[size:]
+        return taken
+
+    def close(self) -> None:
+        pass
+
+    def _spoiled(self, data: bytes) -> bytes:
+        out = bytearray()
+        for byte in data:
+            chance = self._rng.random()
+            if chance > self._loss:
+                out.append(byte)
+            elif chance < 0.5 * self._loss:
+                out.append(int(self._rng.integers(256)))
+        return bytes(out)
+
+
+def owned(settings: Settings = QUICK) -> HostFirmware:
+    return HostFirmware(image(), ModelStage(model()), settings, OWNER)
+
+
+@contextlib.contextmanager
+def on_a_terminal(firmware: HostFirmware) -> Iterator[str]:
+    """The firmware running at the other end of a pseudo-terminal; yields its port."""
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    os.set_blocking(master, False)
+    end = threading.Event()
+
+    def runs() -> None:
+        while not end.is_set():
+            with contextlib.suppress(BlockingIOError):
+                os.write(master, firmware.line(os.read(master, 256)))
+            firmware.run(np.full(20, 2.0))
+
+    thread = threading.Thread(target=runs)
+    thread.start()
+    try:
+        yield os.ttyname(slave)
+    finally:
+        end.set()
+        thread.join()
+        os.close(master)
+        os.close(slave)
+
+
+def answered(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
+    assert main(["link", *words, "--json", "-"]) == 0
+    told = capsys.readouterr().out
+    return dict(json.loads(told[told.index("{") :]))
+
+
+def until(
+    capsys: pytest.CaptureFixture[str], port: str, reached: Callable[[dict[str, object]], bool], tries: int = 60
+) -> None:
+    """Ask for the status until it is as wanted."""
+    told: dict[str, object] = {}
+    for _ in range(tries):
+        told = answered(capsys, port)
+        if reached(told):
+            return
+    raise AssertionError(told)
+
+
+def test_the_verb_drives_firmware_over_a_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("serial")
+    firmware = owned()
+    (tmp_path / "key").write_text(OWNER.key.hex())
+    softer = replace(model(), consequents=model().consequents * [1.0, 0.98, 1.0])
+    file = tmp_path / "image"
+    file.write_bytes(encode(softer, Label(OWNER.device, 0, 1), OWNER.key))
+    with on_a_terminal(firmware) as port:
+        told = answered(capsys, port, "identify")
+        assert told["name"] == model().name
+        assert told["device"] == OWNER.device
+        assert told["keyed"] is True
+        assert answered(capsys, port, "image", str(file))["counter"] == 1
+        answered(capsys, port, "start")
+        until(capsys, port, lambda told: told["state"] == State.TRACK)
+        answered(capsys, port, "reference", "2.2")
+        until(capsys, port, lambda told: abs(float(str(told["reading_um"])) - 2.2) < 0.1)
+        answered(capsys, port, "reference")
+        answered(capsys, port, "stop")
+        until(capsys, port, lambda told: told["state"] == State.OFF)
+        # The same image again is in use: accepted. An unknown action and a wrong number are one line each.
+        assert answered(capsys, port, "image", str(file))["image_answer"] == 0
+        assert main(["link", port, "reference", "high"]) == 2
+        assert "is no number" in capsys.readouterr().err
+
+
+def test_a_line_that_loses_and_changes_bytes_neither_starts_nor_installs_anything_else() -> None:
+    firmware = owned()
+    data = encode(model(), Label(OWNER.device, build_id(model()), 7), OWNER.key)
+    client = Client(Direct(firmware, loss=0.01), timeout_s=0.002)
+    for _ in range(20):
+        with contextlib.suppress(HysgenError):
+            client.install(data)
+            break
+    assert firmware.firmware.store.counter == 7
+    assert firmware.state is State.OFF
+    assert firmware.bank() == HostFirmware(image(), ModelStage(model())).bank()
+
+
+def test_any_bytes_on_the_line_change_nothing() -> None:
+    firmware, rng = owned(), np.random.default_rng(9)
+    bank = firmware.bank()
+    for _ in range(300):
+        firmware.line(rng.bytes(int(rng.integers(1, 400))))
+        firmware.line(frame(bytes([6, 0]) + rng.bytes(int(rng.integers(0, 126)))))
+    firmware.run(np.full(10, 2.0))
+    assert firmware.state is State.OFF
+    assert firmware.bank() == bank
+    assert Client(Direct(firmware)).status().state == State.OFF
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "code"),
+    [
+        (Command.REQUEST, b"", 2),
+        (Command.REQUEST, b"\x04", 3),
+        (Command.REQUEST, b"\x01\x01", 2),
+        (Command.REFERENCE, b"\0\0\0\xff\xff", 2),
+        (Command.REFERENCE, b"\0\0\x80\x7f", 3),
+        (Command.STATUS, b"\0", 2),
+        (Command.IMAGE, b"\0\0\0\0", 2),
+        (Command.IMAGE, b"\0\0\0\0" + bytes(65), 2),
+        (Command.IMAGE, b"\x08\0\0\0" + bytes(8), 3),
+        (Command.IMAGE, b"\xff\xff\xff\xff" + bytes(8), 3),
+        (9, b"", 1),
+    ],
+    ids=str,
+)
+def test_a_wrong_command_is_answered_and_changes_nothing(kind: int, data: bytes, code: int) -> None:
+    firmware = owned()
+    answer = payload(firmware.line(frame(bytes([kind, 77]) + data))[:-1])
+    assert answer == bytes([kind | ANSWER, 77, code])
+    firmware.run(np.full(3, 2.0))
+    assert firmware.state is State.OFF
+
+
+def test_the_identity_is_that_of_the_build() -> None:
+    found = Client(Direct(owned())).identity()
+    assert found.digest == structure_digest(model())
+    assert found.build == build_id(model())
+    assert (found.period_ns, found.preview, found.rules) == (20_000, 0, 6)
+    assert found.image_bytes == len(encode(model()))
+
+
+def test_a_refused_image_is_an_error_with_its_reason() -> None:
+    client = Client(Direct(owned()))
+    with pytest.raises(ModelError, match="MAC"):
+        client.install(encode(model(), Label(OWNER.device)))
+    with pytest.raises(ModelError, match="another device"):
+        client.install(encode(model(), Label(0), OWNER.key))
+    assert client.install_model(model(), OWNER.key).counter == 1
+    assert client.install_model(model(), OWNER.key).counter == 2
+
+
+def test_no_firmware_is_an_error_that_says_what_to_do() -> None:
+    class Nothing(Direct):
+        def write(self, data: bytes) -> int:
+            return len(data)
+
+    with pytest.raises(HysgenError, match="no answer in 4 tries"):
+        Client(Nothing(owned()), timeout_s=0.001).status()
+
+
+def test_frames_read_back_whatever_they_hold() -> None:
+    rng = np.random.default_rng(10)
+    for length in (1, 2, 60, 127, 128):
+        for zeros in (0.0, 0.5, 1.0):
+            body = bytes(0 if rng.random() < zeros else int(rng.integers(256)) for _ in range(length))
+            encoded = frame(body)
+            assert encoded.index(0) == len(encoded) - 1
+            assert payload(encoded[:-1]) == body
+
+
+def test_the_simulated_c674x_answers_like_the_host() -> None:
+    need_compiler()
+    from hysgen.firmware.binding import firmware_model
+
+    machine = compile_image(firmware_model(model())).machine()
+    machine.call("simulated_boot")
+    answer = b""
+    for byte in command(Command.STATUS, 5):
+        machine.call("simulated_send", byte)
+    for _ in range(6):
+        machine.call("simulated_idle")
+    while (byte := machine.call("simulated_sent").bits) < 256:
+        answer += bytes([byte])
+    body = payload(answer[:-1])
+    assert body is not None
+    assert body[:3] == bytes([Command.STATUS | ANSWER, 5, 0])
+    status = LinkStatus.unpack(body[3:])
+    assert (status.state, status.samples, status.selftest) == (State.OFF, 0, 0)
+    for byte in command(Command.REQUEST, 6, bytes([Request.STOP])):
+        machine.call("simulated_send", byte)
+    machine.call("simulated_idle")
+    while machine.call("simulated_sent").bits < 256:
+        pass
