@@ -326,6 +326,7 @@ float appendix_a_simulate(appendix_a_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+APPENDIX_A_CODE
 void appendix_a_limits(appendix_a_t *self, float low_V, float high_V, float step_V)
 {
     uint32_t acted;

@@ -29,8 +29,8 @@ extern "C" {
 
 #define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define APPENDIX_A_ALGORITHM "424a7720282c2dcc7b84a411f97fa4a278f55961820788118f813a8a1811df37"
-#define APPENDIX_A_ALGORITHM_WORD 0x424a7720u  /**< its first 32 bits */
+#define APPENDIX_A_ALGORITHM "f4a63f29bb35a38c122682f7bab659649f3defc9d8ecfd88ecbf4088834b6999"
+#define APPENDIX_A_ALGORITHM_WORD 0xf4a63f29u  /**< its first 32 bits */
 
 #define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -55,11 +55,14 @@ typedef struct {
     float gain[APPENDIX_A_BANK_RULES];    /**< q2 [um/V] */
 } appendix_a_bank_t;
 
-/** One instance of the model, 176 bytes. */
+/** One instance of the model, 188 bytes. */
 typedef struct {
     uint32_t active;            /**< index of the bank in use, 0 or 1 */
     float y_um;                 /**< last model output [um]: the state of the free run */
     float u_V;                  /**< last accepted input [V] */
+    float low_V;                /**< lowest voltage that may be put out [V] */
+    float high_V;               /**< highest voltage that may be put out [V] */
+    float step_V;               /**< largest change of that voltage per sample [V] */
     uint32_t status;            /**< bits APPENDIX_A_STATUS_..., sticky */
     uint32_t y_clamped;         /**< calls with y outside its range; counters stop at their largest value */
     uint32_t u_clamped;         /**< calls with u outside its range */
@@ -103,6 +106,15 @@ float appendix_a_predict(appendix_a_t *self, float y_um, float u_V);
  * C674x: about 191 cycles (estimate). */
 float appendix_a_simulate(appendix_a_t *self, float u_V);
 
+/** Narrow the voltages that appendix_a_inverse puts out, until the next appendix_a_init: the limits of an amplifier, or of
+ * the controller around it. The model advances by what is left of the voltage. A number that is not finite stands for no limit.
+ *
+ * @param self    the instance
+ * @param low_V   lowest voltage [V], inside APPENDIX_A_U_MIN_V .. APPENDIX_A_U_MAX_V
+ * @param high_V  highest voltage [V], at least low_V
+ * @param step_V  largest change per sample [V] */
+void appendix_a_limits(appendix_a_t *self, float low_V, float high_V, float step_V);
+
 /** The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
  *     u(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3)) / sum_l p_l(y) q_l2
  *
@@ -111,12 +123,13 @@ float appendix_a_simulate(appendix_a_t *self, float u_V);
  * @param y_next_um  reference y(k+1) [um], limited to APPENDIX_A_REFERENCE_MIN_UM .. APPENDIX_A_REFERENCE_MAX_UM; if it is
  *                   not finite, y(k) stands in for it
  * @return           u(k) [V], limited to APPENDIX_A_U_MIN_V .. APPENDIX_A_U_MAX_V
+ *                   and to appendix_a_limits
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, APPENDIX_A_STATUS_UNREACHABLE is set.
  *
  * Worst error against float64 over these ranges: APPENDIX_A_INVERSE_ERROR_V.
- * 39 float +-, 48 float *, 6 float comparisons, 87 integer, 32 loads, 8 stores.
- * C674x: about 225 cycles (estimate). */
+ * 41 float +-, 48 float *, 12 float comparisons, 80 integer, 43 loads, 8 stores, 4 branches.
+ * C674x: about 314 cycles (estimate). */
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
 
 #define APPENDIX_A_LEARNED 18u  /**< parameters that are learned */
@@ -231,7 +244,7 @@ uint32_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *learner);
 /* The compiler of the caller must lay the structs out as the compiler of appendix_a.c: another size is an error here. */
 typedef char appendix_a_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_bank_t_size[(sizeof(appendix_a_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
-typedef char appendix_a_t_size[(sizeof(appendix_a_t) == 176u) ? 1 : -1];  /**< static assertion */
+typedef char appendix_a_t_size[(sizeof(appendix_a_t) == 188u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_candidate_t_size[(sizeof(appendix_a_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_learner_t_size[(sizeof(appendix_a_learner_t) == 1616u) ? 1 : -1];  /**< static assertion */
 

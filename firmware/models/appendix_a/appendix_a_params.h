@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define APPENDIX_A_NUMBERS_DIGEST "d371975fa56ed8ad065061dedae398a0601fbe9412787a3a912a14891d7b27a3"
-#define APPENDIX_A_NUMBERS_WORD 0xd371975fu
+#define APPENDIX_A_NUMBERS_DIGEST "9e0644bddf94f0ccb9c288005131095277440ac5aa9d64e5e03bf03e5988f05e"
+#define APPENDIX_A_NUMBERS_WORD 0x9e0644bdu
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define APPENDIX_A_Y_MIN_UM           0.66079998f  /* 0x3f292a30 */

@@ -101,6 +101,92 @@ static uint32_t appendix_a_selftest_inverse(void)
     return mismatches;
 }
 
+typedef union {
+    appendix_a_t model;
+    uint32_t words[sizeof(appendix_a_t) >> 2];
+} appendix_a_selftest_model_t;
+
+typedef union {
+    appendix_a_learner_t learner;
+    uint32_t words[sizeof(appendix_a_learner_t) >> 2];
+} appendix_a_selftest_learner_t;
+
+#define APPENDIX_A_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
+
+/* Each step is invertible in hash and in the word: a single wrong word always changes the hash. */
+APPENDIX_A_CODE
+static uint32_t appendix_a_selftest_hash(uint32_t hash, const uint32_t *words, uint32_t count)
+{
+    uint32_t mixed = hash;
+
+    for (uint32_t i = 0u; i < count; ++i) {
+        mixed = (mixed ^ words[i]) * 0x01000193u;
+    }
+    return mixed;
+}
+
+APPENDIX_A_CODE
+static void appendix_a_selftest_clear(uint32_t *words, uint32_t count)
+{
+    for (uint32_t i = 0u; i < count; ++i) {
+        words[i] = 0u;
+    }
+}
+
+/* Commit of the shadows of the table, one after the other, each until an answer. */
+APPENDIX_A_CODE
+static uint32_t appendix_a_selftest_commit(appendix_a_selftest_model_t *self, appendix_a_selftest_learner_t *learner)
+{
+    uint32_t mismatches = 0u;
+
+    for (uint32_t k = 0u; k < 8u; ++k) {
+        const uint32_t *row = appendix_a_selftest_commit_rows[k];
+        uint32_t answer = APPENDIX_A_BUSY;
+        uint32_t calls = 0u;
+        uint32_t hash;
+
+        learner->learner.age = row[0];
+        for (uint32_t i = 0u; i < APPENDIX_A_LEARNED; ++i) {
+            learner->learner.theta[i] = appendix_a_selftest_float(row[4u + i]);
+        }
+        while ((answer == APPENDIX_A_BUSY) && (calls < APPENDIX_A_SELFTEST_LEARN_CALLS)) {
+            answer = appendix_a_commit(&self->model, &learner->learner);
+            calls += 1u;
+        }
+        hash = appendix_a_selftest_hash(0x811c9dc5u, self->words, APPENDIX_A_SELFTEST_WORDS(*self));
+        hash = appendix_a_selftest_hash(hash, learner->words, APPENDIX_A_SELFTEST_WORDS(*learner));
+        mismatches += (uint32_t)(calls != row[1]) + (uint32_t)(answer != row[2]) + (uint32_t)(hash != row[3]);
+    }
+    return mismatches;
+}
+
+/* Samples of the learner, every word compared after each; then commits. */
+APPENDIX_A_CODE
+static uint32_t appendix_a_selftest_learn(void)
+{
+    appendix_a_selftest_model_t self;
+    appendix_a_selftest_learner_t learner;
+    uint32_t mismatches = 0u;
+
+    appendix_a_selftest_clear(self.words, APPENDIX_A_SELFTEST_WORDS(self));
+    appendix_a_selftest_clear(learner.words, APPENDIX_A_SELFTEST_WORDS(learner));
+    appendix_a_init(&self.model, appendix_a_selftest_float(APPENDIX_A_SELFTEST_LEARN_START_Y),
+        appendix_a_selftest_float(APPENDIX_A_SELFTEST_LEARN_START_U));
+    appendix_a_learn_init(&learner.learner, &self.model);
+    for (uint32_t k = 0u; k < 64u; ++k) {
+        const uint32_t *row = appendix_a_selftest_learn_rows[k];
+        uint32_t hash;
+
+        if (k == 32u) {
+            learner.learner.age = APPENDIX_A_SELFTEST_LEARN_AGE;
+        }
+        appendix_a_learn(&learner.learner, appendix_a_selftest_float(row[0]), appendix_a_selftest_float(row[1]));
+        hash = appendix_a_selftest_hash(0x811c9dc5u, learner.words, APPENDIX_A_SELFTEST_WORDS(learner));
+        mismatches += (uint32_t)(hash != row[2]);
+    }
+    return mismatches + appendix_a_selftest_commit(&self, &learner);
+}
+
 APPENDIX_A_CODE
 uint32_t appendix_a_selftest(void)
 {
@@ -109,6 +195,7 @@ uint32_t appendix_a_selftest(void)
     mismatches += appendix_a_selftest_predict();
     mismatches += appendix_a_selftest_simulate();
     mismatches += appendix_a_selftest_inverse();
+    mismatches += appendix_a_selftest_learn();
 
     return mismatches;
 }

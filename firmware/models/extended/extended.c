@@ -160,6 +160,36 @@ EXTENDED_INLINE float extended_limited(float x, float low, float high, uint32_t 
         (extended_bits(x) & ~(raise | lower)) | (extended_bits(low) & raise) | (extended_bits(high) & lower));
 }
 
+/** Voltages that the inverse may put out at one sample. */
+typedef struct {
+    float low;   /**< [V] */
+    float high;  /**< [V] */
+} extended_span_t;
+
+/* low_V .. high_V, and at most step_V from the voltage before. */
+EXTENDED_INLINE extended_span_t extended_span(const extended_t *self, float last_V)
+{
+    const float down = last_V - self->step_V;
+    const float up = last_V + self->step_V;
+    const float low = (down < self->low_V) ? self->low_V : down;
+    const float high = (up < self->low_V) ? self->low_V : up;
+    extended_span_t span;
+
+    span.low = (low > self->high_V) ? self->high_V : low;
+    span.high = (high > self->high_V) ? self->high_V : high;
+    return span;
+}
+
+/* The voltage of the span that is nearest to x. */
+EXTENDED_INLINE float extended_allowed(float x, extended_span_t span, uint32_t *clamped)
+{
+    const float raised = (x < span.low) ? span.low : x;
+    const float allowed = (raised > span.high) ? span.high : raised;
+
+    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    return allowed;
+}
+
 /* A displacement inside the identified range, whatever came in. */
 EXTENDED_INLINE float extended_checked_y(const extended_t *self, float y_um, extended_events_t *events)
 {
@@ -745,14 +775,16 @@ EXTENDED_INLINE float extended_inputs_apply(extended_inputs_t *inputs, float u)
 /** What the inverse of the path finds besides the command. */
 typedef struct {
     float w;               /**< input of the rules that follows from the command */
-    uint32_t u_clamped;    /**< 1: the voltage lay outside the input range */
+    uint32_t u_clamped;    /**< 1: the voltage lay outside the span */
     uint32_t unreachable;  /**< 1: a limit keeps the stage from the wanted input */
     uint32_t residual;     /**< 1: the wanted input is missed although no limit acted */
 } extended_found_t;
 
-/* The command for which w is the input of the rules, 2 samples later. */
+/* The command for which w is the input of the rules, 2 samples later;
+ * the voltage that reaches the stage stays in the span. */
 EXTENDED_CODE
-static float extended_inputs_invert(extended_inputs_t *inputs, float w, extended_found_t *found)
+static float extended_inputs_invert(extended_inputs_t *inputs, float w, extended_span_t span,
+    extended_found_t *found)
 {
     extended_hysteresis_t hysteresis;
     extended_creep_t creep;
@@ -766,7 +798,7 @@ float w_ahead = extended_flushed(extended_hysteresis_ahead(&inputs->hysteresis, 
 (void)extended_creep_ahead(&inputs->creep, &creep, w_ahead);
     solved = extended_flushed(extended_creep_solve(&creep, solved));
     solved = extended_flushed(extended_hysteresis_solve(&hysteresis, solved));
-    const float allowed = extended_limited(solved, EXTENDED_U_MIN_V, EXTENDED_U_MAX_V, &found->u_clamped);
+    const float allowed = extended_allowed(solved, span, &found->u_clamped);
     float v = allowed;
 
     float u = v;
@@ -781,7 +813,7 @@ float w_ahead = extended_flushed(extended_hysteresis_ahead(&inputs->hysteresis, 
     const float less = found->w - wanted;
     const float more = wanted - found->w;
     const uint32_t missed = (uint32_t)(less > EXTENDED_W_TOLERANCE) | (uint32_t)(more > EXTENDED_W_TOLERANCE);
-    const uint32_t at_end = (uint32_t)(v <= EXTENDED_U_MIN_V) | (uint32_t)(v >= EXTENDED_U_MAX_V);
+    const uint32_t at_end = (uint32_t)(v <= span.low) | (uint32_t)(v >= span.high);
     const uint32_t held = beyond | found->u_clamped | (uint32_t)(extended_bits(v) != extended_bits(allowed));
 
     found->unreachable = held | (missed & at_end);
@@ -814,6 +846,9 @@ void extended_init(extended_t *self, float y_um, float u_V)
     self->y_um = extended_checked_y(self, y_um, &events);
     self->u_V = extended_checked_u(self, u_V, &events);
     extended_count_events(self, &events);
+    self->low_V = EXTENDED_U_MIN_V;
+    self->high_V = EXTENDED_U_MAX_V;
+    self->step_V = EXTENDED_U_STEP_MAX_V;
     (void)extended_inputs_init(&self->inputs, self->u_V);
 }
 
@@ -871,6 +906,19 @@ float extended_simulate(extended_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+EXTENDED_CODE
+void extended_limits(extended_t *self, float low_V, float high_V, float step_V)
+{
+    uint32_t acted;
+    const float low = extended_finite(low_V, EXTENDED_U_MIN_V, &acted);
+    const float high = extended_finite(high_V, EXTENDED_U_MAX_V, &acted);
+    const float step = extended_finite(step_V, EXTENDED_U_STEP_MAX_V, &acted);
+
+    self->low_V = extended_limited(low, EXTENDED_U_MIN_V, EXTENDED_U_MAX_V, &acted);
+    self->high_V = extended_limited(high, self->low_V, EXTENDED_U_MAX_V, &acted);
+    self->step_V = extended_limited(step, 0.0f, EXTENDED_U_STEP_MAX_V, &acted);
+}
+
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 EXTENDED_CODE
 float extended_inverse(extended_t *self, float y_um, float y_next_um)
@@ -879,6 +927,7 @@ float extended_inverse(extended_t *self, float y_um, float y_next_um)
     extended_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
+    const extended_span_t span = extended_span(self, self->inputs.v_V);
     const float y = extended_checked_y(self, y_um, &events);
     const extended_sums_t sums = extended_rule_sums(bank, y);
     const float finite = extended_finite(y_next_um, y, &rejected);
@@ -889,7 +938,7 @@ float extended_inverse(extended_t *self, float y_um, float y_next_um)
     const float per_weight = extended_reciprocal(sums.weight);
     const float exact = extended_flushed(numerator * per_gain);
     extended_found_t found;
-    const float u = extended_inputs_invert(&self->inputs, exact, &found);
+    const float u = extended_inputs_invert(&self->inputs, exact, span, &found);
     const uint32_t unreachable = found.unreachable;
 
     self->status |= (clamped * EXTENDED_STATUS_REFERENCE_CLAMPED) | (unreachable * EXTENDED_STATUS_UNREACHABLE);

@@ -101,6 +101,92 @@ static uint32_t extended_selftest_inverse(void)
     return mismatches;
 }
 
+typedef union {
+    extended_t model;
+    uint32_t words[sizeof(extended_t) >> 2];
+} extended_selftest_model_t;
+
+typedef union {
+    extended_learner_t learner;
+    uint32_t words[sizeof(extended_learner_t) >> 2];
+} extended_selftest_learner_t;
+
+#define EXTENDED_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
+
+/* Each step is invertible in hash and in the word: a single wrong word always changes the hash. */
+EXTENDED_CODE
+static uint32_t extended_selftest_hash(uint32_t hash, const uint32_t *words, uint32_t count)
+{
+    uint32_t mixed = hash;
+
+    for (uint32_t i = 0u; i < count; ++i) {
+        mixed = (mixed ^ words[i]) * 0x01000193u;
+    }
+    return mixed;
+}
+
+EXTENDED_CODE
+static void extended_selftest_clear(uint32_t *words, uint32_t count)
+{
+    for (uint32_t i = 0u; i < count; ++i) {
+        words[i] = 0u;
+    }
+}
+
+/* Commit of the shadows of the table, one after the other, each until an answer. */
+EXTENDED_CODE
+static uint32_t extended_selftest_commit(extended_selftest_model_t *self, extended_selftest_learner_t *learner)
+{
+    uint32_t mismatches = 0u;
+
+    for (uint32_t k = 0u; k < 8u; ++k) {
+        const uint32_t *row = extended_selftest_commit_rows[k];
+        uint32_t answer = EXTENDED_BUSY;
+        uint32_t calls = 0u;
+        uint32_t hash;
+
+        learner->learner.age = row[0];
+        for (uint32_t i = 0u; i < EXTENDED_LEARNED; ++i) {
+            learner->learner.theta[i] = extended_selftest_float(row[4u + i]);
+        }
+        while ((answer == EXTENDED_BUSY) && (calls < EXTENDED_SELFTEST_LEARN_CALLS)) {
+            answer = extended_commit(&self->model, &learner->learner);
+            calls += 1u;
+        }
+        hash = extended_selftest_hash(0x811c9dc5u, self->words, EXTENDED_SELFTEST_WORDS(*self));
+        hash = extended_selftest_hash(hash, learner->words, EXTENDED_SELFTEST_WORDS(*learner));
+        mismatches += (uint32_t)(calls != row[1]) + (uint32_t)(answer != row[2]) + (uint32_t)(hash != row[3]);
+    }
+    return mismatches;
+}
+
+/* Samples of the learner, every word compared after each; then commits. */
+EXTENDED_CODE
+static uint32_t extended_selftest_learn(void)
+{
+    extended_selftest_model_t self;
+    extended_selftest_learner_t learner;
+    uint32_t mismatches = 0u;
+
+    extended_selftest_clear(self.words, EXTENDED_SELFTEST_WORDS(self));
+    extended_selftest_clear(learner.words, EXTENDED_SELFTEST_WORDS(learner));
+    extended_init(&self.model, extended_selftest_float(EXTENDED_SELFTEST_LEARN_START_Y),
+        extended_selftest_float(EXTENDED_SELFTEST_LEARN_START_U));
+    extended_learn_init(&learner.learner, &self.model);
+    for (uint32_t k = 0u; k < 64u; ++k) {
+        const uint32_t *row = extended_selftest_learn_rows[k];
+        uint32_t hash;
+
+        if (k == 32u) {
+            learner.learner.age = EXTENDED_SELFTEST_LEARN_AGE;
+        }
+        extended_learn(&learner.learner, extended_selftest_float(row[0]), extended_selftest_float(row[1]));
+        hash = extended_selftest_hash(0x811c9dc5u, learner.words, EXTENDED_SELFTEST_WORDS(learner));
+        mismatches += (uint32_t)(hash != row[2]);
+    }
+    return mismatches + extended_selftest_commit(&self, &learner);
+}
+
 EXTENDED_CODE
 uint32_t extended_selftest(void)
 {
@@ -109,6 +195,7 @@ uint32_t extended_selftest(void)
     mismatches += extended_selftest_predict();
     mismatches += extended_selftest_simulate();
     mismatches += extended_selftest_inverse();
+    mismatches += extended_selftest_learn();
 
     return mismatches;
 }

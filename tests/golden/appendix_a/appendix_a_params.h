@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define APPENDIX_A_NUMBERS_DIGEST "1f6a3cb0031f9a47c9424212473a3ea4d11fcc4419e68206996fdb51290df600"
-#define APPENDIX_A_NUMBERS_WORD 0x1f6a3cb0u
+#define APPENDIX_A_NUMBERS_DIGEST "4d59981ae76f3ff80b804f99f2f3c8b4ae2020aaba806d1036186285c74c27a7"
+#define APPENDIX_A_NUMBERS_WORD 0x4d59981au
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define APPENDIX_A_Y_MIN_UM           0.66079998f  /* 0x3f292a30 */

@@ -160,6 +160,36 @@ DIAGNOSED_INLINE float diagnosed_limited(float x, float low, float high, uint32_
         (diagnosed_bits(x) & ~(raise | lower)) | (diagnosed_bits(low) & raise) | (diagnosed_bits(high) & lower));
 }
 
+/** Voltages that the inverse may put out at one sample. */
+typedef struct {
+    float low;   /**< [V] */
+    float high;  /**< [V] */
+} diagnosed_span_t;
+
+/* low_V .. high_V, and at most step_V from the voltage before. */
+DIAGNOSED_INLINE diagnosed_span_t diagnosed_span(const diagnosed_t *self, float last_V)
+{
+    const float down = last_V - self->step_V;
+    const float up = last_V + self->step_V;
+    const float low = (down < self->low_V) ? self->low_V : down;
+    const float high = (up < self->low_V) ? self->low_V : up;
+    diagnosed_span_t span;
+
+    span.low = (low > self->high_V) ? self->high_V : low;
+    span.high = (high > self->high_V) ? self->high_V : high;
+    return span;
+}
+
+/* The voltage of the span that is nearest to x. */
+DIAGNOSED_INLINE float diagnosed_allowed(float x, diagnosed_span_t span, uint32_t *clamped)
+{
+    const float raised = (x < span.low) ? span.low : x;
+    const float allowed = (raised > span.high) ? span.high : raised;
+
+    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    return allowed;
+}
+
 /* A displacement inside the identified range, whatever came in. */
 DIAGNOSED_INLINE float diagnosed_checked_y(const diagnosed_t *self, float y_um, diagnosed_events_t *events)
 {
@@ -813,14 +843,16 @@ DIAGNOSED_INLINE float diagnosed_inputs_apply(diagnosed_inputs_t *inputs, float 
 /** What the inverse of the path finds besides the command. */
 typedef struct {
     float w;               /**< input of the rules that follows from the command */
-    uint32_t u_clamped;    /**< 1: the voltage lay outside the input range */
+    uint32_t u_clamped;    /**< 1: the voltage lay outside the span */
     uint32_t unreachable;  /**< 1: a limit keeps the stage from the wanted input */
     uint32_t residual;     /**< 1: the wanted input is missed although no limit acted */
 } diagnosed_found_t;
 
-/* The command for which w is the input of the rules, 1 samples later. */
+/* The command for which w is the input of the rules, 1 samples later;
+ * the voltage that reaches the stage stays in the span. */
 DIAGNOSED_CODE
-static float diagnosed_inputs_invert(diagnosed_inputs_t *inputs, float w, diagnosed_found_t *found)
+static float diagnosed_inputs_invert(diagnosed_inputs_t *inputs, float w, diagnosed_span_t span,
+    diagnosed_found_t *found)
 {
     diagnosed_hysteresis_t hysteresis;
     diagnosed_creep_t creep;
@@ -837,7 +869,7 @@ w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahea
     solved = diagnosed_flushed(diagnosed_modes_solve(&modes, solved));
     solved = diagnosed_flushed(diagnosed_creep_solve(&creep, solved));
     solved = diagnosed_flushed(diagnosed_hysteresis_solve(&hysteresis, solved));
-    const float allowed = diagnosed_limited(solved, DIAGNOSED_U_MIN_V, DIAGNOSED_U_MAX_V, &found->u_clamped);
+    const float allowed = diagnosed_allowed(solved, span, &found->u_clamped);
     float v = allowed;
 
     float u = v;
@@ -852,7 +884,7 @@ w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahea
     const float less = found->w - wanted;
     const float more = wanted - found->w;
     const uint32_t missed = (uint32_t)(less > DIAGNOSED_W_TOLERANCE) | (uint32_t)(more > DIAGNOSED_W_TOLERANCE);
-    const uint32_t at_end = (uint32_t)(v <= DIAGNOSED_U_MIN_V) | (uint32_t)(v >= DIAGNOSED_U_MAX_V);
+    const uint32_t at_end = (uint32_t)(v <= span.low) | (uint32_t)(v >= span.high);
     const uint32_t held = beyond | found->u_clamped | (uint32_t)(diagnosed_bits(v) != diagnosed_bits(allowed));
 
     found->unreachable = held | (missed & at_end);
@@ -885,6 +917,9 @@ void diagnosed_init(diagnosed_t *self, float y_um, float u_V)
     self->y_um = diagnosed_checked_y(self, y_um, &events);
     self->u_V = diagnosed_checked_u(self, u_V, &events);
     diagnosed_count_events(self, &events);
+    self->low_V = DIAGNOSED_U_MIN_V;
+    self->high_V = DIAGNOSED_U_MAX_V;
+    self->step_V = DIAGNOSED_U_STEP_MAX_V;
     (void)diagnosed_inputs_init(&self->inputs, self->u_V);
 }
 
@@ -942,6 +977,19 @@ float diagnosed_simulate(diagnosed_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+DIAGNOSED_CODE
+void diagnosed_limits(diagnosed_t *self, float low_V, float high_V, float step_V)
+{
+    uint32_t acted;
+    const float low = diagnosed_finite(low_V, DIAGNOSED_U_MIN_V, &acted);
+    const float high = diagnosed_finite(high_V, DIAGNOSED_U_MAX_V, &acted);
+    const float step = diagnosed_finite(step_V, DIAGNOSED_U_STEP_MAX_V, &acted);
+
+    self->low_V = diagnosed_limited(low, DIAGNOSED_U_MIN_V, DIAGNOSED_U_MAX_V, &acted);
+    self->high_V = diagnosed_limited(high, self->low_V, DIAGNOSED_U_MAX_V, &acted);
+    self->step_V = diagnosed_limited(step, 0.0f, DIAGNOSED_U_STEP_MAX_V, &acted);
+}
+
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 DIAGNOSED_CODE
 float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um)
@@ -950,6 +998,7 @@ float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um)
     diagnosed_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
+    const diagnosed_span_t span = diagnosed_span(self, self->inputs.v_V);
     const float y = diagnosed_checked_y(self, y_um, &events);
     const diagnosed_sums_t sums = diagnosed_rule_sums(bank, y);
     const float finite = diagnosed_finite(y_next_um, y, &rejected);
@@ -960,7 +1009,7 @@ float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um)
     const float per_weight = diagnosed_reciprocal(sums.weight);
     const float exact = diagnosed_flushed(numerator * per_gain);
     diagnosed_found_t found;
-    const float u = diagnosed_inputs_invert(&self->inputs, exact, &found);
+    const float u = diagnosed_inputs_invert(&self->inputs, exact, span, &found);
     const uint32_t unreachable = found.unreachable;
 
     self->status |= (clamped * DIAGNOSED_STATUS_REFERENCE_CLAMPED) | (unreachable * DIAGNOSED_STATUS_UNREACHABLE);

@@ -101,6 +101,92 @@ static uint32_t diagnosed_selftest_inverse(void)
     return mismatches;
 }
 
+typedef union {
+    diagnosed_t model;
+    uint32_t words[sizeof(diagnosed_t) >> 2];
+} diagnosed_selftest_model_t;
+
+typedef union {
+    diagnosed_learner_t learner;
+    uint32_t words[sizeof(diagnosed_learner_t) >> 2];
+} diagnosed_selftest_learner_t;
+
+#define DIAGNOSED_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
+
+/* Each step is invertible in hash and in the word: a single wrong word always changes the hash. */
+DIAGNOSED_CODE
+static uint32_t diagnosed_selftest_hash(uint32_t hash, const uint32_t *words, uint32_t count)
+{
+    uint32_t mixed = hash;
+
+    for (uint32_t i = 0u; i < count; ++i) {
+        mixed = (mixed ^ words[i]) * 0x01000193u;
+    }
+    return mixed;
+}
+
+DIAGNOSED_CODE
+static void diagnosed_selftest_clear(uint32_t *words, uint32_t count)
+{
+    for (uint32_t i = 0u; i < count; ++i) {
+        words[i] = 0u;
+    }
+}
+
+/* Commit of the shadows of the table, one after the other, each until an answer. */
+DIAGNOSED_CODE
+static uint32_t diagnosed_selftest_commit(diagnosed_selftest_model_t *self, diagnosed_selftest_learner_t *learner)
+{
+    uint32_t mismatches = 0u;
+
+    for (uint32_t k = 0u; k < 8u; ++k) {
+        const uint32_t *row = diagnosed_selftest_commit_rows[k];
+        uint32_t answer = DIAGNOSED_BUSY;
+        uint32_t calls = 0u;
+        uint32_t hash;
+
+        learner->learner.age = row[0];
+        for (uint32_t i = 0u; i < DIAGNOSED_LEARNED; ++i) {
+            learner->learner.theta[i] = diagnosed_selftest_float(row[4u + i]);
+        }
+        while ((answer == DIAGNOSED_BUSY) && (calls < DIAGNOSED_SELFTEST_LEARN_CALLS)) {
+            answer = diagnosed_commit(&self->model, &learner->learner);
+            calls += 1u;
+        }
+        hash = diagnosed_selftest_hash(0x811c9dc5u, self->words, DIAGNOSED_SELFTEST_WORDS(*self));
+        hash = diagnosed_selftest_hash(hash, learner->words, DIAGNOSED_SELFTEST_WORDS(*learner));
+        mismatches += (uint32_t)(calls != row[1]) + (uint32_t)(answer != row[2]) + (uint32_t)(hash != row[3]);
+    }
+    return mismatches;
+}
+
+/* Samples of the learner, every word compared after each; then commits. */
+DIAGNOSED_CODE
+static uint32_t diagnosed_selftest_learn(void)
+{
+    diagnosed_selftest_model_t self;
+    diagnosed_selftest_learner_t learner;
+    uint32_t mismatches = 0u;
+
+    diagnosed_selftest_clear(self.words, DIAGNOSED_SELFTEST_WORDS(self));
+    diagnosed_selftest_clear(learner.words, DIAGNOSED_SELFTEST_WORDS(learner));
+    diagnosed_init(&self.model, diagnosed_selftest_float(DIAGNOSED_SELFTEST_LEARN_START_Y),
+        diagnosed_selftest_float(DIAGNOSED_SELFTEST_LEARN_START_U));
+    diagnosed_learn_init(&learner.learner, &self.model);
+    for (uint32_t k = 0u; k < 64u; ++k) {
+        const uint32_t *row = diagnosed_selftest_learn_rows[k];
+        uint32_t hash;
+
+        if (k == 32u) {
+            learner.learner.age = DIAGNOSED_SELFTEST_LEARN_AGE;
+        }
+        diagnosed_learn(&learner.learner, diagnosed_selftest_float(row[0]), diagnosed_selftest_float(row[1]));
+        hash = diagnosed_selftest_hash(0x811c9dc5u, learner.words, DIAGNOSED_SELFTEST_WORDS(learner));
+        mismatches += (uint32_t)(hash != row[2]);
+    }
+    return mismatches + diagnosed_selftest_commit(&self, &learner);
+}
+
 DIAGNOSED_CODE
 uint32_t diagnosed_selftest(void)
 {
@@ -109,6 +195,7 @@ uint32_t diagnosed_selftest(void)
     mismatches += diagnosed_selftest_predict();
     mismatches += diagnosed_selftest_simulate();
     mismatches += diagnosed_selftest_inverse();
+    mismatches += diagnosed_selftest_learn();
 
     return mismatches;
 }

@@ -160,6 +160,36 @@ EVERYTHING_INLINE float everything_limited(float x, float low, float high, uint3
         (everything_bits(x) & ~(raise | lower)) | (everything_bits(low) & raise) | (everything_bits(high) & lower));
 }
 
+/** Voltages that the inverse may put out at one sample. */
+typedef struct {
+    float low;   /**< [V] */
+    float high;  /**< [V] */
+} everything_span_t;
+
+/* low_V .. high_V, and at most step_V from the voltage before. */
+EVERYTHING_INLINE everything_span_t everything_span(const everything_t *self, float last_V)
+{
+    const float down = last_V - self->step_V;
+    const float up = last_V + self->step_V;
+    const float low = (down < self->low_V) ? self->low_V : down;
+    const float high = (up < self->low_V) ? self->low_V : up;
+    everything_span_t span;
+
+    span.low = (low > self->high_V) ? self->high_V : low;
+    span.high = (high > self->high_V) ? self->high_V : high;
+    return span;
+}
+
+/* The voltage of the span that is nearest to x. */
+EVERYTHING_INLINE float everything_allowed(float x, everything_span_t span, uint32_t *clamped)
+{
+    const float raised = (x < span.low) ? span.low : x;
+    const float allowed = (raised > span.high) ? span.high : raised;
+
+    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    return allowed;
+}
+
 /* A displacement inside the identified range, whatever came in. */
 EVERYTHING_INLINE float everything_checked_y(const everything_t *self, float y_um, everything_events_t *events)
 {
@@ -797,14 +827,16 @@ EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, flo
 /** What the inverse of the path finds besides the command. */
 typedef struct {
     float w;               /**< input of the rules that follows from the command */
-    uint32_t u_clamped;    /**< 1: the voltage lay outside the input range */
+    uint32_t u_clamped;    /**< 1: the voltage lay outside the span */
     uint32_t unreachable;  /**< 1: a limit keeps the stage from the wanted input */
     uint32_t residual;     /**< 1: the wanted input is missed although no limit acted */
 } everything_found_t;
 
-/* The command for which w is the input of the rules, 3 samples later. */
+/* The command for which w is the input of the rules, 3 samples later;
+ * the voltage that reaches the stage stays in the span. */
 EVERYTHING_CODE
-static float everything_inputs_invert(everything_inputs_t *inputs, float w, everything_found_t *found)
+static float everything_inputs_invert(everything_inputs_t *inputs, float w, everything_span_t span,
+    everything_found_t *found)
 {
     everything_hysteresis_t hysteresis;
     everything_creep_t creep;
@@ -821,7 +853,7 @@ w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ah
     solved = everything_flushed(everything_modes_solve(&modes, solved));
     solved = everything_flushed(everything_creep_solve(&creep, solved));
     solved = everything_flushed(everything_hysteresis_solve(&hysteresis, solved));
-    const float allowed = everything_limited(solved, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &found->u_clamped);
+    const float allowed = everything_allowed(solved, span, &found->u_clamped);
     float v = allowed;
 
     v = everything_saturation_apply(v);
@@ -838,7 +870,7 @@ w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ah
     const float less = found->w - wanted;
     const float more = wanted - found->w;
     const uint32_t missed = (uint32_t)(less > EVERYTHING_W_TOLERANCE) | (uint32_t)(more > EVERYTHING_W_TOLERANCE);
-    const uint32_t at_end = (uint32_t)(v <= EVERYTHING_U_MIN_V) | (uint32_t)(v >= EVERYTHING_U_MAX_V);
+    const uint32_t at_end = (uint32_t)(v <= span.low) | (uint32_t)(v >= span.high);
     const uint32_t held = beyond | found->u_clamped | (uint32_t)(everything_bits(v) != everything_bits(allowed));
 
     found->unreachable = held | (missed & at_end);
@@ -1063,6 +1095,9 @@ void everything_init(everything_t *self, float y_um, float u_V)
     self->y_um = everything_checked_y(self, y_um, &events);
     self->u_V = everything_checked_u(self, u_V, &events);
     everything_count_events(self, &events);
+    self->low_V = EVERYTHING_U_MIN_V;
+    self->high_V = EVERYTHING_U_MAX_V;
+    self->step_V = EVERYTHING_U_STEP_MAX_V;
     (void)everything_inputs_init(&self->inputs, self->u_V);
     everything_terms_init(&self->terms);
 }
@@ -1133,6 +1168,19 @@ float everything_simulate(everything_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+EVERYTHING_CODE
+void everything_limits(everything_t *self, float low_V, float high_V, float step_V)
+{
+    uint32_t acted;
+    const float low = everything_finite(low_V, EVERYTHING_U_MIN_V, &acted);
+    const float high = everything_finite(high_V, EVERYTHING_U_MAX_V, &acted);
+    const float step = everything_finite(step_V, EVERYTHING_U_STEP_MAX_V, &acted);
+
+    self->low_V = everything_limited(low, EVERYTHING_U_MIN_V, EVERYTHING_U_MAX_V, &acted);
+    self->high_V = everything_limited(high, self->low_V, EVERYTHING_U_MAX_V, &acted);
+    self->step_V = everything_limited(step, 0.0f, EVERYTHING_U_STEP_MAX_V, &acted);
+}
+
 /* u(k) that takes y(k) to y(k+1): (y(k+1) - sum theta phi) W = y S + O + u G, solved for u. */
 EVERYTHING_CODE
 float everything_inverse(everything_t *self, float y_um, float y_next_um)
@@ -1141,6 +1189,7 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     everything_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
+    const everything_span_t span = everything_span(self, self->inputs.v_V);
     const float y = everything_checked_y(self, y_um, &events);
     const everything_sums_t sums = everything_rule_sums(bank, y);
     const float extra = everything_terms_sum_ahead(bank, &self->terms);
@@ -1152,7 +1201,7 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     const float per_weight = everything_reciprocal(sums.weight);
     const float exact = everything_flushed(numerator * per_gain);
     everything_found_t found;
-    const float u = everything_inputs_invert(&self->inputs, exact, &found);
+    const float u = everything_inputs_invert(&self->inputs, exact, span, &found);
     const uint32_t unreachable = found.unreachable;
 
     self->status |= (clamped * EVERYTHING_STATUS_REFERENCE_CLAMPED) | (unreachable * EVERYTHING_STATUS_UNREACHABLE);

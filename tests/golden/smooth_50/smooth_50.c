@@ -375,6 +375,7 @@ float smooth_50_simulate(smooth_50_t *self, float u_V)
 
 /* ---- Inverse --------------------------------------------------------------------------------------------------- */
 
+SMOOTH_50_CODE
 void smooth_50_limits(smooth_50_t *self, float low_V, float high_V, float step_V)
 {
     uint32_t acted;

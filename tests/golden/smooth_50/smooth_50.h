@@ -29,8 +29,8 @@ extern "C" {
 
 #define SMOOTH_50_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of smooth_50.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define SMOOTH_50_ALGORITHM "93e1b6864de0eeb63d9d55c898f05b0a919911f36b007a25324c3b4483fd592b"
-#define SMOOTH_50_ALGORITHM_WORD 0x93e1b686u  /**< its first 32 bits */
+#define SMOOTH_50_ALGORITHM "3d7a8edc72324149edaddc5d8698fd3a63bb596a9fb560ead2f9286372fa140d"
+#define SMOOTH_50_ALGORITHM_WORD 0x3d7a8edcu  /**< its first 32 bits */
 
 #define SMOOTH_50_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define SMOOTH_50_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -56,11 +56,14 @@ typedef struct {
     float gain[SMOOTH_50_BANK_RULES];    /**< q2 [um/V] */
 } smooth_50_bank_t;
 
-/** One instance of the model, 1472 bytes. */
+/** One instance of the model, 1484 bytes. */
 typedef struct {
     uint32_t active;           /**< index of the bank in use, 0 or 1 */
     float y_um;                /**< last model output [um]: the state of the free run */
     float u_V;                 /**< last accepted input [V] */
+    float low_V;               /**< lowest voltage that may be put out [V] */
+    float high_V;              /**< highest voltage that may be put out [V] */
+    float step_V;              /**< largest change of that voltage per sample [V] */
     uint32_t status;           /**< bits SMOOTH_50_STATUS_..., sticky */
     uint32_t y_clamped;        /**< calls with y outside its range; counters stop at their largest value */
     uint32_t u_clamped;        /**< calls with u outside its range */
@@ -104,6 +107,15 @@ float smooth_50_predict(smooth_50_t *self, float y_um, float u_V);
  * C674x: about 264 cycles (estimate). */
 float smooth_50_simulate(smooth_50_t *self, float u_V);
 
+/** Narrow the voltages that smooth_50_inverse puts out, until the next smooth_50_init: the limits of an amplifier, or of
+ * the controller around it. The model advances by what is left of the voltage. A number that is not finite stands for no limit.
+ *
+ * @param self    the instance
+ * @param low_V   lowest voltage [V], inside SMOOTH_50_U_MIN_V .. SMOOTH_50_U_MAX_V
+ * @param high_V  highest voltage [V], at least low_V
+ * @param step_V  largest change per sample [V] */
+void smooth_50_limits(smooth_50_t *self, float low_V, float high_V, float step_V);
+
 /** The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
  *     u(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3)) / sum_l p_l(y) q_l2
  *
@@ -112,18 +124,19 @@ float smooth_50_simulate(smooth_50_t *self, float u_V);
  * @param y_next_um  reference y(k+1) [um], limited to SMOOTH_50_REFERENCE_MIN_UM .. SMOOTH_50_REFERENCE_MAX_UM; if it is
  *                   not finite, y(k) stands in for it
  * @return           u(k) [V], limited to SMOOTH_50_U_MIN_V .. SMOOTH_50_U_MAX_V
+ *                   and to smooth_50_limits
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, SMOOTH_50_STATUS_UNREACHABLE is set.
  *
  * Worst error against float64 over these ranges: SMOOTH_50_INVERSE_ERROR_V.
- * 62 float +-, 90 float *, 6 float comparisons, 88 integer, 63 loads, 8 stores.
- * C674x: about 298 cycles (estimate). */
+ * 64 float +-, 90 float *, 12 float comparisons, 81 integer, 74 loads, 8 stores, 4 branches.
+ * C674x: about 387 cycles (estimate). */
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um);
 
 /* The compiler of the caller must lay the structs out as the compiler of smooth_50.c: another size is an error here. */
 typedef char smooth_50_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
 typedef char smooth_50_bank_t_size[(sizeof(smooth_50_bank_t) == 720u) ? 1 : -1];  /**< static assertion */
-typedef char smooth_50_t_size[(sizeof(smooth_50_t) == 1472u) ? 1 : -1];  /**< static assertion */
+typedef char smooth_50_t_size[(sizeof(smooth_50_t) == 1484u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

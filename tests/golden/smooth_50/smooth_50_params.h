@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define SMOOTH_50_NUMBERS_DIGEST "ff2ad9519e109285a041fa7f91ab198217dd4e59ece7df7daa2b7aeff594f14d"
-#define SMOOTH_50_NUMBERS_WORD 0xff2ad951u
+#define SMOOTH_50_NUMBERS_DIGEST "d77bd2aa4deee7473b5e9709d85bf15a81a7328309ee9f47aadf4ddbfd9d28e9"
+#define SMOOTH_50_NUMBERS_WORD 0xd77bd2aau
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define SMOOTH_50_Y_MIN_UM            0.5f  /* 0x3f000000 */
