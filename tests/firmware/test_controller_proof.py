@@ -113,7 +113,7 @@ firmware_t firmware;
 
 int main(void)
 {
-    /*@ widen_hints "all", 1, 4, 64, 128, 132, 134, 136; */
+    /*@ widen_hints global:"all", 1, 4, 64, 128, 132, 134, 136; */
     %s
     Frama_C_make_unknown((char *)&owner, sizeof owner);
     firmware_boot(&firmware, &board, &settings, &owner);
