@@ -142,16 +142,15 @@ static uint32_t appendix_a_selftest_commit(appendix_a_selftest_model_t *self, ap
     for (uint32_t k = 0u; k < 8u; ++k) {
         const uint32_t *row = appendix_a_selftest_commit_rows[k];
         uint32_t answer = APPENDIX_A_BUSY;
-        uint32_t calls = 0u;
+        uint32_t calls;
         uint32_t hash;
 
         learner->learner.age = row[0];
         for (uint32_t i = 0u; i < APPENDIX_A_LEARNED; ++i) {
             learner->learner.theta[i] = appendix_a_selftest_float(row[4u + i]);
         }
-        while ((answer == APPENDIX_A_BUSY) && (calls < APPENDIX_A_SELFTEST_LEARN_CALLS)) {
+        for (calls = 0u; (answer == APPENDIX_A_BUSY) && (calls < APPENDIX_A_SELFTEST_LEARN_CALLS); ++calls) {
             answer = appendix_a_commit(&self->model, &learner->learner);
-            calls += 1u;
         }
         hash = appendix_a_selftest_hash(0x811c9dc5u, self->words, APPENDIX_A_SELFTEST_WORDS(*self));
         hash = appendix_a_selftest_hash(hash, learner->words, APPENDIX_A_SELFTEST_WORDS(*learner));

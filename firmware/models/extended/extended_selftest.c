@@ -142,16 +142,15 @@ static uint32_t extended_selftest_commit(extended_selftest_model_t *self, extend
     for (uint32_t k = 0u; k < 8u; ++k) {
         const uint32_t *row = extended_selftest_commit_rows[k];
         uint32_t answer = EXTENDED_BUSY;
-        uint32_t calls = 0u;
+        uint32_t calls;
         uint32_t hash;
 
         learner->learner.age = row[0];
         for (uint32_t i = 0u; i < EXTENDED_LEARNED; ++i) {
             learner->learner.theta[i] = extended_selftest_float(row[4u + i]);
         }
-        while ((answer == EXTENDED_BUSY) && (calls < EXTENDED_SELFTEST_LEARN_CALLS)) {
+        for (calls = 0u; (answer == EXTENDED_BUSY) && (calls < EXTENDED_SELFTEST_LEARN_CALLS); ++calls) {
             answer = extended_commit(&self->model, &learner->learner);
-            calls += 1u;
         }
         hash = extended_selftest_hash(0x811c9dc5u, self->words, EXTENDED_SELFTEST_WORDS(*self));
         hash = extended_selftest_hash(hash, learner->words, EXTENDED_SELFTEST_WORDS(*learner));

@@ -142,16 +142,15 @@ static uint32_t diagnosed_selftest_commit(diagnosed_selftest_model_t *self, diag
     for (uint32_t k = 0u; k < 8u; ++k) {
         const uint32_t *row = diagnosed_selftest_commit_rows[k];
         uint32_t answer = DIAGNOSED_BUSY;
-        uint32_t calls = 0u;
+        uint32_t calls;
         uint32_t hash;
 
         learner->learner.age = row[0];
         for (uint32_t i = 0u; i < DIAGNOSED_LEARNED; ++i) {
             learner->learner.theta[i] = diagnosed_selftest_float(row[4u + i]);
         }
-        while ((answer == DIAGNOSED_BUSY) && (calls < DIAGNOSED_SELFTEST_LEARN_CALLS)) {
+        for (calls = 0u; (answer == DIAGNOSED_BUSY) && (calls < DIAGNOSED_SELFTEST_LEARN_CALLS); ++calls) {
             answer = diagnosed_commit(&self->model, &learner->learner);
-            calls += 1u;
         }
         hash = diagnosed_selftest_hash(0x811c9dc5u, self->words, DIAGNOSED_SELFTEST_WORDS(*self));
         hash = diagnosed_selftest_hash(hash, learner->words, DIAGNOSED_SELFTEST_WORDS(*learner));
