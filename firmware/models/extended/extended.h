@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "426e536a1484458269e0f6e8743f3380d977a5fdc89da6afcb1a11e29e6058d1"
-#define EXTENDED_ALGORITHM_WORD 0x426e536au  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "ae7ea6b41949ab1643ce68ccba61ea7ba5d34ab7c69ee0e6c608975924c416b1"
+#define EXTENDED_ALGORITHM_WORD 0xae7ea6b4u  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -91,11 +91,14 @@ typedef struct {
     float gain[EXTENDED_BANK_RULES];    /**< q2 [um/um] */
 } extended_bank_t;
 
-/** One instance of the model, 356 bytes. */
+/** One instance of the model, 368 bytes. */
 typedef struct {
     uint32_t active;           /**< index of the bank in use, 0 or 1 */
     float y_um;                /**< last model output [um]: the state of the free run */
     float u_V;                 /**< last accepted input [V] */
+    float low_V;               /**< lowest voltage that may be put out [V] */
+    float high_V;              /**< highest voltage that may be put out [V] */
+    float step_V;              /**< largest change of that voltage per sample [V] */
     uint32_t status;           /**< bits EXTENDED_STATUS_..., sticky */
     uint32_t y_clamped;        /**< calls with y outside its range; counters stop at their largest value */
     uint32_t u_clamped;        /**< calls with u outside its range */
@@ -140,6 +143,15 @@ float extended_predict(extended_t *self, float y_um, float u_V);
  * C674x: about 640 cycles (estimate). */
 float extended_simulate(extended_t *self, float u_V);
 
+/** Narrow the voltages that extended_inverse puts out, until the next extended_init: the limits of an amplifier, or of
+ * the controller around it. The model advances by what is left of the voltage. A number that is not finite stands for no limit.
+ *
+ * @param self    the instance
+ * @param low_V   lowest voltage [V], inside EXTENDED_U_MIN_V .. EXTENDED_U_MAX_V
+ * @param high_V  highest voltage [V], at least low_V
+ * @param step_V  largest change per sample [V] */
+void extended_limits(extended_t *self, float low_V, float high_V, float step_V);
+
 /** The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
  *     w(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3)) / sum_l p_l(y) q_l2
  *
@@ -149,14 +161,15 @@ float extended_simulate(extended_t *self, float u_V);
  *                   not finite, y(k) stands in for it
  * @return           u(k) [V], limited to EXTENDED_U_MIN_V .. EXTENDED_U_MAX_V and to what the path lets
  *                   through
+ *                   and to extended_limits
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EXTENDED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EXTENDED_PREVIEW later than the result.
  *
  * Where no limit acts, y(k+1) is missed by at most EXTENDED_INVERSE_ERROR_UM; where the path is
  * missed by more than EXTENDED_W_TOLERANCE, EXTENDED_STATUS_INVERSE_RESIDUAL is set.
- * 587 float +-, 432 float *, 113 float comparisons, 540 integer, 383 loads, 50 stores, 16 branches.
- * C674x: about 1959 cycles (estimate). */
+ * 589 float +-, 432 float *, 119 float comparisons, 533 integer, 394 loads, 50 stores, 20 branches.
+ * C674x: about 2048 cycles (estimate). */
 float extended_inverse(extended_t *self, float y_um, float y_next_um);
 
 #define EXTENDED_LEARNED 18u  /**< parameters that are learned */
@@ -276,7 +289,7 @@ typedef char extended_hysteresis_t_size[(sizeof(extended_hysteresis_t) == 120u) 
 typedef char extended_creep_t_size[(sizeof(extended_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
 typedef char extended_inputs_t_size[(sizeof(extended_inputs_t) == 180u) ? 1 : -1];  /**< static assertion */
 typedef char extended_bank_t_size[(sizeof(extended_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
-typedef char extended_t_size[(sizeof(extended_t) == 356u) ? 1 : -1];  /**< static assertion */
+typedef char extended_t_size[(sizeof(extended_t) == 368u) ? 1 : -1];  /**< static assertion */
 typedef char extended_candidate_t_size[(sizeof(extended_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
 typedef char extended_learner_t_size[(sizeof(extended_learner_t) == 1796u) ? 1 : -1];  /**< static assertion */
 

@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define EXTENDED_NUMBERS_DIGEST "f85ca514aa706ce2d65a8ca1c254f9a92edee11862cd62dba65aaebc7deb4364"
-#define EXTENDED_NUMBERS_WORD 0xf85ca514u
+#define EXTENDED_NUMBERS_DIGEST "e6216d4f44028a3fbd039dd9e20af3cde132267b434c9384df4cb7905d342570"
+#define EXTENDED_NUMBERS_WORD 0xe6216d4fu
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EXTENDED_Y_MIN_UM           -0.0555000007f  /* 0xbd6353f8 */

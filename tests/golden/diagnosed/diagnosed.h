@@ -30,8 +30,8 @@ extern "C" {
 
 #define DIAGNOSED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of diagnosed.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define DIAGNOSED_ALGORITHM "f601eac154a04e9ad3eb950cd7819a069c3c5077a48dda6953f5c32c7b6b15c6"
-#define DIAGNOSED_ALGORITHM_WORD 0xf601eac1u  /**< its first 32 bits */
+#define DIAGNOSED_ALGORITHM "fe7705a6378a0805402889e42a1438df4cad0480cb2fa671d7969492c115f74e"
+#define DIAGNOSED_ALGORITHM_WORD 0xfe7705a6u  /**< its first 32 bits */
 
 #define DIAGNOSED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define DIAGNOSED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -100,11 +100,14 @@ typedef struct {
     float gain[DIAGNOSED_BANK_RULES];    /**< q2 [um/um] */
 } diagnosed_bank_t;
 
-/** One instance of the model, 372 bytes. */
+/** One instance of the model, 384 bytes. */
 typedef struct {
     uint32_t active;            /**< index of the bank in use, 0 or 1 */
     float y_um;                 /**< last model output [um]: the state of the free run */
     float u_V;                  /**< last accepted input [V] */
+    float low_V;                /**< lowest voltage that may be put out [V] */
+    float high_V;               /**< highest voltage that may be put out [V] */
+    float step_V;               /**< largest change of that voltage per sample [V] */
     uint32_t status;            /**< bits DIAGNOSED_STATUS_..., sticky */
     uint32_t y_clamped;         /**< calls with y outside its range; counters stop at their largest value */
     uint32_t u_clamped;         /**< calls with u outside its range */
@@ -149,6 +152,15 @@ float diagnosed_predict(diagnosed_t *self, float y_um, float u_V);
  * C674x: about 635 cycles (estimate). */
 float diagnosed_simulate(diagnosed_t *self, float u_V);
 
+/** Narrow the voltages that diagnosed_inverse puts out, until the next diagnosed_init: the limits of an amplifier, or of
+ * the controller around it. The model advances by what is left of the voltage. A number that is not finite stands for no limit.
+ *
+ * @param self    the instance
+ * @param low_V   lowest voltage [V], inside DIAGNOSED_U_MIN_V .. DIAGNOSED_U_MAX_V
+ * @param high_V  highest voltage [V], at least low_V
+ * @param step_V  largest change per sample [V] */
+void diagnosed_limits(diagnosed_t *self, float low_V, float high_V, float step_V);
+
 /** The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
  *     w(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3)) / sum_l p_l(y) q_l2
  *
@@ -158,14 +170,15 @@ float diagnosed_simulate(diagnosed_t *self, float u_V);
  *                   not finite, y(k) stands in for it
  * @return           u(k) [V], limited to DIAGNOSED_U_MIN_V .. DIAGNOSED_U_MAX_V and to what the path lets
  *                   through
+ *                   and to diagnosed_limits
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, DIAGNOSED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample DIAGNOSED_PREVIEW later than the result.
  *
  * Where no limit acts, y(k+1) is missed by at most DIAGNOSED_INVERSE_ERROR_UM; where the path is
  * missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
- * 588 float +-, 370 float *, 149 float comparisons, 580 integer, 395 loads, 56 stores, 10 branches.
- * C674x: about 1864 cycles (estimate). */
+ * 590 float +-, 370 float *, 155 float comparisons, 573 integer, 406 loads, 56 stores, 14 branches.
+ * C674x: about 1952 cycles (estimate). */
 float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um);
 
 #define DIAGNOSED_LEARNED 18u  /**< parameters that are learned */
@@ -286,7 +299,7 @@ typedef char diagnosed_creep_t_size[(sizeof(diagnosed_creep_t) == 32u) ? 1 : -1]
 typedef char diagnosed_modes_t_size[(sizeof(diagnosed_modes_t) == 16u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_inputs_t_size[(sizeof(diagnosed_inputs_t) == 196u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_bank_t_size[(sizeof(diagnosed_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
-typedef char diagnosed_t_size[(sizeof(diagnosed_t) == 372u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_t_size[(sizeof(diagnosed_t) == 384u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_candidate_t_size[(sizeof(diagnosed_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_learner_t_size[(sizeof(diagnosed_learner_t) == 1812u) ? 1 : -1];  /**< static assertion */
 

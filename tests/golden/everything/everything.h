@@ -33,8 +33,8 @@ extern "C" {
 
 #define EVERYTHING_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of everything.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EVERYTHING_ALGORITHM "c87d0995650a2e36b8869287e815b7e8fcb9cf2fb0f2bf9a96a4e09ae2158b8e"
-#define EVERYTHING_ALGORITHM_WORD 0xc87d0995u  /**< its first 32 bits */
+#define EVERYTHING_ALGORITHM "2bb5aedfea78db6546a323ea19a0ff4b083ea58be8c5e2a90dd0959680a3134e"
+#define EVERYTHING_ALGORITHM_WORD 0x2bb5aedfu  /**< its first 32 bits */
 
 #define EVERYTHING_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EVERYTHING_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -136,11 +136,14 @@ typedef struct {
     float weight[EVERYTHING_WEIGHTS];     /**< theta_j of the terms, in their order */
 } everything_bank_t;
 
-/** One instance of the model, 400 bytes. */
+/** One instance of the model, 412 bytes. */
 typedef struct {
     uint32_t active;             /**< index of the bank in use, 0 or 1 */
     float y_um;                  /**< last model output [um]: the state of the free run */
     float u_V;                   /**< last accepted input [V] */
+    float low_V;                 /**< lowest voltage that may be put out [V] */
+    float high_V;                /**< highest voltage that may be put out [V] */
+    float step_V;                /**< largest change of that voltage per sample [V] */
     uint32_t status;             /**< bits EVERYTHING_STATUS_..., sticky */
     uint32_t y_clamped;          /**< calls with y outside its range; counters stop at their largest value */
     uint32_t u_clamped;          /**< calls with u outside its range */
@@ -194,6 +197,15 @@ float everything_simulate(everything_t *self, float u_V);
  * @param aux   one sample of each channel */
 void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
 
+/** Narrow the voltages that everything_inverse puts out, until the next everything_init: the limits of an amplifier, or of
+ * the controller around it. The model advances by what is left of the voltage. A number that is not finite stands for no limit.
+ *
+ * @param self    the instance
+ * @param low_V   lowest voltage [V], inside EVERYTHING_U_MIN_V .. EVERYTHING_U_MAX_V
+ * @param high_V  highest voltage [V], at least low_V
+ * @param step_V  largest change per sample [V] */
+void everything_limits(everything_t *self, float low_V, float high_V, float step_V);
+
 /** The input that takes the displacement from y(k) to y(k+1), Eq. (11); it acts on the model's state:
  *     w(k) = (y(k+1) - sum_l p_l(y) (q_l1 y + q_l3) - sum_j theta_j phi_j) / sum_l p_l(y) q_l2
  *
@@ -203,14 +215,15 @@ void everything_aux(everything_t *self, const float aux[EVERYTHING_CHANNELS]);
  *                   not finite, y(k) stands in for it
  * @return           u(k) [V], limited to EVERYTHING_U_MIN_V .. EVERYTHING_U_MAX_V and to what the path lets
  *                   through
+ *                   and to everything_limits
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EVERYTHING_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
  * Where no limit acts, y(k+1) is missed by at most EVERYTHING_INVERSE_ERROR_UM; where the path is
  * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
- * 502 float +-, 325 float *, 99 float comparisons, 562 integer, 329 loads, 48 stores, 10 branches.
- * C674x: about 1659 cycles (estimate). */
+ * 504 float +-, 325 float *, 105 float comparisons, 555 integer, 340 loads, 48 stores, 14 branches.
+ * C674x: about 1748 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 /* The compiler of the caller must lay the structs out as the compiler of everything.c: another size is an error here. */
@@ -226,7 +239,7 @@ typedef char everything_coupling_t_size[(sizeof(everything_coupling_t) == 8u) ? 
 typedef char everything_drift_t_size[(sizeof(everything_drift_t) == 8u) ? 1 : -1];  /**< static assertion */
 typedef char everything_terms_t_size[(sizeof(everything_terms_t) == 24u) ? 1 : -1];  /**< static assertion */
 typedef char everything_bank_t_size[(sizeof(everything_bank_t) == 92u) ? 1 : -1];  /**< static assertion */
-typedef char everything_t_size[(sizeof(everything_t) == 400u) ? 1 : -1];  /**< static assertion */
+typedef char everything_t_size[(sizeof(everything_t) == 412u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define EVERYTHING_NUMBERS_DIGEST "bfa48c20fed62ac004911b9fc32c63ae5551620179ac590a90ec4ce77160c7a6"
-#define EVERYTHING_NUMBERS_WORD 0xbfa48c20u
+#define EVERYTHING_NUMBERS_DIGEST "fe7851bf8aff66950011b153e6bd3ed954446c6af830f32b99ca4f33bf13faf0"
+#define EVERYTHING_NUMBERS_WORD 0xfe7851bfu
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EVERYTHING_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
