@@ -16,7 +16,7 @@ from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 DECLARED = "uint64_t fuzz_cases(uint64_t, uint64_t, uint32_t *, uint32_t *);"
 NAMES = ("range", "rate", "model and stage apart", "parameters", "refused settings")
 CORPUS = 300
-"""Seeds of the corpus: 0 to CORPUS - 1, each repeats to the bit. `python tests/firmware/test_fuzz.py COUNT` tries more."""
+"""Seeds of the corpus: 0 to CORPUS - 1; each repeats to the bit. `tests/firmware/test_fuzz.py COUNT` tries more."""
 
 
 def library(changes: tuple[tuple[str, str, str], ...] = ()) -> Library:
