@@ -86,9 +86,9 @@ def structure_fits(old: Model, scores: Scores) -> tuple[bool, str]:
     if before is None:
         return (
             True,
-            f"free run {percent:.3g} % of span; the old model has no score of its own to compare with",
+            f"free run {percent:.3g} % of the stroke; the old model has no score of its own to compare with",
         )
-    figures = f"free run {percent:.3g} % of span, {before:.3g} % before, noise {noise_um:.3g} um"
+    figures = f"free run {percent:.3g} % of the stroke, {before:.3g} % before, noise {noise_um:.3g} um"
     if percent <= WORSE * before or scores.free_run.e_rms_um <= OVER_NOISE * noise_um:
         return True, f"still fits ({figures})"
     return False, f"NO LONGER FITS ({figures})"

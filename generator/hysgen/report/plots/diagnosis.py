@@ -154,11 +154,11 @@ def ladder_picture(study: Study) -> Picture:
     for i, level in enumerate(levels):
         price = causes[i - 1].price if i else None
         text = f"{level:.3g}" + (f"\n{price.cycles:+d} cycles" if price else "")
-        axis.annotate(text, (i, level), xytext=(0, 9), textcoords="offset points", fontsize=8, ha="center")
+        axis.annotate(text, (i, level), xytext=(8, 4), textcoords="offset points", fontsize=8)
     axis.set_yscale("log")
     axis.set_ylim(lowest, 4.0 * max(levels))
     _plain(axis, x=False)
-    axis.set_xlim(-0.6, len(levels) - 0.4)
+    axis.set_xlim(-0.4, len(levels) + 0.1)
     _level(axis, diagnosis.noise.rms_um, "noise floor")
     axis.set_xticks(place, [label.replace("'s ", "'s\n") for label in labels], fontsize=8 if len(labels) < 6 else 7)
     steps = ", ".join(f"{label} {level:.3g} µm" for label, level in zip(labels, levels, strict=True))

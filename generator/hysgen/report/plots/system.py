@@ -11,6 +11,7 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.evaluation import HeldOut, Study
@@ -29,7 +30,7 @@ WIDE_IN = (9.6, 3.4)
 ZOOM = 0.06
 """Share of the held-out part that the zoom shows, about the largest error of the delivered model."""
 
-WINDOWS = 24
+WINDOWS = 12
 """Windows of a spectrum, which overlap by half."""
 
 LEAST_COHERENCE = 0.8
@@ -107,6 +108,7 @@ def zoom_picture(study: Study, held: HeldOut) -> Picture:
         axis.set(xlabel="time [s]")
     left.axvspan(held.t_s[part][0], held.t_s[part][-1], color=style.NOTE, alpha=0.25)
     left.set(ylabel="displacement [µm]")
+    right.xaxis.set_major_locator(MaxNLocator(4))
     right.legend(loc="best")
     fits = ", ".join(f"{name} {fit_percent(held.measured_um, y_um):.4g} %" for name, y_um in runs.items())
     alt = f"Free run over {held.t_s.size} held-out samples; fit (NRMSE): {fits}. Zoom at {held.t_s[worst]:.4g} s."
@@ -159,6 +161,11 @@ def response_picture(study: Study, held: HeldOut) -> Picture:
         right.semilogx(shown, np.degrees(np.unwrap(np.angle(response))), color=colour, linewidth=width)
         if shown.size:
             remarks.append(f"{name} {abs(response[0]):.3g} to {abs(response[-1]):.3g} µm/V")
+    for ticks in (left.xaxis, left.yaxis, right.xaxis):
+        ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    left.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
+    right.xaxis.set_minor_formatter(NullFormatter())
+    left.xaxis.set_minor_formatter(NullFormatter())
     left.set(xlabel="frequency [Hz]", ylabel="gain [µm/V]")
     right.set(xlabel="frequency [Hz]", ylabel="phase [degrees]")
     left.legend(loc="best")
