@@ -38,11 +38,11 @@ class Console:
     """
 
     json_to: str | None = None
+    out: TextIO = field(default_factory=lambda: sys.stdout)
+    err: TextIO = field(default_factory=lambda: sys.stderr)
     verb: str = ""
     quiet: bool = False
     verbose: bool = False
-    out: TextIO = field(default_factory=lambda: sys.stdout)
-    err: TextIO = field(default_factory=lambda: sys.stderr)
     _last_line: float = 0.0
     _started: float = field(default_factory=time.monotonic)
     _open_line: bool = False
