@@ -1,4 +1,4 @@
-"""Cycles on the C674x against the number of rules and of learned parameters, and those of Eq. (10).
+"""Cycles on the C674x against the number of rules, of plays and of learned parameters, and those of Eq. (10).
 
 Run:  python benchmarks/target_cycles.py      (a few minutes; needs firmware/toolchain/build_c674x.sh)
 Cycles are stall-free worst cases, as printed by `hysgen cost --target c674x`. Those of Eq. (10), transcribed literally,
@@ -10,7 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from smooth_model import smooth
+from smooth_model import behind_path, smooth
 
 from hysgen.c674x import toolchain
 from hysgen.c674x.footprint import footprint
@@ -20,7 +20,9 @@ from hysgen.codegen.operations.cycles import STEPS, estimated
 from hysgen.display import table
 from hysgen.model.learner_settings import BIAS, GROUPS, LearnerSettings
 from hysgen.model.model import Model
+from hysgen.model.path.hysteresis import Hysteresis
 
+PLAYS = (0, 4, 8, 12, 16, 24)
 RULES = (3, 6, 9, 12, 20, 50)
 # (rules, plays, learned groups)
 LEARNERS = (
@@ -45,6 +47,21 @@ def against_rules() -> str:
         steps = [f"{found[name]['cycles']}" for name in ("predict", "simulate", "inverse")]
         rows.append([f"{rules}", *steps, f"{found['predict']['code_bytes']}", f"{found['data']['constant_bytes']}"])
     return table(["rules", "predict", "simulate", "inverse", "code of predict, B", "constants, B"], rows)
+
+
+def against_plays() -> str:
+    """Six rules behind plays, 2 Duhem states, 4 creep states and one mode; last column: with a delay of 0.4 samples."""
+    rows = []
+    for plays in PLAYS:
+        model = behind_path("stage", plays)
+        found, late = taken(model), taken(behind_path("stage", plays, 0.4))
+        steps = next(block.steps for block in model.blocks if isinstance(block, Hysteresis))
+        cycles = {name: found[name]["cycles"] for name in (*STEPS, "learn", "commit")}
+        period = max(cycles[name] for name in STEPS) + cycles["learn"] + cycles["commit"]
+        named = [cycles[name] for name in ("predict", "inverse", "learn", "commit")]
+        rows.append([f"{n}" for n in (plays, steps, *named, period, late["inverse"]["cycles"])])
+    header = ["plays", "Newton steps", "predict", "inverse", "learn", "commit", "one period", "inverse with delay"]
+    return table(header, rows)
 
 
 def against_parameters() -> str:
@@ -80,6 +97,7 @@ def as_printed() -> str:
 def main() -> None:
     print(as_printed(), flush=True)
     print("\n" + against_rules(), flush=True)
+    print("\n" + against_plays(), flush=True)
     print("\n" + against_parameters())
 
 

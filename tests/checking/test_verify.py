@@ -15,10 +15,13 @@ import pytest
 from fixtures.generated_models import hysteresis
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
+from hysgen.certify.certificates import certify
 from hysgen.checking.bits import Report, VerifySettings, verify, verify_texts
-from hysgen.checking.bits.random_models import RULES, complete_model, low_gain_model, random_model
+from hysgen.checking.bits.random_models import RULES, complete_model, low_gain_model, perturbed_model, random_model
 from hysgen.codegen import generate, write
 from hysgen.errors import HysgenError
+from hysgen.float32.coefficients import coefficients
+from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import kinds as block_kinds
@@ -220,3 +223,12 @@ def test_missing_compiler_is_told_loudly() -> None:
     texts = generate(extended())
     report = verify_texts(extended(), texts, VerifySettings(3000, 0, compilers=["cc", "no-such-compiler"]))
     assert any("NOT COMPARED: no-such-compiler" in line for line in report.lines())
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_perturbed_model_of_a_learner_can_commit(name: str) -> None:
+    """Five per cent more may take a slope of 0.97 to 1.02, from which no commit starts."""
+    for seed in range(20):
+        changed = perturbed_model(shipped(name).model, seed)
+        assert not np.array_equal(changed.parameters, shipped(name).model.parameters)
+        commit_numbers(changed, coefficients(changed), certify(changed))
