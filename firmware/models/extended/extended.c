@@ -436,22 +436,34 @@ static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
     const float x = extended_hysteresis_normalised(v);
     float sum = 0.0f;
 
+    const float z11 = extended_hysteresis_moved(self->play[11], x, extended_hysteresis_play[44]);
+    self->play[11] = z11;
+    const float z10 = extended_hysteresis_moved(self->play[10], x, extended_hysteresis_play[40]);
+    self->play[10] = z10;
+    const float z9 = extended_hysteresis_moved(self->play[9], x, extended_hysteresis_play[36]);
+    self->play[9] = z9;
+    const float z8 = extended_hysteresis_moved(self->play[8], x, extended_hysteresis_play[32]);
+    self->play[8] = z8;
     const float z7 = extended_hysteresis_moved(self->play[7], x, extended_hysteresis_play[28]);
     self->play[7] = z7;
     const float z6 = extended_hysteresis_moved(self->play[6], x, extended_hysteresis_play[24]);
     self->play[6] = z6;
-    const float z5 = extended_hysteresis_moved(self->play[5], x, extended_hysteresis_play[20]);
-    self->play[5] = z5;
-    const float z4 = extended_hysteresis_moved(self->play[4], x, extended_hysteresis_play[16]);
-    self->play[4] = z4;
+    sum = sum + extended_hysteresis_play_um(z11, &extended_hysteresis_play[44]);
+    self->sum_um[11] = sum;
+    sum = sum + extended_hysteresis_play_um(z10, &extended_hysteresis_play[40]);
+    self->sum_um[10] = sum;
+    sum = sum + extended_hysteresis_play_um(z9, &extended_hysteresis_play[36]);
+    self->sum_um[9] = sum;
+    sum = sum + extended_hysteresis_play_um(z8, &extended_hysteresis_play[32]);
+    self->sum_um[8] = sum;
     sum = sum + extended_hysteresis_play_um(z7, &extended_hysteresis_play[28]);
     self->sum_um[7] = sum;
     sum = sum + extended_hysteresis_play_um(z6, &extended_hysteresis_play[24]);
     self->sum_um[6] = sum;
-    sum = sum + extended_hysteresis_play_um(z5, &extended_hysteresis_play[20]);
-    self->sum_um[5] = sum;
-    sum = sum + extended_hysteresis_play_um(z4, &extended_hysteresis_play[16]);
-    self->sum_um[4] = sum;
+    const float z5 = extended_hysteresis_moved(self->play[5], x, extended_hysteresis_play[20]);
+    self->play[5] = z5;
+    const float z4 = extended_hysteresis_moved(self->play[4], x, extended_hysteresis_play[16]);
+    self->play[4] = z4;
     const float z3 = extended_hysteresis_moved(self->play[3], x, extended_hysteresis_play[12]);
     self->play[3] = z3;
     const float z2 = extended_hysteresis_moved(self->play[2], x, extended_hysteresis_play[8]);
@@ -460,6 +472,10 @@ static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
     self->play[1] = z1;
     const float z0 = extended_hysteresis_moved(self->play[0], x, extended_hysteresis_play[0]);
     self->play[0] = z0;
+    sum = sum + extended_hysteresis_play_um(z5, &extended_hysteresis_play[20]);
+    self->sum_um[5] = sum;
+    sum = sum + extended_hysteresis_play_um(z4, &extended_hysteresis_play[16]);
+    self->sum_um[4] = sum;
     sum = sum + extended_hysteresis_play_um(z3, &extended_hysteresis_play[12]);
     self->sum_um[3] = sum;
     sum = sum + extended_hysteresis_play_um(z2, &extended_hysteresis_play[8]);
@@ -481,26 +497,38 @@ static float extended_hysteresis_apply(extended_hysteresis_t *self, float v)
 EXTENDED_CODE
 static float extended_hysteresis_ahead(const extended_hysteresis_t *self, extended_hysteresis_t *next, float v)
 {
-    next->sum_um[8] = 0.0f;
+    next->sum_um[12] = 0.0f;
     const float x = extended_hysteresis_normalised(v);
     float sum = 0.0f;
 
+    const float z11 = extended_hysteresis_moved(self->play[11], x, extended_hysteresis_play[44]);
+    next->play[11] = z11;
+    const float z10 = extended_hysteresis_moved(self->play[10], x, extended_hysteresis_play[40]);
+    next->play[10] = z10;
+    const float z9 = extended_hysteresis_moved(self->play[9], x, extended_hysteresis_play[36]);
+    next->play[9] = z9;
+    const float z8 = extended_hysteresis_moved(self->play[8], x, extended_hysteresis_play[32]);
+    next->play[8] = z8;
     const float z7 = extended_hysteresis_moved(self->play[7], x, extended_hysteresis_play[28]);
     next->play[7] = z7;
     const float z6 = extended_hysteresis_moved(self->play[6], x, extended_hysteresis_play[24]);
     next->play[6] = z6;
-    const float z5 = extended_hysteresis_moved(self->play[5], x, extended_hysteresis_play[20]);
-    next->play[5] = z5;
-    const float z4 = extended_hysteresis_moved(self->play[4], x, extended_hysteresis_play[16]);
-    next->play[4] = z4;
+    sum = sum + extended_hysteresis_play_um(z11, &extended_hysteresis_play[44]);
+    next->sum_um[11] = sum;
+    sum = sum + extended_hysteresis_play_um(z10, &extended_hysteresis_play[40]);
+    next->sum_um[10] = sum;
+    sum = sum + extended_hysteresis_play_um(z9, &extended_hysteresis_play[36]);
+    next->sum_um[9] = sum;
+    sum = sum + extended_hysteresis_play_um(z8, &extended_hysteresis_play[32]);
+    next->sum_um[8] = sum;
     sum = sum + extended_hysteresis_play_um(z7, &extended_hysteresis_play[28]);
     next->sum_um[7] = sum;
     sum = sum + extended_hysteresis_play_um(z6, &extended_hysteresis_play[24]);
     next->sum_um[6] = sum;
-    sum = sum + extended_hysteresis_play_um(z5, &extended_hysteresis_play[20]);
-    next->sum_um[5] = sum;
-    sum = sum + extended_hysteresis_play_um(z4, &extended_hysteresis_play[16]);
-    next->sum_um[4] = sum;
+    const float z5 = extended_hysteresis_moved(self->play[5], x, extended_hysteresis_play[20]);
+    next->play[5] = z5;
+    const float z4 = extended_hysteresis_moved(self->play[4], x, extended_hysteresis_play[16]);
+    next->play[4] = z4;
     const float z3 = extended_hysteresis_moved(self->play[3], x, extended_hysteresis_play[12]);
     next->play[3] = z3;
     const float z2 = extended_hysteresis_moved(self->play[2], x, extended_hysteresis_play[8]);
@@ -509,6 +537,10 @@ static float extended_hysteresis_ahead(const extended_hysteresis_t *self, extend
     next->play[1] = z1;
     const float z0 = extended_hysteresis_moved(self->play[0], x, extended_hysteresis_play[0]);
     next->play[0] = z0;
+    sum = sum + extended_hysteresis_play_um(z5, &extended_hysteresis_play[20]);
+    next->sum_um[5] = sum;
+    sum = sum + extended_hysteresis_play_um(z4, &extended_hysteresis_play[16]);
+    next->sum_um[4] = sum;
     sum = sum + extended_hysteresis_play_um(z3, &extended_hysteresis_play[12]);
     next->sum_um[3] = sum;
     sum = sum + extended_hysteresis_play_um(z2, &extended_hysteresis_play[8]);
@@ -532,13 +564,13 @@ static float extended_hysteresis_init(extended_hysteresis_t *self, float v)
 {
     const float x = extended_hysteresis_normalised(v);
 
-    for (uint32_t j = 0u; j < 8u; ++j) {
+    for (uint32_t j = 0u; j < 12u; ++j) {
         const float most = 1.0f - extended_hysteresis_play[4u * j];
         uint32_t beyond;
 
         self->play[j] = extended_limited(x, -most, most, &beyond);
     }
-    self->sum_um[8] = 0.0f;
+    self->sum_um[12] = 0.0f;
     for (uint32_t i = 0u; i < 5u; ++i) {
         self->left[i] = 1.0f;
         self->back[i] = 1.0f;
@@ -563,10 +595,11 @@ typedef struct {
 } extended_hysteresis_ahead_t;
 
 /* Number of plays that the input has taken along when it reaches `ahead`. `taken` rises with the half-width. */
-EXTENDED_INLINE uint32_t extended_hysteresis_count(const float taken[8], float ahead)
+EXTENDED_INLINE uint32_t extended_hysteresis_count(const float taken[12], float ahead)
 {
     return (uint32_t)(ahead > taken[0]) + (uint32_t)(ahead > taken[1]) + (uint32_t)(ahead > taken[2]) + (uint32_t)(ahead > taken[3])
-        + (uint32_t)(ahead > taken[4]) + (uint32_t)(ahead > taken[5]) + (uint32_t)(ahead > taken[6]) + (uint32_t)(ahead > taken[7]);
+        + (uint32_t)(ahead > taken[4]) + (uint32_t)(ahead > taken[5]) + (uint32_t)(ahead > taken[6]) + (uint32_t)(ahead > taken[7])
+        + (uint32_t)(ahead > taken[8]) + (uint32_t)(ahead > taken[9]) + (uint32_t)(ahead > taken[10]) + (uint32_t)(ahead > taken[11]);
 }
 
 /* c_0 + c_1 x + c_2 x^2 + ... and its derivative */
@@ -615,8 +648,8 @@ static float extended_hysteresis_solve(const extended_hysteresis_t *self, float 
     const float side = (falls != 0u) ? -1.0f : 1.0f;
     const float start = side * self->last;
     const float aim = side * wanted;
-    const float *row = &extended_hysteresis_curve[falls * 72u];
-    float taken[8];
+    const float *row = &extended_hysteresis_curve[falls * 104u];
+    float taken[12];
     const uint32_t turns = falls ^ (uint32_t)(self->last < self->turn);
     const float turn = side * ((turns != 0u) ? self->last : self->turn);
     const float left0 = (turns != 0u) ? self->back[0] : self->left[0];
@@ -635,6 +668,10 @@ static float extended_hysteresis_solve(const extended_hysteresis_t *self, float 
     taken[5] = side * self->play[5] + (extended_hysteresis_play[20] - 2.38418579e-07f);
     taken[6] = side * self->play[6] + (extended_hysteresis_play[24] - 2.38418579e-07f);
     taken[7] = side * self->play[7] + (extended_hysteresis_play[28] - 2.38418579e-07f);
+    taken[8] = side * self->play[8] + (extended_hysteresis_play[32] - 2.38418579e-07f);
+    taken[9] = side * self->play[9] + (extended_hysteresis_play[36] - 2.38418579e-07f);
+    taken[10] = side * self->play[10] + (extended_hysteresis_play[40] - 2.38418579e-07f);
+    taken[11] = side * self->play[11] + (extended_hysteresis_play[44] - 2.38418579e-07f);
     for (uint32_t step = 0u; step < 3u; ++step) {
         const float e0 = extended_power_of_two((x - turn) * extended_hysteresis_rate[0]);
         const float e1 = e0 * e0;
@@ -2469,10 +2506,10 @@ static void extended_hysteresis_copy(extended_hysteresis_t *to, const extended_h
         to->left[i] = from->left[i];
         to->back[i] = from->back[i];
     }
-    for (uint32_t i = 0u; i < 8u; ++i) {
+    for (uint32_t i = 0u; i < 12u; ++i) {
         to->play[i] = from->play[i];
     }
-    for (uint32_t i = 0u; i < 9u; ++i) {
+    for (uint32_t i = 0u; i < 13u; ++i) {
         to->sum_um[i] = from->sum_um[i];
     }
 }

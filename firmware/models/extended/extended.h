@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "ae7ea6b41949ab1643ce68ccba61ea7ba5d34ab7c69ee0e6c608975924c416b1"
-#define EXTENDED_ALGORITHM_WORD 0xae7ea6b4u  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "ffe0a9c3c9dea55ade2caa5b66b9349a99d2f244f1b41831b3e4e05405df1a8d"
+#define EXTENDED_ALGORITHM_WORD 0xffe0a9c3u  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -61,13 +61,13 @@ typedef struct {
 
 /** Hysteresis: state of the play operators and of the Duhem states, last turn, input and output. */
 typedef struct {
-    float play[8];    /**< plays z_j [half ranges] */
-    float sum_um[9];  /**< part of the plays from j on in the output [um] */
-    float left[5];    /**< 1 - d_i at the last turn of the input */
-    float back[5];    /**< 1 - d_i if the input turned now */
-    float turn;       /**< input at the last turn [half ranges] */
-    float last;       /**< last input [half ranges] */
-    float h_um;       /**< last output [um] */
+    float play[12];    /**< plays z_j [half ranges] */
+    float sum_um[13];  /**< part of the plays from j on in the output [um] */
+    float left[5];     /**< 1 - d_i at the last turn of the input */
+    float back[5];     /**< 1 - d_i if the input turned now */
+    float turn;        /**< input at the last turn [half ranges] */
+    float last;        /**< last input [half ranges] */
+    float h_um;        /**< last output [um] */
 } extended_hysteresis_t;
 
 /** Creep: slow first-order answers to the input, each a sum of two words. */
@@ -91,7 +91,7 @@ typedef struct {
     float gain[EXTENDED_BANK_RULES];    /**< q2 [um/um] */
 } extended_bank_t;
 
-/** One instance of the model, 368 bytes. */
+/** One instance of the model, 400 bytes. */
 typedef struct {
     uint32_t active;           /**< index of the bank in use, 0 or 1 */
     float y_um;                /**< last model output [um]: the state of the free run */
@@ -126,8 +126,8 @@ void extended_init(extended_t *self, float y_um, float u_V);
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
  * Worst error against float64 over these ranges: EXTENDED_PREDICT_ERROR_UM.
- * 153 float +-, 108 float *, 25 float comparisons, 162 integer, 127 loads, 48 stores, 6 branches.
- * C674x: about 647 cycles (estimate). */
+ * 173 float +-, 120 float *, 33 float comparisons, 170 integer, 147 loads, 56 stores, 6 branches.
+ * C674x: about 704 cycles (estimate). */
 float extended_predict(extended_t *self, float y_um, float u_V);
 
 /** One step of the free run: as extended_predict, from the last output instead of a measured displacement.
@@ -139,8 +139,8 @@ float extended_predict(extended_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in extended_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 153 float +-, 108 float *, 25 float comparisons, 152 integer, 127 loads, 48 stores, 6 branches.
- * C674x: about 640 cycles (estimate). */
+ * 173 float +-, 120 float *, 33 float comparisons, 160 integer, 147 loads, 56 stores, 6 branches.
+ * C674x: about 697 cycles (estimate). */
 float extended_simulate(extended_t *self, float u_V);
 
 /** Narrow the voltages that extended_inverse puts out, until the next extended_init: the limits of an amplifier, or of
@@ -168,8 +168,8 @@ void extended_limits(extended_t *self, float low_V, float high_V, float step_V);
  *
  * Where no limit acts, y(k+1) is missed by at most EXTENDED_INVERSE_ERROR_UM; where the path is
  * missed by more than EXTENDED_W_TOLERANCE, EXTENDED_STATUS_INVERSE_RESIDUAL is set.
- * 589 float +-, 432 float *, 119 float comparisons, 533 integer, 394 loads, 50 stores, 20 branches.
- * C674x: about 2048 cycles (estimate). */
+ * 657 float +-, 472 float *, 155 float comparisons, 569 integer, 454 loads, 58 stores, 20 branches.
+ * C674x: about 2234 cycles (estimate). */
 float extended_inverse(extended_t *self, float y_um, float y_next_um);
 
 #define EXTENDED_LEARNED 18u  /**< parameters that are learned */
@@ -265,8 +265,8 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
- * 1216 float +-, 890 float *, 75 float comparisons, 664 integer, 818 loads, 614 stores, 22 branches.
- * C674x: about 2981 cycles (estimate). */
+ * 1236 float +-, 902 float *, 83 float comparisons, 672 integer, 838 loads, 622 stores, 22 branches.
+ * C674x: about 3025 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, over many calls: a snapshot; EXTENDED_COMMIT_POINTS check points,
@@ -285,13 +285,13 @@ uint32_t extended_commit(extended_t *self, extended_learner_t *learner);
 /* The compiler of the caller must lay the structs out as the compiler of extended.c: another size is an error here. */
 typedef char extended_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
 typedef char extended_delay_t_size[(sizeof(extended_delay_t) == 24u) ? 1 : -1];  /**< static assertion */
-typedef char extended_hysteresis_t_size[(sizeof(extended_hysteresis_t) == 120u) ? 1 : -1];  /**< static assertion */
+typedef char extended_hysteresis_t_size[(sizeof(extended_hysteresis_t) == 152u) ? 1 : -1];  /**< static assertion */
 typedef char extended_creep_t_size[(sizeof(extended_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
-typedef char extended_inputs_t_size[(sizeof(extended_inputs_t) == 180u) ? 1 : -1];  /**< static assertion */
+typedef char extended_inputs_t_size[(sizeof(extended_inputs_t) == 212u) ? 1 : -1];  /**< static assertion */
 typedef char extended_bank_t_size[(sizeof(extended_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
-typedef char extended_t_size[(sizeof(extended_t) == 368u) ? 1 : -1];  /**< static assertion */
+typedef char extended_t_size[(sizeof(extended_t) == 400u) ? 1 : -1];  /**< static assertion */
 typedef char extended_candidate_t_size[(sizeof(extended_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
-typedef char extended_learner_t_size[(sizeof(extended_learner_t) == 1796u) ? 1 : -1];  /**< static assertion */
+typedef char extended_learner_t_size[(sizeof(extended_learner_t) == 1828u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

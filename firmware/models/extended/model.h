@@ -14,7 +14,7 @@
 #define MODEL_PREVIEW  EXTENDED_PREVIEW
 
 #define MODEL_Y_MIN_UM  -0.0555000007f  /* 0xbd6353f8 */
-#define MODEL_Y_MAX_UM  3.00921774f  /* 0x40409706 */
+#define MODEL_Y_MAX_UM  3.00884795f  /* 0x404090f7 */
 #define MODEL_U_MIN_V  22.0f  /* 0x41b00000 */
 #define MODEL_U_MAX_V  56.0f  /* 0x42600000 */
 #define MODEL_GAIN_SIGN  1.0f  /* 0x3f800000 */
@@ -23,10 +23,10 @@
 #define MODEL_COMMIT_MATURE  0x00000400u
 
 /* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
-#define MODEL_DIGEST   { 0x325053b6u, 0x3d7e4da6u, 0xa83dddbbu, 0xc29f3f41u }
+#define MODEL_DIGEST   { 0x160bfe26u, 0xbf44b7f0u, 0xc3b06a7bu, 0x99de5527u }
 
 /* Of the model file: a parameter image may name the build that it is for. */
-#define MODEL_BUILD    0x2ab3cf81u
+#define MODEL_BUILD    0x4ec8c2bbu
 
 #define MODEL_BUSY       EXTENDED_BUSY
 #define MODEL_COMMITTED  EXTENDED_COMMITTED
