@@ -156,6 +156,27 @@ def test_isolated_finds_single_and_paired_corrupted_samples_and_no_steps() -> No
     assert np.flatnonzero(outlier_flags(error_um)).tolist() == wrong
 
 
+def test_jitter_of_the_sampling_instant_corrupts_no_sample() -> None:
+    """0.05 samples of jitter: an error in proportion to the speed, 40 times the noise where the stage is fast."""
+    rng = np.random.default_rng(4)
+    moved_um = np.where(np.arange(4000) % 1000 < 200, np.sin(np.arange(4000) / 8.0), 0.0)
+    error_um = 1e-4 * rng.normal(size=4000) + 0.05 * rng.normal(size=4000) * np.gradient(moved_um)
+    assert outlier_flags(error_um).sum() > 100, "the error shows no difference"
+    assert outlier_flags(error_um, 0.0, moved_um).sum() <= 2
+    error_um[[500, 1100]] += 0.1
+    assert outlier_flags(error_um, 0.0, moved_um)[[500, 1100]].all()
+
+
+def test_readings_a_code_apart_are_not_corrupted() -> None:
+    """Half of the readings repeat the code before them, so the median deviation is no measure of the scatter."""
+    rng = np.random.default_rng(5)
+    error_um = np.where(rng.random(3000) < 0.02, 0.01, 0.0)
+    assert outlier_flags(error_um).any(), "the error shows no difference"
+    assert not outlier_flags(error_um, 0.01).any()
+    error_um[1500] = 0.1
+    assert np.flatnonzero(outlier_flags(error_um, 0.01)).tolist() == [1500]
+
+
 @pytest.mark.parametrize("u_V", [-10.0, 3.0, 40.0, 85.0])
 def test_the_mean_of_the_branches_is_that_of_the_major_loop(u_V: float) -> None:
     operator = Operator(-10.0, 90.0)

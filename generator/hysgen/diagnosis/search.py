@@ -41,7 +41,7 @@ from hysgen.diagnosis.swaps import (
     swap_similar_causes,
     swap_slow_causes,
 )
-from hysgen.record.series import residual_noise
+from hysgen.record.series import residual_noise, resolution_um
 
 Progress = Callable[[str], None]
 
@@ -220,7 +220,11 @@ def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]
     edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
     valid = np.delete(np.arange(scene.samples), scene.lost)
     error = np.interp(np.arange(scene.samples), valid, fit.error[valid])
-    corrupted = np.concatenate([outlier_flags(error[a:b]) for a, b in itertools.pairwise(edges)])
+    step_um = resolution_um(scene.y_um[scene.rows])
+    predicted = scene.y_um - fit.error
+    corrupted = np.concatenate(
+        [outlier_flags(error[a:b], step_um, predicted[a:b]) for a, b in itertools.pairwise(edges)]
+    )
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
 
 

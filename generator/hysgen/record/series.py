@@ -24,6 +24,9 @@ MANY_DIFFERENCES = 8000
 MEDIAN_TO_DEVIATION = 1.4826
 """Standard deviation of a normal variable over the median of its magnitude."""
 
+LEAST_STEP = 1e-9
+"""Least difference of two readings, as a share of their range, that is taken for the resolution of the sensor."""
+
 KEPT, KEPT_POWER = 0.9, 0.62302
 """Share of differences left after trimming the largest, and their mean square in Gaussian noise of variance 1."""
 
@@ -104,6 +107,13 @@ def white_noise(values: Floats, order: int = 6, scale: Scale = "median") -> floa
     else:
         deviation = math.sqrt(float(differences @ differences) / differences.size)
     return deviation / math.sqrt(math.comb(2 * order, order))
+
+
+def resolution_um(readings_um: Floats) -> float:
+    """Least difference of two readings, (n,); 0 if it is below LEAST_STEP of their range."""
+    codes = np.unique(readings_um)
+    step_um = float(np.diff(codes).min()) if len(codes) > 1 else 0.0
+    return step_um if step_um > LEAST_STEP * float(codes[-1] - codes[0]) else 0.0
 
 
 def residual_noise(residual: Floats) -> float:
