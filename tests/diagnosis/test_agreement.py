@@ -36,9 +36,9 @@ CHECKED = np.arange(60, SAMPLES, 3)
 
 
 @pytest.mark.parametrize(
-    ("left_um", "noise_um", "said"), [(0.012, 0.001, True), (0.009, 0.001, False), (0.012, 0.006, False)]
+    ("left_um", "noise_um", "said"), [(0.030, 0.001, True), (0.020, 0.001, False), (0.030, 0.015, False)]
 )
-def test_unexplained_structure_requires_a_thousandth_of_the_span_and_more_than_the_noise(
+def test_unexplained_structure_requires_a_quarter_per_cent_of_the_span_and_more_than_the_noise(
     left_um: float, noise_um: float, said: bool
 ) -> None:
     wave = np.sin(np.arange(SAMPLES) / 40.0)
