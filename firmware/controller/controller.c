@@ -339,7 +339,7 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
     if (within_V != wish_V) {
         self->status |= STATUS_OUTPUT_LIMITED;
     }
-    self->output_V = controller_towards(self->output_V, within_V, settings->step_V);
+    self->output_V = number_limited(controller_towards(self->output_V, within_V, settings->step_V), settings->low_V, settings->high_V);
     if (self->output_V != within_V) {
         self->status |= STATUS_OUTPUT_SLEWED;
     }

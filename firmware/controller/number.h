@@ -34,12 +34,12 @@ static inline float number_size(float x)
     return number_of(number_bits(x) & 0x7FFFFFFFu);
 }
 
-/* x limited to low .. high; x must be finite. */
+/* x limited to low .. high; NaN gives low. */
 static inline float number_limited(float x, float low, float high)
 {
-    const float raised = (x < low) ? low : x;
+    const float raised = (x >= low) ? x : low;
 
-    return (raised > high) ? high : raised;
+    return (raised <= high) ? raised : high;
 }
 
 #endif

@@ -45,7 +45,10 @@ static uint32_t store_holds(const store_t *self, board_t *board)
             same = (uint32_t)(bytes_word(word) == bytes_word(&self->bytes[at]));
         }
         if (same != 0u) {
-            held = (store_seals(self, board, slot, &sequence) != 0u) ? STORE_SEALED : STORE_OPEN;
+            held = STORE_OPEN;
+            if (store_seals(self, board, slot, &sequence) != 0u) {
+                held = STORE_SEALED;
+            }
         }
     }
     return held;

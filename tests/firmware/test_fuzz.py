@@ -52,7 +52,11 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
     [
         (
             (
-                ("controller.c", r"within_V = number_limited\([^;]*;", "within_V = wish_V;"),
+                (
+                    "controller.c",
+                    r"self->output_V = number_limited\([^;]*;",
+                    "self->output_V = controller_towards(self->output_V, wish_V, settings->step_V);",
+                ),
                 ("controller.c", r"\? settings->loop_high_V", "? settings->high_V + 1.0f"),
             ),
             "range",
