@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.pruning import Pruned, prune
 from hysgen.diagnosis.search import SearchResult, search, without
 from hysgen.fitting import FitSettings
+from hysgen.machine.checkpoint import forget, resumed
 from hysgen.machine.threads import in_threads, one_blas_thread
 from hysgen.model.model import Model
 from hysgen.record import Record
@@ -37,12 +39,18 @@ LEAST_FALL = 0.02
 """A cause whose extension lowers the rms error by less than this share is not named."""
 
 
+SOURCES = Path(__file__).parents[1]
+"""Folder of the code that a kept search depends on."""
+
+
 @dataclass(frozen=True)
 class DiagnoseSettings:
     """Settings of a diagnosis.
 
     fit: settings of the Takagi-Sugeno fits; their terms and blocks are replaced by those of the extensions.
     identify: share of a single record that is used for identification.
+    resume: keep the result of the search, which takes most of the time, until the diagnosis is done, so that an
+    interrupted one goes on there.
     keep_all: keep extensions that do not lower the error on the held-out rows for certain (`pruning`).
     price: function for the cycles and bytes of a model, None if unknown (`hysgen.report.words.price_of`).
     """
@@ -51,6 +59,7 @@ class DiagnoseSettings:
     identify: float = 0.65
     price: Callable[[Model], Price | None] | None = None
     keep_all: bool = False
+    resume: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +127,8 @@ def diagnose(
         report(0.95, "checking each extension on the held-out rows")
         ladder = prune(ladder.rungs, made, _clean_held_rows(naming, made, ladder.rungs[-1]), fit_rung)
     report(1.0, "done")
+    if chosen.resume:
+        forget(_inputs(naming.prepared), SOURCES)
     return _scored(naming, ladder, chosen)
 
 
@@ -136,7 +147,11 @@ def name_causes(
     report = progress or (lambda fraction, line: None)
     prepared = prepare(record, holdout, chosen.identify)
     report(0.05, "fitting the probe")
-    found = search(prepared.scene(), lambda line: report(0.3, line))
+
+    def searched() -> SearchResult:
+        return search(prepared.scene(), lambda line: report(0.3, line))
+
+    found = resumed(_inputs(prepared), SOURCES, searched) if chosen.resume else searched()
     report(0.7, "weighing the evidence")
     signatures = _signatures(found)
     weak = [name for name, signature in signatures.items() if not signature.holds]
@@ -156,6 +171,11 @@ def name_causes(
         unexplained_structure(prepared, found, noise),
         next_experiment(prepared),
     )
+
+
+def _inputs(prepared: Prepared) -> tuple[str, ...]:
+    """What a search depends on."""
+    return ("search", prepared.record.digest, str(prepared.cut))
 
 
 def _usable_error(found: SearchResult) -> Floats:

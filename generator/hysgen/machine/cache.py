@@ -17,6 +17,13 @@ class LruCache(Generic[Result]):
         self._results: dict[Hashable, Result] = {}
         self._lock = threading.Lock()
 
+    def __getstate__(self) -> int:
+        """The capacity: results are computed again after unpickling, and a lock belongs to its process."""
+        return self._capacity
+
+    def __setstate__(self, capacity: int) -> None:
+        self.__init__(capacity)  # type: ignore[misc]
+
     def get(self, key: Hashable, compute: Callable[[], Result]) -> Result:
         """The cached result of `key`, or else compute(), which is then cached. All callers share it: do not modify it.
 

@@ -61,7 +61,7 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     holdout = read_records(arguments.holdout, arguments, console) if arguments.holdout else None
     name = c_name(arguments.output) if arguments.output else "stage"
     settings = DiagnoseSettings(
-        fit=FitSettings(name=name, rules=arguments.rules), price=price_of, keep_all=arguments.keep_all
+        fit=FitSettings(name=name, rules=arguments.rules), price=price_of, keep_all=arguments.keep_all, resume=True
     )
     if arguments.rows:
         start, stop = parse_rows(arguments.rows, record.samples, record.Ts_s)
