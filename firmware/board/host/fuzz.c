@@ -184,6 +184,8 @@ static uint32_t fuzz_broken(fuzz_t *self, float before_V, float stage_um, float 
     const settings_t *s = &self->settings;
     const float u_V = self->board.output_V;
     /* Between two numbers below 128 V a sum is rounded by at most 2^-18 V. */
+    /* The trim moves the model away from the stage by its correction, which the watchdog takes into account. */
+    const float far_um = s->follow_um + (((s->options & SETTINGS_TRIM) != 0u) ? s->trim_limit_um : 0.0f);
     const uint32_t rate = (uint32_t)(number_size(u_V - before_V) > s->step_V + 4.0e-6f);
 
     if ((number_finite(u_V) == 0u) || (u_V < s->low_V) || (u_V > s->high_V)) {
@@ -193,7 +195,7 @@ static uint32_t fuzz_broken(fuzz_t *self, float before_V, float stage_um, float 
         return FUZZ_RATE;
     }
     if ((controller->state == CONTROLLER_TRACK) && ((controller->status & STATUS_FAULTS) == 0u)
-        && ((s->options & SETTINGS_LEARN) == 0u) && (number_size(stage_um - model_um) > s->follow_um)) {
+        && ((s->options & SETTINGS_LEARN) == 0u) && (number_size(stage_um - model_um) > far_um)) {
         self->apart += 1u;
     } else {
         self->apart = 0u;

@@ -7,7 +7,7 @@
 
 #define FUZZ_RANGE       0x01u  /* the voltage left low_V .. high_V, or is no number */
 #define FUZZ_RATE        0x02u  /* the voltage moved by more than step_V in a sample */
-#define FUZZ_APART       0x04u  /* model and stage apart by more than follow_um, and no fault told in time */
+#define FUZZ_APART       0x04u  /* model and stage apart by more than follow_um and the trim, and no fault told in time */
 #define FUZZ_PARAMETERS  0x08u  /* the parameters to start with have changed by themselves */
 #define FUZZ_REFUSED     0x10u  /* the voltage moved although the settings were refused */
 
