@@ -1,6 +1,6 @@
 /* c6748.cmd: the firmware in the C6748's memories, for TI's linker (EABI). c6748.ld says the same to GNU ld.
  * Not run here: cl6x cannot be had from a distribution. */
---stack_size=4096
+--stack_size=8192
 --heap_size=0
 --entry_point=_c_int00
 
