@@ -161,24 +161,28 @@ typedef struct {
 /* low_V .. high_V, and at most step_V from the voltage before. */
 APPENDIX_A_INLINE appendix_a_span_t appendix_a_span(const appendix_a_t *self, float last_V)
 {
+    const float least = self->low_V;
+    const float most = self->high_V;
     const float down = last_V - self->step_V;
     const float up = last_V + self->step_V;
-    const float low = (down < self->low_V) ? self->low_V : down;
-    const float high = (up < self->low_V) ? self->low_V : up;
+    const float low = (down < least) ? least : down;
+    const float high = (up < least) ? least : up;
     appendix_a_span_t span;
 
-    span.low = (low > self->high_V) ? self->high_V : low;
-    span.high = (high > self->high_V) ? self->high_V : high;
+    span.low = (low > most) ? most : low;
+    span.high = (high > most) ? most : high;
     return span;
 }
 
 /* The voltage of the span that is nearest to x. */
 APPENDIX_A_INLINE float appendix_a_allowed(float x, appendix_a_span_t span, uint32_t *clamped)
 {
-    const float raised = (x < span.low) ? span.low : x;
-    const float allowed = (raised > span.high) ? span.high : raised;
+    const float low = span.low;
+    const float high = span.high;
+    const float raised = (x < low) ? low : x;
+    const float allowed = (raised > high) ? high : raised;
 
-    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    *clamped = (uint32_t)(allowed < x) | (uint32_t)(allowed > x);
     return allowed;
 }
 
@@ -347,9 +351,9 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um)
     appendix_a_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
-    const appendix_a_span_t span = appendix_a_span(self, self->u_V);
     const float y = appendix_a_checked_y(self, y_um, &events);
     const appendix_a_sums_t sums = appendix_a_rule_sums(bank, y);
+    const appendix_a_span_t span = appendix_a_span(self, self->u_V);
     const float finite = appendix_a_finite(y_next_um, y, &rejected);
     const float wanted = appendix_a_limited(finite, APPENDIX_A_REFERENCE_MIN_UM, APPENDIX_A_REFERENCE_MAX_UM, &clamped);
     const float base = y * sums.slope + sums.offset;

@@ -169,24 +169,28 @@ typedef struct {
 /* low_V .. high_V, and at most step_V from the voltage before. */
 EVERYTHING_INLINE everything_span_t everything_span(const everything_t *self, float last_V)
 {
+    const float least = self->low_V;
+    const float most = self->high_V;
     const float down = last_V - self->step_V;
     const float up = last_V + self->step_V;
-    const float low = (down < self->low_V) ? self->low_V : down;
-    const float high = (up < self->low_V) ? self->low_V : up;
+    const float low = (down < least) ? least : down;
+    const float high = (up < least) ? least : up;
     everything_span_t span;
 
-    span.low = (low > self->high_V) ? self->high_V : low;
-    span.high = (high > self->high_V) ? self->high_V : high;
+    span.low = (low > most) ? most : low;
+    span.high = (high > most) ? most : high;
     return span;
 }
 
 /* The voltage of the span that is nearest to x. */
 EVERYTHING_INLINE float everything_allowed(float x, everything_span_t span, uint32_t *clamped)
 {
-    const float raised = (x < span.low) ? span.low : x;
-    const float allowed = (raised > span.high) ? span.high : raised;
+    const float low = span.low;
+    const float high = span.high;
+    const float raised = (x < low) ? low : x;
+    const float allowed = (raised > high) ? high : raised;
 
-    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    *clamped = (uint32_t)(allowed < x) | (uint32_t)(allowed > x);
     return allowed;
 }
 
@@ -1189,10 +1193,10 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     everything_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
-    const everything_span_t span = everything_span(self, self->inputs.v_V);
     const float y = everything_checked_y(self, y_um, &events);
     const everything_sums_t sums = everything_rule_sums(bank, y);
     const float extra = everything_terms_sum_ahead(bank, &self->terms);
+    const everything_span_t span = everything_span(self, self->inputs.v_V);
     const float finite = everything_finite(y_next_um, y, &rejected);
     const float wanted = everything_limited(finite, EVERYTHING_REFERENCE_MIN_UM, EVERYTHING_REFERENCE_MAX_UM, &clamped);
     const float base = y * sums.slope + sums.offset;

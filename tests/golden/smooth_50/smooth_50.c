@@ -161,24 +161,28 @@ typedef struct {
 /* low_V .. high_V, and at most step_V from the voltage before. */
 SMOOTH_50_INLINE smooth_50_span_t smooth_50_span(const smooth_50_t *self, float last_V)
 {
+    const float least = self->low_V;
+    const float most = self->high_V;
     const float down = last_V - self->step_V;
     const float up = last_V + self->step_V;
-    const float low = (down < self->low_V) ? self->low_V : down;
-    const float high = (up < self->low_V) ? self->low_V : up;
+    const float low = (down < least) ? least : down;
+    const float high = (up < least) ? least : up;
     smooth_50_span_t span;
 
-    span.low = (low > self->high_V) ? self->high_V : low;
-    span.high = (high > self->high_V) ? self->high_V : high;
+    span.low = (low > most) ? most : low;
+    span.high = (high > most) ? most : high;
     return span;
 }
 
 /* The voltage of the span that is nearest to x. */
 SMOOTH_50_INLINE float smooth_50_allowed(float x, smooth_50_span_t span, uint32_t *clamped)
 {
-    const float raised = (x < span.low) ? span.low : x;
-    const float allowed = (raised > span.high) ? span.high : raised;
+    const float low = span.low;
+    const float high = span.high;
+    const float raised = (x < low) ? low : x;
+    const float allowed = (raised > high) ? high : raised;
 
-    *clamped = (uint32_t)(x < span.low) | (uint32_t)(x > span.high);
+    *clamped = (uint32_t)(allowed < x) | (uint32_t)(allowed > x);
     return allowed;
 }
 
@@ -396,9 +400,9 @@ float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um)
     smooth_50_events_t events = { 0u, 0u, 0u, 0u };
     uint32_t rejected;
     uint32_t clamped;
-    const smooth_50_span_t span = smooth_50_span(self, self->u_V);
     const float y = smooth_50_checked_y(self, y_um, &events);
     const smooth_50_sums_t sums = smooth_50_rule_sums(bank, y);
+    const smooth_50_span_t span = smooth_50_span(self, self->u_V);
     const float finite = smooth_50_finite(y_next_um, y, &rejected);
     const float wanted = smooth_50_limited(finite, SMOOTH_50_REFERENCE_MIN_UM, SMOOTH_50_REFERENCE_MAX_UM, &clamped);
     const float base = y * sums.slope + sums.offset;
