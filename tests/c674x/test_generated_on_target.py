@@ -32,7 +32,7 @@ def test_every_function_has_the_hosts_bits_and_constant_cycles() -> None:
     plain, generated_c = model("appendix_a"), texts("appendix_a")
     report = verify_on_target(plain, generated_c, SAMPLES)
     assert report.equal
-    assert {run.function for run in report.runs} == {"predict", "simulate", "inverse"}
+    assert {run.function for run in report.runs} == {"predict", "simulate", "inverse", "limits"}
     assert all(run.words > 40 for run in report.runs)
     # What the static bound says is what every call took, whatever the data: random, edges, or any 32 bits.
     bounds = cycle_bounds(plain.name, generated_c)
@@ -53,7 +53,7 @@ def test_a_learner_has_the_hosts_bits_on_inputs_of_every_style(monkeypatch: pyte
     monkeypatch.setattr(toolchain, "compile", lambda sources: firmware)
     report = verify_on_target(model("learning"), texts("learning"), SAMPLES)
     assert report.equal, report.notes()
-    assert {run.function for run in report.runs} == {"predict", "simulate", "inverse", "learn", "commit"}
+    assert {run.function for run in report.runs} == {"predict", "simulate", "inverse", "limits", "learn", "commit"}
     assert report.committed
     assert f"shadows that became active: {report.committed}, refused: {report.refused}" in report.notes()
 

@@ -111,7 +111,7 @@ FAULTS = {
     "state of a play": (
         "stage.c",
         "self->play[1] = z1;",
-        "self->play[1] = z0;",
+        "self->play[1] = z2;",
         "predict",
         "inputs.hysteresis.play[1]",
     ),

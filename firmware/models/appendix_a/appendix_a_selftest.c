@@ -101,14 +101,16 @@ static uint32_t appendix_a_selftest_inverse(void)
     return mismatches;
 }
 
+/** A model, and its words to hash. */
 typedef union {
-    appendix_a_t model;
-    uint32_t words[sizeof(appendix_a_t) >> 2];
+    appendix_a_t model;                         /**< the model */
+    uint32_t words[sizeof(appendix_a_t) >> 2];  /**< all its words */
 } appendix_a_selftest_model_t;
 
+/** A learner, and its words to hash. */
 typedef union {
-    appendix_a_learner_t learner;
-    uint32_t words[sizeof(appendix_a_learner_t) >> 2];
+    appendix_a_learner_t learner;                       /**< the learner */
+    uint32_t words[sizeof(appendix_a_learner_t) >> 2];  /**< all its words */
 } appendix_a_selftest_learner_t;
 
 #define APPENDIX_A_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))

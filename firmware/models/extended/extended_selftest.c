@@ -101,14 +101,16 @@ static uint32_t extended_selftest_inverse(void)
     return mismatches;
 }
 
+/** A model, and its words to hash. */
 typedef union {
-    extended_t model;
-    uint32_t words[sizeof(extended_t) >> 2];
+    extended_t model;                         /**< the model */
+    uint32_t words[sizeof(extended_t) >> 2];  /**< all its words */
 } extended_selftest_model_t;
 
+/** A learner, and its words to hash. */
 typedef union {
-    extended_learner_t learner;
-    uint32_t words[sizeof(extended_learner_t) >> 2];
+    extended_learner_t learner;                       /**< the learner */
+    uint32_t words[sizeof(extended_learner_t) >> 2];  /**< all its words */
 } extended_selftest_learner_t;
 
 #define EXTENDED_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))

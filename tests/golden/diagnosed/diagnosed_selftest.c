@@ -101,14 +101,16 @@ static uint32_t diagnosed_selftest_inverse(void)
     return mismatches;
 }
 
+/** A model, and its words to hash. */
 typedef union {
-    diagnosed_t model;
-    uint32_t words[sizeof(diagnosed_t) >> 2];
+    diagnosed_t model;                         /**< the model */
+    uint32_t words[sizeof(diagnosed_t) >> 2];  /**< all its words */
 } diagnosed_selftest_model_t;
 
+/** A learner, and its words to hash. */
 typedef union {
-    diagnosed_learner_t learner;
-    uint32_t words[sizeof(diagnosed_learner_t) >> 2];
+    diagnosed_learner_t learner;                       /**< the learner */
+    uint32_t words[sizeof(diagnosed_learner_t) >> 2];  /**< all its words */
 } diagnosed_selftest_learner_t;
 
 #define DIAGNOSED_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
