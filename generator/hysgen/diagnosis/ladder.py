@@ -108,8 +108,8 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     size = next((extension.size for extension in chosen if extension.size is not None), None)
     task = path_task(part, dataclasses.replace(settings, memory=size, lag_s=lags_s[0] if lags_s else None), level)
     content = tuple(extension.content for extension in chosen)
-    trust = known_past(part, _by_segment(prepared.trust, [s.samples for s in part.segments]))
-    return prepared.paths.get(content, lambda: path_columns(task, trust))
+    trust = _by_segment(prepared.trust, [s.samples for s in part.segments])
+    return prepared.paths.get(content, lambda: path_columns(task, known_past(part, trust)))
 
 
 def _rung(names: Sequence[str], model: Model, level: Record, unscored: Sequence[int]) -> Rung:

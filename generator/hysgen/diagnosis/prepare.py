@@ -23,12 +23,13 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.outlier_detection import EDGE
 from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
-from hysgen.fitting.path import PathColumns
+from hysgen.fitting.path import LATEST_COVERED, PathColumns
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import lag_states, play_operators
 from hysgen.record import Record, Segment
 from hysgen.record.channels import Channels
 from hysgen.record.plausibility import at_end
+from hysgen.record.series import first_covering
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -39,11 +40,8 @@ IDENTIFY = 0.65
 FEWEST = 400
 """Samples that the identification part must have."""
 
-COVERED = 0.98
-"""Share of its range that the input has to cover for the hysteresis to forget its initial state."""
-
-LATEST_COVERED, ASSUMED_COVERED = 0.3, 0.03
-"""If the input covers its range only after the first share of a segment, the second share is taken as burn-in."""
+ASSUMED_COVERED = 0.03
+"""If the input covers its range only after LATEST_COVERED of a segment, this share is taken as burn-in."""
 
 MODEL_LAGS, PROBE_LAGS, MOST_LAGS = 3.0, 8.0, 0.03
 """Burn-in of the lag in time constants: for a model, which has to learn the end of the range from the first stroke, and
@@ -283,6 +281,5 @@ def _rows_from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:
 def _range_covered(segment: Segment) -> int:
     """First sample at which the input has covered the share COVERED of its range, or the assumed burn-in."""
     n = segment.samples
-    swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
-    first = int(np.argmax(swept >= COVERED * swept[-1]))
+    first = first_covering(segment.u_V)
     return max(first, int(ASSUMED_COVERED * n / 3)) if first <= LATEST_COVERED * n else int(ASSUMED_COVERED * n)

@@ -36,6 +36,7 @@ from hysgen.model.path.modes import Modes
 from hysgen.model.regression import Trust, drives_of, structure_of
 from hysgen.model.terms import Drive, Term
 from hysgen.record import Record, Segment
+from hysgen.record.series import first_covering
 
 Floats = NDArray[np.float64]
 
@@ -55,8 +56,8 @@ PATH_SAMPLES = 3000
 ROUNDS, ADDED = 200, 30
 """Rounds of adding violated slopes, and slopes added in each."""
 
-COVERED, LATEST_COVERED = 0.98, 0.3
-"""Share of its range that the input has to cover, and the largest share of a segment that is left out for it."""
+LATEST_COVERED = 0.3
+"""Largest share of a segment that is left out until the input has covered its range."""
 
 CREPT = (1 / 30, 1 / 8)
 """Time constants of the creep that the motion before a record has caused, as shares of its length."""
@@ -67,8 +68,7 @@ class PathTask:
     """What a path is fitted to.
 
     blocks: all blocks but the hysteresis. lags_s: starting values for the lag of the rules; modes bring their own.
-    whole: record of all commands that are known in advance; the grid covers
-    the response to them.
+    whole: record of all commands that are known in advance; the grid covers the response to them.
     """
 
     record: Record
@@ -90,10 +90,9 @@ def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
     """
     weights = []
     for i, (segment, past) in enumerate(zip(record.whole().segments, record.past_samples, strict=True)):
-        swept = np.maximum.accumulate(segment.u_V) - np.minimum.accumulate(segment.u_V)
-        first = int(np.argmax(swept >= COVERED * swept[-1]))
         weight = np.ones(segment.samples - past) if trust is None else np.array(trust[i])
-        weight[: max(min(first, int(LATEST_COVERED * segment.samples)) - past, 0)] = 0.0
+        first = min(first_covering(segment.u_V), int(LATEST_COVERED * segment.samples))
+        weight[: max(first - past, 0)] = 0.0
         weights.append(weight)
     return weights
 

@@ -27,8 +27,17 @@ MEDIAN_TO_DEVIATION = 1.4826
 LEAST_STEP = 1e-9
 """Least difference of two readings, as a share of their range, that is taken for the resolution of the sensor."""
 
+COVERED = 0.98
+"""Share of its range that an input has to cover for a hysteresis to forget its initial state."""
+
 KEPT, KEPT_POWER = 0.9, 0.62302
 """Share of differences left after trimming the largest, and their mean square in Gaussian noise of variance 1."""
+
+
+def first_covering(u_V: Floats) -> int:
+    """First sample at which the input u, (n,), has covered the share COVERED of its range."""
+    swept = np.maximum.accumulate(u_V) - np.minimum.accumulate(u_V)
+    return int(np.argmax(swept >= COVERED * swept[-1]))
 
 
 def plateaus(u_V: Floats, shortest: int = SHORTEST_PLATEAU, tolerance_V: float = 0.0) -> list[tuple[int, int]]:

@@ -66,15 +66,14 @@ class ChainMirror:
         self._delays: list[BlockMirror] = []
         self._responses: list[BlockMirror] = []
         self._solves = [block.solves(Ts_s) for block in blocks if block.responds]
-        self._interpolates = any(block.interpolates for block in blocks)
-        self._late: list[BlockMirror] = []
+        self._late: BlockMirror | None = None
         self.v_V = v = u_V
         for block in blocks:
             mirror = block.mirror(v, Ts_s)
             self._blocks.append(mirror)
             group = self._responses if block.responds else self._limiters if block.limits else self._delays
             group.append(mirror)
-            self._late += [mirror] if block.interpolates else []
+            self._late = mirror if block.interpolates else self._late
             v = flushed(mirror.rest()) if block.responds else mirror.rest()
             self.v_V = self.v_V if block.responds else v
         self.rest = self._inside(v)
@@ -93,8 +92,8 @@ class ChainMirror:
         allowed_V: ends of the interval to which the voltage v(k+n) is limited; default: the range of the command.
         """
         limits = self._limits
-        responses = [_copied(block) for block in self._responses] if self._interpolates else self._responses
-        if self._interpolates:
+        responses = [_copied(block) for block in self._responses] if self._late else self._responses
+        if self._late:
             self._respond(responses, self.v_V)
         wanted = self._inside(w) if responses else w
         solved, target = wanted, wanted
@@ -111,8 +110,8 @@ class ChainMirror:
             u = block.command(u)
         self.v_V = v
         reached, met = self._respond(responses, v)
-        if self._interpolates and responses:
-            self._respond(self._responses, self._late[0].arrived())
+        if self._late and responses:
+            self._respond(self._responses, self._late.arrived())
         clamped = allowed != solved
         held = clamped | (wanted != w) | (v.view(np.uint32) != allowed.view(np.uint32))
         missed = (met - target > limits.w_tolerance) | (target - met > limits.w_tolerance)

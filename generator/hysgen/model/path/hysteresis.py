@@ -10,8 +10,8 @@ operator (Brokate and Sprekels, 1996, chapter 2.4). The Duhem states decay along
 and add operators such as Dahl's and Bouc-Wen's; their decay lengths halve from state to state, so that all of them cost
 one exponential, e_(i+1) = e_i^2. Without plays and Duhem states the block is a single-valued curve.
 
-Every g_j rises with the curve and b_i, b_i + 2 c_i have its sign (`fitting` sees to it), so h rises with v along every
-path, and the inverse is a root of a rising, piecewise smooth function.
+`fitting` requires dh/dv > 0 along the record's path and sampled paths over the range, not of every g_j alone. There h
+rises with v, and the inverse is a root of a rising, piecewise smooth function.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ from hysgen.stage.families import FAMILIES, ThermalHysterons
 from hysgen.stage.families.base import draw
 from hysgen.stage.families.commands import command
 from hysgen.studies.bank.excitation import POOR, poor, random_levels
-from hysgen.studies.bank.scenario import ACCEPTED, DRAWN, EFFECTS, NUMBERS, Scenario
+from hysgen.studies.bank.scenario import ACCEPTED, DRAWN, NUMBERS, Scenario, hidden_causes
 
 Floats = NDArray[np.float64]
 
@@ -113,13 +113,7 @@ def family_scenario(family: str, category: str, seed: int) -> FamilyScenario:
     u_V = _command(rng, excitation, samples, low_V, high_V)
     stroke_um = float(np.exp(rng.uniform(np.log(2.0), np.log(80.0))))
     stage = _stage(rng, family, category, stroke_um, (low_V, high_V), Ts_s)
-    names: tuple[str, ...] = ()
-    if category in EFFECTS:
-        names = (category,)
-    elif category == "pair":
-        names = tuple(str(name) for name in rng.choice(EFFECTS, 2, replace=False))
-    elif category == "poor":
-        names = (str(rng.choice(EFFECTS)),)
+    names = hidden_causes(rng, category)
     aux: dict[str, Floats] = {}
     if rng.random() < 0.3 or "coupling" in names:
         aux["axis2_V"] = random_levels(rng, samples, 0.0, 100.0)

@@ -83,6 +83,15 @@ class Scenario:
         return tuple(effects()[name].cause() for name in self.stage.active)
 
 
+def hidden_causes(rng: np.random.Generator, category: str) -> tuple[str, ...]:
+    """The causes of the vocabulary, beside memory, whose effects a scenario of the category draws."""
+    if category in EFFECTS:
+        return (category,)
+    if category == "pair":
+        return tuple(str(name) for name in rng.choice(EFFECTS, 2, replace=False))
+    return (str(rng.choice(EFFECTS)),) if category == "poor" else ()
+
+
 def scenario(category: str, seed: int) -> Scenario:
     """The scenario of a category and a seed; the same arguments give the same scenario."""
     rng = np.random.default_rng([seed, NUMBERS[category]])
@@ -103,14 +112,8 @@ def scenario(category: str, seed: int) -> Scenario:
         memory=_hysteresis(rng, category, stroke_um),
         noise=NoiseEffect(stroke_um * float(np.exp(rng.uniform(np.log(2e-5), np.log(5e-4))))),
     )
-    names: tuple[str, ...] = ()
-    if category in EFFECTS:
-        names = (category,)
-    elif category == "pair":
-        names = tuple(str(name) for name in rng.choice(EFFECTS, 2, replace=False))
-    elif category == "poor":
-        names = (str(rng.choice(EFFECTS)),)
-    elif category in DRAWN:
+    names = hidden_causes(rng, category)
+    if category == UNKNOWN:
         stage = _planted(stage, DRAWN[category], rng, Setting(u_V, Ts_s, span_um))
     kinds = [DRAWN[name] for name in names]
     aux: dict[str, Floats] = {}
