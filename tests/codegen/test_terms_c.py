@@ -49,6 +49,12 @@ def assert_equal_bits(
     assert first_difference(lanes, function, CallTrace(arguments, channels, before, out, after)) is None
 
 
+@pytest.mark.parametrize("part", [*TERMS, *BLOCKS, *RESPONSES], ids=lambda part: f"{part.kind}")
+def test_every_constant_of_a_part_has_a_meaning(part: Term | InputBlock) -> None:
+    """The A2L file states them."""
+    assert set(part.constants(2e-5)) <= set(part.quantities)
+
+
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: f"{term.kind}{term.size}")
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from fixtures import proof_models
 from fixtures.tools import need
 from hysgen import export as exporting
 from hysgen.checking.host import Host
+from hysgen.checking.proof.eva.banks import state_box
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.errors import BudgetError, BuildError, HysgenError
@@ -354,7 +355,19 @@ def test_a2l_reads_back_with_every_word_unit_and_address(folder: Path) -> None:
     assert units[measured[f"{NAME}_instance.y_um"].Conversion.Value] == "um"
     assert units[measured[f"{NAME}_instance.u_V"].Conversion.Value] == "V"
     assert measured[f"{NAME}_instance.status.U_CLAMPED"].BIT_MASK.Mask.Value == 2
-    assert measured[f"{NAME}_instance.y_um"].UpperLimit.Value < 100.0, "the certified box, not the range of float32"
+    box = state_box(model())["y_um"]
+    limits = measured[f"{NAME}_instance.y_um"]
+    assert (limits.LowerLimit.Value, limits.UpperLimit.Value) == pytest.approx((box.low, box.high)), "of any commit"
+    assert units[measured[f"{NAME}_instance.inputs.creep.high"].Conversion.Value] == "um", "behind the hysteresis"
+    assert measured[f"{NAME}_learner.fresh"].UpperLimit.Value == 1, "a flag"
+    assert measured[f"{NAME}_learner.theta"].UpperLimit.Value < 1e30, "the limit of a parameter"
+    written = {entry.Name.Value: entry for entry in module.CHARACTERISTIC}
+    assert units[written[f"{NAME}_delay_part"].Conversion.Value] == "samples"
+    assert units[written[f"{NAME}_drift_limit"].Conversion.Value] == "um"
+    bank = written[f"{NAME}_instance.bank[1].gain"]
+    assert (units[bank.Conversion.Value], bank.AXIS_DESCR[0].MaxAxisPoints.Value) == ("um/um", 2)
+    assert not bank.HasField("READ_ONLY")
+    assert written[f"{NAME}_gain"].HasField("READ_ONLY")
     centres = next(entry for entry in module.CHARACTERISTIC if entry.Name.Value == f"{NAME}_strength").AXIS_DESCR[0]
     assert [point.Value for point in centres.FIX_AXIS_PAR_LIST.AxisPtsValue] == pytest.approx(model().grid.centres_um)
     assert table(here / f"{NAME}.elf", elf.symbols[f"{NAME}_strength"]) == table_of(here, "strength")

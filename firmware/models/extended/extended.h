@@ -72,8 +72,8 @@ typedef struct {
 
 /** Creep: slow first-order answers to the input, each a sum of two words. */
 typedef struct {
-    float high[4];  /**< slow states, in the unit of the block's input */
-    float low[4];   /**< rounding error of `high`, carried along */
+    float high[4];  /**< slow states [um] */
+    float low[4];   /**< rounding error of `high`, carried along [um] */
 } extended_creep_t;
 
 /** What the input passes through before it reaches the stage. */

@@ -7,7 +7,7 @@ model and options give the same bytes on every machine and at any time.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -20,6 +20,8 @@ from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_fi
 from hysgen.codegen.operations import Figures, figures
 from hysgen.codegen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample, require_budget
 from hysgen.codegen.parameters import (
+    Section,
+    Table,
     block_sections,
     error_section,
     numbers_digest,
@@ -38,7 +40,7 @@ from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 
-__all__ = ["Options", "generate", "marked_source", "write"]
+__all__ = ["Options", "generate", "marked_source", "tables", "write"]
 
 ERROR_SAMPLES: Final = 20_000
 ERROR_DIGITS: Final = 6
@@ -75,17 +77,9 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     if chosen.inverse:
         _require_inverse(model, certificates)
     numbers = coefficients(model)
-    upper = model.name.upper()
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
     facts = _algorithm_facts(model, numbers, certificates, inverse=chosen.inverse)
-    features = facts["features"]
-    sections = [
-        range_section(numbers, responds=model.responds),
-        rule_section(numbers, upper, model.w_unit),
-        *block_sections(model),
-    ]
-    sections += term_sections(model, numbers, upper)
-    sections += [section for feature in features for section in feature.sections]
+    sections = _sections(model, numbers, facts["features"])
     sections.append(error_section(errors, inverse=chosen.inverse, responds=model.responds))
     facts |= {
         "prototypes": interface(model, inverse=chosen.inverse).prototypes,
@@ -121,6 +115,28 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     return texts | {MANIFEST: manifest(model, texts, summary)}
 
 
+def tables(model: Model) -> list[Table]:
+    """Every table of constants of `<name>_params.h` that the generated C reads, in the order of the file."""
+    numbers = coefficients(model)
+    sections = _sections(model, numbers, _features(model, numbers, certify(model)))
+    return [table for section in sections for table in section.tables]
+
+
+def _features(model: Model, numbers: Coefficients, certificates: Certificates) -> list[Feature]:
+    return [feature for build in FEATURES if (feature := build(model, numbers, certificates)) is not None]
+
+
+def _sections(model: Model, numbers: Coefficients, features: Sequence[Feature]) -> list[Section]:
+    """The sections of `<name>_params.h` except that of the worst errors."""
+    return [
+        range_section(numbers, responds=model.responds),
+        rule_section(model, numbers),
+        *block_sections(model),
+        *term_sections(model, numbers),
+        *(section for feature in features for section in feature.sections),
+    ]
+
+
 def _stated_budget(options: Options) -> dict[str, int]:
     """The budget for the manifest, if one is stated."""
     return {} if options.budget_cycles is None else {"budget_cycles": options.budget_cycles}
@@ -152,7 +168,7 @@ def _algorithm_facts(
     model: Model, numbers: Coefficients, certificates: Certificates, *, inverse: bool
 ) -> dict[str, Any]:
     """The variables of `source.c.j2`: of the model, of its features and whether there is an inverse."""
-    features = [feature for build in FEATURES if (feature := build(model, numbers, certificates)) is not None]
+    features = _features(model, numbers, certificates)
     facts = context(model, numbers) | {"inverse": inverse, "features": features}
     for feature in features:
         facts |= feature.facts

@@ -7,12 +7,13 @@ import numpy as np
 from hysgen.certify.certificates import Certificates
 from hysgen.codegen.parameters import Constant, Section, Table
 from hysgen.codegen.render import Feature
-from hysgen.codegen.structs import candidate_struct, rows
+from hysgen.codegen.structs import candidate_struct, rows, rule_axis
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.commit_numbers import CommitNumbers, commit_numbers
 from hysgen.float32.learner_numbers import learner_numbers
 from hysgen.float32.learner_status import COMMIT_MEANINGS
 from hysgen.model.model import Model
+from hysgen.model.structs import Axis, Quantity
 
 
 def commit_feature(model: Model, numbers: Coefficients, certificates: Certificates) -> Feature | None:
@@ -34,7 +35,7 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
         "points_per_call": model.learner.points_per_call,
         "kept": _kept(model, numbers),
     }
-    return Feature("commit.c.j2", {"commit": facts}, _sections(found, upper))
+    return Feature("commit.c.j2", {"commit": facts}, _sections(found, upper, rule_axis(model)))
 
 
 def _kept(model: Model, numbers: Coefficients) -> list[str]:
@@ -46,7 +47,7 @@ def _kept(model: Model, numbers: Coefficients) -> list[str]:
     return kept + [f"weight[{j}]" for j in range(weights)]
 
 
-def _sections(found: CommitNumbers, upper: str) -> list[Section]:
+def _sections(found: CommitNumbers, upper: str, axis: Axis) -> list[Section]:
     constants = [
         Constant("COMMIT_MATURE", np.uint32(found.settings.mature)),
         Constant("COMMIT_HALF_UM", found.half_um),
@@ -59,9 +60,14 @@ def _sections(found: CommitNumbers, upper: str) -> list[Section]:
         Constant("COMMIT_SLOPE_LIMIT", found.slope_limit),
     ]
     tables = [
-        Table("commit_unfold", f"{upper}_RULES", found.unfold),
-        Table("commit_y", f"{found.points}", found.y_um),
-        Table("commit_table", f"{found.table.size}", found.table.ravel()),
+        Table("commit_unfold", f"{upper}_RULES", found.unfold, Quantity("1 / strength of each rule"), axis),
+        Table("commit_y", f"{found.points}", found.y_um, Quantity("check points", "um")),
+        Table(
+            "commit_table",
+            f"{found.table.size}",
+            found.table.ravel(),
+            Quantity("memberships and their first two derivatives over the strengths, at each check point"),
+        ),
     ]
     checks = Section("Commit: check points.", [Constant("COMMIT_POINTS", np.uint32(found.points))], public=True)
     limits = Section(

@@ -12,7 +12,7 @@ from hysgen.codegen.parameters import Constant, Section, Table
 from hysgen.codegen.pipeline import Turn
 from hysgen.codegen.polynomials import Step, Sum, polynomial, powers
 from hysgen.codegen.render import Feature
-from hysgen.codegen.structs import learner_struct, rows
+from hysgen.codegen.structs import learner_struct, rows, rule_axis
 from hysgen.codegen.update_loops import (
     Element,
     StepLoops,
@@ -43,6 +43,7 @@ from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Described, Holds, Restart, Start
 from hysgen.model.float32_constants import ROUNDING
 from hysgen.model.model import Model
+from hysgen.model.structs import Quantity
 
 GRIDS: Final = {"regressor": REGRESSOR_GRID, "factor": FACTOR_GRID, "gain": GAIN_GRID, "step": STEP_GRID}
 
@@ -130,7 +131,7 @@ def learner_feature(model: Model, numbers: Coefficients, _certificates: object) 
         blocks=blocks(elements),
         grid={name: np.float32(ROUNDING * np.float32(grid)) for name, grid in GRIDS.items()},
     )
-    return Feature("learn.c.j2", {"learner": facts}, _sections(found, model.name.upper(), regressors.firing))
+    return Feature("learn.c.j2", {"learner": facts}, _sections(found, model, firing=regressors.firing))
 
 
 def _regressor_facts(model: Model, numbers: Coefficients, found: LearnerNumbers) -> RegressorFacts:
@@ -206,10 +207,9 @@ def _fixed(model: Model, found: LearnerNumbers) -> str:
     return f"{model.name}_flushed({' + '.join(parts)})" if parts else "0.0f"
 
 
-def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
+def _sections(found: LearnerNumbers, model: Model, *, firing: bool) -> list[Section]:
     """The learner's numbers for `<name>_params.h`."""
-    n = f"{upper}_LEARNED"
-    rules = f"{upper}_RULES"
+    n = f"{model.name.upper()}_LEARNED"
     settings, share = found.settings, found.floor_um
     levels = [
         Constant("LEARN_Y_LOW_UM", found.y_low_um),
@@ -242,14 +242,15 @@ def _sections(found: LearnerNumbers, upper: str, firing: bool) -> list[Section]:
         Constant("LEARN_PER_U", found.per_u),
     ]
     tables = [
-        Table("learn_scale", n, found.scale),
-        Table("learn_per_scale", n, found.per_scale),
-        Table("learn_prior", n, found.prior),
-        Table("learn_ceiling", n, found.ceiling),
-        Table("learn_refresh", n, found.refresh),
+        Table("learn_scale", n, found.scale, Quantity("theta per number in the bank")),
+        Table("learn_per_scale", n, found.per_scale, Quantity("number in the bank per theta")),
+        Table("learn_prior", n, found.prior, Quantity("D at the start")),
+        Table("learn_ceiling", n, found.ceiling, Quantity("largest D")),
+        Table("learn_refresh", n, found.refresh, Quantity("regressor of the sample that restores the prior")),
     ]
     if firing:
-        tables.append(Table("learn_firing", rules, found.firing))
+        near = Quantity("power of two nearest to each rule's strength")
+        tables.append(Table("learn_firing", f"{model.name.upper()}_RULES", found.firing, near, rule_axis(model)))
     return [
         Section("Learner: plausible displacements, rest, levels of the innovation and how fast they follow.", levels),
         Section(

@@ -8,11 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.float32.coefficients import Coefficients
+from hysgen.codegen.structs import consequents, rule_axis
+from hysgen.float32.coefficients import WINDOW_REACH, Coefficients
 from hysgen.float32.reference.accuracy import Accuracy
 from hysgen.machine.files import digest
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.model import Model
+from hysgen.model.path import InputBlock
+from hysgen.model.structs import Axis, Quantity
+from hysgen.model.terms import Term
 
 
 @dataclass(frozen=True)
@@ -33,11 +37,16 @@ class Constant:
 
 @dataclass(frozen=True)
 class Table:
-    """`static const <type> <name>_<table>[size]`, one row per number; `size` is C text, `type` float or uint32_t."""
+    """`static const <type> <name>_<table>[size]`, one row per number; `size` is C text, `type` float or uint32_t.
+
+    axis: of the index, if the numbers belong to physical values.
+    """
 
     name: str
     size: str
     values: NDArray[np.float32] | NDArray[np.uint32]
+    about: Quantity
+    axis: Axis | None = None
 
     @property
     def type(self) -> str:
@@ -105,17 +114,22 @@ def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section
     )
 
 
-def rule_section(numbers: Coefficients, upper: str, unit: str) -> Section:
-    """The partition, and the consequents multiplied by the rules' strengths; unit: of the rules' input."""
-    rows = f"{upper}_BANK_RULES"
-    tables = [
-        Table("strength", f"{upper}_WINDOW" if numbers.windowed else f"{upper}_RULES", numbers.strength),
-        Table("slope", rows, numbers.bank.slope),
-        Table("offset", rows, numbers.bank.offset),
-        Table("gain", rows, numbers.bank.gain),
-    ]
+def rule_section(model: Model, numbers: Coefficients) -> Section:
+    """The partition, and the consequents multiplied by the rules' strengths."""
+    upper, unit = model.name.upper(), model.w_unit
+    rows, axis = f"{upper}_BANK_RULES", rule_axis(model, numbers.pad)
+    strength = Quantity("strength w of each rule")
     if numbers.windowed:
-        tables.insert(1, Table("present", rows, numbers.present))
+        away = Axis("distance to the nearest centre", "steps", tuple(range(-WINDOW_REACH, WINDOW_REACH + 1)))
+        tables = [
+            Table("strength", f"{upper}_WINDOW", numbers.strength, strength, away),
+            Table("present", rows, numbers.present, Quantity("1: a rule, 0: a phantom beside the rules"), axis),
+        ]
+    else:
+        tables = [Table("strength", f"{upper}_RULES", numbers.strength, strength, axis)]
+    for group, about in consequents(unit).items():
+        scaled = Quantity(f"{about.meaning} times strength", about.unit)
+        tables.append(Table(group, rows, getattr(numbers.bank, group), scaled, axis))
     scale = "steps per um from the lowest centre" if numbers.windowed else "octaves per um from the middle"
     return Section(
         f"Rules, Eqs (1) to (7): {scale}; strengths w;\n"
@@ -130,27 +144,30 @@ def block_sections(model: Model) -> list[Section]:
     return [
         Section(
             f"Input block `{block.kind}`: {block.describe()}.",
-            tables=[
-                Table(f"{block.kind}_{name}", f"{len(values)}", values)
-                for name, values in block.constants(model.Ts_s).items()
-            ],
+            tables=_part_tables(model, block),
         )
         for block in model.blocks
     ]
 
 
-def term_sections(model: Model, numbers: Coefficients, upper: str) -> list[Section]:
+def _part_tables(model: Model, part: Term | InputBlock) -> list[Table]:
+    """The constants of a term or an input block."""
+    return [
+        Table(f"{part.kind}_{name}", f"{len(values)}", values, part.quantities.get(name, Quantity(name)))
+        for name, values in part.constants(model.Ts_s).items()
+    ]
+
+
+def term_sections(model: Model, numbers: Coefficients) -> list[Section]:
     """One section of shape constants per term, then one of all weights."""
     if not model.terms:
         return []
+    upper = model.name.upper()
     sections = []
     for term in model.terms:
-        tables = [
-            Table(f"{term.kind}_{name}", f"{len(values)}", values)
-            for name, values in term.constants(model.Ts_s).items()
-        ]
-        sections.append(Section(f"Term `{term.kind}`: {term.describe()}.", tables=tables))
-    weights = Table("weight", f"{upper}_WEIGHTS", numbers.bank.weight)
+        sections.append(Section(f"Term `{term.kind}`: {term.describe()}.", tables=_part_tables(model, term)))
+    about = Quantity("weights theta of the terms' regressors, in their order")
+    weights = Table("weight", f"{upper}_WEIGHTS", numbers.bank.weight, about)
     return [*sections, Section("Weights theta of the terms' regressors, in their order.", tables=[weights])]
 
 

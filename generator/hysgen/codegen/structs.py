@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.instance_words import InstanceWords
@@ -11,7 +15,7 @@ from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Holds, StructWords
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
-from hysgen.model.structs import Member, Struct
+from hysgen.model.structs import INPUT_UNIT, Axis, Member, Quantity, Struct
 from hysgen.model.terms import Term
 
 
@@ -29,14 +33,30 @@ def structs(model: Model) -> tuple[Struct, ...]:
 
 def part_struct(model: Model, part: Term | InputBlock) -> Struct:
     """`<name>_<kind>_t`: the state of a term or of an input block."""
-    return Struct(f"{model.name}_{part.kind}_t", part.members())
+    units = {INPUT_UNIT: _input_unit(model, part)}
+    members = (replace(member, unit=units.get(member.unit, member.unit)) for member in part.members())
+    return Struct(f"{model.name}_{part.kind}_t", tuple(members))
+
+
+def _input_unit(model: Model, part: Term | InputBlock) -> str:
+    """Unit of the input of a block: that of the last block before it that has a unit, by default V."""
+    before = itertools.takewhile(lambda block: block != part, model.blocks)
+    return next((block.unit for block in reversed(list(before)) if block.unit), "V")
+
+
+def rule_axis(model: Model, pad: int = 0) -> Axis:
+    """The centres of the rules as the axis of a table, with `pad` phantoms at either end."""
+    grid = model.grid
+    around = np.arange(1, pad + 1) * grid.step_um
+    centres = np.concatenate([grid.centres_um[0] - around[::-1], grid.centres_um, grid.centres_um[-1] + around])
+    return Axis("displacement", "um", tuple(centres.tolist()))
 
 
 def inputs_struct(model: Model) -> Struct:
     """`<name>_inputs_t`: the state of all input blocks."""
     stateful = [block for block in model.blocks if block.members()]
     members = [Member(block.kind, part_struct(model, block), "input block") for block in stateful]
-    return Struct(f"{model.name}_inputs_t", (Member("v_V", "float", "last input of the stage [V]"), *members))
+    return Struct(f"{model.name}_inputs_t", (Member("v_V", "float", "last input of the stage", unit="V"), *members))
 
 
 def terms_struct(model: Model) -> Struct:
@@ -49,16 +69,21 @@ def terms_struct(model: Model) -> Struct:
 def bank_struct(model: Model, numbers: Coefficients) -> Struct:
     """`<name>_bank_t`: the parameters, multiplied by the rules' strengths (`hysgen.float32.coefficients`)."""
     upper = model.name.upper()
-    groups = {"slope": "q1 [um/um]", "offset": "q3 [um]", "gain": f"q2 [um/{model.w_unit}]"}
+    axis = rule_axis(model, numbers.pad)
     members = [
-        Member(group, "float", meaning, (numbers.bank_rules,), (f"{upper}_BANK_RULES",))
-        for group, meaning in groups.items()
+        Member(group, "float", about.meaning, (numbers.bank_rules,), (f"{upper}_BANK_RULES",), about.unit, axis=axis)
+        for group, about in consequents(model.w_unit).items()
     ]
     if model.terms:
         weights = sum(term.size for term in model.terms)
         meaning = "theta_j of the terms, in their order"
         members.append(Member("weight", "float", meaning, (weights,), (f"{upper}_WEIGHTS",)))
     return Struct(f"{model.name}_bank_t", tuple(members))
+
+
+def consequents(w_unit: str) -> dict[str, Quantity]:
+    """The coefficients of Eq. (4) by their group in a bank; w_unit: unit of the input of the rules."""
+    return {"slope": Quantity("q1", "um/um"), "offset": Quantity("q3", "um"), "gain": Quantity("q2", f"um/{w_unit}")}
 
 
 def instance_struct(model: Model, numbers: Coefficients) -> Struct:
@@ -77,11 +102,14 @@ def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
             Member("phase", "uint32_t", "0: none, 1: being checked, 2: to be written, 3: to be made active"),
             Member("point", "uint32_t", "check point that comes next"),
             Member(
-                "gain_remainder_um_per_V", "float", "bound of the gain's Taylor remainder near a check point [um/V]"
+                "gain_remainder_um_per_V",
+                "float",
+                "bound of the gain's Taylor remainder near a check point",
+                unit="um/V",
             ),
             Member("slope_remainder", "float", "the same of |df/dy|, at the least and the largest input", (2,)),
             Member(
-                "theta", "float", "the shadow when it was taken [um]", (learned,), (f"{model.name.upper()}_LEARNED",)
+                "theta", "float", "the shadow when it was taken", (learned,), (f"{model.name.upper()}_LEARNED",), "um"
             ),
             Member("bank", bank_struct(model, numbers), "the same as a bank"),
         ),
@@ -101,14 +129,14 @@ def _members(words: type[StructWords], model: Model, learned: int = 0) -> list[M
     upper = model.name.upper()
     members = []
     for member in words.described():
-        meaning = member.meaning.format(NAME=upper)
+        meaning, unit, remark = member.meaning.format(NAME=upper), member.unit, member.remark
         match member.holds:
             case Holds.VECTOR:
-                members.append(Member(member.name, member.type, meaning, (learned,), (f"{upper}_LEARNED",)))
+                members.append(Member(member.name, member.type, meaning, (learned,), (f"{upper}_LEARNED",), unit))
             case Holds.MATRIX if factors(learned):
                 members.append(Member(member.name, member.type, meaning, (factors(learned),), (f"{upper}_FACTORS",)))
             case Holds.NUMBER | Holds.INTEGER | Holds.FLAG:
-                members.append(Member(member.name, member.type, meaning))
+                members.append(Member(member.name, member.type, meaning, unit=unit, remark=remark))
             case Holds.COUNTERS:
                 members += [Member(name, "uint32_t", counter.meaning) for name, counter in words.COUNTERS.items()]
             case Holds.INPUTS if model.blocks:
@@ -122,4 +150,4 @@ def rows(members: Sequence[Member]) -> list[str]:
     """One line of C per member: its declaration and, in an aligned column, its comment."""
     declared = [f"{member.declaration()};" for member in members]
     wide = max(len(text) for text in declared)
-    return [f"{text:<{wide}}  /**< {member.meaning} */" for text, member in zip(declared, members, strict=True)]
+    return [f"{text:<{wide}}  /**< {member.comment} */" for text, member in zip(declared, members, strict=True)]

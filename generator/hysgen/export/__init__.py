@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from hysgen.codegen import Options, generate
+from hysgen.codegen import Options, generate, tables
 from hysgen.codegen.interface import interface
 from hysgen.codegen.parameters import numbers_digest_of
 from hysgen.codegen.render import render
@@ -161,7 +161,7 @@ def _a2l_texts(
     if model.learner and source.elf is not None and not source.learner:
         learner = learner if learner in read_elf(elf).symbols else None
     described: Description = describe(
-        model, interface(model, inverse=options.inverse), params, read_elf(elf), instance, learner
+        model, interface(model, inverse=options.inverse), tables(model), read_elf(elf), instance, learner
     )
     facts = {
         **component_facts(model, options),

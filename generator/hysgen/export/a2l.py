@@ -1,41 +1,43 @@
 """ASAP2 1.7 (A2L): every parameter and state of the generated C with unit, limits, axis, and address in a linked ELF.
 
-Limits of states are the certified box (`hysgen.checking.proof.eva.boxes`): intervals that no call leaves.
+Names, units and axes are those of the structs and tables that the generated C is rendered from. Limits of states and
+banks are the boxes of the proof (`hysgen.checking.proof.eva`): intervals that no call leaves.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-
-from hysgen.checking.proof.eva.boxes import instance_box
+from hysgen.checking.proof.eva.banks import bank_box, state_box
+from hysgen.checking.proof.eva.boxes import parts_box
+from hysgen.checking.proof.eva.learner_box import learner_box
 from hysgen.codegen.interface import Interface
+from hysgen.codegen.parameters import Table
 from hysgen.errors import BuildError
 from hysgen.float32.learner_status import LEARNER_MEANINGS
+from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.status import MEANINGS
-from hysgen.model.structs import BYTES_PER_WORD, Member, Struct
+from hysgen.model.structs import BYTES_PER_WORD, Axis, Member, Struct
 
 LARGEST: Final = 3.4028234663852886e38
 """Limit of a float32 for which no interval is proved."""
 
 LARGEST_WORD: Final = 4294967295.0
 
-_TABLE: Final = re.compile(
-    r"^static const (float|uint32_t) (\w+)\[(\w+)\](?:\[\w+\])? = \{\n(.*?)^\};", re.MULTILINE | re.DOTALL
-)
-_UNIT: Final = re.compile(r"\[([^\[\]]+)\]")
 _ADDRESS_BITS: Final = 32
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A MEASUREMENT or a CHARACTERISTIC. address: of its first word; count: words; axis: values of its index [um]."""
+    """A MEASUREMENT or a CHARACTERISTIC.
+
+    address: of its first word; count: words. writable: whether a calibration tool may write it.
+    """
 
     name: str
     about: str
@@ -45,8 +47,9 @@ class Entry:
     count: int
     low: float
     high: float
-    axis: tuple[float, ...] = ()
+    axis: Axis | None = None
     mask: str = ""
+    writable: bool = False
 
     @property
     def asap(self) -> str:
@@ -55,7 +58,26 @@ class Entry:
     @property
     def conversion(self) -> str:
         """Name of the COMPU_METHOD."""
-        return f"CM_{self.asap}_{re.sub(r'[^A-Za-z0-9]+', '_', self.unit) or 'none'}"
+        return _conversion(self.asap, self.unit)
+
+    @property
+    def axis_conversion(self) -> str:
+        """Name of the COMPU_METHOD of the axis."""
+        return _conversion("FLOAT32_IEEE", self.axis.unit) if self.axis else ""
+
+
+def _conversion(asap: str, unit: str) -> str:
+    """Name of the COMPU_METHOD of a type and a unit."""
+    return f"CM_{asap}_{''.join(c if c.isalnum() else '_' for c in unit) or 'none'}"
+
+
+@dataclass(frozen=True)
+class Method:
+    """A COMPU_METHOD: the physical value is the value; type: ASAP2 type of the words."""
+
+    name: str
+    type: str
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -67,10 +89,12 @@ class Description:
     byte_order: str
 
     @property
-    def methods(self) -> list[Entry]:
-        """One entry per numeric COMPU_METHOD."""
+    def methods(self) -> list[Method]:
+        """Every COMPU_METHOD that an entry or an axis names, once."""
         both = (*self.characteristics, *self.measurements)
-        return list({entry.conversion: entry for entry in both}.values())
+        found = [Method(entry.conversion, entry.asap, entry.unit) for entry in both]
+        found += [Method(entry.axis_conversion, "FLOAT32_IEEE", entry.axis.unit) for entry in both if entry.axis]
+        return list({method.name: method for method in found}.values())
 
 
 @dataclass(frozen=True)
@@ -106,28 +130,75 @@ def read_elf(path: Path) -> Elf:
 
 
 def describe(
-    model: Model, interface: Interface, params: str, elf: Elf, instance: str, learner: str | None
+    model: Model, interface: Interface, tables: Sequence[Table], elf: Elf, instance: str, learner: str | None
 ) -> Description:
     """Every word of the instance, the learner and the tables of `<name>_params.h` at its address in `elf`.
 
-    instance, learner: names of the variables of the types `<name>_t` and `<name>_learner_t`; learner None: none.
+    tables: those of `hysgen.codegen.tables`. instance, learner: names of the variables of the types `<name>_t` and
+    `<name>_learner_t`; learner None: none.
     Raises BuildError if a variable or a table is not in the ELF, has another size, or lies above 4 GiB.
     """
     name = model.name
-    centres = tuple(float(c) for c in model.grid.centres_um)
-    characteristics = list(_tables(name, params, elf, centres))
-    box = {path: (interval.low, interval.high) for path, interval in instance_box(model).items()}
-    measurements: list[Entry] = []
-    pairs = [(instance, interface.struct(f"{name}_t"), box)]
+    entries = list(
+        _members(
+            interface.struct(f"{name}_t"),
+            Place(instance, _placed(elf, instance, interface.struct(f"{name}_t").bytes)),
+            Limits.of_instance(model),
+            f"{name}_bank_t",
+        )
+    )
+    status: list[tuple[str, Mapping[Any, str]]] = [(instance, MEANINGS)]
     if learner is not None:
-        pairs.append((learner, interface.struct(f"{name}_learner_t"), {}))
-    for variable, struct, limits in pairs:
-        base = _placed(elf, variable, struct.bytes)
-        for entry in _members(struct, variable, base, limits, centres):
-            (characteristics if f"{variable}.bank" in entry.name else measurements).append(entry)
-            if entry.name == f"{variable}.status":
-                measurements += _bits(entry, MEANINGS if variable == instance else LEARNER_MEANINGS)
-    return Description(tuple(characteristics), tuple(measurements), "MSB_LAST" if elf.little_endian else "MSB_FIRST")
+        struct = interface.struct(f"{name}_learner_t")
+        entries += _members(struct, Place(learner, _placed(elf, learner, struct.bytes)), Limits.of_learner(model))
+        status.append((learner, LEARNER_MEANINGS))
+    words = {entry.name: entry for entry in entries}
+    bits = [bit for variable, meanings in status for bit in _bits(words[f"{variable}.status"], meanings)]
+    return Description(
+        characteristics=(*(_table(name, table, elf) for table in tables), *(e for e in entries if e.writable)),
+        measurements=(*(entry for entry in entries if not entry.writable), *bits),
+        byte_order="MSB_LAST" if elf.little_endian else "MSB_FIRST",
+    )
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Intervals that no call leaves, by C path in the struct: floats; largest values of integers."""
+
+    floats: Mapping[str, Interval]
+    integers: Mapping[str, int]
+
+    @classmethod
+    def of_instance(cls, model: Model) -> Limits:
+        """With the parameters that a learner may commit; parameters that are not learned have no limits."""
+        banks = bank_box(model) if model.learner else {}
+        learned = {path: interval for path, interval in banks.items() if interval.width > 0.0}
+        floats = {f"bank[{b}].{path}": interval for b in range(2) for path, interval in learned.items()}
+        return cls({**state_box(model), **floats}, {**parts_box(model).integers, "active": 1})
+
+    @classmethod
+    def of_learner(cls, model: Model) -> Limits:
+        """Of a model with a learner; its covariance has none."""
+        box = learner_box(model)
+        return cls(box.floats, box.integers)
+
+    def of(self, path: str, member: Member) -> tuple[float, float]:
+        """The hull over all elements of a member with scalars; the range of its type where an element has none."""
+        paths = [word.path for word in member.words(path)]
+        if member.type == "float":
+            known = [self.floats[each] for each in paths if each in self.floats]
+            whole = len(known) == len(paths)
+            return (min(i.low for i in known), max(i.high for i in known)) if whole else (-LARGEST, LARGEST)
+        return 0.0, max(float(self.integers.get(each, LARGEST_WORD)) for each in paths)
+
+
+@dataclass(frozen=True)
+class Place:
+    """A struct in memory. variable: C name; path: of the struct in the variable, with its dot."""
+
+    variable: str
+    address: int
+    path: str = ""
 
 
 def _bits(word: Entry, meanings: Mapping[Any, str]) -> Iterator[Entry]:
@@ -147,50 +218,32 @@ def _placed(elf: Elf, symbol: str, size: int) -> int:
     return address
 
 
-def _tables(name: str, params: str, elf: Elf, centres: tuple[float, ...]) -> Iterator[Entry]:
-    """The tables of constants: parts 2 of `<name>_params.h`."""
-    text = params.partition(f"#ifdef {name.upper()}_SELFTEST_NUMBERS")[0]
-    for kind, symbol, _, body in _TABLE.findall(text):
-        count = len(re.findall(r"^\s+\S+,", body, re.MULTILINE))
-        address = _placed(elf, symbol, BYTES_PER_WORD * count)
-        low, high = (-LARGEST, LARGEST) if kind == "float" else (0.0, LARGEST_WORD)
-        axis = centres if count == len(centres) else ()
-        yield Entry(symbol, f"table of {name}_params.h", kind, "", address, count, low, high, axis)
+def _table(model: str, table: Table, elf: Elf) -> Entry:
+    """A table of constants, whose limits are its least and its largest number."""
+    symbol, count = f"{model}_{table.name}", len(table.values)
+    address = _placed(elf, symbol, BYTES_PER_WORD * count)
+    low, high = float(table.values.min()), float(table.values.max())
+    if low == high:
+        low, high = min(low, 0.0), max(high, 0.0) or 1.0
+    about = table.about
+    return Entry(symbol, about.meaning, table.type, about.unit, address, count, low, high, table.axis)
 
 
-def _members(
-    struct: Struct, path: str, address: int, box: Mapping[str, tuple[float, float]], centres: tuple[float, ...]
-) -> Iterator[Entry]:
+def _members(struct: Struct, place: Place, limits: Limits, parameters: str = "") -> Iterator[Entry]:
+    """One entry for every scalar and array of scalars; parameters: type of the structs that a tool may write."""
+    address = place.address
     for member in struct.members:
-        for place, (name, kind) in enumerate(_elements(member)):
-            own = f"{path}.{name}"
-            if isinstance(kind, Struct):
-                yield from _members(kind, own, address + place * kind.bytes, box, centres)
-        if not isinstance(member.type, Struct):
-            yield _scalar(member, path, address, box, centres)
-        address += BYTES_PER_WORD * sum(1 for _ in member.words())
-
-
-def _elements(member: Member) -> Iterator[tuple[str, Any]]:
-    for place in np.ndindex(*member.sizes):
-        yield member.name + "".join(f"[{i}]" for i in place), member.type
-
-
-def _scalar(
-    member: Member, path: str, address: int, box: Mapping[str, tuple[float, float]], centres: tuple[float, ...]
-) -> Entry:
-    unit = _UNIT.search(member.meaning)
-    count = sum(1 for _ in member.words())
-    inside = path.partition(".")[2]
-    own = f"{inside}.{member.name}" if inside else member.name
-    known = [interval for word, interval in box.items() if word == own or word.startswith(f"{own}[")]
-    if member.type == "float":
-        low = min((a for a, _ in known), default=-LARGEST)
-        high = max((b for _, b in known), default=LARGEST)
-    else:
-        low, high = 0.0, LARGEST_WORD
-    axis = centres if ".bank[" in f".{inside}" and count == len(centres) else ()
-    return Entry(
-        f"{path}.{member.name}", member.meaning, str(member.type), unit[1] if unit else "", address, count, low, high,
-        axis,
-    )  # fmt: skip
+        path = f"{place.path}{member.name}"
+        if isinstance(member.type, Struct):
+            for index in itertools.product(*(range(size) for size in member.sizes)):
+                inner = Place(place.variable, address, path + "".join(f"[{i}]" for i in index) + ".")
+                yield from _members(member.type, inner, limits, parameters)
+                address += member.type.bytes
+            continue
+        count = sum(1 for _ in member.words())
+        low, high = limits.of(place.path, member)
+        yield Entry(
+            f"{place.variable}.{path}", member.meaning, member.type, member.unit, address, count, low, high,
+            member.axis, writable=struct.name == parameters,
+        )  # fmt: skip
+        address += BYTES_PER_WORD * count

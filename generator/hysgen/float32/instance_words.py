@@ -17,11 +17,11 @@ class InstanceWords(StructWords):
 
     COUNTERS: ClassVar[Mapping[str, Counter]] = COUNTERS
 
-    y_um: Annotated[Floats32, number("last model output [um]: the state of the free run")]
-    u_V: Annotated[Floats32, number("last accepted input [V]")]
-    low_V: Annotated[Floats32, number("lowest voltage that may be put out [V]")]
-    high_V: Annotated[Floats32, number("highest voltage that may be put out [V]")]
-    step_V: Annotated[Floats32, number("largest change of that voltage per sample [V]")]
+    y_um: Annotated[Floats32, number("last model output", unit="um", remark=": the state of the free run")]
+    u_V: Annotated[Floats32, number("last accepted input", unit="V")]
+    low_V: Annotated[Floats32, number("lowest voltage that may be put out", unit="V")]
+    high_V: Annotated[Floats32, number("highest voltage that may be put out", unit="V")]
+    step_V: Annotated[Floats32, number("largest change of that voltage per sample", unit="V")]
     status: Annotated[Words, integer("bits {NAME}_STATUS_..., sticky")]
     counters: Annotated[dict[str, Words], COUNTERS_OF]
     inputs: Annotated[ChainMirror, INPUTS_OF]

@@ -39,16 +39,20 @@ class LearnerWords(StructWords):
     x: Annotated[Floats32, vector("regressors of the sample before, scaled", start=Start.ZERO)]
     theta: Annotated[
         Floats32,
-        vector("shadow parameters, scaled [um]", restart=Restart.REFERENCE, parameter=True, written_by=("step",)),
+        vector("shadow parameters, scaled", unit="um", restart=Restart.REFERENCE, parameter=True, written_by=("step",)),
     ]
     theta_low: Annotated[
         Floats32,
         vector(
-            "rounding error of theta, carried along [um]", restart=Restart.ZERO, any_bits=True, written_by=("step",)
+            "rounding error of theta, carried along",
+            unit="um",
+            restart=Restart.ZERO,
+            any_bits=True,
+            written_by=("step",),
         ),
     ]
     reference: Annotated[
-        Floats32, vector("parameters last committed, at first those of the model [um]", parameter=True)
+        Floats32, vector("parameters last committed, at first those of the model", unit="um", parameter=True)
     ]
     f: Annotated[Floats32, vector("U' x", start=Start.ZERO, any_bits=True, written_by=("project",))]
     g: Annotated[Floats32, vector("D U' x", start=Start.ZERO, any_bits=True, written_by=("project",))]
@@ -56,18 +60,22 @@ class LearnerWords(StructWords):
     k: Annotated[Floats32, vector("P x", start=Start.ZERO, any_bits=True, written_by=("factor",))]
     per_alpha: Annotated[Floats32, number("1 / alpha_n of this update", start=Start.ONE, any_bits=True)]
     inflate: Annotated[Floats32, number("1 / lambda of this update", start=Start.ONE)]
-    innovation_um: Annotated[Floats32, number("y - x' theta of this update [um]", start=Start.ZERO)]
-    fixed_um: Annotated[Floats32, number("part of the prediction that is not learned [um]", start=Start.ZERO)]
-    y_um: Annotated[Floats32, number("last accepted displacement [um]", start=Start.MODEL_Y)]
-    u_V: Annotated[Floats32, number("last accepted input [V]", start=Start.MODEL_U)]
-    mean_u_V: Annotated[Floats32, number("running mean of the input [V]; the input rests near it", start=Start.MODEL_U)]
-    scale_um: Annotated[Floats32, number("running mean of |innovation|, outliers limited [um]", restart=Restart.LEVEL)]
-    moving_um: Annotated[Floats32, number("running mean of |y(k) - y(k-1)| [um]", restart=Restart.LEVEL)]
-    error: Annotated[Floats32, number("mean square innovation of the shadow [um^2]", restart=Restart.ZERO)]
-    reference_error: Annotated[
-        Floats32, number("mean square innovation of the reference parameters [um^2]", restart=Restart.ZERO)
+    innovation_um: Annotated[Floats32, number("y - x' theta of this update", unit="um", start=Start.ZERO)]
+    fixed_um: Annotated[Floats32, number("part of the prediction that is not learned", unit="um", start=Start.ZERO)]
+    y_um: Annotated[Floats32, number("last accepted displacement", unit="um", start=Start.MODEL_Y)]
+    u_V: Annotated[Floats32, number("last accepted input", unit="V", start=Start.MODEL_U)]
+    mean_u_V: Annotated[
+        Floats32, number("running mean of the input", unit="V", remark="; the input rests near it", start=Start.MODEL_U)
     ]
-    step_error: Annotated[Floats32, number("mean square of y(k) - y(k-1) [um^2]", restart=Restart.ZERO)]
+    scale_um: Annotated[
+        Floats32, number("running mean of |innovation|, outliers limited", unit="um", restart=Restart.LEVEL)
+    ]
+    moving_um: Annotated[Floats32, number("running mean of |y(k) - y(k-1)|", unit="um", restart=Restart.LEVEL)]
+    error: Annotated[Floats32, number("mean square innovation of the shadow", unit="um^2", restart=Restart.ZERO)]
+    reference_error: Annotated[
+        Floats32, number("mean square innovation of the reference parameters", unit="um^2", restart=Restart.ZERO)
+    ]
+    step_error: Annotated[Floats32, number("mean square of y(k) - y(k-1)", unit="um^2", restart=Restart.ZERO)]
     fresh: Annotated[Words, flag("1: the regressors belong to the sample before", start=Start.ZERO)]
     rested: Annotated[Words, flag("1: the input rested at the sample before", start=Start.ZERO)]
     measuring: Annotated[Words, flag("1: this update learns from a sample, 0: it restores a prior", start=Start.ZERO)]

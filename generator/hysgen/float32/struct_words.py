@@ -60,8 +60,9 @@ class Restart(enum.Enum):
 class Described:
     """A member of the struct, the annotation of the mirror's attribute of the same name.
 
-    meaning: comment in the C header, with unit. start: initial value, None if another generated function writes it.
-    restart: value after a restart, None if a restart does not change it.
+    meaning, remark: comment in the C header, before and behind the unit. unit: "" for a pure number. start: initial
+    value, None if another generated function writes it. restart: value after a restart, None if a restart does not
+    change it.
     any_bits: whether the proof admits every bit pattern. parameter: whether the proof assumes and shows that the member
     is finite and within the limit of the parameters.
     written_by: kinds of functions of an update that write it (`project`, `factor`, `clear`, `step`).
@@ -69,6 +70,8 @@ class Described:
 
     holds: Holds
     meaning: str = ""
+    unit: str = ""
+    remark: str = ""
     name: str = ""
     start: Start | None = None
     restart: Restart | None = None

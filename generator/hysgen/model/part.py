@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.model.plain import arguments, to_plain
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 
 Floats = NDArray[np.float64]
 Words = NDArray[np.uint32] | NDArray[np.float32]
@@ -22,6 +22,9 @@ class ModelPart(abc.ABC):
     kind: ClassVar[str]
     two_words: ClassVar[bool] = False
     """Whether its states are sums of two words (module `twofloat`)."""
+
+    quantities: ClassVar[Mapping[str, Quantity]] = {}
+    """Meaning and unit of every array of `constants`, by its name."""
 
     def shape(self) -> Floats:
         """The parameters for an optimiser: positive ones as logarithms; (0,) if there are none."""
@@ -39,7 +42,7 @@ class ModelPart(abc.ABC):
         return ()
 
     def constants(self, Ts_s: float) -> Mapping[str, Words]:
-        """The 32-bit numbers that the C needs, by the name of their array in `<name>_params.h`."""
+        """The 32-bit numbers that the C needs, by the name of their array in `<name>_params.h` (see `quantities`)."""
         return {}
 
     def to_json(self) -> dict[str, Any]:

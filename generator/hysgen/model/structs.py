@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +32,33 @@ class Word:
 
 
 @dataclass(frozen=True)
+class Axis:
+    """What the index of an array runs over: the physical value that belongs to each element."""
+
+    name: str
+    unit: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """The meaning of a number of the generated C, and its unit; "" for a pure number and for mixed units."""
+
+    meaning: str
+    unit: str = ""
+
+
+INPUT_UNIT: Final = "input"
+"""Unit of a member of an input block that has the unit of the block's input; `codegen.structs` replaces it."""
+
+
+@dataclass(frozen=True)
 class Member:
-    """`type name[sizes];  /**< meaning */`.
+    """`type name[sizes];  /**< meaning [unit]remark */`.
 
     type: of the scalar, or the struct that the member is. sizes: of an array, none for anything else. extents: the
-    sizes as the header writes them; numbers unless given. Raises ModelError for another type or for more sizes.
+    sizes as the header writes them; numbers unless given. axis: of the index of an array of one size, if the elements
+    belong to physical values. Raises ModelError for another type or for more sizes.
     """
 
     name: str
@@ -44,12 +66,20 @@ class Member:
     meaning: str
     sizes: tuple[int, ...] = ()
     extents: tuple[str, ...] = ()
+    unit: str = ""
+    remark: str = ""
+    axis: Axis | None = None
 
     def __post_init__(self) -> None:
         if len(self.sizes) > 2 or not (isinstance(self.type, Struct) or self.type in get_args(Scalar)):
             raise ModelError(
                 f"{self.name}: a member of a generated struct is a float or a uint32_t, alone or with up to two sizes"
             )
+
+    @property
+    def comment(self) -> str:
+        """The comment in the header."""
+        return self.meaning + (f" [{self.unit}]" if self.unit else "") + self.remark
 
     @property
     def type_name(self) -> str:

@@ -72,16 +72,16 @@ typedef struct {
 
 /** Creep: slow first-order answers to the input, each a sum of two words. */
 typedef struct {
-    float high[4];  /**< slow states, in the unit of the block's input */
-    float low[4];   /**< rounding error of `high`, carried along */
+    float high[4];  /**< slow states [um] */
+    float low[4];   /**< rounding error of `high`, carried along [um] */
 } diagnosed_creep_t;
 
 /** Modes: position and velocity of each, each a sum of two words. */
 typedef struct {
-    float position[1];      /**< position of each mode, in the unit of the block's input */
-    float position_low[1];  /**< rounding error of `position`, carried along */
-    float velocity[1];      /**< the same of the velocity, over the angular frequency */
-    float velocity_low[1];  /**< rounding error of `velocity`, carried along */
+    float position[1];      /**< position of each mode [um] */
+    float position_low[1];  /**< rounding error of `position`, carried along [um] */
+    float velocity[1];      /**< velocity of each mode over the angular frequency [um] */
+    float velocity_low[1];  /**< rounding error of `velocity`, carried along [um] */
 } diagnosed_modes_t;
 
 /** What the input passes through before it reaches the stage. */

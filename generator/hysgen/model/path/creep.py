@@ -23,7 +23,7 @@ from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
-from hysgen.model.structs import Member
+from hysgen.model.structs import INPUT_UNIT, Member, Quantity
 from hysgen.model.twofloat import KEPT, accumulate
 
 
@@ -35,6 +35,10 @@ class Creep(InputBlock):
     """
 
     kind: ClassVar[str] = "creep"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "rate": Quantity("part of its distance to the input by which each slow state moves per sample"),
+        "amount": Quantity("weight of each slow state in the output"),
+    }
     place: ClassVar[int] = 40
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
@@ -92,8 +96,8 @@ class Creep(InputBlock):
     def members(self) -> tuple[Member, ...]:
         states = (len(self.tau_s),)
         return (
-            Member("high", "float", "slow states, in the unit of the block's input", states),
-            Member("low", "float", "rounding error of `high`, carried along", states),
+            Member("high", "float", "slow states", states, unit=INPUT_UNIT),
+            Member("low", "float", "rounding error of `high`, carried along", states, unit=INPUT_UNIT),
         )
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> CreepMirror:

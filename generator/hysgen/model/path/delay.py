@@ -23,7 +23,7 @@ import numpy as np
 
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, InputBlock
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 
 MOST_SAMPLES = 1000
 
@@ -36,6 +36,9 @@ class Delay(InputBlock):
     """
 
     kind: ClassVar[str] = "delay"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "part": Quantity("delay beyond whole samples", "samples"),
+    }
     place: ClassVar[int] = 20
     limits: ClassVar[bool] = False
     samples: float
@@ -101,10 +104,10 @@ class Delay(InputBlock):
 
     def members(self) -> tuple[Member, ...]:
         ring = (
-            Member("ring", "float", "past inputs [V]", (self.ring,)),
+            Member("ring", "float", "past inputs", (self.ring,), unit="V"),
             Member("newest", "uint32_t", "index of the last input"),
         )
-        wanted = Member("wanted_V", "float", "v of the last command, or the last input [V]")
+        wanted = Member("wanted_V", "float", "v of the last command, or the last input", unit="V")
         return (*ring, wanted) if self.interpolates else ring
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> DelayMirror:

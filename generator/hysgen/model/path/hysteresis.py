@@ -35,7 +35,7 @@ from hysgen.model.path.hysteresis_mirror import (
     Numbers,
     newton_steps,
 )
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 
 LEAST_HALF_WIDTH = 2.0**-12
 """Smallest half-width of a play: the state x - r or x + r of a play is then 0 or at least 2^-40 in magnitude."""
@@ -64,6 +64,15 @@ class Hysteresis(InputBlock):
     """
 
     kind: ClassVar[str] = "hysteresis"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "range": Quantity(
+            "middle and half of the input range [V], 1 / half [1/V], least, largest [um] and 1 / mean slope [1/um]"
+        ),
+        "curve": Quantity("coefficients of g0 with the first n plays, for either direction", "um"),
+        "play": Quantity("half-width [half ranges] and coefficients [um] of each play"),
+        "rate": Quantity("exponent of the first Duhem state per half range"),
+        "duhem": Quantity("b and c [um], 1 / reach of each Duhem state"),
+    }
     place: ClassVar[int] = 30
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
@@ -247,17 +256,17 @@ class Hysteresis(InputBlock):
 
     def members(self) -> tuple[Member, ...]:
         plays = (
-            Member("play", "float", "plays z_j [half ranges]", (self.plays,)),
-            Member("sum_um", "float", "part of the plays from j on in the output [um]", (self.plays + 1,)),
+            Member("play", "float", "plays z_j", (self.plays,), unit="half ranges"),
+            Member("sum_um", "float", "part of the plays from j on in the output", (self.plays + 1,), unit="um"),
         )
         duhem = (
             Member("left", "float", "1 - d_i at the last turn of the input", (self.states,)),
             Member("back", "float", "1 - d_i if the input turned now", (self.states,)),
-            Member("turn", "float", "input at the last turn [half ranges]"),
+            Member("turn", "float", "input at the last turn", unit="half ranges"),
         )
         last = (
-            Member("last", "float", "last input [half ranges]"),
-            Member("h_um", "float", "last output [um]"),
+            Member("last", "float", "last input", unit="half ranges"),
+            Member("h_um", "float", "last output", unit="um"),
         )
         return (*(plays if self.plays else ()), *(duhem if self.states else ()), *last)
 

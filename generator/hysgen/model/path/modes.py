@@ -30,7 +30,7 @@ from hysgen.machine.kernels import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
-from hysgen.model.structs import Member
+from hysgen.model.structs import INPUT_UNIT, Member, Quantity
 from hysgen.model.twofloat import KEPT, accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
@@ -47,6 +47,14 @@ class Modes(InputBlock):
     """
 
     kind: ClassVar[str] = "modes"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "real": Quantity("1 - Re of each pole per sample"),
+        "imag": Quantity("Im of each pole per sample"),
+        "of_position": Quantity("weight of each position in the output"),
+        "of_velocity": Quantity("weight of each velocity in the output"),
+        "direct": Quantity("output per change of the input in the same sample"),
+        "per_direct": Quantity("1 / direct"),
+    }
     place: ClassVar[int] = 50
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
@@ -164,10 +172,10 @@ class Modes(InputBlock):
     def members(self) -> tuple[Member, ...]:
         modes = (len(self.f_Hz),)
         return (
-            Member("position", "float", "position of each mode, in the unit of the block's input", modes),
-            Member("position_low", "float", "rounding error of `position`, carried along", modes),
-            Member("velocity", "float", "the same of the velocity, over the angular frequency", modes),
-            Member("velocity_low", "float", "rounding error of `velocity`, carried along", modes),
+            Member("position", "float", "position of each mode", modes, unit=INPUT_UNIT),
+            Member("position_low", "float", "rounding error of `position`, carried along", modes, unit=INPUT_UNIT),
+            Member("velocity", "float", "velocity of each mode over the angular frequency", modes, unit=INPUT_UNIT),
+            Member("velocity_low", "float", "rounding error of `velocity`, carried along", modes, unit=INPUT_UNIT),
         )
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> ModesMirror:

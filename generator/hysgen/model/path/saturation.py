@@ -15,7 +15,7 @@ import numpy as np
 
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,10 @@ class Saturation(InputBlock):
     """
 
     kind: ClassVar[str] = "saturation"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "low": Quantity("lowest input", "V"),
+        "high": Quantity("highest input", "V"),
+    }
     place: ClassVar[int] = 0
     low_V: float
     high_V: float

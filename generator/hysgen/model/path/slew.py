@@ -16,7 +16,7 @@ import numpy as np
 from hysgen.machine.kernels import slew_limited
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,10 @@ class Slew(InputBlock):
     """
 
     kind: ClassVar[str] = "slew"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "rise": Quantity("largest rise of the input per sample", "V"),
+        "fall": Quantity("largest fall of the input per sample", "V"),
+    }
     place: ClassVar[int] = 10
     rise_V_s: float
     fall_V_s: float
@@ -59,7 +63,7 @@ class Slew(InputBlock):
         return np.log(1e-3 * steepest), np.log(steepest)
 
     def members(self) -> tuple[Member, ...]:
-        return (Member("last_V", "float", "last output of the limiter [V]"),)
+        return (Member("last_V", "float", "last output of the limiter", unit="V"),)
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> SlewMirror:
         steps = self.constants(Ts_s)

@@ -19,7 +19,7 @@ from hysgen.errors import ModelError
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.status import Status
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 
 MOST_TAPS = 64
@@ -33,6 +33,11 @@ class Coupling(Term):
     """
 
     kind: ClassVar[str] = "coupling"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "low": Quantity("lower limit of each channel, in its unit"),
+        "high": Quantity("upper limit of each channel, in its unit"),
+        "middle": Quantity("middle of the range of each channel, in its unit"),
+    }
     channels: tuple[str, ...] = field()
     low: tuple[float, ...]
     high: tuple[float, ...]

@@ -24,7 +24,7 @@ import numpy as np
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import symmetric
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 from hysgen.model.terms.base import Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.twofloat import KEPT, accumulate
 
@@ -37,6 +37,10 @@ class Drift(Term):
     """
 
     kind: ClassVar[str] = "drift"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "rate": Quantity("part of the innovation that enters the bias"),
+        "limit": Quantity("largest bias", "um"),
+    }
     follows_measurements: ClassVar[bool] = True
     two_words: ClassVar[bool] = True
     tau_s: float
@@ -73,8 +77,8 @@ class Drift(Term):
 
     def members(self) -> tuple[Member, ...]:
         return (
-            Member("bias_um", "float", "the bias [um]"),
-            Member("bias_low_um", "float", "rounding error of `bias_um`, carried along [um]"),
+            Member("bias_um", "float", "the bias", unit="um"),
+            Member("bias_low_um", "float", "rounding error of `bias_um`, carried along", unit="um"),
         )
 
     def mirror(self, lanes: int, Ts_s: float) -> BiasMirror:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Quantity
 from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.terms.sine import cosine_sine
 
@@ -33,6 +33,10 @@ class Periodic(Term):
     """Frequencies `f_Hz`, (m,) positive and rising. Raises ValueError otherwise."""
 
     kind: ClassVar[str] = "periodic"
+    quantities: ClassVar[Mapping[str, Quantity]] = {
+        "turn_high": Quantity("upper word of the turns per sample", "2^-32"),
+        "turn_low": Quantity("lower word of the turns per sample", "2^-64"),
+    }
     parts: ClassVar[tuple[str, ...]] = ("sine",)
     foreseen: ClassVar[bool] = True
     f_Hz: tuple[float, ...]
@@ -68,8 +72,8 @@ class Periodic(Term):
     def members(self) -> tuple[Member, ...]:
         lines = (len(self.f_Hz),)
         return (
-            Member("phase", "uint32_t", "upper word of the phase [turns / 2^32]", lines),
-            Member("phase_low", "uint32_t", "lower word of the phase [turns / 2^64]", lines),
+            Member("phase", "uint32_t", "upper word of the phase", lines, unit="turns / 2^32"),
+            Member("phase_low", "uint32_t", "lower word of the phase", lines, unit="turns / 2^64"),
         )
 
     def mirror(self, lanes: int, Ts_s: float) -> PhaseMirror:
