@@ -225,7 +225,8 @@ def test_terminal_notebook_and_page_show_one_table_of_the_ladder(hum: Study, pag
 def test_uncertainty_of_a_diagnosis_is_a_section_of_its_report(hum: Study) -> None:
     found = characterise(hum, sensor_uncertainty("5nm,k=2"))
     section = uncertainty_section(found)
-    assert [row[0] for row in section.tables[0].cells] == ["sensor", "noise", "model error"]
+    causes = [f"model error, {cause.name}" for cause in hum.diagnosis.causes]
+    assert [row[0] for row in section.tables[0].cells] == ["sensor", "noise", *causes, "model error, rest"]
     assert found.budget.combined_um == pytest.approx(
         math.hypot(*(part.contribution_um for part in found.budget.contributions))
     )

@@ -195,9 +195,69 @@ def test_positions_of_a_record_with_repeated_levels() -> None:
     assert found.noise_band_um == pytest.approx(0.004, rel=0.1)
     assert found.positioning_um is not None
     assert 0.03 < found.positioning_um < 0.05
+    assert found.accuracy_um == pytest.approx(found.positioning_um + 4 * 0.002, rel=0.2)
+    assert found.approaches == 40
+    few = positions(record_of_cycles(spread_um=0.002, noise_um=0.001, cycles=4))
+    assert {row[0]: row[2] for row in few.rows()}["bidirectional repeatability"] == (
+        "from 4 approaches; ISO 230-2 asks for 5"
+    )
     none = positions(Record.from_arrays(np.arange(500.0), np.arange(500.0), 1e-3))
     assert (none.repeatability_um, none.noise_band_um, none.holds) == (None, None, 0)
     assert all(row[2].startswith("needs ") for row in none.rows())
+
+
+AXIS_MM = {
+    -4.0: (
+        [-3.99861, -3.98366, -3.98366, -3.95012, -3.95335],
+        [-4.10205, -4.01598, -3.99861, -3.99254, -3.96143],
+    ),
+    -2.0: (
+        [-2.00655, -1.98836, -1.98109, -1.9419, -1.93341],
+        [-2.11969, -2.02392, -2.00251, -1.99968, -1.9617],
+    ),
+    0.0: ([-0.02782, -0.00802, -0.01005, 0.01986, 0.0344], [-0.13005, -0.02904, -0.01489, -0.01126, 0.01622]),
+    2.0: ([1.97474, 1.99616, 2.00181, 2.03495, 2.04909], [1.94767, 1.97191, 1.98848, 2.00949, 2.02323]),
+    4.0: ([4.00316, 4.00397, 4.00963, 4.03024, 4.05165], [3.94983, 3.98054, 3.98538, 4.01731, 4.03024]),
+}
+"""Readings at five targets, five approaches from below and from above: a published test of an axis after ISO 230-2
+(github.com/anderssandstrom/ecmc_target_muts_logger, target_x_report_8A.md)."""
+
+
+def test_repeatability_and_reversal_agree_with_a_published_test_after_iso_230_2() -> None:
+    """B = 0.05124 mm and R = 0.23715 mm in the report of that test, written with five decimals."""
+    steps: list[tuple[float, float]] = []
+    for cycle in range(5):
+        steps.append((-5.0, -5.0))
+        steps += [(target, up[cycle]) for target, (up, _) in AXIS_MM.items()]
+        steps.append((5.0, 5.0))
+        steps += [(target, down[cycle]) for target, (_, down) in reversed(AXIS_MM.items())]
+    u, y = (np.repeat(column, 40) for column in np.array(steps).T)
+    found = positions(Record.from_arrays(u, y, 1e-3, accept=("constant",)))
+    assert found.hysteresis_um == pytest.approx(0.05124, abs=2e-5)
+    assert found.repeatability_um == pytest.approx(0.23715, abs=2e-5)
+    assert found.approaches == 5
+
+
+def test_model_error_is_split_by_cause_and_its_sum_is_kept() -> None:
+    """A tenth of the action of creep is left, none of that of memory; the split moves neither u_c nor k."""
+    random = np.random.default_rng(4)
+    t = np.arange(4000.0)
+    memory, creep = np.sin(0.01 * t), np.cos(0.003 * t)
+    residual = 0.1 * 0.02 * creep + 0.001 * random.standard_normal(t.size)
+    plain = Evidence(residual, NoiseFloor(1e-5, "plateaus", 1000), 4000, 20, SensorUncertainty(0.001, 2.0, ""))
+    actions = (("memory", 0.05 * memory), ("creep", 0.02 * creep))
+    split = budget(dataclasses.replace(plain, actions_um=actions, left_um=(("drift", 2e-4),)))
+    parts = {c.name: c.contribution_um for c in split.contributions}
+    assert parts["model error, creep"] == pytest.approx(0.1 * 0.02 / math.sqrt(2.0), rel=0.05)
+    assert parts["model error, memory"] < 2e-4
+    assert parts["model error, drift"] == pytest.approx(2e-4)
+    assert parts["model error, rest"] == pytest.approx(0.001, rel=0.05)
+    whole = budget(plain)
+    assert split.combined_um == pytest.approx(whole.combined_um, rel=1e-12)
+    assert split.freedom == pytest.approx(whole.freedom, rel=1e-9)
+    assert sum(c.freedom for c in split.contributions if c.name.startswith("model")) == pytest.approx(
+        next(c.freedom for c in whole.contributions if c.name == "model error")
+    )
 
 
 def test_history_shows_what_moved_and_exits_by_the_limit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

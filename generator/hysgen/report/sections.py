@@ -113,7 +113,7 @@ def cost_section(price: Cost | None, why_not: str = "") -> PageSection:
 
 
 def uncertainty_section(found: Characterisation) -> PageSection:
-    """Budget after the GUM, quantities of a positioning axis, and the error that each extension removes."""
+    """Budget after the GUM with the model error by cause, quantities of a positioning axis, and errors removed."""
     budget = found.budget
     head = ["contribution", "type", "standard uncertainty um", "degrees of freedom", "of the variance", "from"]
     removed = [[name, f"{size_um:.3g}"] for name, size_um in found.removed]
@@ -122,7 +122,11 @@ def uncertainty_section(found: Characterisation) -> PageSection:
         PageTable(["quantity", "um", ""], found.positions.rows(), "Positions of the levels that the record holds"),
     ]
     if removed:
-        tables.append(PageTable(["extension", "error removed, um rms"], removed, "Model error by cause"))
+        tables.append(
+            PageTable(
+                ["extension", "error removed, um rms"], removed, "Error of the free run that each extension removes"
+            )
+        )
     return PageSection(
         "Uncertainty",
         text=[

@@ -80,7 +80,7 @@ class Budget:
                 c.name,
                 c.evaluation,
                 f"{c.contribution_um:.3g}",
-                "inf" if math.isinf(c.freedom) else f"{c.freedom:.0f}",
+                "inf" if math.isinf(c.freedom) else f"{c.freedom:.0f}" if c.freedom >= 10.0 else f"{c.freedom:.2g}",
                 f"{100.0 * c.contribution_um**2 / total:.1f} %" if total > 0.0 else "",
                 c.about,
             ]

@@ -5,11 +5,20 @@ repeated visits of a level show (repeatability) and the rest (error of the model
 
     u_model^2 = max(mean e^2 - noise^2 - repeatability^2, 0)
 
-Degrees of freedom are those of independent samples (`gum.independent_samples`).
+The error of the model is split by cause. With a_i(k) the change of the free run that the extension of cause i makes on
+the held-out rows, and b_i the part of a_i that is orthogonal to a_1 .. a_(i-1), the part of the residual that still
+follows the action of cause i is
+
+    u_i^2 = (b_i' e)^2 / (n b_i' b_i)
+
+a wrong amplitude of its extension. A cause that is named and not in the model has the power that its extension would
+remove. The rest has no named cause. The split changes neither u_model nor its degrees of freedom, which are those of
+independent samples (`gum.independent_samples`), shared in proportion to the variances.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,7 +41,8 @@ class Evidence:
     """What a budget is made of. residual_um: (n,) free run minus reading on rows that no fit has seen.
 
     fitted: rows of the identification; parameters: numbers fitted to them. drift_um: largest change of the displacement
-    since the record, None if unknown.
+    since the record, None if unknown. actions_um: cause and a_i, (n,), in ladder order. left_um: cause that is not in
+    the model and the error that its extension would remove.
     """
 
     residual_um: NDArray[np.float64]
@@ -42,6 +52,8 @@ class Evidence:
     sensor: SensorUncertainty
     positions: Positions | None = None
     drift_um: float | None = None
+    actions_um: tuple[tuple[str, NDArray[np.float64]], ...] = ()
+    left_um: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -65,11 +77,12 @@ class Characterisation:
     def lines(self) -> list[str]:
         """The result as text."""
         budget = self.budget
+        wide = max(len(c.name) for c in budget.contributions)
         degrees = "" if math.isinf(budget.freedom) else f", {budget.freedom:.0f} degrees of freedom"
         return [
             f"uncertainty of the {budget.measurand}: U = {budget.expanded_um:.3g} um "
             f"(k = {budget.factor:.3g}, {100 * budget.coverage:.0f} %{degrees}), u_c = {budget.combined_um:.3g} um",
-            *(f"    {row[0]:<16} {row[1]}  {row[2]:>9} um  {row[4]:>7}  {row[5]}" for row in budget.rows()),
+            *(f"    {row[0]:<{wide}}  {row[1]}  {row[2]:>9} um  {row[4]:>7}  {row[5]}" for row in budget.rows()),
             *(f"    not known: {name}" for name in self.missing),
         ]
 
@@ -82,7 +95,6 @@ def budget(evidence: Evidence) -> Budget:
     seen = evidence.positions
     spread = seen.spread_um if seen is not None and seen.spread_um is not None else 0.0
     repeat2 = min(spread**2, power - noise2)
-    freedom = max(1.0, independent_samples(e.tolist()) - 1.0)
     fit_um = evidence.noise.rms_um * math.sqrt(evidence.parameters / max(1, evidence.fitted))
     contributions = [
         Contribution("sensor", evidence.sensor.standard_um, "B", evidence.sensor.source),
@@ -95,16 +107,50 @@ def budget(evidence: Evidence) -> Budget:
     if repeat2 > 0.0 and seen is not None:
         about = f"levels that the record visits again, {seen.holds} holds"
         contributions.append(Contribution("repeatability", math.sqrt(repeat2), "A", about, max(1.0, seen.freedom)))
-    contributions.append(
-        Contribution(
-            "model error", math.sqrt(max(power - noise2 - repeat2, 0.0)), "A",
-            f"held-out free run over {e.size} rows, less noise and repeatability", freedom,
-        )
-    )  # fmt: skip
+    contributions += _model_error(evidence, max(power - noise2 - repeat2, 0.0))
     if evidence.drift_um is not None:
         about = f"at most {evidence.drift_um:.3g} um since the record"
         contributions.append(rectangular("drift", evidence.drift_um, about))
     return Budget(MEASURAND, tuple(contributions))
+
+
+def _model_error(evidence: Evidence, power: float) -> list[Contribution]:
+    """The error of the model, of mean square `power`, by cause; the rest last."""
+    e = evidence.residual_um
+    freedom = max(1.0, independent_samples(e.tolist()) - 1.0)
+    parts = error_by_cause(e, evidence.actions_um)
+    about = dict.fromkeys(dict(parts), "still follows the action of its extension")
+    parts += [(name, size_um**2) for name, size_um in evidence.left_um]
+    about |= dict.fromkeys(dict(evidence.left_um), "named; its extension, not in the model, would remove it")
+    found = sum(part for _, part in parts)
+    scale = min(1.0, power / found) if found > 0.0 else 1.0
+    source = f"held-out free run over {e.size} rows, less noise and repeatability"
+    lines = [(f"model error, {name}", scale * part, about[name]) for name, part in parts]
+    rest = ("model error, rest" if lines else "model error", max(power - scale * found, 0.0), source)
+    return [
+        Contribution(name, math.sqrt(part), "A", text, freedom * part / power if part > 0.0 else freedom)
+        for name, part, text in (*lines, rest)
+    ]
+
+
+def error_by_cause(
+    residual_um: NDArray[np.float64], actions_um: Sequence[tuple[str, NDArray[np.float64]]]
+) -> list[tuple[str, float]]:
+    """(cause, u_i^2): mean square of the part of the residual that follows an action; a shared part counts once."""
+    rest = residual_um.astype(np.float64)
+    before: list[NDArray[np.float64]] = []
+    parts = []
+    for name, action_um in actions_um:
+        own = action_um.astype(np.float64)
+        for unit in before:
+            own = own - (unit @ own) * unit
+        size = float(np.linalg.norm(own))
+        follows = 0.0
+        if size > 1e-9 * float(np.linalg.norm(action_um)):
+            before.append(own / size)
+            follows = float(before[-1] @ rest)
+        parts.append((name, follows**2 / rest.size))
+    return parts
 
 
 def characterise(study: Study, sensor: SensorUncertainty, drift_um: float | None = None) -> Characterisation:
@@ -121,6 +167,8 @@ def characterise(study: Study, sensor: SensorUncertainty, drift_um: float | None
         sensor=sensor,
         positions=seen,
         drift_um=drift_um,
+        actions_um=_actions(study, rows),
+        left_um=_left(study),
     )
     missing = []
     if drift_um is None:
@@ -128,6 +176,23 @@ def characterise(study: Study, sensor: SensorUncertainty, drift_um: float | None
     if seen.spread_um is None:
         missing.append("repeatability: the record repeats no step between two levels")
     return Characterisation(budget(evidence), seen, _removed(study), tuple(missing))
+
+
+def _actions(study: Study, rows: NDArray[np.intp]) -> tuple[tuple[str, NDArray[np.float64]], ...]:
+    """(cause, change of the free run by its extension on the held-out rows), in ladder order."""
+    errors = [error[rows] for _, error in study.diagnosis.errors_um]
+    changes = (after - before for before, after in itertools.pairwise(errors))
+    return tuple((cause.name, change) for cause, change in zip(study.extended, changes, strict=True))
+
+
+def _left(study: Study) -> tuple[tuple[str, float], ...]:
+    """(cause that is named and not in the model, error that its extension would remove beside the others)."""
+    found = []
+    for cause in study.diagnosis.causes:
+        if not cause.extended and cause.beside is not None:
+            removed = max(cause.beside.before_um**2 - cause.beside.after_um**2, 0.0)
+            found.append((cause.name, math.sqrt(removed)))
+    return tuple(found)
 
 
 def _removed(study: Study) -> tuple[tuple[str, float], ...]:
