@@ -1,4 +1,4 @@
-"""The wheel is complete: templates, models, kernels and the bundled record are inside."""
+"""The wheel is complete: templates, models, compiled kernels and the bundled record are inside."""
 
 from __future__ import annotations
 
@@ -8,24 +8,56 @@ import sys
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+CODE = "import hysgen; print(hysgen.__file__); from hysgen.cli import main; raise SystemExit(main())"
+
+pytestmark = pytest.mark.slow
 
 
-@pytest.mark.slow
-def test_the_wheel_generates_c_outside_the_checkout(tmp_path: Path) -> None:
-    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", str(tmp_path)]
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The content of the wheel."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", str(folder)]
     subprocess.run([*build, str(ROOT)], check=True)
-    (wheel,) = tmp_path.glob("hysgen-*.whl")
+    (wheel,) = folder.glob("hysgen-*.whl")
+    assert "-py3-none-any" not in wheel.name, "holds compiled kernels"
     with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(tmp_path / "site")
-    assert (tmp_path / "site" / "hysgen" / "stage" / "demo_stage.csv").exists()
-    # The package must come from the wheel, not from the checkout.
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
-    code = "import hysgen; print(hysgen.__file__); from hysgen.cli import main; raise SystemExit(main())"
-    call = [sys.executable, "-c", code, "generate", "appendix_a", "-o", "out"]
-    run = subprocess.run(call, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.startswith(str(tmp_path / "site"))
+        archive.extractall(folder / "site")
+    return folder / "site"
+
+
+def run(site: Path, folder: Path, *arguments: str, **environment: str) -> str:
+    """The output of `hysgen` from the wheel, not from the checkout."""
+    call = [sys.executable, "-c", CODE, *arguments]
+    settings = {**os.environ, "PYTHONPATH": str(site), **environment}
+    done = subprocess.run(call, cwd=folder, env=settings, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(str(site))
+    return done.stdout
+
+
+def test_the_wheel_generates_c_outside_the_checkout(site: Path, tmp_path: Path) -> None:
+    assert (site / "hysgen" / "stage" / "demo_stage.csv").exists()
+    run(site, tmp_path, "generate", "appendix_a", "-o", "out")
     assert (tmp_path / "out" / "appendix_a.c").exists()
+
+
+def test_fit_score_and_describe_need_no_compiler(site: Path, tmp_path: Path) -> None:
+    """With the kernels of the wheel; without them the same call asks for a compiler."""
+    u = 30.0 + 20.0 * np.sin(0.01 * np.arange(3000.0)) * np.linspace(0.2, 1.0, 3000)
+    y = np.convolve(0.06 * u, np.full(8, 0.125))[: u.size]
+    rows = np.column_stack([2e-5 * np.arange(u.size), u, y])[20:]
+    np.savetxt(tmp_path / "r.csv", rows, "%.9g", ",", header="time_s,voltage_V,displacement_um", comments="")
+    nothing = {"PATH": str(tmp_path / "empty"), "CC": "", "HYSGEN_CACHE": str(tmp_path / "cache")}
+    run(site, tmp_path, "fit", "r.csv", "-o", "stage.json", **nothing)
+    assert "free run" in run(site, tmp_path, "score", "stage.json", "r.csv", **nothing)
+    run(site, tmp_path, "describe", "stage.json", **nothing)
+    (library,) = (site / "hysgen" / "machine" / "kernels").glob("kernels-*.so")
+    hidden = library.rename(library.with_suffix(".hidden"))
+    with pytest.raises(AssertionError, match="no C compiler found"):
+        run(site, tmp_path, "score", "stage.json", "r.csv", **nothing)
+    hidden.rename(library)

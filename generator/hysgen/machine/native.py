@@ -21,6 +21,7 @@ from cffi import FFI
 
 from hysgen.errors import BuildError, HysgenError
 from hysgen.machine.files import digest
+from hysgen.machine.kernel_build import STRICT_FLAGS, find_compiler
 
 
 @dataclass(frozen=True)
@@ -33,9 +34,6 @@ class Toolchain:
     def __str__(self) -> str:
         return " ".join((self.command, *self.flags))
 
-
-# No contraction into FMA, no value-changing optimisations: required for bit-for-bit equality.
-STRICT_FLAGS = ("-std=c99", "-fPIC", "-ffp-contract=off", "-fno-fast-math")
 
 _INCLUDE = re.compile(r"""^\s*#\s*include\s*["<]([^">]+)[">]""", re.MULTILINE)
 
@@ -51,10 +49,10 @@ class Library:
 
 def default_toolchain() -> Toolchain:
     """The compiler that `CC` names, or the first of cc, gcc and clang that is installed."""
-    for command in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
-        if command and shutil.which(command):
-            return Toolchain(command)
-    raise BuildError("no C compiler found: install gcc or clang, or point CC at one")
+    command = find_compiler()
+    if command is None:
+        raise BuildError("no C compiler found: install gcc or clang, or point CC at one")
+    return Toolchain(command)
 
 
 @functools.lru_cache(maxsize=64)

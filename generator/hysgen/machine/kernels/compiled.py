@@ -4,21 +4,31 @@ from __future__ import annotations
 
 import functools
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from cffi import FFI
 from numpy.typing import NDArray
 
+from hysgen.machine.kernel_build import OPTIMISATION, library_name
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 
 
 @functools.lru_cache(maxsize=32)
 def kernel(file: str, declarations: str, *headers: str) -> Library:
-    """The library compiled from `file` and the `headers` that it includes. Raises BuildError without a compiler."""
-    folder = resources.files(__package__)
-    sources = [(name, folder.joinpath(name).read_text(encoding="utf-8")) for name in (file, *headers)]
-    # -O3 vectorises, but the strict flags forbid reordering sums: results are the same on every machine.
-    return build(sources, declarations, Toolchain(default_toolchain().command, ("-O3",)))
+    """The library of `file` and the `headers` that it includes: the one of the wheel, or else compiled here.
+
+    Raises BuildError if there is neither a library nor a compiler.
+    """
+    folder = Path(str(resources.files(__package__)))
+    shipped = folder / library_name(folder)
+    if shipped.exists():
+        ffi = FFI()
+        ffi.cdef(declarations)
+        return Library(ffi, ffi.dlopen(str(shipped)), shipped)
+    sources = [(name, (folder / name).read_text(encoding="utf-8")) for name in (file, *headers)]
+    return build(sources, declarations, Toolchain(default_toolchain().command, OPTIMISATION))
 
 
 def doubles(library: Library, array: NDArray[np.float64]) -> Any:
