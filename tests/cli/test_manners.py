@@ -5,15 +5,17 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from hysgen.cli import main
+from hysgen.cli import main, progress
 from hysgen.cli.completion import options_of, script
 from hysgen.cli.console import Console, folded
 from hysgen.cli.main import parser
 from hysgen.cli.options import parse_rows
+from hysgen.cli.progress import ProgressLine
 from hysgen.cli.verbs import NAMES, verb
 from hysgen.errors import RecordError
 from hysgen.stage.demo_record import bundled_csv
@@ -103,11 +105,25 @@ def test_sentences_are_folded_to_the_terminal_and_tables_are_not(
 
 def test_progress_says_seconds_and_quiet_says_nothing() -> None:
     err = io.StringIO()
-    console = Console(err=err, verbose=True)
-    console._started -= 30.0
-    console.progress(0.5, "fitting")
+    line = ProgressLine(err, verbose=True, started=time.monotonic() - 30.0)
+    line.show(0.5, "fitting")
     assert "50.0 %  fitting  (30 s, about 30 s left)" in err.getvalue()
+    line.stop()
     silent = io.StringIO()
     Console(err=silent, quiet=True).progress(0.5, "fitting")
     Console(err=silent, quiet=True).warn("x")
     assert silent.getvalue() == ""
+
+
+def test_progress_is_repeated_while_a_computation_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "SECONDS", 0.1)
+    err = io.StringIO()
+    console = Console(err=err)
+    console.progress(0.2, "searching")
+    time.sleep(0.7)
+    assert err.getvalue().count("20.0 %  searching") >= 2
+    console.say("")
+    told = err.getvalue()
+    time.sleep(0.4)
+    assert err.getvalue() == told, "text follows, so nothing is repeated"
+    console.close()

@@ -8,22 +8,17 @@ import re
 import shutil
 import sys
 import textwrap
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
 
+from hysgen.cli.progress import ProgressLine
 from hysgen.machine.files import write_whole
 from hysgen.machine.installed import version
 
 SCHEMA_VERSION = 1
 """Version of the JSON of all verbs: it rises when a key changes its meaning or goes; new keys may come at any time."""
-
-SECONDS_BETWEEN_PLAIN_LINES = 5.0
-
-LEAST_SECONDS = 3.0
-"""Seconds from which on the progress says how many have passed and are left."""
 
 CELLS = re.compile(r"\S {2,}\S")
 """Two blanks inside a line: a row of a table, which is not folded."""
@@ -43,13 +38,13 @@ class Console:
     verb: str = ""
     quiet: bool = False
     verbose: bool = False
-    _last_line: float = 0.0
-    _started: float = field(default_factory=time.monotonic)
-    _open_line: bool = False
+
+    def __post_init__(self) -> None:
+        self._progress = ProgressLine(self.err, self.verbose)
 
     def say(self, text: str = "") -> None:
         """Print lines of text, unless stdout carries the JSON."""
-        self._close_line()
+        self._progress.pause()
         if self.json_to != "-":
             print(folded(text, self._width()), file=self.out, flush=True)
 
@@ -57,32 +52,17 @@ class Console:
         """Print a warning on stderr."""
         if self.quiet:
             return
-        self._close_line()
+        self._progress.pause()
         print(folded(f"warning: {text}", self._width()), file=self.err, flush=True)
 
     def progress(self, fraction: float, what: str) -> None:
-        """Print the fraction done: one line rewritten on a terminal, else a line every few seconds."""
-        if self.quiet:
-            return
-        now = time.monotonic()
-        line = f"{100 * fraction:5.1f} %  {what}{self._seconds(fraction, now)}"
-        if self.verbose:
-            print(line, file=self.err, flush=True)
-        elif self.err.isatty():
-            width = shutil.get_terminal_size().columns
-            print(f"\r\x1b[K{line[: width - 1]}", end="", file=self.err, flush=True)
-            self._open_line = True
-        elif now - self._last_line >= SECONDS_BETWEEN_PLAIN_LINES or fraction >= 1.0:
-            print(line, file=self.err, flush=True)
-            self._last_line = now
+        """Print the fraction done and what is being done (`ProgressLine`)."""
+        if not self.quiet:
+            self._progress.show(fraction, what)
 
-    def _seconds(self, fraction: float, now: float) -> str:
-        """Seconds since the start, and those that are left if the rest goes as fast."""
-        passed = now - self._started
-        if passed < LEAST_SECONDS:
-            return ""
-        left = f", about {passed * (1.0 - fraction) / fraction:.0f} s left" if 0.05 < fraction < 1.0 else ""
-        return f"  ({passed:.0f} s{left})"
+    def close(self) -> None:
+        """End the progress; the verb is done or has failed."""
+        self._progress.stop()
 
     def _width(self) -> int | None:
         """Columns of the terminal; None where the text goes to a file, unless COLUMNS says how wide it may be."""
@@ -101,7 +81,7 @@ class Console:
         result = result if "schema" in result else head | dict(result)
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         if self.json_to == "-":
-            self._close_line()
+            self._progress.pause()
             print(text, end="", file=self.out, flush=True)
         else:
             write_whole(Path(self.json_to), text)
@@ -110,11 +90,6 @@ class Console:
         """Write the result as JSON. Returns the exit code: 0 if the answer is yes, else 1."""
         self.write_json(result)
         return 0 if holds else 1
-
-    def _close_line(self) -> None:
-        if self._open_line:
-            print("\r\x1b[K", end="", file=self.err, flush=True)
-            self._open_line = False
 
 
 def folded(text: str, width: int | None) -> str:

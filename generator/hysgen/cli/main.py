@@ -120,7 +120,10 @@ def _run(words: list[str]) -> int:
     arguments = parser(names).parse_args(words)
     console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)
-    code = int(arguments.run(arguments, console))
+    try:
+        code = int(arguments.run(arguments, console))
+    finally:
+        console.close()
     sys.stdout.flush()
     return code
 
