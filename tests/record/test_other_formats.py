@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import gzip
 import os
+import warnings
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -190,6 +192,14 @@ def as_dspace(path: Path) -> None:
     scipy.io.savemat(path, {"rec001": {"X": {"Name": "", "Data": TIME_S}, "Y": y, "Description": "run"}})
 
 
+def as_timetable(path: Path, version: str = "v7") -> None:
+    pandas, matio = library("pandas"), library("matio")
+    table = pandas.DataFrame({"voltage": U_V, "position": Y_UM}, index=pandas.to_timedelta(TIME_S, unit="s"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        matio.save_to_mat(str(path), {"log": table.rename_axis("Time")}, version=version)
+
+
 def as_matrix(path: Path) -> None:
     scipy.io.savemat(path, {"data": np.column_stack([TIME_S, U_V, Y_UM])})
 
@@ -227,11 +237,46 @@ WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "Simulink structure": ("mat", as_simulink),
     "dSPACE structure": ("mat", as_dspace),
     "MAT matrix": ("mat", as_matrix),
+    "MATLAB timetable": ("mat", as_timetable),
+    "MATLAB timetable, v7.3": ("mat", functools.partial(as_timetable, version="v7.3")),
     "NPY": ("npy", as_npy),
     "HDF5 compound": ("h5", as_compound),
     "HDF5 attributes": ("h5", as_hdf5_with_attributes),
     "zip": ("zip", as_zip),
 }
+
+
+def lvm_part(columns: str, start: int, stop: int) -> str:
+    """A part of an LVM file with the rows start to stop - 1; columns: One, Multi or No, as X_Columns says."""
+    names = {
+        "One": "X_Value\tVoltage\tPosition",
+        "Multi": "X_Value\tVoltage\tX_Value\tPosition",
+        "No": "X_Value\tVoltage\tPosition",
+    }
+    rows = []
+    for t, u, y in zip(TIME_S[: stop - start], U_V[start:stop], 1e3 * Y_UM[start:stop], strict=True):
+        cells = {"One": (t, u, y), "Multi": (t, u, t, y), "No": ("", u, y)}[columns]
+        rows.append("\t".join(map(str, cells)) + "\t")
+    return "\n".join(
+        ["Channels\t2", f"Samples\t{stop - start}\t{stop - start}", "Y_Unit_Label\tV\tnm", "X0\t0.0\t0.0",
+         f"Delta_X\t{TS_S}\t{TS_S}", "***End_of_Header***", f"{names[columns]}\tComment", *rows, "", ""]
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("columns", ["One", "Multi", "No"])
+def test_lvm_with_a_header_for_each_part_is_one_segment_a_part(columns: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.lvm"
+    head = f"LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\t{columns}\n***End_of_Header***\n\n"
+    path.write_text(head + lvm_part(columns, 0, N))
+    check(load_record(path))
+    half = N // 2
+    path.write_text(head + lvm_part(columns, 0, half) + lvm_part(columns, half, N))
+    record = load_record(path)
+    assert [segment.samples for segment in record.segments] == [half, N - half]
+    np.testing.assert_allclose(np.concatenate([s.y_um for s in record.segments]), Y_UM, rtol=1e-9)
+    path.write_text(head + lvm_part(columns, 0, half).replace(f"{U_V[7]}", "x", 1))
+    with pytest.raises(RecordError, match=r"log.lvm: line \d+: is no row of \d numbers"):
+        load_record(path)
 
 
 @pytest.mark.parametrize("form", WRITERS)

@@ -23,11 +23,10 @@ from hysgen.record.columns import nearest
 
 Array = NDArray[np.generic]
 
-TIMETABLE = (
-    "{name}: {variable} is a MATLAB table or timetable, which only MATLAB can read; there: "
-    "s = table2struct(timetable2table(x), 'ToScalar', true); save('record.mat', '-struct', 's')"
-)
-"""Message for a variable that is an object of MATLAB."""
+
+class MatlabObjectError(RecordError):
+    """A MAT file holds tables or timetables, which are objects of MATLAB (`hysgen.record.timetable`)."""
+
 
 PERIODS = {
     "ts_s": 1.0,
@@ -71,7 +70,10 @@ def read_npz(path: Path) -> dict[str, Array]:
 
 
 def read_mat(path: Path) -> dict[str, Array]:
-    """All numeric variables of a MAT file; fields of structures as "structure/field". v7.3 is read as HDF5."""
+    """All numeric variables of a MAT file; fields of structures as "structure/field". v7.3 is read as HDF5.
+
+    Raises MatlabObjectError for a file of tables and timetables.
+    """
     start = path.read_bytes()[: MATLAB_BLOCK + len(HDF5_MAGIC)]
     if start.startswith(HDF5_MAGIC) or start.endswith(HDF5_MAGIC):
         return read_hdf5(path)[0]
@@ -82,9 +84,8 @@ def read_mat(path: Path) -> dict[str, Array]:
     except Exception as fault:  # SciPy's parser may raise any exception on a damaged file
         raise RecordError(f"{path.name}: is damaged ({_one_line(fault)}); save it again") from fault
     arrays = dict(_flat("", content))
-    opaque = [name for name, item in content.items() if isinstance(item, MatlabOpaque)]
-    if opaque and not arrays:
-        raise RecordError(TIMETABLE.format(name=path.name, variable=opaque[0]))
+    if not arrays and any(isinstance(item, MatlabOpaque) for item in content.values()):
+        raise MatlabObjectError(path.name)
     return arrays
 
 
@@ -105,7 +106,7 @@ def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | Non
         if period is not None:
             periods.append(period)
         if "MATLAB_class" in item.attrs and item.attrs["MATLAB_class"] in (b"table", b"timetable"):
-            raise RecordError(TIMETABLE.format(name=path.name, variable=name))
+            raise MatlabObjectError(path.name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             return
         unit = next((item.attrs[key] for key in ("unit", "units") if key in item.attrs), None)

@@ -20,7 +20,9 @@ from typing import Any
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.arrays import HDF5_MAGIC, MATLAB_BLOCK, Array, read_hdf5, read_mat, read_npz
+from hysgen.record.arrays import HDF5_MAGIC, MATLAB_BLOCK, Array, MatlabObjectError, read_hdf5, read_mat, read_npz
+from hysgen.record.lvm import MARK, X, read_lvm
+from hysgen.record.timetable import read_tables
 
 EXTRA = "hysgen[formats]"
 
@@ -57,17 +59,26 @@ def unpacked(path: Path) -> bytes | FileArrays:
         return FileArrays(read_npz(path))
     if head.lstrip()[:2] == b"-1" and b"\n" in head[:90]:
         return read_uff(path)
+    if head.startswith(MARK.encode()):
+        found = read_lvm(path.name, path.read_text(encoding="utf-8", errors="replace"))
+        return FileArrays(found.arrays, found.units, None if any(X in key for key in found.arrays) else found.Ts_s)
     if head.lstrip()[:1] in (b"{", b"[") and path.suffix.lower() == ".json":
         raise RecordError(f"{path.name}: is JSON, not a record; save the columns as CSV")
     return path.read_bytes()
 
 
 def read_mat_arrays(path: Path) -> FileArrays:
-    return FileArrays(read_mat(path))
+    try:
+        return FileArrays(read_mat(path))
+    except MatlabObjectError:
+        return FileArrays(*read_tables(path))
 
 
 def read_hdf5_arrays(path: Path) -> FileArrays:
-    return FileArrays(*read_hdf5(path))
+    try:
+        return FileArrays(*read_hdf5(path))
+    except MatlabObjectError:
+        return FileArrays(*read_tables(path))
 
 
 def read_npy(path: Path) -> FileArrays:
