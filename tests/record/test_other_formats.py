@@ -248,18 +248,14 @@ WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
 
 def lvm_part(columns: str, start: int, stop: int) -> str:
     """A part of an LVM file with the rows start to stop - 1; columns: One, Multi or No, as X_Columns says."""
-    names = {
-        "One": "X_Value\tVoltage\tPosition",
-        "Multi": "X_Value\tVoltage\tX_Value\tPosition",
-        "No": "X_Value\tVoltage\tPosition",
-    }
+    names = "X_Value\tVoltage\tX_Value\tPosition" if columns == "Multi" else "X_Value\tVoltage\tPosition"
     rows = []
     for t, u, y in zip(TIME_S[: stop - start], U_V[start:stop], 1e3 * Y_UM[start:stop], strict=True):
         cells = {"One": (t, u, y), "Multi": (t, u, t, y), "No": ("", u, y)}[columns]
         rows.append("\t".join(map(str, cells)) + "\t")
     return "\n".join(
         ["Channels\t2", f"Samples\t{stop - start}\t{stop - start}", "Y_Unit_Label\tV\tnm", "X0\t0.0\t0.0",
-         f"Delta_X\t{TS_S}\t{TS_S}", "***End_of_Header***", f"{names[columns]}\tComment", *rows, "", ""]
+         f"Delta_X\t{TS_S}\t{TS_S}", "***End_of_Header***", f"{names}\tComment", *rows, "", ""]
     )  # fmt: skip
 
 

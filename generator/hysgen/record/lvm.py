@@ -1,7 +1,7 @@
 """LabVIEW measurement files (LVM): a file header, then parts, each with a header of its own, column names and rows.
 
-A header is lines `key<separator>value ...` up to `***End_of_Header***`. `X_Columns` says whether the rows have one column
-of times (One), one before each channel (Multi), or none (No).
+A header is lines `key<separator>value ...` up to `***End_of_Header***`. `X_Columns` says whether the rows have one
+column of times (One), one before each channel (Multi), or none (No).
 """
 
 from __future__ import annotations
