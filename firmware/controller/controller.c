@@ -6,6 +6,9 @@
 /* A change of the voltage from this part of the largest one on counts as the largest one: rounding loses the rest. */
 #define CONTROLLER_WHOLE_STEP 0.99f
 
+/* LOOP: largest difference between the strokes of stage and model, as a share of the model's stroke. */
+#define CONTROLLER_STROKE_SHARE 0.5f
+
 /* One step of at most `step` from `from` towards `target`; within reach it is `target` itself, without rounding. */
 static float controller_towards(float from, float target, float step)
 {
@@ -98,10 +101,13 @@ static void controller_take_request(controller_t *self)
         self->state = CONTROLLER_FALL;
     }
     if (request == CONTROLLER_CLEAR) {
-        /* A processor that fails its self-test stays where it is, and so do impossible settings. */
+        /* A processor that fails its self-test stays where it is, and so do impossible settings. The watchdog forgets its counts
+         * only where the output rests: a sensor that repeats its reading must not pass because of a CLEAR on the way. */
         self->status &= STATUS_LASTING;
         self->clears += 1u;
-        watchdog_init(&self->watchdog, self->settings);
+        if ((self->state == CONTROLLER_OFF) || (self->state == CONTROLLER_TRIPPED)) {
+            watchdog_init(&self->watchdog, self->settings);
+        }
         if ((self->state == CONTROLLER_TRIPPED) && (self->status == 0u)) {
             self->state = CONTROLLER_OFF;
         }
@@ -210,7 +216,9 @@ static float controller_loop(controller_t *self)
             const float stroke_um = self->top_um - self->watchdog.reading_um;
             const float model_um = self->top_model_um - self->model.y_um;
 
-            if (number_size(stroke_um - model_um) > settings->stroke_um) {
+            /* Whatever stroke_um allows, a stage at rest is not one that follows. */
+            if ((number_size(stroke_um - model_um) > settings->stroke_um)
+                || (number_size(stroke_um - model_um) > CONTROLLER_STROKE_SHARE * number_size(model_um))) {
                 self->status |= STATUS_FAULT_STROKE;
             }
             self->state = CONTROLLER_HOLD;

@@ -6,7 +6,8 @@
  *     any of them -> TRIP -> TRIPPED -> OFF                   fault; back to OFF by `clear` only
  *
  * RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the plays of model
- * and stage forget what was before, and the stage must move as far on the way back as the model does, within stroke_um.
+ * and stage forget what was before, and the stage must move as far on the way back as the model does, within stroke_um and within half
+ * of the model's stroke.
  * HOLD waits until the lag has decayed and takes the offset between stage and model (the sensor's zero, what crept
  * before), which must lie within +-offset_um: the only reading that the feed-forward ever uses. APPROACH
  * brings the reference from where the model is to where the caller wants it, TRACK follows it. */
@@ -38,7 +39,7 @@ typedef enum {
 #define CONTROLLER_NO_REQUEST     0u
 #define CONTROLLER_START          1u  /* from OFF */
 #define CONTROLLER_STOP           2u  /* from any state in which the stage moves */
-#define CONTROLLER_CLEAR          3u  /* status and counters; from TRIPPED also back to OFF */
+#define CONTROLLER_CLEAR          3u  /* status; in OFF and TRIPPED also the watchdog's counts; from TRIPPED also back to OFF */
 
 #define CONTROLLER_LINE (MODEL_PREVIEW + 1u)
 

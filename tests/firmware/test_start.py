@@ -12,11 +12,11 @@ from fixtures.firmware_bench import REFERENCE_UM, ModelStage, image, model
 from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, Request, Settings, State
 
 
-def started(sensor: Callable[[float], float], noise_um: float = 1e-4) -> HostFirmware:
+def started(sensor: Callable[[float], float], noise_um: float = 1e-4, settings: Settings = Settings()) -> HostFirmware:
     """Started on the model itself as the stage, read through `sensor`."""
     stage = ModelStage(model(), noise_um)
     stage.sensor = sensor
-    firmware = HostFirmware(image(), stage, Settings())
+    firmware = HostFirmware(image(), stage, settings)
     firmware.start(REFERENCE_UM)
     return firmware
 
@@ -40,6 +40,37 @@ def test_a_dead_sensor_that_flickers_by_one_bit_is_a_fault() -> None:
     firmware = started(lambda _: next(flicker), noise_um=0.0)
     assert firmware.state is State.TRIPPED
     assert FirmwareStatus(firmware.status & FAULTS) == FirmwareStatus.FAULT_STROKE
+
+
+def test_a_stage_at_rest_is_a_fault_whatever_stroke_the_settings_allow() -> None:
+    """Found by the fuzzer: stroke_um and offset_um of 2 um took an amplifier that did not move for a stage with an offset."""
+    firmware = started(lambda _: 2.0, settings=Settings(stroke_um=10.0, offset_um=10.0, follow_um=10.0))
+    assert firmware.state is State.TRIPPED
+    assert FirmwareStatus(firmware.status & FAULTS) == FirmwareStatus.FAULT_STROKE
+
+
+@pytest.mark.parametrize("state", [State.LOOP, State.HOLD])
+def test_a_clear_on_the_way_does_not_hide_a_sensor_that_repeats_its_reading(state: State) -> None:
+    """Found by the fuzzer: CLEAR reset the voltage at which the reading last changed, and nothing moved afterwards."""
+    settings = Settings(stuck_samples=4000)
+    stage = ModelStage(model(), 0.0)
+    firmware = HostFirmware(image(), stage, settings)
+    firmware.request(Request.START)
+    for _ in range(20_000):
+        firmware.run(np.full(1, REFERENCE_UM))
+        if firmware.state is state:
+            break
+    kept_um = stage.y_um
+    stage.sensor = lambda _: kept_um
+    moved = 0
+    while moved < 3 and firmware.state is state:
+        firmware.run(np.full(100, REFERENCE_UM))
+        firmware.request(Request.CLEAR)
+        moved += 1
+    count = firmware.firmware.controller.watchdog.same
+    assert count >= 100
+    firmware.run(np.full(1, REFERENCE_UM))
+    assert firmware.firmware.controller.watchdog.same == count + 1
 
 
 @pytest.mark.parametrize("sensitivity", [-1.0, 0.5, 1.5])
