@@ -12,11 +12,11 @@ from fixtures.firmware_bench import REFERENCE_UM, ModelStage, image, model
 from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, Request, Settings, State
 
 
-def started(sensor: Callable[[float], float], noise_um: float = 1e-4, settings: Settings = Settings()) -> HostFirmware:
+def started(sensor: Callable[[float], float], noise_um: float = 1e-4, settings: Settings | None = None) -> HostFirmware:
     """Started on the model itself as the stage, read through `sensor`."""
     stage = ModelStage(model(), noise_um)
     stage.sensor = sensor
-    firmware = HostFirmware(image(), stage, settings)
+    firmware = HostFirmware(image(), stage, settings or Settings())
     firmware.start(REFERENCE_UM)
     return firmware
 
@@ -43,7 +43,7 @@ def test_a_dead_sensor_that_flickers_by_one_bit_is_a_fault() -> None:
 
 
 def test_a_stage_at_rest_is_a_fault_whatever_stroke_the_settings_allow() -> None:
-    """Found by the fuzzer: stroke_um and offset_um of 2 um took an amplifier that did not move for a stage with an offset."""
+    """Found by the fuzzer: stroke_um and offset_um of 2 um let an amplifier pass that did not move."""
     firmware = started(lambda _: 2.0, settings=Settings(stroke_um=10.0, offset_um=10.0, follow_um=10.0))
     assert firmware.state is State.TRIPPED
     assert FirmwareStatus(firmware.status & FAULTS) == FirmwareStatus.FAULT_STROKE

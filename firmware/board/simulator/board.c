@@ -9,7 +9,7 @@ static firmware_t simulated;
 static board_t simulated_board;
 
 /* Short ways, so that a few thousand samples go through every state. */
-static const settings_t simulated_settings = {
+static settings_t simulated_settings = {
     .options = SETTINGS_TRIM | SETTINGS_LEARN,
     .off_V = 0.0f,
     .low_V = -20.0f,
@@ -117,12 +117,19 @@ uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
     return taken;
 }
 
+void simulated_options(uint32_t options);
 uint32_t simulated_boot(void);
 float simulated_interrupt(float reading_um, float reference_um);
 uint32_t simulated_idle(void);
 uint32_t simulated_state(void);
 void simulated_send(uint32_t byte);
 uint32_t simulated_sent(void);
+
+/* SETTINGS_ bits of the next boot. */
+void simulated_options(uint32_t options)
+{
+    simulated_settings.options = options;
+}
 
 /* Returns the mismatches that the self-test found. */
 uint32_t simulated_boot(void)

@@ -22,6 +22,7 @@ from hysgen.c674x.processor import (
     MEMORY_SIZE,
     RETURN_ADDRESS,
     STACK_POINTER,
+    AccessKind,
     Processor,
     ProcessorFault,
     RunCounts,
@@ -107,6 +108,7 @@ def land(state: PipelineState) -> set[Register]:
 def issue(packet: Packet, state: PipelineState) -> None:
     """Start the instructions of a packet whose predicates hold; their results land in later cycles."""
     registers = tuple(state.processor.registers)
+    state.processor.trace.add(state.cycle, AccessKind.FETCH, packet.address)
     executed = [
         (instruction, action)
         for instruction, action in zip(packet.instructions, packet.actions, strict=True)
@@ -132,11 +134,13 @@ def _start(
             _later(state, delay, _Write(destination, value, _port(instruction), False))
         case Load():
             address = _address(action, registers, state)
+            state.processor.trace.add(state.cycle, AccessKind.LOAD, address)
             value = _read(state.processor, address, action)
             for word, register in enumerate(action.registers):
                 _later(state, action.delay, _Write(register, value >> 32 * word & MASK, None, True))
         case Store():
             address = _address(action, registers, state)
+            state.processor.trace.add(state.cycle, AccessKind.STORE, address)
             value = sum(registers[register.index] << 32 * word for word, register in enumerate(action.registers))
             _store(state.processor, address, action.size, value)
         case Jump(target=target, link=link):

@@ -13,7 +13,7 @@ from hysgen.c674x import interpreter, translation
 from hysgen.c674x.assembly import Register
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.packets import Packet
-from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, STACK_POINTER, RunCounts, load
+from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, STACK_POINTER, RunCounts, Trace, load
 from hysgen.c674x.semantics import MASK, from_image, to_image
 from hysgen.errors import TargetError
 
@@ -119,6 +119,15 @@ class Machine:
         Raises TargetError if the simulator refuses an instruction or the callee does not preserve a register.
         """
         return self._call(self.address(function), [_image(argument) for argument in arguments], cycle_limit)
+
+    def trace(self, function: str, *arguments: Argument, room: int = 1 << 16) -> tuple[CallOutcome, Trace]:
+        """As `call`, with the accesses of the call to memory. Raises TargetError if there are more than `room`."""
+        trace = self.processor.trace = Trace(room)
+        outcome = self.call(function, *arguments)
+        self.processor.trace = Trace()
+        if trace.count > room:
+            raise TargetError(f"{function}: {trace.count} accesses to memory; the trace has room for {room}")
+        return outcome, trace
 
     def map(
         self,

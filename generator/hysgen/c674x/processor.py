@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.packets import Packet
@@ -60,9 +63,42 @@ class RunCounts:
     lowest_stack_pointer: int
 
 
+class AccessKind(enum.IntEnum):
+    """Kinds of accesses to memory; numbers as in engine/pipeline.h."""
+
+    FETCH = 0
+    LOAD = 1
+    STORE = 2
+
+
+@dataclass
+class Trace:
+    """Record of the accesses of a run, in their order, as long as `room` lasts.
+
+    words: (room,), cycle << 34 | kind << 32 | address; a FETCH has the address of its packet. count: accesses of the
+    run, which may exceed the room.
+    """
+
+    room: int = 0
+    count: int = 0
+    words: NDArray[np.uint64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.words = np.zeros(self.room, np.uint64)
+
+    def add(self, cycle: int, kind: AccessKind, address: int) -> None:
+        """Append an access."""
+        if self.count < self.room:
+            self.words[self.count] = cycle << 34 | kind << 32 | address
+        self.count += 1
+
+
 @dataclass
 class Processor:
-    """Registers, memory and program. read_only_end: end of code and constants. free: first unused address."""
+    """Registers, memory and program. read_only_end: end of code and constants. free: first unused address.
+
+    trace: filled by the next run.
+    """
 
     packets: Mapping[int, Packet]
     memory: bytearray
@@ -70,6 +106,7 @@ class Processor:
     free: int
     registers: list[int]
     program_counter: int = RETURN_ADDRESS
+    trace: Trace = field(default_factory=Trace)
 
     def packet(self, address: int) -> Packet:
         """The packet at `address`. Raises TargetError if none starts there, or if it is not modelled."""

@@ -34,7 +34,7 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
     library = build([*texts.items(), ("program.c", program(packets))], texts["state.h"], host)
 
     def run(processor: Processor, cycle_limit: int) -> RunCounts:
-        state = library.ffi.new("c674x_t *")
+        state, trace = library.ffi.new("c674x_t *"), processor.trace
         state.reg = processor.registers
         state.memory = library.ffi.from_buffer("uint8_t[]", processor.memory)
         state.memory_base, state.memory_size = MEMORY_BASE, MEMORY_SIZE
@@ -42,10 +42,11 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
         state.program_counter, state.return_address = processor.program_counter, RETURN_ADDRESS
         state.cycle_limit = cycle_limit
         state.lowest_stack_pointer = MASK
+        state.trace, state.trace_room = library.ffi.from_buffer("uint64_t[]", trace.words), trace.room
         library.lib.c674x_run(state)
         if state.fault:
             raise processor.fault(ProcessorFault(state.fault), state.fault_address, state.fault_detail)
-        processor.registers = list(state.reg)
+        processor.registers, trace.count = list(state.reg), state.traced
         processor.program_counter = state.program_counter
         lowest = state.lowest_stack_pointer
         return RunCounts(state.cycle, state.stalls, state.packets, state.denormals, state.nans, lowest)

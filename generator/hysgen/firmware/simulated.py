@@ -80,7 +80,7 @@ def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples
     host = build(_sources(texts), DECLARED, libraries=()).lib
     booted = machine.call("simulated_boot")
     host.simulated_boot()
-    stage, state_of_stage = _stage(model)
+    stage, state_of_stage = virtual_stage(model)
     rng = np.random.default_rng(SEED)
     y_um, differing, commits = model.grid.y_min_um, 0, 0
     spent: dict[str, tuple[int, int]] = {}
@@ -120,7 +120,7 @@ def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | 
     return cycles
 
 
-def _stage(model: Model) -> tuple[Host, Any]:
+def virtual_stage(model: Model) -> tuple[Host, Any]:
     """The plant, which is the model with gains WEAKER times as large, and its state."""
     weaker = replace(model, consequents=model.consequents * [1.0, WEAKER, 1.0], learner=None)
     stage = Host(model.name, generate(weaker))

@@ -101,6 +101,7 @@ uint64_t load(c674x_t *m, uint32_t address, uint32_t size, uint32_t alignment)
 {
     const uint8_t *from = m->memory + place(m, address, size, alignment);
     uint64_t value = 0;
+    trace(m, TRACE_LOAD, address);
     for (uint32_t i = 0; i < size; i++)
         value |= (uint64_t)from[i] << 8 * i;
     return value;
@@ -109,6 +110,7 @@ uint64_t load(c674x_t *m, uint32_t address, uint32_t size, uint32_t alignment)
 void store(c674x_t *m, uint32_t address, uint32_t size, uint32_t alignment, uint64_t value)
 {
     uint8_t *to = m->memory + place(m, address, size, alignment);
+    trace(m, TRACE_STORE, address);
     if (m->fault == 0 && address < m->read_only_end)
         stop(m, FAULT_READ_ONLY, address);
     if (m->fault != 0)

@@ -57,6 +57,7 @@ void c674x_run(c674x_t *m)
                 stop(m, FAULT_NO_PACKET, 0);
                 return;
             }
+            trace(m, TRACE_FETCH, m->program_counter);
             packet->issue(m);
             if (m->fault)
                 return;

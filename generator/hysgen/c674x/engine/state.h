@@ -8,6 +8,9 @@ typedef struct {
     uint32_t program_counter, return_address;
     uint64_t cycle_limit;
 
+    uint64_t *trace; /* record of the accesses to memory, see hysgen.c674x.processor.Trace */
+    uint64_t trace_room;
+
     /* Pending effects, by the cycle modulo 8 in which they take effect: no delay exceeds 6 cycles. */
     uint32_t value[8][64];     /* results, valid where a bit of `landing` is set */
     uint64_t landing[8];       /* registers that get a result */
@@ -18,6 +21,7 @@ typedef struct {
 
     /* Counted. */
     uint64_t cycle, stalls, packets, denormals, nans;
+    uint64_t traced; /* accesses, those beyond trace_room included */
     uint32_t lowest_stack_pointer;
 
     /* Reason for an early end: numbers of hysgen.c674x.processor.ProcessorFault, the packet and a detail. */

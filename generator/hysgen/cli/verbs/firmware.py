@@ -17,6 +17,7 @@ from hysgen.firmware.image import NO_KEY, Label, encode, read_key
 from hysgen.firmware.reference_models import with_learner
 from hysgen.firmware.simulated import SAMPLES, SimulatedRun, compile_image, simulate, static_bounds
 from hysgen.firmware.target import MEMORIES, LinkedImage, link_image
+from hysgen.firmware.timing import TIMING_HEADS, timing_rows, timings
 from hysgen.firmware.tracking import PAPER_NM, SECONDS, TrackingResult, track
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
@@ -62,11 +63,15 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
     cycles = static_bounds(model.name, compiled)
     rows = [[name, f"{c[0]} .. {c[1]}" if c else "not bounded"] for name, c in cycles.items()]
     console.say("\n" + table(["static bounds, stall-free", "cycles"], rows))
-    result: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles, "simulated": None}
+    result: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles}
+    result |= {"simulated": None, "timing": None}
     try:
         run = simulate(model, texts, compiled, arguments.samples)
         console.say(cycles_table(run))
         result["simulated"] = run.to_json()
+        timed = timings(model, compiled)
+        console.say("\n" + table(TIMING_HEADS, timing_rows(timed, BUDGET)))
+        result["timing"] = {name: each.to_json() for name, each in timed.items()}
     except TargetError as refusal:
         console.warn(f"cycles are missing: {refusal}")
     return console.finish(result)
