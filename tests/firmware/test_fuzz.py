@@ -30,12 +30,12 @@ from hysgen.model.model import Model
 
 FUZZER = Path(__file__).parent / "fuzz"
 CORPUS = FUZZER / "corpus.txt"
-INTERRUPTS = 1000
-"""Interrupts of a case: the shortest start takes some 300, a commit 40."""
+INTERRUPTS = 600
+"""Interrupts of a case: the shortest start takes some 200, a commit 40."""
 ROOM = 4096
-CHUNK = 10_000
-PLANTED, RARE = 150, {"store": 3000, "stuck": 600}
-"""Cases in which each planted fault is found; a lost image and a stuck sensor break 1 and 3 of 1000."""
+CHUNK = 20_000
+PLANTED = 1000
+"""Cases in which each planted fault is found: the rarest break 2 of them."""
 NAMES = ("range", "rate", "apart", "parameters", "refused", "store", "panic", "correction", "stuck", "status")
 DECLARED = """
 void fuzz_give(const uint8_t *);
@@ -151,7 +151,7 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
 )
 @pytest.mark.slow
 def test_the_fuzzer_finds_a_planted_fault(name: str, file: str, old: str, new: str) -> None:
-    found = fuzzed(library(((file, old, new),)), [range(RARE.get(name, PLANTED))])
+    found = fuzzed(library(((file, old, new),)), [range(PLANTED)])
     assert name in found.broken
 
 

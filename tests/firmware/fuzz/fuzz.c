@@ -276,13 +276,13 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
     self.stored = FUZZ_IMAGES;
     ask(&self);
     while ((self.k < interrupts) && (self.broken == 0u)) {
-        if (fuzz_below(&self, 100u) == 0u) {
+        if (fuzz_below(&self, 60u) == 0u) {
             fuzz_event(&self);
         }
         interrupt(&self);
         fuzz_preempted_idle(&self, interrupt);
         look_at_parameters(&self);
-        if ((self.board.bytes_to_cut == 0u) || (fuzz_below(&self, 2000u) == 0u)) {
+        if ((self.board.bytes_to_cut == 0u) || (fuzz_below(&self, 1000u) == 0u)) {
             reset(&self);
         }
     }

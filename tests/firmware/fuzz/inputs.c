@@ -27,6 +27,9 @@ void fuzz_settings(fuzz_t *self)
     float *voltages = &s->off_V;
 
     s->options = fuzz_below(self, 8u);
+    if (fuzz_below(self, 2u) == 0u) {
+        s->options &= ~SETTINGS_LEARN;  /* which takes half of the time of a case */
+    }
     s->off_V = fuzz_float(self, -2.0f, 2.0f);
     s->low_V = fuzz_float(self, -20.0f, s->off_V);
     s->high_V = fuzz_float(self, 50.0f, 120.0f);
@@ -152,7 +155,7 @@ void fuzz_event(fuzz_t *self)
     board_t *board = &self->board;
     uint32_t count = 0u;
 
-    switch (fuzz_below(self, 8u)) {
+    switch (fuzz_below(self, 9u)) {
     case 0u:
         fault(self);
         break;
@@ -169,6 +172,7 @@ void fuzz_event(fuzz_t *self)
         count = send_commands(self);
         break;
     case 5u:
+    case 6u:
         count = send_image(self);
         if (fuzz_below(self, 2u) == 0u) {
             /* The power fails while the image is being stored, or later. */
