@@ -92,8 +92,8 @@ class Study(Displayed):
                     *self._size(cause.step.after_um),
                     f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g}",
                     f"{100.0 * cause.share:.1f} %",
-                    f"+{price.cycles}" if price and price.cycles else "",
-                    f"+{price.bytes}" if price and price.bytes else "",
+                    f"{price.cycles:+}" if price and price.cycles else "",
+                    f"{price.bytes:+}" if price and price.bytes else "",
                     confidence_text(cause),
                 ]
             )

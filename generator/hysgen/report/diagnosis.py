@@ -96,8 +96,8 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
     figures.append(KeyFigure("noise floor", f"{diagnosis.noise.rms_um:.2g} µm", f"from {diagnosis.noise.source}"))
     total = total_price(study)
     if total is not None:
-        note = f"+{total.bytes} bytes" + (f"; {100 * price.share:.2g} % of a sample in all" if price else "")
-        figures.append(KeyFigure("price a sample", f"+{total.cycles} cycles", note))
+        note = f"{total.bytes:+} bytes" + (f"; {100 * price.share:.2g} % of a sample in all" if price else "")
+        figures.append(KeyFigure("price a sample", f"{total.cycles:+} cycles", note))
     if report is not None:
         figures.append(
             KeyFigure(
