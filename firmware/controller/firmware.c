@@ -231,7 +231,7 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
     link_close(&self->link);
 }
 
-/* At most so many bytes from the line a call: the idle loop has other things to do. */
+/* At most so many bytes to and from the line a call: the idle loop has other things to do. */
 #define FIRMWARE_LINE_BYTES 64u
 
 /* Sends what is left of an answer; takes commands as long as nothing is left. */
@@ -241,9 +241,9 @@ static void firmware_line(firmware_t *self, board_t *board)
     uint32_t more = 1u;
 
     for (uint32_t i = 0u; (i < FIRMWARE_LINE_BYTES) && (more != 0u); ++i) {
-        if (link->wire_sent < link->wire_count) {
-            link->wire_sent += board_line_write(board, &link->wire[link->wire_sent], link->wire_count - link->wire_sent);
-            more = (uint32_t)(link->wire_sent >= link->wire_count);
+        if ((link->wire_sent < link->wire_count) && (link->wire_sent < FRAME_WIRE)) {
+            more = board_line_write(board, &link->wire[link->wire_sent], 1u);
+            link->wire_sent += more;
         } else {
             uint8_t byte = 0u;
 

@@ -58,7 +58,7 @@ def test_the_image_links_into_the_targets_memories(name: str) -> None:
     assert not [symbol for symbol in symbols if symbol.startswith("__c6xabi")]
     assert "sploop" not in built.firmware.listing
     # Reset at the start of the table, interrupt 4 four fetch packets further on.
-    assert symbols["vectors"].address == 0x11800000
+    assert symbols["vectors"].address == 0x11804000
     assert {"main_tick", "tick", "firmware_interrupt", "controller_step"} <= symbols.keys()
 
 
