@@ -1,66 +1,24 @@
 """Frama-C Eva over the controller, with any settings and any readings, and MISRA over the hand-written firmware.
 
-The generated model is replaced by functions that return any number; `hysgen prove` covers the real ones. Image code,
-frames and link are not analysed: the fuzzer and the tests of images and link try them.
+The generated model is replaced by functions that return any number; `hysgen prove` covers the real ones. Three more
+analyses cover images and store, frames, and link with idle loop and interrupt, each with any bytes from outside and
+with stubs of the others. An access that leaves an array but not its struct is no alarm of Eva's.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
+from fixtures.eva_firmware import ANY_FLOAT, MODEL, eva_sources
 from fixtures.tools import need
 from hysgen.checking.proof.eva.frama import analyse
 from hysgen.checking.proof.misra import misra
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, TARGET_BOARD, read_sources
 
-MODEL = Path(__file__).resolve().parents[2] / "firmware" / "models" / "extended"
 ADVISORY = {
     "8.11": "extern arrays without a size: symbols of the linker",
     "11.4": "a number becomes a pointer: registers of the chip",
 }
-BOARD_TYPE = "#ifndef BOARD_TYPE_H\n#define BOARD_TYPE_H\ntypedef struct { int any; } board_t;\n#endif\n"
-ANY_FLOAT = "number_of(Frama_C_unsigned_int_interval(0u, 0xFFFFFFFFu))"
-MODEL_STUBS = f"""
-#include "__fc_builtin.h"
-#include "model.h"
-#include "number.h"
-
-static float any_um(void) {{ return Frama_C_float_interval(-1.0e3f, 1.0e3f); }}
-static void any_bank(model_bank_t *bank) {{ Frama_C_make_unknown((char *)bank, sizeof *bank); }}
-static uint32_t any_word(void) {{ return Frama_C_unsigned_int_interval(0u, 0xFFFFFFFFu); }}
-
-void extended_init(extended_t *self, float y_um, float u_V)
-{{
-    any_bank(&self->bank[0]);
-    any_bank(&self->bank[1]);
-    self->active = 0u;
-    self->status = 0u;
-    self->y_um = any_um();
-}}
-void extended_limits(extended_t *self, float low_V, float high_V, float step_V) {{ (void)self; }}
-float extended_simulate(extended_t *self, float u_V) {{ self->y_um = any_um(); return self->y_um; }}
-float extended_inverse(extended_t *self, float y_um, float y_next_um)
-{{
-    self->status = any_word();
-    self->y_um = any_um();
-    return {ANY_FLOAT};
-}}
-void extended_learn_init(extended_learner_t *self, const extended_t *model)
-{{
-    self->age = 0u;
-    self->updates = 0u;
-    self->rejected = 0u;
-}}
-void extended_learn(extended_learner_t *self, float y_um, float u_V) {{ self->updates = any_word(); }}
-uint32_t extended_commit(extended_t *self, extended_learner_t *learner)
-{{
-    self->active = Frama_C_unsigned_int_interval(0u, 1u);
-    return Frama_C_unsigned_int_interval(0u, 6u);
-}}
-uint32_t extended_selftest(void) {{ return Frama_C_unsigned_int_interval(0u, 9u); }}
-"""
 ENTRY = f"""
 #include <stddef.h>
 #include "model_stubs.c"
@@ -92,30 +50,141 @@ int main(void)
     return 0;
 }}
 """
+IMAGE_ENTRY = """#include <stddef.h>
+#include "model_stubs.c"
+#include "board_stubs.c"
+#include "image.c"
+#include "store.c"
+#include "siphash.c"
+#include "crc32.c"
+
+image_owner_t owner;
+image_bench_t bench;
+model_bank_t bank;
+store_t store;
+board_t board;
+uint32_t answer;
+
+int main(void)
+{
+    Frama_C_make_unknown((char *)&owner, sizeof owner);
+    any_bank(&bank);
+    answer = store_load(&store, &board, &owner, &bench, &bank);
+    while (Frama_C_interval(0, 1)) {
+        Frama_C_make_unknown((char *)store.bytes, sizeof store.bytes);
+        answer = store_keep(&store, &board, &bench, &bank, any_word());
+    }
+    return 0;
+}
+"""
+LINE_ENTRY = """#include <stddef.h>
+#include "model_stubs.c"
+#include "board_stubs.c"
+#include "controller_stubs.c"
+#include "frame_stubs.c"
+#include "firmware.c"
+#include "link.c"
+
+settings_t settings;
+image_owner_t owner;
+firmware_t firmware;
+board_t board;
+
+int main(void)
+{
+    Frama_C_make_unknown((char *)&settings, sizeof settings);
+    Frama_C_make_unknown((char *)&owner, sizeof owner);
+    firmware_boot(&firmware, &board, &settings, &owner);
+    while (Frama_C_interval(0, 1)) {
+        any_controller(&firmware.controller);
+        if (Frama_C_interval(0, 1)) {
+            firmware_interrupt(&firmware, &board);
+        } else {
+            firmware_idle(&firmware, &board);
+        }
+    }
+    firmware_panic(&firmware, &board);
+    return 0;
+}
+"""
+FRAME_ENTRY = """
+#include "__fc_builtin.h"
+#include "frame.c"
+#include "crc32.c"
+frame_t frame;
+uint8_t payload[FRAME_PAYLOAD];
+uint8_t wire[FRAME_WIRE];
+uint32_t count;
+int main(void)
+{
+    frame_init(&frame);
+    /*@ loop widen_hints "all", 132, 255; */
+    while (Frama_C_interval(0, 1)) {
+        count = frame_take(&frame, (uint8_t)Frama_C_unsigned_int_interval(0u, 255u));
+        //@ assert count <= FRAME_PAYLOAD;
+        Frama_C_make_unknown((char *)payload, sizeof payload);
+        count = frame_make(payload, Frama_C_unsigned_int_interval(0u, 0xFFFFFFFFu), wire);
+        //@ assert 1 <= count <= FRAME_WIRE;
+    }
+    return 0;
+}
+"""
 OPTIONS = ("-eva-precision", "0", "-eva-slevel", "20")
-
-
-def sources(old: str = "", new: str = "") -> dict[str, str]:
-    """The controller as one unit in `entry.c`, with stubs for the model; old, new: a change of controller.c."""
-    controller = dict(read_sources(CONTROLLER))
-    assert old in controller["controller.c"]
-    controller["controller.c"] = controller["controller.c"].replace(old, new)
-    generated = {path.name: path.read_text(encoding="utf-8") for path in MODEL.glob("*.h")}
-    return {**controller, **generated, "model_stubs.c": MODEL_STUBS, "board_type.h": BOARD_TYPE, "entry.c": ENTRY}
 
 
 @pytest.mark.slow
 def test_no_settings_and_no_readings_make_the_controller_fail() -> None:
     """Any bits as settings, readings, references, requests: no index out of bounds, nothing uninitialised."""
     need("frama-c")
-    assert not analyse(sources(), "entry.c", "any", options=OPTIONS).alarms
+    assert not analyse(eva_sources(ENTRY), "entry.c", "any", options=OPTIONS).alarms
 
 
 @pytest.mark.slow
 def test_an_index_that_goes_too_far_is_an_alarm() -> None:
     need("frama-c")
-    planted = sources("(now + 1u < CONTROLLER_LINE)", "(now < CONTROLLER_LINE)")
+    planted = eva_sources(ENTRY, "controller.c", "(now + 1u < CONTROLLER_LINE)", "(now < CONTROLLER_LINE)")
     assert analyse(planted, "entry.c", "any", options=OPTIONS).alarms
+
+
+UNROLLED = ("-eva-precision", "0", "-eva-slevel", "0", "-eva-auto-loop-unroll", "150")
+"""frame_make writes at places that grow by one in each turn of its loop of at most 132."""
+
+
+@pytest.mark.slow
+def test_no_image_and_no_content_of_the_store_make_the_image_code_fail() -> None:
+    need("frama-c")
+    assert not analyse(eva_sources(IMAGE_ENTRY), "entry.c", "any", options=OPTIONS).alarms
+
+
+@pytest.mark.slow
+def test_no_bytes_make_a_frame_leave_its_buffers() -> None:
+    need("frama-c")
+    found = analyse(eva_sources(FRAME_ENTRY), "entry.c", "any", options=UNROLLED)
+    assert not found.alarms
+    assert found.held == found.checks == 2
+
+
+@pytest.mark.proof
+def test_no_command_makes_link_idle_loop_and_interrupt_fail() -> None:
+    need("frama-c")
+    assert not analyse(eva_sources(LINE_ENTRY), "entry.c", "any", options=OPTIONS).alarms
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("entry", "options", "change"),
+    [
+        (IMAGE_ENTRY, OPTIONS, ("image.c", "i < 4u", "i < 5u")),
+        (FRAME_ENTRY, UNROLLED, ("frame.c", "self->count < FRAME_BYTES", "self->count <= FRAME_BYTES")),
+        (FRAME_ENTRY, UNROLLED, ("frame.c", "count < FRAME_PAYLOAD", "count < FRAME_WIRE")),
+    ],
+    ids=["image", "frame in", "frame out"],
+)
+def test_an_access_out_of_bounds_is_an_alarm(
+    entry: str, options: tuple[str, ...], change: tuple[str, str, str]
+) -> None:
+    need("frama-c")
+    assert analyse(eva_sources(entry, *change), "entry.c", "any", options=options).alarms
 
 
 def test_the_firmware_follows_every_required_rule_of_misra() -> None:
