@@ -11,8 +11,8 @@ from hysgen.codegen.operations import figures
 
 
 def c_texts(texts: Mapping[str, str]) -> list[tuple[str, str]]:
-    """(file name, text) of the C sources and headers among generated files."""
-    return list(c_files(texts).items())
+    """(file name, text) of what is compiled for the target among generated files: C, headers, and scheduled kernels."""
+    return [*c_files(texts).items(), *((name, text) for name, text in texts.items() if name.endswith("_c674x.s"))]
 
 
 def cycle_bounds(

@@ -1,0 +1,131 @@
+"""Generated folders with kernels: `<name>_c674x.s`, and in `<name>.c` the choice between the kernels and the C.
+
+The kernels are read out of the portable C, so there is one description of every function. In the C, each function that
+has a kernel is left out where the kernels are used:
+
+    #if defined(_TMS320C6X) && !defined(<NAME>_PORTABLE)      the kernels
+    otherwise                                                  the C, on every processor
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from hysgen.c674x.schedule.emit import file_text
+from hysgen.c674x.schedule.from_c import KernelRefusal, Source, kernel
+from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Schedule, schedule
+from hysgen.c674x.schedule.selection import select
+from hysgen.codegen.manifest import MANIFEST
+from hysgen.errors import TargetError
+from hysgen.machine.files import digest
+
+FUNCTIONS: Final = ("predict", "simulate", "inverse")
+"""Functions that become kernels if they can, without the model's prefix."""
+
+
+@dataclass(frozen=True)
+class Kernels:
+    """Schedules by function, named with the model's prefix; refused: why a function stays in C."""
+
+    schedules: Mapping[str, Schedule]
+    tables: Mapping[str, tuple[int, ...]]
+    refused: Mapping[str, str]
+
+
+def kernels(name: str, texts: Mapping[str, str], functions: Sequence[str] = FUNCTIONS) -> Kernels:
+    """Schedules of the functions of model `name` in the portable C `texts`."""
+    source = Source(name, texts)
+    schedules: dict[str, Schedule] = {}
+    tables: dict[str, tuple[int, ...]] = {}
+    refused: dict[str, str] = {}
+    for short in functions:
+        function = f"{name}_{short}"
+        if function not in source.functions:
+            continue
+        try:
+            dataflow = kernel(source, function)
+            schedules[function] = schedule(select(dataflow))
+            tables |= dataflow.tables
+        except (KernelRefusal, OutOfRegistersError) as refusal:
+            refused[function] = str(refusal)
+    return Kernels(schedules, tables, refused)
+
+
+def assembly_file(name: str) -> str:
+    """Name of the file of the kernels."""
+    return f"{name}_c674x.s"
+
+
+def with_kernels(name: str, texts: Mapping[str, str], found: Kernels) -> dict[str, str]:
+    """The generated folder `texts` with the file of the kernels; its manifest lists them with their cycles."""
+    source = texts[f"{name}.c"]
+    for function in found.schedules:
+        source = _left_out(name, source, function)
+    changed = dict(texts) | {
+        f"{name}.c": _choice(name, source),
+        assembly_file(name): file_text(_header(name, found), found.schedules, found.tables),
+    }
+    facts = json.loads(texts[MANIFEST])
+    for file in (f"{name}.c", assembly_file(name)):
+        facts["files"][file] = digest(changed[file].encode())
+    facts["files"] = dict(sorted(facts["files"].items()))
+    facts["kernels"] = {
+        "cycles": {function.removeprefix(f"{name}_"): each.cycles for function, each in found.schedules.items()},
+        "in_c": {function.removeprefix(f"{name}_"): reason for function, reason in found.refused.items()},
+    }
+    return changed | {MANIFEST: json.dumps(facts, indent=2, ensure_ascii=False, allow_nan=False) + "\n"}
+
+
+def _choice(name: str, source: str) -> str:
+    """The C with the definition of the macro behind its #include."""
+    upper = name.upper()
+    include = f'#include "{name}.h"\n'
+    lines = [
+        include,
+        f"/* On the C674x the functions inside #ifndef {upper}_KERNELS stand in {assembly_file(name)}, scheduled for",
+        f" * this processor and equal in every bit; with {upper}_PORTABLE defined they are compiled here. */",
+        f"#if defined(_TMS320C6X) && !defined({upper}_PORTABLE)",
+        f"#define {upper}_KERNELS",
+        "#if defined(__GNUC__)",
+        '#pragma GCC diagnostic ignored "-Wunused-function"',
+        "#endif",
+        "#endif",
+    ]
+    if source.count(include) != 1:
+        raise TargetError(f"{name}.c: {include.strip()} is expected once")
+    return source.replace(include, "\n".join(lines) + "\n")
+
+
+def _left_out(name: str, source: str, function: str) -> str:
+    """The C with one function inside #ifndef; a static function is declared as an external one instead."""
+    upper = name.upper()
+    pattern = re.compile(
+        rf"^(?:{upper}_CODE\n(?P<static>static )?|{upper}_INLINE )(?P<head>[^;{{}}#]*?\b{function}\([^;{{}}]*?\))\n\{{.*?^\}}\n",
+        re.MULTILINE | re.DOTALL,
+    )
+    found = list(pattern.finditer(source))
+    if len(found) != 1:
+        raise TargetError(f"{name}.c: the definition of {function} is expected once, found {len(found)} times")
+    (match,) = found
+    local = match["static"] or match[0].startswith(f"{upper}_INLINE")
+    head = match["head"].replace(f"{upper}_STRAIGHT ", "")
+    instead = f"#ifdef {upper}_KERNELS\nextern {head};\n#else\n" if local else f"#ifndef {upper}_KERNELS\n"
+    return source[: match.start()] + instead + match[0] + "#endif\n" + source[match.end() :]
+
+
+def _header(name: str, found: Kernels) -> str:
+    rows = [f"; {function:<40} {each.cycles:>5} cycles" for function, each in found.schedules.items()]
+    return "\n".join(
+        [
+            f"; {assembly_file(name)}: functions of {name}.c scheduled for the C674x, equal in every bit.",
+            "; Interrupts may occur at every packet. No stack, no register that a callee preserves.",
+            "; Stall-free cycles of a call, until the return takes effect:",
+            *rows,
+            "",
+            "",
+        ]
+    )

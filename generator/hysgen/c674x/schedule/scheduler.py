@@ -1,0 +1,537 @@
+"""List scheduling: a cycle, a unit and a register for every instruction of a kernel.
+
+Cycle by cycle, the instructions whose operands are ready are placed by the longest latency that follows them. Units, the
+two cross paths, the two data paths, register read ports and write ports are tracked. A register is taken when an
+instruction is issued and returned when the last reader is, so at most one result for it is in flight: an interrupt
+between any two packets, after which all results have arrived, changes nothing. A register that was written in the
+cycle before is not read over a cross path, which would stall.
+
+Only registers that a function may change are used (A0-A9, A16-A31, B0-B2, B4-B9, B16-B31), so there is no stack frame.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from hysgen.c674x.schedule.selection import Both, Node, Operand, Selected, Value
+from hysgen.errors import TargetError
+
+PREDICATES: Final = ((0, 1, 2), (0, 1, 2))
+GENERAL: Final = ((*range(3, 10), *range(16, 32)), (*range(4, 10), *range(16, 32)))
+BRANCH_SLOTS: Final = 5
+_PACKET: Final = 8
+_READS: Final = 4
+_URGENT: Final = 8
+"""Oldest instructions, in the order of the C text, for which registers are reserved."""
+
+_PATIENCE: Final = 16
+"""Cycles without an instruction after which a schedule has run out of registers."""
+
+
+class OutOfRegistersError(TargetError):
+    """No instruction can be placed, for want of registers."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where one instruction is: cycle, unit, side of unit and register; cross: whether an operand crosses.
+
+    moves: of a select, the predicated moves as (unit, when zero, operand, cross).
+    """
+
+    node: Node
+    cycle: int
+    unit: str
+    side: int
+    data_side: int
+    register: int | None
+    operands: tuple[tuple[int, int] | int, ...]
+    cross: bool
+    guard: tuple[int, int] | None
+    moves: tuple[tuple[str, bool, tuple[int, int] | int, bool], ...] = ()
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """All placements in the order of their cycles, the cycle of the return branch, and the cycles of a call."""
+
+    placements: Sequence[Placement]
+    branch: int
+    cycles: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Settings of one attempt.
+
+    window: instructions in the order of the C text among which to choose. lead: cycles that loads and constants may
+    come before their first use needs them. reserve: registers of a side that only the oldest instructions may take.
+    """
+
+    window: int
+    lead: int
+    reserve: int
+    slope: float
+
+
+PLANS: Final = tuple(
+    Plan(window, lead, 2, slope) for slope, lead in ((0.0, 6), (0.1, 14), (1.0, 14), (5.0, 14)) for window in (1 << 20, 200, 80)
+)
+
+
+def schedule(selected: Selected, plans: Iterable[Plan] = PLANS) -> Schedule:
+    """The shortest schedule of several attempts. Raises OutOfRegistersError if none succeeds."""
+    best: Schedule | None = None
+    issue = unlimited(selected)
+    for plan in plans:
+        try:
+            found = _List(selected, plan, issue).run()
+        except OutOfRegistersError:
+            continue
+        if best is None or found.cycles < best.cycles:
+            best = found
+    if best is None:
+        raise OutOfRegistersError("no schedule with the registers of the C674x; the function stays in C")
+    return best
+
+
+def unlimited(selected: Selected) -> dict[int, int]:
+    """The cycle of every instruction, by its id, if there were as many registers as one likes."""
+    attempt = _List(selected, Plan(1 << 30, 0, 0, 0.0), None, unlimited=True)
+    attempt.run()
+    return {key: placement.cycle for key, placement in attempt.placed.items()}
+
+
+def heights(nodes: Sequence[Node]) -> dict[int, int]:
+    """Cycles from the issue of each instruction to the end of the longest chain that follows it."""
+    height: dict[int, int] = {}
+    for node in reversed(nodes):
+        mine = height.setdefault(id(node), node.delay + 1 if node.writes else 1)
+        for value in node.values():
+            for each in _nodes(value):
+                height[id(each)] = max(height.get(id(each), 0), each.delay + 1 + mine)
+        for earlier, cycles in node.before:
+            height[id(earlier)] = max(height.get(id(earlier), 0), cycles + mine)
+    return height
+
+
+def _nodes(value: Value) -> tuple[Node, ...]:
+    return value.sides if isinstance(value, Both) else (value,)
+
+
+@dataclass
+class _List:
+    """One attempt. issue: cycles of an attempt without limits on registers, for the release of loads and constants."""
+
+    selected: Selected
+    plan: Plan
+    issue: Mapping[int, int] | None
+    unlimited: bool = False
+    placed: dict[int, Placement] = field(default_factory=dict)
+    result: list[Placement] = field(default_factory=list)
+    uses: Counter[int] = field(default_factory=Counter)
+    free: list[set[int]] = field(default_factory=list)
+    units: dict[int, set[str]] = field(default_factory=lambda: defaultdict(set))
+    crossing: dict[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
+    crossed: Counter[tuple[int, int]] = field(default_factory=Counter)
+    ports: set[tuple[str, int]] = field(default_factory=set)
+    paths: set[tuple[int, int]] = field(default_factory=set)
+    reads: Counter[tuple[int, int, int]] = field(default_factory=Counter)
+    extra: int = 100
+    urgent: set[int] = field(default_factory=set)
+
+    def run(self) -> Schedule:
+        nodes = self.selected.nodes
+        height = heights(nodes)
+        self.consumers: dict[int, list[Node]] = defaultdict(list)
+        waiting: Counter[int] = Counter()
+        followers: dict[int, list[tuple[Node, int]]] = defaultdict(list)
+        for node in nodes:
+            for value in node.values():
+                for each in _nodes(value):
+                    self.uses[id(each)] += 1
+                    self.consumers[id(each)].append(node)
+                    followers[id(each)].append((node, each.delay + 1))
+                    waiting[id(node)] += 1
+            for earlier, cycles in node.before:
+                followers[id(earlier)].append((node, cycles))
+                waiting[id(node)] += 1
+        self.free = [{*PREDICATES[s], *GENERAL[s]} for s in (0, 1)]
+        tests = any(node.predicate for node in nodes)
+        self.general = [GENERAL[s] if tests else (*PREDICATES[s], *GENERAL[s]) for s in (0, 1)]
+        by_order = sorted(nodes, key=lambda node: node.order)
+        position = {id(node): k for k, node in enumerate(by_order)}
+        ready_at: dict[int, int] = {id(node): self._release(node) for node in nodes}
+        pending: list[tuple[int, int, Node]] = []  # ready cycle, position, instruction
+        for parameter in self.selected.parameters:
+            assert parameter.side is not None and parameter.register is not None
+            self.placed[id(parameter)] = Placement(
+                parameter, -9, "", parameter.side, parameter.side, parameter.register, (), False, None
+            )
+            if self.uses[id(parameter)]:
+                self.free[parameter.side].discard(parameter.register)
+            for follower, _ in followers[id(parameter)]:
+                waiting[id(follower)] -= 1
+        for node in nodes:
+            if not waiting[id(node)]:
+                heapq.heappush(pending, (ready_at[id(node)], position[id(node)], node))
+        cycle, idle, left = 0, 0, len(nodes)
+        oldest = 0
+        slope = self.plan.slope
+        ready: list[Node] = []
+        while left:
+            while pending and pending[0][0] <= cycle:
+                ready.append(heapq.heappop(pending)[2])
+            while oldest < len(by_order) and id(by_order[oldest]) in self.placed:
+                oldest += 1
+            limit = oldest + self.plan.window
+            self.urgent = {id(node) for node in by_order[oldest : oldest + _URGENT]}
+            ready.sort(key=lambda node: (slope * position[id(node)] - height[id(node)], position[id(node)]))
+            kept, issued = [], 0
+            for k, node in enumerate(ready):
+                if issued >= _PACKET:
+                    kept += ready[k:]
+                    break
+                placement = None
+                if position[id(node)] < limit:
+                    placement = self._place(node, cycle)
+                if placement is None:
+                    kept.append(node)
+                    continue
+                issued += max(1, len(placement.moves))
+                left -= 1
+                for follower, cycles in followers[id(node)]:
+                    waiting[id(follower)] -= 1
+                    ready_at[id(follower)] = max(ready_at[id(follower)], cycle + cycles)
+                    if not waiting[id(follower)]:
+                        heapq.heappush(pending, (ready_at[id(follower)], position[id(follower)], follower))
+            ready = kept
+            idle = 0 if issued else idle + 1
+            if idle > _PATIENCE and not (pending and pending[0][0] > cycle):
+                raise OutOfRegistersError("out of registers")
+            cycle += 1
+        return self._finished()
+
+    def _release(self, node: Node) -> int:
+        """Earliest cycle of a load or constant: a few cycles before its first use in an attempt without limits."""
+        if self.issue is None or not node.source:
+            return 0
+        return max(0, self._needed(node) - node.delay - 1 - self.plan.lead)
+
+    def _needed(self, node: Node) -> int:
+        """The cycle in which the first instruction that uses a value, or a source made from it, was issued."""
+        assert self.issue is not None
+        first = 1 << 30
+        for user in self.consumers[id(node)]:
+            first = min(first, self._needed(user) - user.delay - 1 if user.source else self.issue[id(user)])
+        return first if first < 1 << 30 else 0
+
+    # ---- one instruction
+
+    def _place(self, node: Node, cycle: int) -> Placement | None:
+        sides: tuple[int, ...]
+        if node.in_place:
+            (source,) = node.operands
+            assert isinstance(source, Node)
+            sides = (self.placed[id(source)].data_side,)
+        else:
+            sides = (node.side,) if node.side is not None else self._preferred(node)
+        for side in sides:
+            found = self._memory(node, cycle, side) if node.memory else self._select(node, cycle, side)
+            if found is not None:
+                return found
+        return None
+
+    def _preferred(self, node: Node) -> tuple[int, int]:
+        """The sides, the better first: few crossing operands, near the partners of the users, with free registers."""
+        cost = [0.0, 0.0]
+        for operand in node.operands:
+            if isinstance(operand, Node):
+                cost[1 - self.placed[id(operand)].data_side] += 3.0
+        for user in self.consumers[id(node)][:4]:
+            if user.side is not None:
+                cost[1 - user.side] += 2.0
+            for partner in user.operands:
+                if isinstance(partner, Node) and partner is not node and id(partner) in self.placed:
+                    cost[1 - self.placed[id(partner)].data_side] += 2.0
+        for side in (0, 1):
+            cost[side] += 0.08 * (23 - len(self.free[side]))
+        return (0, 1) if cost[0] <= cost[1] else (1, 0)
+
+    def _operand(self, operand: Operand, side: int) -> tuple[int, int] | int:
+        if isinstance(operand, int):
+            return operand
+        node = operand.sides[side] if isinstance(operand, Both) else operand
+        placement = self.placed[id(node)]
+        assert placement.register is not None
+        return placement.data_side, placement.register
+
+    def _source(self, operand: Operand, side: int) -> Node | None:
+        if isinstance(operand, int):
+            return None
+        return operand.sides[side] if isinstance(operand, Both) else operand
+
+    def _crossable(self, node: Node, cycle: int) -> bool:
+        """Whether a value may be read over a cross path in a cycle without a stall."""
+        placement = self.placed[id(node)]
+        return node.mnemonic in ("ldw", "param") or cycle > placement.cycle + node.delay + 1
+
+    def _cross_free(self, cycle: int, side: int, register: tuple[int, int]) -> bool:
+        carried = self.crossing.get((cycle, side))
+        return carried is None or (carried == register and self.crossed[cycle, side] < 2)
+
+    def _readable(self, cycle: int, registers: Iterable[tuple[int, int] | int]) -> bool:
+        wanted = Counter(register for register in registers if not isinstance(register, int))
+        return all(self.reads[cycle, *register] + count <= _READS for register, count in wanted.items())
+
+    def _unit(self, node: Node, kinds: str, cycle: int, side: int, taken: Iterable[str] = ()) -> str | None:
+        for kind in kinds:
+            unit = f"{kind}{side + 1}"
+            if unit in self.units[cycle] or unit in taken:
+                continue
+            if kind != "D" and (unit, cycle + node.delay) in self.ports:
+                continue
+            return unit
+        return None
+
+    def _select(self, node: Node, cycle: int, side: int) -> Placement | None:
+        if node.mnemonic == "select":
+            return self._moves(node, cycle, side)
+        operands = list(node.operands)
+        own = [self._operand(operand, side) for operand in operands]
+        crossing = [k for k, operand in enumerate(own) if not isinstance(operand, int) and operand[0] != side]
+        kinds = node.units
+        if crossing:
+            if len({own[k] for k in crossing}) > 1 or len(crossing) > 1:
+                return None
+            (k,) = crossing
+            source = self._source(operands[k], side)
+            register = own[k]
+            assert source is not None and not isinstance(register, int)
+            if node.mnemonic == "clr" or not self._crossable(source, cycle) or not self._cross_free(cycle, side, register):
+                return None
+            if k == 0 and len(operands) > 1 and not isinstance(own[1], int):
+                if node.mnemonic == "sub" or node.mnemonic == "subsp":
+                    kinds = kinds.replace("D", "")
+                elif node.mnemonic in _SWAPPED:
+                    own.reverse()
+                    operands.reverse()
+                else:
+                    return None
+        unit = self._unit(node, kinds, cycle, side)
+        if unit is None or not self._readable(cycle, own):
+            return None
+        mnemonic = node.mnemonic
+        swapped = operands != node.operands
+        register = self._register(node, side, operands)
+        if register is None:
+            return None
+        placement = Placement(node, cycle, unit, side, side, register, tuple(own), bool(crossing), None)
+        if swapped and mnemonic in _MIRRORED:
+            placement = Placement(_mirrored(node), cycle, unit, side, side, register, tuple(own), True, None)
+        self._commit(node, placement, [self._source(operand, side) for operand in operands])
+        return placement
+
+    def _memory(self, node: Node, cycle: int, preferred: int) -> Placement | None:
+        """A load to, or a store from, the preferred side, by the unit of either side."""
+        store = node.mnemonic == "stw"
+        value = self._source(node.operands[1], preferred) if store else None
+        data = self.placed[id(value)].data_side if value is not None else preferred
+        if (cycle, data) in self.paths:
+            return None
+        guard = None
+        if node.guard is not None:
+            guard = self._operand(node.guard, 0)
+            assert not isinstance(guard, int)
+        for side in (data, 1 - data):
+            base = node.operands[0]
+            own = self._operand(base, side)
+            unit = f"D{side + 1}"
+            assert not isinstance(own, int)
+            if own[0] != side or unit in self.units[cycle]:
+                continue
+            operands: list[tuple[int, int] | int] = [own]
+            sources = [self._source(base, side), value, node.guard]
+            if value is not None:
+                operands.append(self._operand(value, data))
+            if not self._readable(cycle, operands):
+                continue
+            register = self._register(node, data, []) if not store else None
+            if register is None and not store:
+                return None
+            self.paths.add((cycle, data))
+            placement = Placement(node, cycle, unit, side, data, register, tuple(operands), False, guard)
+            other = base.sides[1 - side] if isinstance(base, Both) else None
+            self._commit(node, placement, [*sources, other])
+            return placement
+        return None
+
+    def _moves(self, node: Node, cycle: int, side: int) -> Placement | None:
+        """A choice as one predicated move onto the other operand, or as two moves to a register of its own."""
+        condition, *choices = node.operands
+        guard = self._operand(condition, side)
+        assert not isinstance(guard, int)
+        own = [self._operand(choice, side) for choice in choices]
+        sources = [self._source(choice, side) for choice in choices]
+        target: int | None = None
+        keep: int | None = None
+        for k in (1, 0):
+            source = sources[k]
+            if source is None or own[k] == guard:
+                continue
+            placement = self.placed[id(source)]
+            if (
+                placement.data_side == side
+                and self.uses[id(source)] == 1
+                and source.mnemonic != "param"
+                and not self._misplaced(node, placement.register)
+            ):
+                target, keep = placement.register, k
+                break
+        moving = [k for k in (0, 1) if k != keep]
+        taken: list[str] = []
+        moves: list[tuple[str, bool, tuple[int, int] | int, bool]] = []
+        crossing: tuple[int, int] | None = None
+        for k in moving:
+            operand = own[k]
+            cross = not isinstance(operand, int) and operand[0] != side
+            if cross:
+                source = sources[k]
+                assert source is not None and not isinstance(operand, int)
+                if not self._crossable(source, cycle) or not self._cross_free(cycle, side, operand):
+                    return None
+                if crossing is not None and (crossing != operand or self.crossed[cycle, side]):
+                    return None
+                crossing = operand
+            unit = self._unit(node, "DLS", cycle, side, taken)
+            if unit is None:
+                return None
+            taken.append(unit)
+            moves.append((unit, k == 1, operand, cross))
+        if not self._readable(cycle, [own[k] for k in moving]):
+            return None
+        if target is None:
+            target = self._register(node, side, [])
+            if target is None:
+                return None
+        else:
+            self.uses[id(sources[keep])] = -1  # type: ignore[index]
+        placement = Placement(node, cycle, taken[0], side, side, target, (), False, guard, tuple(moves))
+        self._commit(node, placement, [self._source(condition, side), *(s for k, s in enumerate(sources) if k != keep)])
+        return placement
+
+    def _misplaced(self, node: Node, register: int | None) -> bool:
+        """Whether the result must be testable and the register is not."""
+        return node.predicate and register not in PREDICATES[0]
+
+    def _register(self, node: Node, side: int, operands: Sequence[Operand]) -> int | None:
+        """Take a register for the result; None if there is none."""
+        if node.in_place:
+            source = self._source(operands[0], side)
+            return self.placed[id(source)].register
+        free = self.free[side]
+        dying = set()
+        counted = Counter(id(self._source(operand, side)) for operand in operands if not isinstance(operand, int))
+        for operand in operands:
+            source = self._source(operand, side)
+            if source is not None and self.uses[id(source)] == counted[id(source)]:
+                placement = self.placed[id(source)]
+                if placement.data_side == side and placement.register is not None and placement.register < 32:
+                    dying.add(placement.register)
+        if node.register is not None:
+            return node.register if node.register in free | dying else None
+        if node.predicate:
+            choice = [r for r in PREDICATES[side] if r in free | dying]
+        else:
+            choice = [r for r in self.general[side] if r in free | dying]
+        if choice and not self.unlimited:
+            reserve = 1 if node.predicate else self.plan.reserve
+            if id(node) in self.urgent or dying:
+                reserve = 0
+            return min(choice) if len(choice) > reserve else None
+        if self.unlimited:
+            self.extra += 1
+            return self.extra
+        return None
+
+    def _commit(self, node: Node, placement: Placement, sources: Iterable[Node | None]) -> None:
+        cycle, side = placement.cycle, placement.side
+        self.placed[id(node)] = placement
+        self.result.append(placement)
+        if placement.moves:
+            for unit, _, operand, cross in placement.moves:
+                self._occupy(unit, cycle, 0)
+                self._cross(cycle, side, [operand] if cross else [])
+                self._count_reads(cycle, [operand])
+        else:
+            self._occupy(placement.unit, cycle, node.delay if node.mnemonic not in ("ldw", "stw") else -1)
+            crossing = [o for o in placement.operands if not isinstance(o, int) and o[0] != side]
+            self._cross(cycle, side, crossing if not node.memory else [])
+            self._count_reads(cycle, placement.operands)
+        for source in sources:
+            if source is None:
+                continue
+            self.uses[id(source)] -= 1
+            if not self.uses[id(source)]:
+                self._return(source)
+        for operand in node.operands:
+            if isinstance(operand, Both) and not node.memory:
+                other = operand.sides[1 - side]
+                self.uses[id(other)] -= 1
+                if not self.uses[id(other)]:
+                    self._return(other)
+        if placement.register is not None:
+            self.free[placement.data_side].discard(placement.register)
+        if node.memory and node.mnemonic == "stw" and isinstance(node.operands[1], Both):
+            other = node.operands[1].sides[1 - placement.data_side]
+            self.uses[id(other)] -= 1
+            if not self.uses[id(other)]:
+                self._return(other)
+
+    def _return(self, source: Node) -> None:
+        placement = self.placed[id(source)]
+        register = placement.register
+        if register is not None and register < 32:
+            self.free[placement.data_side].add(register)
+
+    def _occupy(self, unit: str, cycle: int, delay: int) -> None:
+        self.units[cycle].add(unit)
+        if delay >= 0:
+            self.ports.add((unit, cycle + delay))
+
+    def _cross(self, cycle: int, side: int, registers: Iterable[tuple[int, int] | int]) -> None:
+        for register in registers:
+            assert not isinstance(register, int)
+            self.crossing[cycle, side] = register
+            self.crossed[cycle, side] += 1
+
+    def _count_reads(self, cycle: int, registers: Iterable[tuple[int, int] | int]) -> None:
+        for register in registers:
+            if not isinstance(register, int):
+                self.reads[cycle, *register] += 1
+
+    def _finished(self) -> Schedule:
+        """The schedule with its return branch, which takes effect when every result has arrived."""
+        last = max((each.cycle for each in self.result), default=0)
+        landed = max((each.cycle + each.node.delay + 1 for each in self.result), default=0)
+        counts = Counter[int]()
+        for each in self.result:
+            counts[each.cycle] += max(1, len(each.moves))
+        branch = max(0, last - BRANCH_SLOTS, landed - BRANCH_SLOTS - 1)
+        while "S2" in self.units[branch] or counts[branch] >= _PACKET:
+            branch += 1
+        placements = sorted(self.result, key=lambda each: each.cycle)
+        return Schedule(placements, branch, branch + BRANCH_SLOTS + 1)
+
+
+_MIRRORED: Final = {"cmpgtsp": "cmpltsp", "cmpltsp": "cmpgtsp", "cmpgtu": "cmpltu", "cmpltu": "cmpgtu"}
+_SWAPPED: Final = frozenset({"addsp", "mpysp", "add", "and", "or", "xor", "mpy32", "cmpeq", "cmpeqsp", *_MIRRORED})
+
+
+def _mirrored(node: Node) -> Node:
+    """The comparison with exchanged operands."""
+    return Node(_MIRRORED[node.mnemonic], node.operands, node.units, node.delay, node.order)

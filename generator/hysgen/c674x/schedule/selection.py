@@ -1,0 +1,317 @@
+"""Instructions for the operations of a kernel: mnemonic, units, latency, and which operands a cross path may carry.
+
+Source: SPRUFE8, chapter 4. A constant of 5 bits is part of an instruction; other constants, and addresses further than
+an offset reaches, are values of their own. Values that many instructions of both sides read exist once on each side.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+from hysgen.c674x.schedule.dataflow import COMMUTATIVE, Kernel, Op
+
+WORD: Final = 4
+REACH: Final = 31 * WORD
+"""Largest offset of a load or store, in bytes, in either direction."""
+
+_WINDOW: Final = 62 * WORD
+_FAR: Final = 80
+"""Operations of the C text after which a word is loaded again rather than kept in a register."""
+
+_SHARED: Final = 5
+"""A constant with this many users is kept in a register of each side; others are made anew for every user."""
+
+# mnemonic: units, delay slots. The second source of all of them can come over the cross path.
+UNITS: Final = {
+    "addsp": ("LS", 3),
+    "subsp": ("LS", 3),
+    "mpysp": ("M", 3),
+    "mpy32": ("M", 3),
+    "intspu": ("L", 3),
+    "cmpeqsp": ("S", 0),
+    "cmpgtsp": ("S", 0),
+    "cmpltsp": ("S", 0),
+    "cmpeq": ("L", 0),
+    "cmpgtu": ("L", 0),
+    "cmpltu": ("L", 0),
+    "add": ("DLS", 0),
+    "sub": ("DLS", 0),
+    "and": ("DLS", 0),
+    "or": ("DLS", 0),
+    "xor": ("DLS", 0),
+    "shl": ("S", 0),
+    "shru": ("S", 0),
+    "clr": ("S", 0),
+    "mv": ("DLS", 0),
+    "mvk": ("S", 0),
+    "mvkl": ("S", 0),
+    "mvkh": ("S", 0),
+}
+LOAD_DELAY: Final = 4
+MIRRORED: Final = {"cmpgtsp": "cmpltsp", "cmpltsp": "cmpgtsp", "cmpgtu": "cmpltu", "cmpltu": "cmpgtu"}
+_SHORT: Final = range(-16, 16)
+
+
+@dataclass(eq=False)
+class Node:
+    """One instruction, or a choice of two moves.
+
+    operands: values read, or 5-bit constants. side: 0 or 1 if fixed. register: index 0..31 if fixed. predicate: whether
+    the result must be in a register that predicates can test. in_place: the result replaces operand 0. guard: the
+    instruction is executed only if this value is not 0. before: (node, cycles) pairs; this node is issued at least that
+    many cycles after it. source: no operand depends on data of the kernel.
+    """
+
+    mnemonic: str
+    operands: list[Operand]
+    units: str
+    delay: int
+    order: int
+    number: int = 0
+    symbol: str = ""
+    side: int | None = None
+    register: int | None = None
+    predicate: bool = False
+    in_place: bool = False
+    guard: Node | None = None
+    before: list[tuple[Node, int]] = field(default_factory=list)
+    source: bool = False
+
+    @property
+    def memory(self) -> bool:
+        return self.mnemonic in ("ldw", "stw")
+
+    @property
+    def writes(self) -> bool:
+        return self.mnemonic != "stw"
+
+    def values(self) -> list[Value]:
+        """The values read."""
+        found: list[Value] = [each for each in self.operands if not isinstance(each, int)]
+        return [*found, self.guard] if self.guard else found
+
+
+@dataclass(frozen=True, eq=False)
+class Both:
+    """The same value in a register of each side."""
+
+    sides: tuple[Node, Node]
+
+
+Value: TypeAlias = Node | Both
+Operand: TypeAlias = Node | Both | int
+
+
+@dataclass(frozen=True)
+class Selected:
+    """The instructions of a kernel, operands before users; `parameters` are in their registers at the start."""
+
+    nodes: Sequence[Node]
+    parameters: Sequence[Node]
+    result: Node | None
+
+
+ARGUMENTS: Final = ((0, 4), (1, 4), (0, 6), (1, 6), (0, 8), (1, 8))
+"""Side and register of the arguments of a function, by the C6000 EABI (SPRAB89, chapter 3)."""
+
+
+def select(kernel: Kernel) -> Selected:
+    """Instructions for a kernel."""
+    return _Selection(kernel).run()
+
+
+@dataclass
+class _Selection:
+    kernel: Kernel
+    nodes: list[Node] = field(default_factory=list)
+    values: dict[int, Value] = field(default_factory=dict)
+    constants: dict[int, Both] = field(default_factory=dict)
+    windows: dict[tuple[int, int], Value] = field(default_factory=dict)
+    users: Counter[int] = field(default_factory=Counter)
+    loads: dict[int, list[Node]] = field(default_factory=dict)
+    stores: dict[int, Node] = field(default_factory=dict)
+    used: dict[int, int] = field(default_factory=dict)
+    overwritten: set[int] = field(default_factory=set)
+    order: int = 0
+
+    def run(self) -> Selected:
+        operations = self._guarded(self.kernel.operations())
+        addresses: Counter[int] = Counter()
+        tested: set[int] = set()
+        for op in operations:
+            for arg in op.args:
+                self.users[id(arg)] += 1
+            if op.kind in ("load", "store"):
+                addresses[id(op.args[0])] += 1
+            if op.kind == "select":
+                tested.add(id(op.args[0]))
+            if op.kind == "store" and (guard := self.guards.get(id(op))) is not None:
+                tested.add(id(guard[0]))
+        parameters = []
+        for self.order, op in enumerate(operations):
+            match op.kind:
+                case "const":
+                    continue
+                case "param":
+                    side, register = ARGUMENTS[op.number]
+                    node = Node("param", [], "", 0, self.order, side=side, register=register)
+                    parameters.append(node)
+                    self.values[id(op)] = node
+                    if addresses[id(op)]:
+                        copy = self._add(Node("mv", [node], *UNITS["mv"], self.order, side=1 - side, source=True))
+                        self.values[id(op)] = Both((node, copy) if side == 0 else (copy, node))
+                case "symbol":
+                    self.values[id(op)] = Both(tuple(self._symbol(op.name, side) for side in (0, 1)))  # type: ignore[arg-type]
+                case "load":
+                    self._load(op).predicate = id(op) in tested
+                case "store":
+                    self._store(op)
+                case "select":
+                    operands = [self._value(op.args[0]), self._short(op.args[1]), self._short(op.args[2])]
+                    node = self._add(Node("select", operands, "DLS", 0, self.order))
+                    self.values[id(op)] = node
+                    node.predicate = id(op) in tested
+                case _:
+                    many = addresses[id(op)] > 3
+                    made = [self._computed(op, side if many else None) for side in ((0, 1) if many else (0,))]
+                    for node in made:
+                        node.predicate = id(op) in tested
+                    self.values[id(op)] = Both((made[0], made[1])) if many else made[0]
+        result = None
+        if self.kernel.result is not None:
+            self.order += 1
+            value = self._value(self.kernel.result)
+            result = self._add(Node("mv", [value], *UNITS["mv"], self.order, side=0, register=4))
+        return Selected(self.nodes, parameters, result)
+
+    def _guarded(self, operations: list[Op]) -> list[Op]:
+        """Stores of a choice between a new value and the word that is there become stores under a condition."""
+        self.guards: dict[int, tuple[Op, Op]] = {}
+        for op in operations:
+            if op.kind == "store" and op.args[1].kind == "select":
+                condition, yes, no = op.args[1].args
+                if no.kind == "load" and no.args[0] is op.args[0] and no.number == op.number and not no.after:
+                    self.guards[id(op)] = condition, yes
+        needed: set[int] = set()
+        for op in reversed(operations):
+            if op.kind == "store" or op is self.kernel.result or id(op) in needed:
+                needed.add(id(op))
+                inputs = (op.args[0], *self.guards[id(op)]) if id(op) in self.guards else op.args
+                needed |= {id(arg) for arg in inputs}
+        return [op for op in operations if id(op) in needed]
+
+    def _add(self, node: Node) -> Node:
+        self.nodes.append(node)
+        return node
+
+    def _symbol(self, name: str, side: int) -> Node:
+        low = self._add(Node("mvkl", [], *UNITS["mvkl"], self.order, symbol=name, side=side, source=True))
+        return self._add(
+            Node("mvkh", [low], *UNITS["mvkh"], self.order, symbol=name, side=side, in_place=True, source=True)
+        )
+
+    def _constant(self, number: int, side: int | None) -> Node:
+        signed = number - (1 << 32) if number >> 31 else number
+        if signed in _SHORT:
+            return self._add(Node("mvk", [], "DLS", 0, self.order, number=signed, side=side, source=True))
+        if -0x8000 <= signed < 0x8000:
+            return self._add(Node("mvk", [], "S", 0, self.order, number=signed, side=side, source=True))
+        low = self._add(Node("mvkl", [], *UNITS["mvkl"], self.order, number=number, side=side, source=True))
+        high = Node("mvkh", [low], *UNITS["mvkh"], self.order, number=number, side=side, in_place=True, source=True)
+        return self._add(high)
+
+    def _value(self, op: Op) -> Value:
+        if op.kind == "load":
+            return self._loaded(op)
+        if op.kind != "const":
+            return self.values[id(op)]
+        if self.users[id(op)] < _SHARED:
+            return self._constant(op.number, None)
+        if op.number not in self.constants:
+            self.constants[op.number] = Both((self._constant(op.number, 0), self._constant(op.number, 1)))
+        return self.constants[op.number]
+
+    def _short(self, op: Op) -> Operand:
+        """A constant of 5 bits as such, any other value in a register."""
+        if op.kind == "const":
+            signed = op.number - (1 << 32) if op.number >> 31 else op.number
+            if signed in _SHORT:
+                return signed
+        return self._value(op)
+
+    def _computed(self, op: Op, side: int | None) -> Node:
+        kind, args = op.kind, list(op.args)
+        units, delay = UNITS[kind]
+        if kind == "and" and args[1].kind == "const" and args[1].number == 0x7FFF_FFFF:
+            return self._add(Node("clr", [self._value(args[0]), 31, 31], "S", 0, self.order, side=side))
+        if kind in ("shl", "shru") and args[1].kind == "const" and args[1].number < 32:
+            return self._add(Node(kind, [self._value(args[0]), args[1].number], "S", 0, self.order, side=side))
+        if args[1:] and args[1].kind == "const" and kind in COMMUTATIVE | set(MIRRORED) and kind not in ("mpy32",):
+            args.reverse()
+            kind = MIRRORED.get(kind, kind)
+        first: Operand
+        allowed = {"add": "LS", "sub": "LS", "and": "DLS", "or": "DLS", "xor": "DLS", "cmpeq": "L"}
+        if kind in allowed and isinstance(short := self._short(args[0]), int):
+            first, units = short, allowed[kind]
+        elif kind in ("cmpgtu", "cmpltu") and args[0].kind == "const" and args[0].number < 16:
+            first = args[0].number
+        else:
+            first = self._value(args[0])
+        return self._add(Node(kind, [first, *(self._value(arg) for arg in args[1:])], units, delay, self.order, side=side))
+
+    def _address(self, op: Op, offset: int) -> tuple[Value, int]:
+        """A value near the address and the remaining offset in bytes."""
+        base = self._value(op)
+        if -REACH <= offset <= REACH:
+            return base, offset
+        window = (offset + REACH) // _WINDOW
+        key = id(op), window
+        if key not in self.windows:
+            sides = []
+            for side in (0, 1):
+                distance = self._constant(window * _WINDOW, side)
+                own = base.sides[side] if isinstance(base, Both) else base
+                sides.append(self._add(Node("add", [distance, own], *UNITS["add"], self.order, side=side)))
+                sides[-1].source = own.source or own.mnemonic == "param"
+            self.windows[key] = Both((sides[0], sides[1]))
+        return self.windows[key], offset - window * _WINDOW
+
+    def _loaded(self, op: Op) -> Value:
+        """The value of a load; it is loaded again for a user far behind the last one, to save a register meanwhile."""
+        far = self.order - self.used.get(id(op), self.order) > _FAR
+        value = self.values[id(op)]
+        assert isinstance(value, Node)
+        if far and id(op) not in self.overwritten and not value.predicate:
+            value = self._load(op)
+        self.used[id(op)] = self.order
+        return value
+
+    def _load(self, op: Op) -> Node:
+        base, offset = self._address(op.args[0], op.number)
+        node = Node("ldw", [base], "D", LOAD_DELAY, self.order, number=offset)
+        node.source = all(each.source or each.mnemonic == "param" for each in _nodes(base))
+        node.before += [(self.stores[id(store)], 1) for store in op.after]
+        self.values[id(op)] = self._add(node)
+        self.loads.setdefault(id(op), []).append(node)
+        return node
+
+    def _store(self, op: Op) -> None:
+        condition, value = self.guards.get(id(op), (None, op.args[1]))
+        base, offset = self._address(op.args[0], op.number)
+        node = Node("stw", [base, self._value(value)], "D", 0, self.order, number=offset)
+        if condition is not None:
+            guard = self._value(condition)
+            assert isinstance(guard, Node)
+            node.guard = guard
+        node.before += [(self.stores[id(store)], 1) for store in op.after]
+        for load in op.beside:
+            node.before += [(found, 0) for found in self.loads.get(id(load), [])]
+            self.overwritten.add(id(load))
+        self.stores[id(op)] = self._add(node)
+
+
+def _nodes(value: Value) -> tuple[Node, ...]:
+    return value.sides if isinstance(value, Both) else (value,)
