@@ -13,8 +13,8 @@ from typing import Final
 
 from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, FloatUnit
 
-COMPARISONS: Final = frozenset("cmpeq cmpgtu cmpltu cmpeqsp cmpgtsp cmpltsp".split())
-COMMUTATIVE: Final = frozenset("addsp mpysp add and or xor mpy32 cmpeq cmpeqsp".split())
+COMPARISONS: Final = frozenset(["cmpeq", "cmpgtu", "cmpltu", "cmpeqsp", "cmpgtsp", "cmpltsp"])
+COMMUTATIVE: Final = frozenset(["addsp", "mpysp", "add", "and", "or", "xor", "mpy32", "cmpeq", "cmpeqsp"])
 _FLIP: Final = 0x8000_0000
 
 
@@ -22,8 +22,8 @@ _FLIP: Final = 0x8000_0000
 class Op:
     """One value, or one store.
 
-    kind: `const`, `param`, `symbol` (address of a table), `load`, `store`, `select` (condition, if true, if false), or a
-    mnemonic of `semantics`. number: the constant, the index of the parameter, or the byte offset of a load or store,
+    kind: `const`, `param`, `symbol` (address of a table), `load`, `store`, `select` (condition, if true, if false), or
+    a mnemonic of `semantics`. number: the constant, the index of the parameter, or the byte offset of a load or store,
     whose first operand is the address. after: loads and stores that must be issued in an earlier packet; beside: loads
     that must not be issued in a later packet.
     """
@@ -198,10 +198,12 @@ def _or(graph: Graph, a: Op, b: Op) -> Op | None:
                 return graph.select(q, y, left)
             # left is q' -> y' else (p -> 0 else x), and q implies p but excludes q'
             inner = left.args[2]
-            if inner.kind == "select" and _is(inner.args[1], 0) and _implies(q, inner.args[0]):
-                if _excludes(q, left.args[0]):
-                    whole = inner.args[0].kind == "or" and set(inner.args[0].args) == {q, left.args[0]}
-                    return graph.select(q, y, graph.select(*left.args[:2], inner.args[2]) if whole else left)
+            if inner.kind != "select" or not _is(inner.args[1], 0) or not _implies(q, inner.args[0]):
+                continue
+            if _excludes(q, left.args[0]):
+                other, z, _ = left.args
+                whole = inner.args[0].kind == "or" and set(inner.args[0].args) == {q, other}
+                return graph.select(q, y, graph.select(other, z, inner.args[2]) if whole else left)
     return None
 
 

@@ -15,6 +15,8 @@ def function_text(name: str, schedule: Schedule) -> str:
     packets: dict[int, list[str]] = defaultdict(list)
     for placement in schedule.placements:
         packets[placement.cycle] += _instructions(placement)
+    for each in schedule.frame:
+        packets[each.cycle].append(each.text)
     packets[schedule.branch].append("b .s2 b3")
     lines = [f"\t.global {name}", f"\t.type {name}, @function", "\t.align 5", f"{name}:"]
     idle = 0

@@ -16,14 +16,23 @@ from dataclasses import dataclass
 from typing import Final
 
 from hysgen.c674x.schedule.emit import file_text
-from hysgen.c674x.schedule.from_c import KernelRefusal, Source, kernel
+from hysgen.c674x.schedule.from_c import KernelRefusalError, Source, kernel
 from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Schedule, schedule
 from hysgen.c674x.schedule.selection import select
 from hysgen.codegen.manifest import MANIFEST
 from hysgen.errors import TargetError
 from hysgen.machine.files import digest
 
-FUNCTIONS: Final = ("predict", "simulate", "inverse")
+FUNCTIONS: Final = (
+    "predict",
+    "simulate",
+    "inverse",
+    "project",
+    "update_diagonal",
+    "factor",
+    "step",
+    "store_regressors",
+)
 """Functions that become kernels if they can, without the model's prefix."""
 
 
@@ -50,7 +59,7 @@ def kernels(name: str, texts: Mapping[str, str], functions: Sequence[str] = FUNC
             dataflow = kernel(source, function)
             schedules[function] = schedule(select(dataflow))
             tables |= dataflow.tables
-        except (KernelRefusal, OutOfRegistersError) as refusal:
+        except (KernelRefusalError, OutOfRegistersError) as refusal:
             refused[function] = str(refusal)
     return Kernels(schedules, tables, refused)
 
@@ -103,10 +112,9 @@ def _choice(name: str, source: str) -> str:
 def _left_out(name: str, source: str, function: str) -> str:
     """The C with one function inside #ifndef; a static function is declared as an external one instead."""
     upper = name.upper()
-    pattern = re.compile(
-        rf"^(?:{upper}_CODE\n(?P<static>static )?|{upper}_INLINE )(?P<head>[^;{{}}#]*?\b{function}\([^;{{}}]*?\))\n\{{.*?^\}}\n",
-        re.MULTILINE | re.DOTALL,
-    )
+    start = rf"^(?:{upper}_CODE\n(?P<static>static )?|{upper}_INLINE )"
+    head_and_body = rf"(?P<head>[^;{{}}#]*?\b{function}\([^;{{}}]*?\))\n\{{.*?^\}}\n"
+    pattern = re.compile(start + head_and_body, re.MULTILINE | re.DOTALL)
     found = list(pattern.finditer(source))
     if len(found) != 1:
         raise TargetError(f"{name}.c: the definition of {function} is expected once, found {len(found)} times")

@@ -1,11 +1,11 @@
 """Dataflow of a generated C function: its syntax tree is executed with symbolic values.
 
-Calls are expanded, loops of constant length unrolled, local variables, structs and pointers to them resolved. Both sides
-of an `if` are evaluated and their results selected, so a kernel has no branch. A word of the caller's struct is loaded
-once and stored once, at the end.
+Calls are expanded, loops of constant length unrolled, local variables, structs and pointers to them resolved. Both
+sides of an `if` are evaluated and their results selected, so a kernel has no branch. A word of the caller's struct is
+loaded once and stored once, at the end.
 
 A function outside this subset (loops that depend on data, calls that are not in the text, signed integers, stores at
-an address that depends on data inside an `if`) is refused with KernelRefusal; it stays in C.
+an address that depends on data inside an `if`) is refused with KernelRefusalError; it stays in C.
 """
 
 from __future__ import annotations
@@ -31,10 +31,19 @@ MOST_CHOICES: Final = 64
 """Words of an array whose elements are selected by an index that depends on data."""
 
 _FLOAT_BINARY: Final = {"+": "addsp", "-": "subsp", "*": "mpysp"}
-_INTEGER_BINARY: Final = {"+": "add", "-": "sub", "*": "mpy32", "&": "and", "|": "or", "^": "xor", "<<": "shl", ">>": "shru"}
+_INTEGER_BINARY: Final = {
+    "+": "add",
+    "-": "sub",
+    "*": "mpy32",
+    "&": "and",
+    "|": "or",
+    "^": "xor",
+    "<<": "shl",
+    ">>": "shru",
+}
 
 
-class KernelRefusal(TargetError):
+class KernelRefusalError(TargetError):
     """A C function that cannot become a kernel; the message says why."""
 
 
@@ -144,11 +153,11 @@ def _literal(node: c_ast.Node) -> int:
                 text = node.value.rstrip("fF")
                 return to_image(float.fromhex(text) if "0x" in text.lower() else float(text))
             return int(re.sub("[uUlL]+$", "", node.value), 0) & 0xFFFF_FFFF
-    raise KernelRefusal(f"{node.coord}: not a constant")
+    raise KernelRefusalError(f"{node.coord}: not a constant")
 
 
 def kernel(source: Source, function: str) -> Kernel:
-    """The dataflow of `function`, named with the model's prefix. Raises KernelRefusal."""
+    """The dataflow of `function`, named with the model's prefix. Raises KernelRefusalError."""
     return _Execution(source).run(function)
 
 
@@ -177,12 +186,12 @@ class _Execution:
             else:
                 arguments.append(word)
         if sum(isinstance(argument, Place) for argument in arguments) > 1:
-            raise KernelRefusal(f"{function}: two pointers, whose memory may overlap")
+            raise KernelRefusalError(f"{function}: two pointers, whose memory may overlap")
         result = self._call(function, arguments)
         for memory, offset in sorted(self.state.dirty, key=self._made):
             self._flush(memory, offset)
         if isinstance(result, Place | Whole):
-            raise KernelRefusal(f"{function}: returns a pointer or a struct")
+            raise KernelRefusalError(f"{function}: returns a pointer or a struct")
         tables = {name: self.source.tables[name][1] for name in self.bases if name in self.source.tables}
         return Kernel(function, len(arguments), tuple(each.op for each in self.stores), result, tables)
 
@@ -205,7 +214,7 @@ class _Execution:
         """Store the word of the caller's memory."""
         value = self.state.cells[memory, offset]
         if isinstance(value, Place):
-            raise KernelRefusal(f"{memory}: a pointer is stored")
+            raise KernelRefusalError(f"{memory}: a pointer is stored")
         self._store(memory, offset, offset + WORD, self._base(memory), offset, value)
 
     def _store(self, memory: str, low: int, high: int, address: Op, offset: int, value: Op) -> None:
@@ -251,7 +260,7 @@ class _Execution:
         shift = place.offset - place.low
         leaves = [self._read(Place(place.memory, place.low + shift % size + size * k, INTEGER)) for k in range(count)]
         if not all(isinstance(leaf, Op) for leaf in leaves):
-            raise KernelRefusal(f"{place.memory}: pointers indexed by data")
+            raise KernelRefusalError(f"{place.memory}: pointers indexed by data")
         values = [leaf for leaf in leaves if isinstance(leaf, Op)]
         index, bit = self._number(place, size, shift), 1
         while len(values) > 1:
@@ -264,14 +273,14 @@ class _Execution:
     def _elements(self, place: Place) -> tuple[int, int]:
         """Bytes and number of the elements of the array that a place is in."""
         if place.index is None or place.high - place.low > WORD * MOST_CHOICES:
-            raise KernelRefusal(f"{place.memory}: an array of unknown or large size, indexed by data")
+            raise KernelRefusalError(f"{place.memory}: an array of unknown or large size, indexed by data")
         return place.stride, (place.high - place.low) // place.stride
 
     def _number(self, place: Place, size: int, shift: int) -> Op:
         """The index of the element."""
         assert place.index is not None
         if size & (size - 1) or shift // size:
-            raise KernelRefusal(f"{place.memory}: elements of {size} bytes, indexed by data")
+            raise KernelRefusalError(f"{place.memory}: elements of {size} bytes, indexed by data")
         return self.graph.op("shru", place.index, self.graph.const(size.bit_length() - 1))
 
     def _settle(self, place: Place) -> None:
@@ -279,7 +288,7 @@ class _Execution:
         for memory, offset in sorted(self.state.dirty):
             if memory == place.memory and place.low <= offset < place.high:
                 if self.conditional:
-                    raise KernelRefusal(f"{memory}+{offset}: changed, then indexed by data inside an if")
+                    raise KernelRefusalError(f"{memory}+{offset}: changed, then indexed by data inside an if")
                 self._flush(memory, offset)
                 self.state.dirty.discard((memory, offset))
 
@@ -291,7 +300,7 @@ class _Execution:
                 self.state.dirty.add(key)
             return
         if isinstance(value, Place):
-            raise KernelRefusal(f"{place.memory}: a pointer stored at an address that depends on data")
+            raise KernelRefusalError(f"{place.memory}: a pointer stored at an address that depends on data")
         if not self._external(place.memory) or self.conditional:
             size, count = self._elements(place)
             index = self._number(place, size, place.offset - place.low)
@@ -315,7 +324,9 @@ class _Execution:
             case Array():
                 return place
             case StructType():
-                return Whole({offset: self._read(place.at(offset, INTEGER)) for offset in range(0, _size(place.kind), WORD)})
+                return Whole(
+                    {offset: self._read(place.at(offset, INTEGER)) for offset in range(0, _size(place.kind), WORD)}
+                )
         return self._read(place)
 
     def _put(self, place: Place, value: Value) -> None:
@@ -324,7 +335,7 @@ class _Execution:
                 for offset, leaf in value.leaves.items():
                     self._write(place.at(offset, INTEGER), leaf)
             case None:
-                raise KernelRefusal("a void value is assigned")
+                raise KernelRefusalError("a void value is assigned")
             case _:
                 self._write(place, value)
 
@@ -336,7 +347,7 @@ class _Execution:
             return arguments[0]
         node = self.source.functions.get(function)
         if node is None:
-            raise KernelRefusal(f"{function}: called, but not in the text")
+            raise KernelRefusalError(f"{function}: called, but not in the text")
         scope: dict[str, Place] = {}
         parameters = node.decl.type.args.params if node.decl.type.args else []
         for parameter, value in zip(parameters, arguments, strict=True):
@@ -355,7 +366,7 @@ class _Execution:
     def _block(self, statements: Sequence[c_ast.Node], scope: dict[str, Place]) -> tuple[bool, Value]:
         """Execute; whether it returned, and the value."""
         if self.graph.count > MOST_OPERATIONS:
-            raise KernelRefusal(f"more than {MOST_OPERATIONS} operations")
+            raise KernelRefusalError(f"more than {MOST_OPERATIONS} operations")
         for k, statement in enumerate(statements):
             match statement:
                 case c_ast.If():
@@ -381,9 +392,7 @@ class _Execution:
                     self._value(statement, scope)
         return False, None
 
-    def _if(
-        self, node: c_ast.If, rest: Sequence[c_ast.Node], scope: dict[str, Place]
-    ) -> tuple[bool, Value, bool]:
+    def _if(self, node: c_ast.If, rest: Sequence[c_ast.Node], scope: dict[str, Place]) -> tuple[bool, Value, bool]:
         """Both sides, then the rest if a side returns; the last answer: whether the rest was executed."""
         condition = self._word(node.cond, scope)
         sides = [[] if side is None else [side] for side in (node.iftrue, node.iffalse)]
@@ -404,7 +413,7 @@ class _Execution:
             return False, None, False
         (_, one, yes), (_, other, no) = ends
         if one != other:
-            raise KernelRefusal(f"{node.coord}: only one side returns")
+            raise KernelRefusalError(f"{node.coord}: only one side returns")
         return one, self._either(condition, yes, no), True
 
     def _merged(self, condition: Op, yes: _State, no: _State) -> _State:
@@ -431,7 +440,7 @@ class _Execution:
                 return None
             case (Place(), _) | (_, Place()):
                 return yes if isinstance(yes, Place) else no  # a pointer of one side only
-        raise KernelRefusal("the two sides of an if leave different pointers")
+        raise KernelRefusalError("the two sides of an if leave different pointers")
 
     def _for(self, node: c_ast.For, scope: dict[str, Place]) -> None:
         inner = dict(scope)
@@ -443,12 +452,12 @@ class _Execution:
         while True:
             condition = self._word(node.cond, inner)
             if condition.kind != "const":
-                raise KernelRefusal(f"{node.coord}: the length of a loop depends on data")
+                raise KernelRefusalError(f"{node.coord}: the length of a loop depends on data")
             if not condition.number:
                 return
             body = node.stmt.block_items or [] if isinstance(node.stmt, c_ast.Compound) else [node.stmt]
             if self._block(body, dict(inner))[0]:
-                raise KernelRefusal(f"{node.coord}: a return inside a loop")
+                raise KernelRefusalError(f"{node.coord}: a return inside a loop")
             self._value(node.next, inner)
 
     def _declare(self, node: c_ast.Decl, scope: dict[str, Place]) -> None:
@@ -465,7 +474,7 @@ class _Execution:
         kinds = _parts(place.kind)
         for k, part in enumerate(parts):
             if isinstance(part, c_ast.NamedInitializer):
-                raise KernelRefusal(f"{node.coord}: a designated initialiser")
+                raise KernelRefusalError(f"{node.coord}: a designated initialiser")
             offset, kind = kinds[k]
             target = place.at(offset, kind)
             if isinstance(part, c_ast.InitList):
@@ -478,7 +487,7 @@ class _Execution:
     def _word(self, node: c_ast.Node, scope: dict[str, Place]) -> Op:
         value = self._value(node, scope)
         if not isinstance(value, Op):
-            raise KernelRefusal(f"{node.coord}: a number is expected")
+            raise KernelRefusalError(f"{node.coord}: a number is expected")
         return value
 
     def _value(self, node: c_ast.Node, scope: dict[str, Place]) -> Value:
@@ -509,7 +518,7 @@ class _Execution:
                 return self._either(condition, self._value(node.iftrue, scope), self._value(node.iffalse, scope))
             case c_ast.ExprList():
                 return [self._value(each, scope) for each in node.exprs][-1]
-        raise KernelRefusal(f"{node.coord}: {type(node).__name__} is not supported")
+        raise KernelRefusalError(f"{node.coord}: {type(node).__name__} is not supported")
 
     def _place(self, node: c_ast.Node, scope: dict[str, Place]) -> Place:
         match node:
@@ -518,7 +527,7 @@ class _Execution:
                     return scope[node.name]
                 if node.name in self.source.tables:
                     return Place(node.name, 0, self.source.tables[node.name][0])
-                raise KernelRefusal(f"{node.coord}: {node.name} is unknown")
+                raise KernelRefusalError(f"{node.coord}: {node.name} is unknown")
             case c_ast.StructRef():
                 base = self._place(node.name, scope)
                 if node.type == "->":
@@ -540,12 +549,12 @@ class _Execution:
                 return self._element(base, element, extent, self._word(node.subscript, scope))
             case c_ast.UnaryOp(op="*"):
                 return self._target(self._place(node.expr, scope), node)
-        raise KernelRefusal(f"{node.coord}: {type(node).__name__} is no place")
+        raise KernelRefusalError(f"{node.coord}: {type(node).__name__} is no place")
 
     def _target(self, pointer: Place, node: c_ast.Node) -> Place:
         target = self._get(pointer)
         if not isinstance(target, Place):
-            raise KernelRefusal(f"{node.coord}: the target of the pointer is unknown")
+            raise KernelRefusalError(f"{node.coord}: the target of the pointer is unknown")
         kind = pointer.kind
         if isinstance(target.kind, Array) and isinstance(kind, Pointer) and not isinstance(kind.to, Array):
             return replace(target, kind=target.kind.of)
@@ -584,7 +593,7 @@ class _Execution:
                 return graph.op("cmpeq", value, graph.const(0))
             case "+":
                 return value
-        raise KernelRefusal(f"{node.coord}: operator {node.op}")
+        raise KernelRefusalError(f"{node.coord}: operator {node.op}")
 
     def _binary(self, node: c_ast.BinaryOp, scope: dict[str, Place]) -> Value:
         a, b = self._word(node.left, scope), self._word(node.right, scope)
@@ -612,7 +621,7 @@ class _Execution:
                     return graph.op("cmpeqsp", a, b)
                 case "!=":
                     return _not(graph, graph.op("cmpeqsp", a, b))
-            raise KernelRefusal(f"{node.coord}: {op} of floats")
+            raise KernelRefusalError(f"{node.coord}: {op} of floats")
         if op in _INTEGER_BINARY:
             return graph.op(_INTEGER_BINARY[op], a, b)
         match op:
@@ -634,7 +643,7 @@ class _Execution:
                 return graph.op("cmpeq", a, b)
             case "!=":
                 return _not(graph, graph.op("cmpeq", a, b))
-        raise KernelRefusal(f"{node.coord}: operator {op}")
+        raise KernelRefusalError(f"{node.coord}: operator {op}")
 
     def _assign(self, node: c_ast.Assignment, scope: dict[str, Place]) -> Value:
         value = self._value(node.rvalue, scope)
@@ -642,7 +651,7 @@ class _Execution:
         if node.op != "=":
             old = self._get(place)
             if not isinstance(old, Op) or not isinstance(value, Op):
-                raise KernelRefusal(f"{node.coord}: operator {node.op}")
+                raise KernelRefusalError(f"{node.coord}: operator {node.op}")
             value = self._operation(node, node.op[:-1], old, value, _is_float(place.kind))
         self._put(place, value)
         return value
@@ -653,12 +662,12 @@ class _Execution:
         if names == ["void"] or not isinstance(value, Op):
             return value
         if names[-1] not in ("uint32_t", "float"):
-            raise KernelRefusal(f"{node.coord}: a cast to {' '.join(names)}")
+            raise KernelRefusalError(f"{node.coord}: a cast to {' '.join(names)}")
         floating = self._floating(node.expr, scope)
         if floating == (names[-1] == "float"):
             return value
         if floating:
-            raise KernelRefusal(f"{node.coord}: a float becomes an integer")
+            raise KernelRefusalError(f"{node.coord}: a float becomes an integer")
         return self.graph.op("intspu", value)
 
     def _floating(self, node: c_ast.Node, scope: dict[str, Place]) -> bool:
@@ -677,15 +686,17 @@ class _Execution:
                     return False
                 return self._floating(node.left, scope) or self._floating(node.right, scope)
             case c_ast.Cast():
-                return getattr(node.to_type.type.type, "names", [""])[-1] == "float"
+                return bool(getattr(node.to_type.type.type, "names", [""])[-1] == "float")
             case c_ast.TernaryOp():
                 return self._floating(node.iftrue, scope)
             case c_ast.Assignment():
                 return self._floating(node.lvalue, scope)
             case c_ast.FuncCall():
                 declared = self.source.functions.get(node.name.name)
-                return declared is not None and _is_float(self.source.types.of(declared.decl.type.type))
-        raise KernelRefusal(f"{node.coord}: {type(node).__name__} has no type here")
+                return declared is not None and _is_float(
+                    self.source.types.of(self.source.functions[node.name.name].decl.type.type)
+                )
+        raise KernelRefusalError(f"{node.coord}: {type(node).__name__} has no type here")
 
 
 def _not(graph: Graph, truth: Op) -> Op:

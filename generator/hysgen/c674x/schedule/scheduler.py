@@ -1,12 +1,13 @@
 """List scheduling: a cycle, a unit and a register for every instruction of a kernel.
 
-Cycle by cycle, the instructions whose operands are ready are placed by the longest latency that follows them. Units, the
-two cross paths, the two data paths, register read ports and write ports are tracked. A register is taken when an
+Cycle by cycle, the instructions whose operands are ready are placed by the longest latency that follows them. Units,
+the two cross paths, the two data paths, register read ports and write ports are tracked. A register is taken when an
 instruction is issued and returned when the last reader is, so at most one result for it is in flight: an interrupt
 between any two packets, after which all results have arrived, changes nothing. A register that was written in the
 cycle before is not read over a cross path, which would stall.
 
-Only registers that a function may change are used (A0-A9, A16-A31, B0-B2, B4-B9, B16-B31), so there is no stack frame.
+A plan uses the registers that a function may change (A0-A9, A16-A31, B0-B2, B4-B9, B16-B31), or all but B3 and B15 with
+a stack frame (`frame`).
 """
 
 from __future__ import annotations
@@ -14,17 +15,23 @@ from __future__ import annotations
 import heapq
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
-from hysgen.c674x.schedule.selection import Both, Node, Operand, Selected, Value
+from hysgen.c674x.schedule import frame
+from hysgen.c674x.schedule.frame import FrameInstruction, Pair
+from hysgen.c674x.schedule.selection import LOAD_DELAY, Both, Node, Operand, Selected, Value
 from hysgen.errors import TargetError
 
 PREDICATES: Final = ((0, 1, 2), (0, 1, 2))
 GENERAL: Final = ((*range(3, 10), *range(16, 32)), (*range(4, 10), *range(16, 32)))
+PRESERVED: Final = (tuple(range(10, 16)), tuple(range(10, 15)))
 BRANCH_SLOTS: Final = 5
 _PACKET: Final = 8
 _READS: Final = 4
+_GOOD_ENOUGH: Final = 1.02
+"""Cycles, as a multiple of those without limits on registers, at which no further plan is tried."""
+
 _URGENT: Final = 8
 """Oldest instructions, in the order of the C text, for which registers are reserved."""
 
@@ -62,6 +69,7 @@ class Schedule:
     placements: Sequence[Placement]
     branch: int
     cycles: int
+    frame: Sequence[FrameInstruction] = ()
 
 
 @dataclass(frozen=True)
@@ -76,10 +84,24 @@ class Plan:
     lead: int
     reserve: int
     slope: float
+    stretch: float = 0.0
+    saved: bool = False
 
+
+_SETTINGS: Final = (
+    (1 << 20, 2, 0.0, 0.0),
+    (1 << 20, 8, 0.0, 1.0),
+    (1 << 20, 2, 0.1, 1.0),
+    (1 << 20, 8, 2.0, 1.0),
+    (200, 2, 0.5, 1.0),
+    (80, 8, 0.1, 1.0),
+)
+"""Window, lead, slope and stretch of the plans that were best for some function of the shipped models."""
 
 PLANS: Final = tuple(
-    Plan(window, lead, 2, slope) for slope, lead in ((0.0, 6), (0.1, 14), (1.0, 14), (5.0, 14)) for window in (1 << 20, 200, 80)
+    Plan(window, lead, 2, slope, stretch, saved)
+    for saved in (False, True)
+    for window, lead, slope, stretch in _SETTINGS
 )
 
 
@@ -87,6 +109,7 @@ def schedule(selected: Selected, plans: Iterable[Plan] = PLANS) -> Schedule:
     """The shortest schedule of several attempts. Raises OutOfRegistersError if none succeeds."""
     best: Schedule | None = None
     issue = unlimited(selected)
+    enough = _GOOD_ENOUGH * max(issue.values())
     for plan in plans:
         try:
             found = _List(selected, plan, issue).run()
@@ -94,6 +117,8 @@ def schedule(selected: Selected, plans: Iterable[Plan] = PLANS) -> Schedule:
             continue
         if best is None or found.cycles < best.cycles:
             best = found
+        if best.cycles <= enough:
+            break
     if best is None:
         raise OutOfRegistersError("no schedule with the registers of the C674x; the function stays in C")
     return best
@@ -148,6 +173,8 @@ class _List:
         nodes = self.selected.nodes
         height = heights(nodes)
         self.consumers: dict[int, list[Node]] = defaultdict(list)
+        end = self.plan.stretch * max(height.values(), default=0)
+        self.due = {id(node): end - height[id(node)] - self.plan.lead for node in nodes}
         waiting: Counter[int] = Counter()
         followers: dict[int, list[tuple[Node, int]]] = defaultdict(list)
         for node in nodes:
@@ -163,12 +190,17 @@ class _List:
         self.free = [{*PREDICATES[s], *GENERAL[s]} for s in (0, 1)]
         tests = any(node.predicate for node in nodes)
         self.general = [GENERAL[s] if tests else (*PREDICATES[s], *GENERAL[s]) for s in (0, 1)]
+        self.frame: list[FrameInstruction] = []
+        if self.plan.saved:
+            self.general = [(*self.general[s], *PRESERVED[s]) for s in (0, 1)]
+            self._open()
         by_order = sorted(nodes, key=lambda node: node.order)
         position = {id(node): k for k, node in enumerate(by_order)}
         ready_at: dict[int, int] = {id(node): self._release(node) for node in nodes}
         pending: list[tuple[int, int, Node]] = []  # ready cycle, position, instruction
         for parameter in self.selected.parameters:
-            assert parameter.side is not None and parameter.register is not None
+            assert parameter.side is not None
+            assert parameter.register is not None
             self.placed[id(parameter)] = Placement(
                 parameter, -9, "", parameter.side, parameter.side, parameter.register, (), False, None
             )
@@ -184,6 +216,8 @@ class _List:
         slope = self.plan.slope
         ready: list[Node] = []
         while left:
+            if self.plan.saved:
+                self._saved(cycle)
             while pending and pending[0][0] <= cycle:
                 ready.append(heapq.heappop(pending)[2])
             while oldest < len(by_order) and id(by_order[oldest]) in self.placed:
@@ -191,7 +225,7 @@ class _List:
             limit = oldest + self.plan.window
             self.urgent = {id(node) for node in by_order[oldest : oldest + _URGENT]}
             ready.sort(key=lambda node: (slope * position[id(node)] - height[id(node)], position[id(node)]))
-            kept, issued = [], 0
+            kept, issued = [], sum(each.cycle == cycle for each in self.frame)
             for k, node in enumerate(ready):
                 if issued >= _PACKET:
                     kept += ready[k:]
@@ -210,15 +244,36 @@ class _List:
                     if not waiting[id(follower)]:
                         heapq.heappush(pending, (ready_at[id(follower)], position[id(follower)], follower))
             ready = kept
-            idle = 0 if issued else idle + 1
+            idle = 0 if issued or cycle < 4 else idle + 1
             if idle > _PATIENCE and not (pending and pending[0][0] > cycle):
                 raise OutOfRegistersError("out of registers")
             cycle += 1
         return self._finished()
 
+    def _open(self) -> None:
+        """Take the units and registers that open the stack frame."""
+        self.frame = frame.entry()
+        for each in self.frame:
+            self.units[each.cycle].add(each.unit)
+            if each.path is None:
+                self.ports.add((each.unit, each.cycle))
+            else:
+                self.paths.add((each.cycle, each.path))
+        self.crossing[0, 0], self.crossed[0, 0] = (1, 15), 2
+        side, register = frame.POINTER
+        self.free[side].discard(register)
+
+    def _saved(self, cycle: int) -> None:
+        """Return the registers that the stores of this cycle have saved."""
+        for pair in frame.PAIRS:
+            if pair.cycle == cycle:
+                self.free[pair.side] |= set(pair.registers)
+        if cycle == max(pair.cycle for pair in frame.PAIRS):
+            self.free[frame.POINTER[0]].add(frame.POINTER[1])
+
     def _release(self, node: Node) -> int:
         """Earliest cycle of a load or constant: a few cycles before its first use in an attempt without limits."""
-        if self.issue is None or not node.source:
+        if self.issue is None or not node.source or self.plan.stretch:
             return 0
         return max(0, self._needed(node) - node.delay - 1 - self.plan.lead)
 
@@ -310,9 +365,14 @@ class _List:
                 return None
             (k,) = crossing
             source = self._source(operands[k], side)
-            register = own[k]
-            assert source is not None and not isinstance(register, int)
-            if node.mnemonic == "clr" or not self._crossable(source, cycle) or not self._cross_free(cycle, side, register):
+            carried = own[k]
+            assert source is not None
+            assert not isinstance(carried, int)
+            if (
+                node.mnemonic == "clr"
+                or not self._crossable(source, cycle)
+                or not self._cross_free(cycle, side, carried)
+            ):
                 return None
             if k == 0 and len(operands) > 1 and not isinstance(own[1], int):
                 if node.mnemonic == "sub" or node.mnemonic == "subsp":
@@ -327,7 +387,7 @@ class _List:
             return None
         mnemonic = node.mnemonic
         swapped = operands != node.operands
-        register = self._register(node, side, operands)
+        register = self._register(node, cycle, side, operands)
         if register is None:
             return None
         placement = Placement(node, cycle, unit, side, side, register, tuple(own), bool(crossing), None)
@@ -343,10 +403,11 @@ class _List:
         data = self.placed[id(value)].data_side if value is not None else preferred
         if (cycle, data) in self.paths:
             return None
-        guard = None
+        guard: tuple[int, int] | None = None
         if node.guard is not None:
-            guard = self._operand(node.guard, 0)
-            assert not isinstance(guard, int)
+            tested = self._operand(node.guard, 0)
+            assert not isinstance(tested, int)
+            guard = tested
         for side in (data, 1 - data):
             base = node.operands[0]
             own = self._operand(base, side)
@@ -360,7 +421,7 @@ class _List:
                 operands.append(self._operand(value, data))
             if not self._readable(cycle, operands):
                 continue
-            register = self._register(node, data, []) if not store else None
+            register = self._register(node, cycle, data, []) if not store else None
             if register is None and not store:
                 return None
             self.paths.add((cycle, data))
@@ -401,7 +462,8 @@ class _List:
             cross = not isinstance(operand, int) and operand[0] != side
             if cross:
                 source = sources[k]
-                assert source is not None and not isinstance(operand, int)
+                assert source is not None
+                assert not isinstance(operand, int)
                 if not self._crossable(source, cycle) or not self._cross_free(cycle, side, operand):
                     return None
                 if crossing is not None and (crossing != operand or self.crossed[cycle, side]):
@@ -415,7 +477,7 @@ class _List:
         if not self._readable(cycle, [own[k] for k in moving]):
             return None
         if target is None:
-            target = self._register(node, side, [])
+            target = self._register(node, cycle, side, [])
             if target is None:
                 return None
         else:
@@ -428,7 +490,7 @@ class _List:
         """Whether the result must be testable and the register is not."""
         return node.predicate and register not in PREDICATES[0]
 
-    def _register(self, node: Node, side: int, operands: Sequence[Operand]) -> int | None:
+    def _register(self, node: Node, cycle: int, side: int, operands: Sequence[Operand]) -> int | None:
         """Take a register for the result; None if there is none."""
         if node.in_place:
             source = self._source(operands[0], side)
@@ -444,6 +506,8 @@ class _List:
                     dying.add(placement.register)
         if node.register is not None:
             return node.register if node.register in free | dying else None
+        if self.plan.stretch and not dying and cycle < self.due[id(node)] and id(node) not in self.urgent:
+            return None
         if node.predicate:
             choice = [r for r in PREDICATES[side] if r in free | dying]
         else:
@@ -452,7 +516,7 @@ class _List:
             reserve = 1 if node.predicate else self.plan.reserve
             if id(node) in self.urgent or dying:
                 reserve = 0
-            return min(choice) if len(choice) > reserve else None
+            return choice[0] if len(choice) > reserve else None
         if self.unlimited:
             self.extra += 1
             return self.extra
@@ -478,9 +542,9 @@ class _List:
             self.uses[id(source)] -= 1
             if not self.uses[id(source)]:
                 self._return(source)
-        for operand in node.operands:
-            if isinstance(operand, Both) and not node.memory:
-                other = operand.sides[1 - side]
+        for each in node.operands:
+            if isinstance(each, Both) and not node.memory:
+                other = each.sides[1 - side]
                 self.uses[id(other)] -= 1
                 if not self.uses[id(other)]:
                     self._return(other)
@@ -521,11 +585,51 @@ class _List:
         counts = Counter[int]()
         for each in self.result:
             counts[each.cycle] += max(1, len(each.moves))
+        for entry in self.frame:
+            counts[entry.cycle] += 1
+        if self.plan.saved:
+            landed = max(landed, self._restore(counts))
         branch = max(0, last - BRANCH_SLOTS, landed - BRANCH_SLOTS - 1)
         while "S2" in self.units[branch] or counts[branch] >= _PACKET:
             branch += 1
         placements = sorted(self.result, key=lambda each: each.cycle)
-        return Schedule(placements, branch, branch + BRANCH_SLOTS + 1)
+        return Schedule(placements, branch, branch + BRANCH_SLOTS + 1, self.frame)
+
+    def _restore(self, counts: Counter[int]) -> int:
+        """Restore each pair behind the last instruction that reads or writes it; the cycle in which all is there."""
+        quiet: dict[tuple[int, int], int] = {}
+        for each in self.result:
+            touched = [(each.cycle, operand) for operand in each.operands]
+            touched += [(each.cycle, operand) for _, _, operand, _ in each.moves]
+            if each.register is not None:
+                touched.append((each.cycle + each.node.delay + 1, (each.data_side, each.register)))
+            for cycle, register in touched:
+                if not isinstance(register, int):
+                    quiet[register] = max(quiet.get(register, 0), cycle)
+
+        def free_from(pair: Pair) -> int:
+            return max(frame.PAIRS[-1].cycle + 1, *(quiet.get((pair.side, each), 0) for each in pair.registers))
+
+        def place(entry: FrameInstruction) -> FrameInstruction:
+            while (
+                entry.unit in self.units[entry.cycle]
+                or (entry.cycle, entry.path) in self.paths
+                or (entry.path is None and (entry.unit, entry.cycle) in self.ports)
+                or counts[entry.cycle] >= _PACKET
+            ):
+                entry = replace(entry, cycle=entry.cycle + 1)
+            self.units[entry.cycle].add(entry.unit)
+            if entry.path is not None:
+                self.paths.add((entry.cycle, entry.path))
+            counts[entry.cycle] += 1
+            self.frame.append(entry)
+            return entry
+
+        loads = [place(frame.restored(pair, free_from(pair))) for pair in sorted(frame.PAIRS, key=free_from)]
+        end = max(entry.cycle for entry in loads)
+        closing = place(frame.closed(end))
+        self.ports.add((closing.unit, closing.cycle))
+        return max(end + LOAD_DELAY + 1, closing.cycle + 1)
 
 
 _MIRRORED: Final = {"cmpgtsp": "cmpltsp", "cmpltsp": "cmpgtsp", "cmpgtu": "cmpltu", "cmpltu": "cmpgtu"}

@@ -260,7 +260,9 @@ class _Selection:
             first = args[0].number
         else:
             first = self._value(args[0])
-        return self._add(Node(kind, [first, *(self._value(arg) for arg in args[1:])], units, delay, self.order, side=side))
+        return self._add(
+            Node(kind, [first, *(self._value(arg) for arg in args[1:])], units, delay, self.order, side=side)
+        )
 
     def _address(self, op: Op, offset: int) -> tuple[Value, int]:
         """A value near the address and the remaining offset in bytes."""

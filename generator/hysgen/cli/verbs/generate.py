@@ -10,6 +10,8 @@ from pathlib import Path
 from hysgen.c674x.cost import Cost, cost
 from hysgen.c674x.cost.budget_file import FigureChange, changes, read, update
 from hysgen.c674x.footprint import footprint
+from hysgen.c674x.schedule.folder import kernels, with_kernels
+from hysgen.c674x.schedule.limits import kernel_costs, kernel_table
 from hysgen.c674x.toolchain import version
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
@@ -41,6 +43,11 @@ def generate_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     add_code_options(parser)
+    parser.add_argument(
+        "--kernels",
+        choices=("c674x",),
+        help="also write NAME_c674x.s: the functions scheduled for this processor, equal to the C in every bit",
+    )
     parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
     add_learner_options(parser)
 
@@ -86,6 +93,11 @@ def code_options(arguments: argparse.Namespace) -> Options:
 def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
     texts = generate(model, code_options(arguments))
+    if arguments.kernels:
+        found = kernels(model.name, texts)
+        texts = with_kernels(model.name, texts, found)
+        for function, reason in found.refused.items():
+            console.warn(f"{function} stays in C: {reason}")
     folder = Path(arguments.output)
     if arguments.check:
         return check(texts, folder, console)
@@ -136,6 +148,10 @@ def run_cost(arguments: argparse.Namespace, console: Console) -> int:
     if taken:
         console.say(footprint_text(taken))
     answer = price.to_json() | ({"target": taken} if taken else {})
+    scheduled = kernel_costs(generated.model.name, generated.texts) if arguments.target else []
+    if scheduled:
+        console.say(kernel_table(scheduled))
+        answer["kernels"] = [each.to_json() for each in scheduled]
     different: list[FigureChange] = []
     if arguments.update_budget:
         update(Path(arguments.budget), generated.model.name, taken, version())
@@ -171,7 +187,11 @@ VERBS = {
         generate_arguments,
         run_generate,
         {"output": Output("-o", folder=True)},
-        ("hysgen generate stage.json -o firmware/stage", "hysgen generate stage.json -o c --learn rules"),
+        (
+            "hysgen generate stage.json -o firmware/stage",
+            "hysgen generate stage.json -o c --learn rules",
+            "hysgen generate stage.json -o c --kernels c674x",
+        ),
     ),
     "cost": Verb(COST_HELP, cost_arguments, run_cost, examples=("hysgen cost c", "hysgen cost c --target c674x")),
 }

@@ -1,0 +1,145 @@
+"""Scheduled kernels: the bits of the C and of the mirror, at every interrupt; an inspection that finds every fault."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fixtures.c674x_compiler import need_compiler
+from fixtures.c674x_kernels import FAULTS, FRAMED, assembled, framed_kernel, scheduled_model, scheduled_texts
+from fixtures.proof_models import model, texts
+from hysgen.c674x import interpreter
+from hysgen.c674x.cycles import bounds
+from hysgen.c674x.equality import verify_on_target
+from hysgen.c674x.interpreter import PipelineState
+from hysgen.c674x.schedule.checker import function_packets, inspect
+from hysgen.c674x.schedule.dataflow import Memory, evaluate
+from hysgen.c674x.schedule.folder import kernels
+from hysgen.c674x.schedule.from_c import KernelRefusalError, Source, kernel
+from hysgen.checking.host import Host
+from hysgen.errors import BuildError
+from hysgen.float32.reference.instance import Instance
+
+ENDLESS = """
+float appendix_a_sum(float x)
+{
+    float s = 0.0f;
+    for (uint32_t i = 0u; s < x; ++i) {
+        s = s + 1.0f;
+    }
+    return s;
+}
+"""
+DOCS = Path(__file__).parents[2] / "docs" / "scheduled.md"
+
+
+@pytest.mark.parametrize("name", ["appendix_a", "small_diagnosed"])
+def test_the_dataflow_has_the_bits_of_the_mirror_and_of_the_c(name: str) -> None:
+    generated, chosen = texts(name), model(name)
+    host, mirror = Host(name, generated), Instance(chosen, 2.0, 10.0)
+    instance = host.instance(2.0, 10.0)
+    words = host.words_of(instance)
+    dataflow = kernel(Source(name, generated), f"{name}_predict")
+    memory = Memory({4 * k: int(word) for k, word in enumerate(words)})
+    random = np.random.default_rng(3)
+    for y, u in zip(random.uniform(0.5, 4.0, 200), random.uniform(-30.0, 130.0, 200), strict=True):
+        arguments = np.array([y, u], np.float32)
+        found = evaluate(dataflow, [0, *map(int, arguments.view(np.uint32))], memory)
+        assert found == np.float32(mirror.predict(*arguments)).view(np.uint32)
+        assert found == np.float32(host.call("predict", instance, *arguments)).view(np.uint32)
+        assert [memory.words[4 * k] for k in range(words.size)] == [int(word) for word in words]
+
+
+def test_what_depends_on_data_is_refused() -> None:
+    source = dict(texts("appendix_a"))
+    source["appendix_a.c"] += ENDLESS
+    with pytest.raises(KernelRefusalError, match="length of a loop depends on data"):
+        kernel(Source("appendix_a", source), "appendix_a_sum")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["appendix_a", "small_learning"])
+def test_kernels_have_the_hosts_bits_on_the_target(name: str) -> None:
+    need_compiler()
+    report = verify_on_target(scheduled_model(name), scheduled_texts(name), 200)
+    assert report.equal, report.notes()
+
+
+def test_the_limits_of_the_issue_are_kept() -> None:
+    """Six rules: predict at most 140 cycles, inverse 160; scheduled in at most 10 s of processor time."""
+    started = time.process_time()
+    found = kernels("appendix_a", texts("appendix_a"))
+    assert time.process_time() - started < 10.0
+    assert not found.refused
+    cycles = {function.removeprefix("appendix_a_"): each.cycles for function, each in found.schedules.items()}
+    assert cycles["predict"] <= 140, cycles
+    assert cycles["inverse"] <= 160, cycles
+
+
+def test_an_interrupt_between_any_two_packets_changes_nothing() -> None:
+    """An interrupt lets every result in flight arrive; a register that waits for one may not be read or written."""
+    program = assembled(framed_kernel())
+    host = Host("appendix_a", texts("appendix_a"))
+    start = host.words_of(host.instance(2.0, 10.0)).copy()
+    arguments = np.array([2.3, 41.0], np.float32)
+
+    def outcome(interrupted: set[int]) -> tuple[int, bytes]:
+        machine = program.machine(interpreted=True)
+        place = machine.allocate(start.size)
+        machine.write(place, start)
+        count = 0
+
+        def issue(packet: object, state: PipelineState) -> None:
+            nonlocal count
+            if count in interrupted:
+                for cycle in sorted(state.writes):
+                    for write in state.writes[cycle]:
+                        state.processor.registers[write.register.index] = write.value
+                state.writes.clear()
+            count += 1
+            original(packet, state)
+
+        original = interpreter.issue
+        interpreter.issue = issue  # type: ignore[assignment]
+        try:
+            bits = machine.call(FRAMED, place, *arguments).bits
+        finally:
+            interpreter.issue = original
+        packets.append(count)
+        return bits, machine.read(place, start.size, np.uint32).tobytes()
+
+    packets: list[int] = []
+    undisturbed = outcome(set())
+    for packet in range(packets[0]):
+        assert outcome({packet}) == undisturbed, packet
+    assert outcome(set(range(packets[0]))) == undisturbed
+
+
+def test_the_inspection_finds_no_fault_in_a_kernel() -> None:
+    program = assembled(framed_kernel())
+    assert inspect(function_packets(program.image, program.packets, FRAMED), 3) == []
+    cycles = bounds(program.image, program.packets, FRAMED)
+    assert cycles.constant
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_the_inspection_finds_the_planted_fault(fault: str) -> None:
+    rule, change = FAULTS[fault]
+    changed = change(framed_kernel())
+    assert changed != framed_kernel()
+    if rule == "assembler":
+        with pytest.raises(BuildError, match="already used in this execute packet"):
+            assembled(changed)
+        return
+    program = assembled(changed)
+    found = inspect(function_packets(program.image, program.packets, FRAMED), 3)
+    assert rule in {each.rule for each in found}, [str(each) for each in found]
+
+
+def test_the_table_of_planted_faults_stands_in_the_docs() -> None:
+    rows = re.findall(r"^\| (.+?) \| `(.+?)` \|$", DOCS.read_text(encoding="utf-8"), re.MULTILINE)
+    assert [(fault, rule) for fault, rule in rows] == [(fault, rule) for fault, (rule, _) in FAULTS.items()]
