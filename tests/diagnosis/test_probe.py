@@ -82,7 +82,7 @@ def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
     bare = respond(step, Chain(1e-9), TS_S)
     crept = respond(step, chain, TS_S) - bare
     # The record's step comes at its second sample and answers one later: two samples behind one before the record.
-    np.testing.assert_allclose(crept[2:], 0.1 * crept_step(598, TS_S, 5 * TS_S), atol=1e-4)
+    np.testing.assert_allclose(crept[2:], 0.1 * crept_step(TS_S * np.arange(598), 598 * TS_S, 5 * TS_S), atol=1e-4)
     assert crept[-1] > 0.1
 
 

@@ -96,7 +96,7 @@ def test_slew_requires_a_known_rate_and_at_least_ten_delayed_samples(
 
 def test_creep_of_a_move_before_the_record_does_not_change_the_estimate() -> None:
     """Creep of an unknown move by half the range before the first sample."""
-    before_um = -0.02 * 5.0 * crept_step(SAMPLES, TS_S, 0.05)
+    before_um = -0.02 * 5.0 * crept_step(T_S, SAMPLES * TS_S, 0.05)
     result = evidence("creep", scene(CREEP, before_um), CREEP).parameters["per_decade"]
     assert result.value == pytest.approx(0.02, rel=0.02)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.causes import Residual
 from hysgen.diagnosis.error_map import turning_points
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.search import SearchResult
 from hysgen.record.noise import NoiseFloor
 from hysgen.record.series import MEDIAN_TO_DEVIATION, plateaus
 
@@ -31,7 +31,7 @@ JUMP = 8.0
 """Size of a jump in robust standard deviations of the residual's steps."""
 
 
-def unexplained_structure(prepared: Prepared, result: SearchResult, noise: NoiseFloor) -> str | None:
+def unexplained_structure(prepared: Prepared, result: Residual, noise: NoiseFloor) -> str | None:
     """The structure in the residual of the probe's fit, in words; None if the residual is noise or negligible."""
     rows = result.scene.rows
     residual = result.fit.error[rows]

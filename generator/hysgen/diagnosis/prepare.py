@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.excerpt import excerpt
 from hysgen.diagnosis.outlier_detection import EDGE
 from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
@@ -86,13 +87,14 @@ class Use(IntEnum):
 class Prepared:
     """A record, or several joined, with the use of each row; the rows before `cut` are the identification part.
 
-    use: (n,) one `Use` per row, all segments in order. checked: cache of cross-validation
-    errors by terms and settings; paths: cache of the columns of paths by extensions.
+    use: (n,) one `Use` per row, all segments in order. lag: time constant in samples, of a quasi-static fit.
+    checked: cache of cross-validation errors by terms and settings; paths: cache of the columns of paths by extensions.
     """
 
     record: Record
     cut: int
     use: NDArray[np.int8]
+    lag: float
     checked: LruCache[tuple[Rows, Floats]] = field(default_factory=lambda: LruCache(MOST_CHECKED))
     paths: LruCache[PathColumns] = field(default_factory=lambda: LruCache(MOST_PATHS))
 
@@ -147,6 +149,10 @@ class Prepared:
     def predicted_range_um(self) -> tuple[float, float]:
         """Range of the displacement over the whole command, predicted from the training rows."""
         return predicted_range_um(self.record, self.training_rows)
+
+    def excerpt(self) -> Scene:
+        """The scene, or the blocks of its rows to which the search looks (`excerpt`)."""
+        return excerpt(self.scene(), self.lag)
 
     def scene(self) -> Scene:
         """The identification part, as the probe is fitted to it."""
@@ -247,7 +253,7 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
     # A record may be accepted with its sensor at the end of its range; these samples are no displacement of the stage.
     runs = [Channels.of_arrays(one.name, one.u_V, one.y_um, {}) for one in joined.segments]
     use[np.concatenate(at_end(runs))] = Use.LOST
-    return Prepared(joined, cut, use)
+    return Prepared(joined, cut, use, lag)
 
 
 def _continues(record: Record, holdout: Record) -> bool:

@@ -21,7 +21,7 @@ from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.pruning import Pruned, prune
-from hysgen.diagnosis.search import SearchResult, search, without
+from hysgen.diagnosis.search import SearchResult, over_all_rows, search, without
 from hysgen.fitting import FitSettings
 from hysgen.machine.checkpoint import forget, resumed
 from hysgen.machine.threads import in_threads, one_blas_thread
@@ -66,12 +66,14 @@ class DiagnoseSettings:
 class Naming:
     """The named causes, before the models of the ladder are fitted.
 
+    whole: residual of the probe over all rows of the identification part.
     agreed: named causes in ladder order: evidence, need and gain hold. alone: gain of each extension beside all others.
     refused: the other causes of the chain, with the reason. unknown: description of structure that is left, or None.
     """
 
     prepared: Prepared
     found: SearchResult
+    whole: Residual
     signatures: dict[str, Signature]
     extensions: dict[str, Extension]
     agreed: list[str]
@@ -149,26 +151,28 @@ def name_causes(
     report(0.05, "fitting the probe")
 
     def searched() -> SearchResult:
-        return search(prepared.scene(), lambda line: report(0.3, line))
+        return search(prepared.excerpt(), lambda line: report(0.3, line))
 
     found = resumed(_inputs(prepared), SOURCES, searched) if chosen.resume else searched()
     report(0.7, "weighing the evidence")
-    signatures = _signatures(found)
+    whole = over_all_rows(found, prepared.scene())
+    signatures = _signatures(found, whole)
     weak = [name for name, signature in signatures.items() if not signature.holds]
-    extensions = _extensions(found, signatures, weak)
-    agreed, alone, refused = _agreement(prepared, found, signatures, extensions, chosen)
-    extensions = _extensions(found, signatures, [name for name in signatures if name not in agreed])
-    noise = residual_noise_floor(prepared.identification(), _usable_error(found), found.fit.chain.lag_s)
+    extensions = _extensions(found, whole, signatures, weak)
+    agreed, alone, refused = _agreement(prepared, found, whole, signatures, extensions, chosen)
+    extensions = _extensions(found, whole, signatures, [name for name in signatures if name not in agreed])
+    noise = residual_noise_floor(prepared.identification(), _usable_error(whole), found.fit.chain.lag_s)
     return Naming(
         prepared,
         found,
+        whole,
         signatures,
         extensions,
         agreed,
         alone,
         refused,
         noise,
-        unexplained_structure(prepared, found, noise),
+        unexplained_structure(prepared, whole, noise),
         next_experiment(prepared),
     )
 
@@ -178,24 +182,27 @@ def _inputs(prepared: Prepared) -> tuple[str, ...]:
     return ("search", prepared.record.digest, str(prepared.cut))
 
 
-def _usable_error(found: SearchResult) -> Floats:
+def _usable_error(whole: Residual) -> Floats:
     """(n,) residual of the probe, NaN in the burn-in and at samples that are not used."""
-    left = np.full_like(found.fit.error, np.nan)
-    left[found.scene.rows] = found.fit.error[found.scene.rows]
+    left = np.full_like(whole.fit.error, np.nan)
+    left[whole.scene.rows] = whole.fit.error[whole.scene.rows]
     return left
 
 
-def _signatures(found: SearchResult) -> dict[str, Signature]:
+def _signatures(found: SearchResult, whole: Residual) -> dict[str, Signature]:
     """The signature of each cause in the final fit (`Cause.shown`)."""
-    residual = Residual(found.scene, found.fit, found.corrupted)
+    searched = Residual(found.scene, found.fit, found.corrupted)
+    residuals = {name: whole if cause.on_all_rows else searched for name, cause in causes().items()}
     return {
-        name: cause.signature(residual, found.rivals.get(name, found.fit))
+        name: cause.signature(residuals[name], found.rivals.get(name, found.fit))
         for name, cause in causes().items()
-        if cause.shown(residual)
+        if cause.shown(residuals[name])
     }
 
 
-def _extensions(found: SearchResult, signatures: dict[str, Signature], left: Sequence[str]) -> dict[str, Extension]:
+def _extensions(
+    found: SearchResult, whole: Residual, signatures: dict[str, Signature], left: Sequence[str]
+) -> dict[str, Extension]:
     """The extension of each cause. left: causes that are not named.
 
     Slow causes share one slow movement, so the parameters of the named slow causes are fitted in a chain without the
@@ -204,12 +211,16 @@ def _extensions(found: SearchResult, signatures: dict[str, Signature], left: Seq
     left = [name for name in slow_causes() if name in left]
     alone = without(found, left)
     fits = {name: found.fit if name in left else alone for name in signatures}
-    return {name: causes()[name].extension(Residual(found.scene, fit, found.corrupted)) for name, fit in fits.items()}
+    return {
+        name: causes()[name].extension(whole if causes()[name].on_all_rows else Residual(found.scene, fit))
+        for name, fit in fits.items()
+    }
 
 
 def _agreement(
     prepared: Prepared,
     found: SearchResult,
+    whole: Residual,
     signatures: dict[str, Signature],
     extensions: dict[str, Extension],
     settings: DiagnoseSettings,
@@ -229,7 +240,7 @@ def _agreement(
             candidates.append(name)
     # Whether a cause is named does not depend on the wish for certificates of the delivered model.
     simulating = dataclasses.replace(settings.fit, certified=True)
-    agreed, alone, without_gain = _eliminate_by_gain(prepared, found, extensions, candidates, simulating)
+    agreed, alone, without_gain = _eliminate_by_gain(prepared, whole, extensions, candidates, simulating)
     refused += [
         Refused(name, "its extension does not lower the model's free-run error for certain") for name in without_gain
     ]
@@ -249,7 +260,7 @@ def _needed(found: SearchResult, name: str) -> bool:
 
 def _eliminate_by_gain(
     prepared: Prepared,
-    found: SearchResult,
+    whole: Residual,
     extensions: dict[str, Extension],
     names: Sequence[str],
     settings: FitSettings,
@@ -263,7 +274,7 @@ def _eliminate_by_gain(
     kept = list(names)
     left: list[str] = []
     while True:
-        alone = _gains_beside_others(prepared, found, extensions, kept, settings)
+        alone = _gains_beside_others(prepared, whole, extensions, kept, settings)
         worst = min(alone, key=lambda name: (alone[name].confidence, alone[name].before_um), default=None)
         if worst is None or alone[worst].confidence >= sure:
             return kept, alone, left
@@ -273,7 +284,7 @@ def _eliminate_by_gain(
 
 def _gains_beside_others(
     prepared: Prepared,
-    found: SearchResult,
+    whole: Residual,
     extensions: dict[str, Extension],
     names: list[str],
     settings: FitSettings,
@@ -288,7 +299,7 @@ def _gains_beside_others(
     sets = [list(names), *([other for other in names if other != name] for name in judged)]
     checked = in_threads(lambda chosen: checked_error(prepared, extensions, chosen, settings), sets)
     rows, whole_um = checked[0]
-    clean = ~found.corrupted[rows] if len(found.corrupted) else np.ones(len(rows), dtype=bool)
+    clean = ~whole.corrupted[rows] if len(whole.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
     for name, (_, without_um) in zip(judged, checked[1:], strict=True):
         sure = combined_confidence(without_um[clean], whole_um[clean], LEAST_FALL)
@@ -356,7 +367,7 @@ def _scored(naming: Naming, ladder: Pruned, settings: DiagnoseSettings) -> Diagn
         next_experiment=naming.next_experiment,
         errors_um=tuple((" + ".join(rung.causes) or "paper model", rung.error_um) for rung in rungs),
         held_rows=held,
-        probe_rms_um=naming.found.fit.rms_um,
+        probe_rms_um=naming.whole.fit.rms_um,
     )
 
 

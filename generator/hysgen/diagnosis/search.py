@@ -10,6 +10,7 @@ compared on checking rows: blocks of the identification part that are not fitted
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -34,7 +35,7 @@ from hysgen.diagnosis.comparison import (
     refined,
 )
 from hysgen.diagnosis.outlier_detection import outlier_flags
-from hysgen.diagnosis.probe import Chain, Fit, Scene, refine, rms
+from hysgen.diagnosis.probe import Chain, Fit, Scene, linear_fit, refine, rms
 from hysgen.diagnosis.swaps import (
     compare_likelihood,
     likeliest_slow_causes,
@@ -99,6 +100,20 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
     return SearchResult(
         usable, final, rivals, error_growth, corrupted, tuple(compare_likelihood(usable, final, rivals))
     )
+
+
+def over_all_rows(found: SearchResult, whole: Scene) -> Residual:
+    """The residual of the final chain, and the corrupted samples, of a scene with all rows of the record.
+
+    If the search looked at blocks of these rows (`excerpt`), the weights are fitted again to rows of the whole record,
+    because the blocks do not hold all states of the hysteresis.
+    """
+    if whole.samples == found.scene.samples:
+        return Residual(found.scene, found.fit, found.corrupted)
+    usable, corrupted = _without_outliers(whole, linear_fit(thinned(whole), found.fit.chain))
+    fit = linear_fit(thinned(usable), found.fit.chain)
+    # Without the columns of all rows, which a scene keeps.
+    return Residual(usable.bare(), dataclasses.replace(fit, rms_um=rms(fit.error[usable.rows])), corrupted)
 
 
 def _slow_error_growth(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:

@@ -70,9 +70,9 @@ class AgingCause(Cause):
             return []
         scene = residual.scene
         zero_um = scene.zero_um(chain, residual.fit.weights) - float(residual.fit.weights[scene.hysteresis_size(chain)])
-        growing = [scene.Ts_s * np.arange(len(seen)) * (seen - zero_um) for seen in residual.responses(chain)]
+        growing = scene.time_s * (np.concatenate(residual.responses(chain)) - zero_um)
         most = MOST_CHANGE / scene.span_s
-        rate = float(np.clip(residual.amount(np.concatenate(growing)), -most, most))
+        rate = float(np.clip(residual.amount(growing), -most, most))
         rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in STARTING_CHANGES))
         return [chain.having(AgingPart(rate)) for rate in rates]
 

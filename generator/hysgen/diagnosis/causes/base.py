@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene
-from hysgen.diagnosis.probe.dynamics import respond
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +50,7 @@ class Residual:
     def responses(self, chain: Chain) -> list[Floats]:
         """Response of the linear part of `chain` to the fitted hysteresis, (n_i,) for each run."""
         paths = self.scene.paths(self.fit.chain, self.fit.weights)
-        return [respond(path, chain, self.scene.Ts_s) for path in paths]
+        return self.scene.responses(paths, chain)
 
 
 @dataclass(frozen=True)
@@ -110,6 +109,9 @@ class Cause(abc.ABC):
 
     judged_by_gain: ClassVar[bool] = True
     """Whether the extension must lower the error of the model; False if the measured error itself is corrupted."""
+
+    on_all_rows: ClassVar[bool] = False
+    """Whether signature and extension are those of all rows of the record, not of the rows of the search."""
 
     needed: ClassVar[float] = 1.2
     """Least growth of the probe's error above the noise on the checking rows without the cause, as a ratio."""

@@ -55,33 +55,34 @@ class CreepPart(Part):
     from_s: float
 
     def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
-        return SlowStates(self.per_decade, np.exp(-Ts_s / _times_s(self.from_s, _slowest_s(samples, Ts_s))))
+        return SlowStates(self.per_decade, np.exp(-Ts_s / _times_s(self.from_s, _slowest_s(samples * Ts_s))))
 
     @property
     def added(self) -> int:
         return len(PAST_DECAYS) + 1
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
+        t_s = run.time_s(extent.Ts_s)
         fading = [np.exp(-t_s / (share * extent.span_s)) for share in PAST_DECAYS]
-        return [*fading, crept_step(len(t_s), extent.Ts_s, self.from_s)]
+        return [*fading, crept_step(t_s, run.whole * extent.Ts_s, self.from_s)]
 
     def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
         return (self.cause, self.from_s)
 
 
-def crept_step(samples: int, Ts_s: float, from_s: float) -> Floats:
-    """(samples,) logarithmic creep of a unit step at the first sample, per unit of `per_decade`.
+def crept_step(t_s: Floats, span_s: float, from_s: float) -> Floats:
+    """(n,) logarithmic creep of a unit step at time 0, at the times t_s, (n,), per unit of `per_decade`.
+
+    span_s: length of the segment.
 
     sum_i (1 - exp(-t / tau_i)) / 2,    with the tau_i of `CreepPart.slow_states`
     """
-    t_s = Ts_s * np.arange(samples)
-    return np.asarray(sum(-0.5 * np.expm1(-t_s / tau_s) for tau_s in _times_s(from_s, _slowest_s(samples, Ts_s))))
+    return np.asarray(sum(-0.5 * np.expm1(-t_s / tau_s) for tau_s in _times_s(from_s, _slowest_s(span_s))))
 
 
-def _slowest_s(samples: int, Ts_s: float) -> float:
+def _slowest_s(span_s: float) -> float:
     """Largest time constant: ten times the length of the record; slower creep cannot be measured."""
-    return 10.0 * samples * Ts_s
+    return 10.0 * span_s
 
 
 def _times_s(from_s: float, to_s: float) -> Floats:

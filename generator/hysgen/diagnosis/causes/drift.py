@@ -95,8 +95,7 @@ class DriftPart(Part):
         return 1
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
-        return [trend_course(t_s, self.since_s) / trend_course(extent.span_s, self.since_s)]
+        return [trend_course(run.time_s(extent.Ts_s), self.since_s) / trend_course(extent.span_s, self.since_s)]
 
 
 class DriftCause(Cause):
@@ -175,12 +174,11 @@ def _drift(scene: Scene, fit: Fit) -> Trend:
 def _seen(residual: Residual, direction: float) -> float:
     """Ratio of the drift in the samples whose input moves in `direction` to the drift of the whole fit."""
     scene, drift = residual.scene, _drift(residual.scene, residual.fit)
-    time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])
     moving = np.concatenate([np.gradient(run.u_V) for run in scene.runs])
     rows = scene.rows[direction * moving[scene.rows] > 0]
     if len(rows) < 10:
         return 1.0
-    course = drift.at(time_s[rows])
+    course = drift.at(scene.time_s[rows])
     course = course - course.mean()
     error = residual.fit.error[rows] + course
     return float(course @ (error - error.mean()) / (course @ course))

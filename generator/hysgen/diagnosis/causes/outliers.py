@@ -23,6 +23,8 @@ class OutliersCause(Cause):
     rank = 0
     judged_by_gain = False  # on a corrupted sample the error is that of the reading, not that of the model
 
+    on_all_rows = True
+
     def shown(self, residual: Residual) -> bool:
         return bool(residual.corrupted.any())
 

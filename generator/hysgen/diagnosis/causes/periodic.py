@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import rfft
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
@@ -56,7 +56,7 @@ class PeriodicPart(Part):
         return 2 * len(self.lines_Hz)
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        t_s: Floats = extent.Ts_s * np.arange(len(run.u_V), dtype=np.float64)
+        t_s = run.time_s(extent.Ts_s)
         return [wave(2 * np.pi * line_Hz * t_s) for line_Hz in self.lines_Hz for wave in (np.sin, np.cos)]
 
 
@@ -127,7 +127,7 @@ def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
 def _peaks(residual: Residual, count: int) -> list[float]:
     """Frequencies in Hz of the `count` lines that explain most of the residual power and exceed LEAST_PEAK."""
     scene = residual.scene
-    longest = max(len(run.u_V) for run in scene.runs)
+    longest = max(run.whole for run in scene.runs)
     power = _explained(residual, 2 * longest)
     ratio = power / (_local_median(power) + 1e-300)
     power[: 2 * int(FEWEST_PERIODS)] = 0.0
@@ -151,13 +151,11 @@ def _explained(residual: Residual, length: int) -> Floats:
     and e . w, with w = c - i s and q an orthonormal basis of the columns.
     """
     scene, rows = residual.scene, residual.scene.rows
-    edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+    # The sample of each fitted row in its segment; the transforms of segments are added.
+    sample = np.round(scene.time_s[rows] / scene.Ts_s).astype(np.intp)
 
     def transformed(signal: Floats) -> NDArray[np.complex128]:
-        whole = np.zeros(edges[-1])
-        whole[rows] = signal
-        parts = [np.fft.rfft(whole[a:b], length) for a, b in itertools.pairwise(edges)]
-        return np.asarray(np.sum(parts, axis=0))
+        return np.asarray(rfft(np.bincount(sample, signal, length)))
 
     error = transformed(residual.fit.error[rows])
     cc = ss = np.full(error.size, 0.5 * len(rows))
@@ -183,7 +181,7 @@ def _local_median(power: Floats) -> Floats:
 def _line_significance(residual: Residual, line_Hz: float, sine: float, cosine: float) -> tuple[float, bool]:
     """Ratio of the line's power to that of the residual around it, and whether its phase is equal in all quarters."""
     scene, rows = residual.scene, residual.scene.rows
-    time_s = np.concatenate([scene.Ts_s * np.arange(len(run.u_V)) for run in scene.runs])[rows]
+    time_s = scene.time_s[rows]
     wave = np.exp(-2j * np.pi * line_Hz * time_s)
     line = sine * np.sin(2 * np.pi * line_Hz * time_s) + cosine * np.cos(2 * np.pi * line_Hz * time_s)
     error = residual.fit.error[rows]

@@ -42,6 +42,13 @@ class SlewPart(Part):
     def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
         return rate_limited(u_V, self.rate_V_per_s * Ts_s)
 
+    def amplify_held(self, u_V: Floats, held: NDArray[np.int64], Ts_s: float) -> Floats:
+        v_V = u_V.copy()
+        for k in range(1, len(u_V)):
+            most_V = self.rate_V_per_s * Ts_s * float(held[k - 1])
+            v_V[k] = v_V[k - 1] + min(max(u_V[k] - v_V[k - 1], -most_V), most_V)
+        return v_V
+
     def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:
         """A limited amplifier moves for the share |dv| / (rate Ts) of a period; the mean lags by half of this share."""
         moving = np.minimum(np.abs(np.diff(v_V)) / (self.rate_V_per_s * Ts_s), 1.0)

@@ -6,16 +6,18 @@ followed by a linear chain. If the residual is only noise, every needed part of 
 
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.part import Extent, Mode, Part, RunSignals, ShapeParameter, SlowStates
-from hysgen.diagnosis.probe.scene import Scene, Trace
+from hysgen.diagnosis.probe.scene import NO_HISTORY, History, Scene, Trace
 from hysgen.diagnosis.probe.solve import Fit, Projector, linear_fit, refine, rms
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
 from hysgen.diagnosis.probe.whitened import WhitenedScene, schwarz, whitened_fit
 from hysgen.fitting.operator import Operator
 
 __all__ = [
+    "NO_HISTORY",
     "Chain",
     "Extent",
     "Fit",
+    "History",
     "Mode",
     "Operator",
     "Part",

@@ -88,13 +88,21 @@ class SlowStates:
 
 
 class RunSignals(Protocol):
-    """Signals of one run for an added column: the command and the auxiliary channels, (n,) each."""
+    """Signals of one run for an added column: the command and the auxiliary channels, (n,) each.
+
+    whole: samples of the segment; time_s: (n,) time since its start.
+    """
 
     @property
     def u_V(self) -> Floats: ...
 
     @property
     def aux(self) -> Mapping[str, Floats]: ...
+
+    @property
+    def whole(self) -> int: ...
+
+    def time_s(self, Ts_s: float) -> Floats: ...
 
 
 class Part:
@@ -133,6 +141,10 @@ class Part:
     def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
         """(n,) voltage behind this part of the amplifier for the voltage before it."""
         return u_V
+
+    def amplify_held(self, u_V: Floats, held: NDArray[np.int64], Ts_s: float) -> Floats:
+        """`amplify` for voltages u_V, (k,), that follow each other after held, (k,), samples (`scene.History`)."""
+        return self.amplify(u_V, Ts_s)
 
     def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:
         """(p, n) means over each sampling period of the columns of h, given at the samples of v_V, (n,)."""

@@ -10,26 +10,77 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.chain import Chain
-from hysgen.diagnosis.probe.dynamics import lagged, respond, respond_into
+from hysgen.diagnosis.probe.dynamics import lagged, respond_into
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
+Samples = NDArray[np.int64]
 
 CURVE_ALONE = 7
 """Degree of the curve of a chain without plays."""
 
 
 @dataclass(frozen=True, eq=False)
+class History:
+    """The command of a segment before a run at selected samples: u_V, (k,); held: samples from each to the next.
+
+    ages: (m + 1,) ends of intervals of ages in samples, counted back from the run. stand_for: (m,) the selected sample
+    that stands for each interval. The selected samples contain every extreme that a hysteresis remembers, so the plays
+    are exact.
+    """
+
+    u_V: Floats
+    held: Samples
+    ages: Samples
+    stand_for: Rows
+
+    def __len__(self) -> int:
+        return len(self.u_V)
+
+    @property
+    def samples(self) -> int:
+        """Samples of the segment before the run."""
+        return int(self.held.sum())
+
+    def slow_states(self, h: Floats, keep: Floats) -> Floats:
+        """(m, s) states s(k+1) = keep s(k) + (1 - keep) h(k) at the start of the run, for h, (m, k).
+
+        Before the segment h is constant.
+        """
+        left = np.exp(self.ages[:, None] * np.log(keep))
+        return np.asarray(h[:, self.stand_for] @ (left[:-1] - left[1:]) + h[:, :1] * left[-1])
+
+
+_NONE: Samples = np.zeros(0, dtype=np.int64)
+NO_HISTORY = History(np.zeros(0), _NONE, _NONE, np.zeros(0, dtype=np.intp))
+
+
+@dataclass(frozen=True, eq=False)
 class Trace:
-    """One unbroken run: u_V, y_um (n,), auxiliary channels, initial state of the plays (`Operator.columns`)."""
+    """One unbroken run: u_V, y_um (n,), auxiliary channels, initial state of the plays (`Operator.columns`).
+
+    history: the command of the same segment before the run. segment: samples of this segment; 0 for those of the run.
+    """
 
     u_V: Floats
     y_um: Floats
     aux: Mapping[str, Floats]
     start: float = 0.0
+    history: History = NO_HISTORY
+    segment: int = 0
+
+    @property
+    def whole(self) -> int:
+        """Samples of the segment."""
+        return self.segment or len(self.u_V)
+
+    def time_s(self, Ts_s: float) -> Floats:
+        """(n,) time since the start of the segment."""
+        first = self.history.samples
+        return np.asarray(Ts_s * np.arange(first, first + len(self.u_V), dtype=np.float64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +123,13 @@ class Scene:
 
     @property
     def span_s(self) -> float:
-        """Length of the longest run in s."""
-        return max(len(run.u_V) for run in self.runs) * self.Ts_s
+        """Length of the longest segment in s."""
+        return max(run.whole for run in self.runs) * self.Ts_s
+
+    @property
+    def time_s(self) -> Floats:
+        """(n,) time since the start of each segment."""
+        return np.concatenate([run.time_s(self.Ts_s) for run in self.runs])
 
     @property
     def extent(self) -> Extent:
@@ -84,15 +140,31 @@ class Scene:
         """The scene with other training rows and the same cache. thinned_from: the rows before thinning."""
         return dataclasses.replace(self, rows=rows, thinned_from=thinned_from)
 
+    def bare(self) -> Scene:
+        """The scene with empty caches."""
+        empty: LruCache[list[Floats]] = LruCache(3)
+        return dataclasses.replace(self, _hysteresis=empty, _added=LruCache(6))
+
     @property
     def dense(self) -> Rows:
         """The rows before thinning: consecutive samples except at the ends of blocks and at unused samples."""
         return self.rows if self.thinned_from is None else self.thinned_from
 
     def _path(self, run: Trace, chain: Chain) -> Floats:
-        """(size, n) columns of h, averaged over each sampling period."""
-        v_V = chain.amplified(run.u_V, self.Ts_s)
-        columns = self._operator(chain).columns(v_V, run.start)
+        """(size, k + n) columns of h: k of the history, then those of the run, averaged over each sampling period."""
+        past, v_V = len(run.history), chain.amplified(run.u_V, self.Ts_s)
+        if not past:
+            columns = self._operator(chain).columns(v_V, run.start)
+            return self._averaged(columns, v_V, chain)
+        before_V = run.history.u_V
+        for part in chain.amplifier:
+            before_V = part.amplify_held(before_V, run.history.held, self.Ts_s)
+        columns = self._operator(chain).columns(np.concatenate([before_V, v_V]), run.start)
+        if chain.amplifier:
+            columns[:, past:] = self._averaged(columns[:, past:].copy(), v_V, chain)
+        return columns
+
+    def _averaged(self, columns: Floats, v_V: Floats, chain: Chain) -> Floats:
         for part in chain.amplifier:
             columns = part.averaged(columns, v_V, self.Ts_s)
         return columns
@@ -107,7 +179,7 @@ class Scene:
         return dataclasses.replace(self.operator, hats=0, reaches=(), curve=CURVE_ALONE)
 
     def hysteresis(self, chain: Chain) -> list[Floats]:
-        """Columns of h for each run, (operator.size, n_i), for the chain's amplifier."""
+        """Columns of h for each run, (operator.size, k_i + n_i) with its history, for the chain's amplifier."""
         return self._hysteresis.get(
             (chain.memory, chain.amplifier), lambda: [self._path(run, chain) for run in self.runs]
         )
@@ -118,22 +190,46 @@ class Scene:
         out = np.empty((size + len(below), self.samples))
         out[size:] = below
         first = 0
-        for h in self.hysteresis(chain):
-            respond_into(out[:size], first, h, chain, self.Ts_s)
-            self._age(out[:size, first : first + h.shape[1]], chain)
-            first += h.shape[1]
+        for run, h in zip(self.runs, self.hysteresis(chain), strict=True):
+            self._respond_into(out[:size], first, run, h, chain)
+            self._age(out[:size, first : first + len(run.u_V)], run, chain)
+            first += len(run.u_V)
         return out
 
+    def _respond_into(self, out: Floats, first: int, run: Trace, h: Floats, chain: Chain) -> None:
+        """Response of the linear part to h, (m, k + n), on the samples of the run: out[:, first : first + n].
+
+        The response of the slow states to their history is added behind the lag, which is much faster.
+        """
+        past, n = len(run.history), len(run.u_V)
+        slow = chain.slow_states(run.whole, self.Ts_s)
+        respond_into(out, first, np.ascontiguousarray(h[:, past:]), chain, self.Ts_s, run.whole)
+        if past and slow.share != 0.0:
+            # `respond_into` starts from rest at h of the first sample and counts the slow states from there.
+            rest = h[:, past : past + 1]
+            fading = np.exp(np.log(slow.keep)[:, None] * np.arange(n))
+            moved = (run.history.slow_states(h[:, :past], slow.keep) - rest) @ fading
+            out[:, first : first + n] += 0.5 * slow.share * (moved + len(slow.keep) * (rest - h[:, :1]))
+
+    def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
+        """Response of the linear part of the chain to `paths` (`Scene.paths`), (n_i,) for each run."""
+        found = []
+        for run, path in zip(self.runs, paths, strict=True):
+            out = np.empty((1, len(run.u_V)))
+            self._respond_into(out, 0, run, path[None], chain)
+            found.append(out[0])
+        return found
+
     def paths(self, chain: Chain, weights: Floats) -> list[Floats]:
-        """h of every run, (n_i,), for the weights of a fit: the input of the linear part."""
+        """h of every run, (k_i + n_i,) with its history, for the weights of a fit: the input of the linear part."""
         return [weights[: len(h)] @ h for h in self.hysteresis(chain)]
 
     def seen(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
         """(n,) the prediction: response of the linear part of the chain to `paths`, and the added columns."""
         size = self.hysteresis_size(chain)
-        parts = [respond(path, chain, self.Ts_s) for path in paths]
-        for part in parts:
-            self._age(part, chain, weights[:size])
+        parts = self.responses(paths, chain)
+        for run, part in zip(self.runs, parts, strict=True):
+            self._age(part, run, chain, weights[:size])
         return np.concatenate(parts) + weights[size:] @ self.added_columns(chain)
 
     def zero_um(self, chain: Chain, weights: Floats) -> float:
@@ -141,13 +237,13 @@ class Scene:
         size = self.hysteresis_size(chain)
         return float(weights[:size] @ self._operator(chain).at(0.0) + weights[size])
 
-    def _age(self, seen: Floats, chain: Chain, weights: Floats | None = None) -> None:
-        """Applies the gain 1 + gain_per_s t about the displacement at 0 V to `seen`, in place; t: time in the run."""
+    def _age(self, seen: Floats, run: Trace, chain: Chain, weights: Floats | None = None) -> None:
+        """Applies the gain 1 + gain_per_s t about the displacement at 0 V to `seen`, in place; t: `Trace.time_s`."""
         if chain.gain_per_s == 0.0:
             return
         rest = self._operator(chain).at(0.0)
         zero = rest[:, None] if weights is None else weights @ rest
-        seen += chain.gain_per_s * self.Ts_s * np.arange(seen.shape[-1]) * (seen - zero)
+        seen += chain.gain_per_s * run.time_s(self.Ts_s) * (seen - zero)
 
     def column_of(self, chain: Chain, kind: type[Part]) -> int:
         """Place of a part's first added column among all columns, and of its weight among the weights of a fit."""

@@ -1,0 +1,185 @@
+"""The rows of a long record to which the search looks: blocks of consecutive samples, and the command before each.
+
+Fast causes (delay, modes, limits) show in consecutive samples, slow ones (creep, drift, aging) in blocks far apart in
+time. Every block begins in the state of the whole record: its history holds the samples of the earlier command that a
+hysteresis still remembers, and samples at ages in geometric progression for creep. Time is counted from the start of
+the segment, so lines keep their phase from block to block.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.probe import NO_HISTORY, History, Scene, Trace
+from hysgen.record.series import turning_rows
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+MOST_SAMPLES = 12_000
+"""Samples of a record above which the search looks at blocks; 8000 of them are fitted (`search.MOST_ROWS`)."""
+
+BLOCKS = 6
+"""Blocks of an excerpt: enough to tell a ramp from a course that slows down."""
+
+FADING_LAGS = 8.0
+"""Time constants of the lag at the start of a block that are not fitted: exp(-8) is 1/3000 of a stroke."""
+
+LEAST_FADING = 0.05
+"""Least share of a block that is not fitted, for modes, which ring longer than the lag."""
+
+LONGEST_FADING = 1 / 3
+"""A block is longer than MOST_SAMPLES / BLOCKS where this share of it is shorter than the fading of the lag."""
+
+LEVELS, RATES = 10, 6
+"""Classes of the command's level and of its rate (factors of 4 below the largest), in which blocks shall differ."""
+
+INTERVALS = 1500
+"""Intervals of ages in a history: 300 in each decade of a record of 1e5 samples. The creep of the past is then known to
+6e-4 of its amount for a full stroke, below the noise of a good sensor."""
+
+RECENT_TURNS, TURNS_WITHIN = 150, 30_000
+"""Latest turning points in a history, for states that forget along the path: a dozen full strokes or more."""
+
+MOST_REMEMBERED = 60
+"""Extremes in a history that a hysteresis remembers; later ones differ by less than the noise of a converter."""
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Samples first to last (exclusive) of a segment; covers: classes of level and rate that its fitted rows have."""
+
+    segment: int
+    first: int
+    last: int
+    covers: frozenset[int]
+
+
+def excerpt(scene: Scene, lag: float) -> Scene:
+    """The scene on blocks of its samples; the scene itself if it has at most MOST_SAMPLES. lag: in samples.
+
+    The first and the last block are those of the first and last fitted rows; each further one has the most classes of
+    level and rate that the blocks before it lack, and of several such blocks it is the farthest from them.
+    """
+    length = max(MOST_SAMPLES // BLOCKS, math.ceil(FADING_LAGS * lag / LONGEST_FADING))
+    if scene.samples <= max(MOST_SAMPLES, BLOCKS * length):
+        return scene
+    fading = max(math.ceil(FADING_LAGS * lag), math.ceil(LEAST_FADING * length))
+    left = _blocks(scene, length, fading)
+    chosen = [left.pop(0), left.pop(-1)]
+    while len(chosen) < BLOCKS and left:
+        covered = frozenset[int]().union(*(block.covers for block in chosen))
+        best = max(left, key=lambda block: (len(block.covers - covered), _distance(block, chosen)))
+        left.remove(best)
+        chosen.append(best)
+    return _scene_of(scene, sorted(chosen, key=lambda block: (block.segment, block.first)), fading)
+
+
+def _blocks(scene: Scene, length: int, fading: int) -> list[_Block]:
+    """All blocks of a scene that can be chosen, in order: those with fitted rows in half of their length or more."""
+    fitted = np.zeros(scene.samples, dtype=bool)
+    fitted[scene.rows] = True
+    largest = max(float(np.abs(np.diff(run.u_V)).max(initial=0.0)) for run in scene.runs) + 1e-300
+    span_V = scene.operator.high_V - scene.operator.low_V
+    found, offset = [], 0
+    for number, run in enumerate(scene.runs):
+        rate_V = np.diff(run.u_V, prepend=run.u_V[0])
+        level = np.clip(LEVELS * (run.u_V - scene.operator.low_V) / span_V, 0, LEVELS - 1).astype(int)
+        speed = np.clip(RATES + 0.5 * np.log2(np.abs(rate_V) / largest + 1e-300), 0, RATES).astype(int)
+        kind = level * (2 * RATES + 1) + RATES + np.sign(rate_V).astype(int) * speed
+        n = len(run.u_V)
+        usable = np.flatnonzero(fitted[offset : offset + n])
+        if len(usable):
+            begin = max(0, int(usable[0]) - fading)
+            starts = np.linspace(begin, max(begin, n - length), max(2, 2 * (n - begin) // length)).astype(int)
+            for first in np.unique(starts).tolist():
+                last = min(n, first + length)
+                rows = first + np.flatnonzero(fitted[offset + first : offset + last])
+                rows = rows[(rows >= first + fading) | (first == 0)]
+                if 2 * len(rows) >= last - first:
+                    found.append(_Block(number, first, last, frozenset(kind[rows].tolist())))
+        offset += n
+    return found
+
+
+def _distance(block: _Block, chosen: list[_Block]) -> float:
+    """Samples from the nearest chosen block of the same segment; more than any record has if there is none."""
+    near = [abs(block.first - other.first) for other in chosen if other.segment == block.segment]
+    return float(min(near, default=10**12))
+
+
+def _scene_of(scene: Scene, blocks: list[_Block], fading: int) -> Scene:
+    """The scene of these blocks; the rows at the start of a block, while the lag fades, are not fitted."""
+    offsets = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+    runs, rows, lost, count = [], [], [], 0
+    for segment, own in itertools.groupby(_joined(blocks), key=lambda block: block.segment):
+        run = scene.runs[segment]
+        for block in own:
+            part = slice(block.first, block.last)
+            aux = {name: values[part] for name, values in run.aux.items()}
+            runs.append(
+                Trace(run.u_V[part], run.y_um[part], aux, run.start, history(run.u_V, block.first), len(run.u_V))
+            )
+            low = offsets[segment] + block.first
+            begin = low if block.first == 0 else low + fading
+            high = offsets[segment] + block.last
+            rows.append(scene.rows[(scene.rows >= begin) & (scene.rows < high)] - low + count)
+            lost.append(scene.lost[(scene.lost >= low) & (scene.lost < high)] - low + count)
+            count += block.last - block.first
+    ranges = {name: scene.range_of(name) for name in scene.runs[0].aux}
+    return Scene(
+        tuple(runs), scene.Ts_s, np.concatenate(rows), scene.operator, ranges, np.concatenate(lost).astype(np.intp)
+    )
+
+
+def _joined(blocks: list[_Block]) -> list[_Block]:
+    """The blocks, those that overlap or touch as one."""
+    result: list[_Block] = []
+    for block in blocks:
+        if result and result[-1].segment == block.segment and result[-1].last >= block.first:
+            result[-1] = _Block(block.segment, result[-1].first, max(result[-1].last, block.last), frozenset())
+        else:
+            result.append(block)
+    return result
+
+
+def history(u_V: Floats, first: int) -> History:
+    """The command before sample `first`.
+
+    The extremes that a hysteresis remembers, the latest turning points, and one sample of each interval of ages in
+    geometric progression, the one nearest to the mean command of its interval.
+    """
+    if first == 0:
+        return NO_HISTORY
+    ages = np.unique(np.concatenate([[0], np.geomspace(1.0, first, INTERVALS).astype(np.int64)]))
+    near = np.array([_nearest_to_mean(u_V, first - old, first - young) for young, old in itertools.pairwise(ages)])
+    begin = max(0, first - TURNS_WITHIN)
+    turns = begin + turning_rows(u_V[begin:first], 0.0)[-RECENT_TURNS:]
+    chosen = np.unique(np.concatenate([[0], remembered(u_V[:first]), turns, near])).astype(np.intp)
+    held = np.diff(chosen, append=first).astype(np.int64)
+    return History(u_V[chosen], held, ages, np.searchsorted(chosen, near))
+
+
+def _nearest_to_mean(u_V: Floats, low: int, high: int) -> int:
+    """The sample in low .. high - 1 whose value is nearest to the mean."""
+    part = u_V[low:high]
+    return low + int(np.argmin(np.abs(part - part.mean())))
+
+
+def remembered(u_V: Floats) -> Rows:
+    """Extremes of a command, (n,), that a play remembers at its end: alternately highest and lowest since the last."""
+    found: list[int] = []
+    n, low = len(u_V), 0
+    while low < n - 1 and len(found) < MOST_REMEMBERED:
+        rest = u_V[low:][::-1]
+        ends = sorted({n - 1 - int(np.argmax(rest)), n - 1 - int(np.argmin(rest))})
+        found += ends
+        low = ends[-1] + 1
+        if len(ends) == 1:
+            break
+    return np.array(found, dtype=np.intp)

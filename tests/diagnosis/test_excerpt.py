@@ -1,0 +1,106 @@
+"""Blocks of a long record stand for the record: same columns of the chain, all levels and rates, bounded length."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.causes.aging import AgingPart
+from hysgen.diagnosis.causes.creep import CreepPart
+from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis.causes.periodic import PeriodicPart
+from hysgen.diagnosis.causes.saturation import SaturationPart
+from hysgen.diagnosis.causes.slew import SlewPart
+from hysgen.diagnosis.excerpt import BLOCKS, MOST_SAMPLES, excerpt, remembered
+from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_fit
+from hysgen.machine.kernels import play_operators
+from hysgen.studies.bank.excitation import good
+
+SAMPLES, TS_S = 60_000, 1e-3
+
+
+def long_scene(u_V: NDArray[np.float64], y_um: NDArray[np.float64] | None = None) -> Scene:
+    run = Trace(u_V, np.zeros(len(u_V)) if y_um is None else y_um, {})
+    return Scene((run,), TS_S, np.arange(900, len(u_V) - 2), Operator(float(u_V.min()), float(u_V.max())))
+
+
+@pytest.fixture(scope="module")
+def whole() -> Scene:
+    return long_scene(good(np.random.default_rng(3), SAMPLES, 0.0, 100.0))
+
+
+@pytest.mark.parametrize(
+    ("parts", "share"),
+    [
+        # The plays and Duhem states of a block start exactly; what is left is the lag's start, e^-8 of a stroke.
+        ((), 4e-4),
+        ((SaturationPart(high_V=90.0),), 4e-4),
+        # Creep of the past is an average over 1500 intervals.
+        ((CreepPart(0.02, 0.05),), 6e-4),
+        ((AgingPart(1e-3), DriftPart(), PeriodicPart((50.3,))), 4e-4),
+        # The limit acts on the compressed past from one selected sample to the next.
+        ((SlewPart(4000.0),), 2e-3),
+    ],
+)
+def test_columns_of_a_block_are_those_of_the_whole_record(whole: Scene, parts: tuple[Part, ...], share: float) -> None:
+    blocks, chain = excerpt(whole, 3.0), Chain(3e-3, parts)
+    all_rows = whole.columns(chain)
+    seen, first = blocks.columns(chain), 0
+    for run in blocks.runs:
+        n, begin = len(run.u_V), round(run.time_s(TS_S)[0] / TS_S)
+        fitted = slice(100, n)
+        wrong = seen[:, first : first + n] - all_rows[:, begin : begin + n]
+        assert np.abs(wrong[:, fitted]).max() < share
+        first += n
+
+
+def test_blocks_are_bounded_and_hold_every_level_and_the_ends_of_the_record(whole: Scene) -> None:
+    blocks = excerpt(whole, 3.0)
+    assert blocks.samples <= MOST_SAMPLES
+    assert blocks.span_s == whole.span_s
+    u_V = np.concatenate([run.u_V for run in blocks.runs])[blocks.rows]
+    levels = np.histogram(u_V, 20, (0.0, 100.0))[0]
+    assert levels.min() > 0
+    time_s = blocks.time_s[blocks.rows]
+    assert time_s[0] < 0.06 * whole.span_s
+    assert time_s[-1] > 0.99 * whole.span_s - 1.0
+
+
+def test_a_rare_fast_step_is_in_a_block() -> None:
+    u_V = 50.0 + 45.0 * np.sin(np.arange(SAMPLES) / 3000.0)
+    u_V[41_000:41_400] = 20.0
+    blocks = excerpt(long_scene(u_V), 3.0)
+    rates = np.concatenate([np.abs(np.diff(run.u_V)) for run in blocks.runs])
+    assert rates.max() == np.abs(np.diff(u_V)).max()
+
+
+def test_a_short_record_is_its_own_excerpt() -> None:
+    short = long_scene(good(np.random.default_rng(3), MOST_SAMPLES, 0.0, 100.0))
+    assert excerpt(short, 3.0) is short
+
+
+def test_a_slow_lag_makes_the_blocks_longer(whole: Scene) -> None:
+    slow = excerpt(whole, 400.0)
+    assert min(len(run.u_V) for run in slow.runs) > MOST_SAMPLES // BLOCKS
+    assert len(slow.rows) > 0
+
+
+def test_plays_end_where_the_whole_command_leaves_them() -> None:
+    u_V = np.random.default_rng(5).normal(size=20_000).cumsum()
+    width = np.geomspace(1.0, 200.0, 30)
+    extremes = u_V[np.append(remembered(u_V), len(u_V) - 1)]
+    ends = [play_operators(path, width, np.full(30, path[0]))[-1] for path in (u_V, extremes)]
+    reached = np.ptp(u_V) > 2.0 * width  # a wider play still depends on where it began
+    np.testing.assert_allclose(ends[1][reached], ends[0][reached], atol=1e-9)
+
+
+def test_amounts_of_a_long_record_are_those_of_its_blocks(whole: Scene) -> None:
+    """Aging, drift and a line that the whole record holds, found from a fifth of its samples."""
+    chain = Chain(3e-3, (DriftPart(), PeriodicPart((50.3,))))
+    rng = np.random.default_rng(6)
+    weights = np.zeros(len(whole.added_columns(chain)) + whole.hysteresis_size(chain))
+    weights[0], weights[-3:] = 5.0, (0.02, 0.01, -0.03)
+    y_um = weights @ whole.columns(chain) + 1e-3 * rng.normal(size=SAMPLES)
+    blocks = excerpt(long_scene(whole.runs[0].u_V, y_um), 3.0)
+    np.testing.assert_allclose(linear_fit(blocks, chain).weights[-3:], weights[-3:], atol=3e-4)
