@@ -1,9 +1,10 @@
-"""The rows of a long record to which the search looks: blocks of consecutive samples, and the command before each.
+"""The rows of a long record to which the search looks: blocks of consecutive samples, and a coarse run.
 
-Fast causes (delay, modes, limits) show in consecutive samples, slow ones (creep, drift, aging) in blocks far apart in
-time. Every block begins in the state of the whole record: its history holds the samples of the earlier command that a
-hysteresis still remembers, and samples at ages in geometric progression for creep. Time is counted from the start of
-the segment, so lines keep their phase from block to block.
+Fast causes (delay, modes, limits) show in consecutive samples, slow ones (creep, drift, aging, memory of a slow
+command) in blocks far apart in time and in a coarse run, whose samples are as far apart as the command stays straight
+between them. Every run begins in the state of the whole record: its history holds the samples of the earlier command
+that a hysteresis still remembers, and samples at ages in geometric progression for creep. Time is counted from the
+start of the segment, so lines keep their phase from run to run.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from hysgen.diagnosis.probe import NO_HISTORY, History, Scene, Trace
 from hysgen.record.series import turning_rows
@@ -21,11 +23,23 @@ from hysgen.record.series import turning_rows
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
+_NO_ROWS: Rows = np.zeros(0, dtype=np.intp)
+
 MOST_SAMPLES = 12_000
-"""Samples of a record above which the search looks at blocks; 8000 of them are fitted (`search.MOST_ROWS`)."""
+"""Samples of a record above which the search looks at an excerpt; 8000 of them are fitted (`search.MOST_ROWS`)."""
 
 BLOCKS = 6
-"""Blocks of an excerpt: enough to tell a ramp from a course that slows down."""
+"""Blocks of an excerpt without a coarse run: enough to tell a ramp from a course that slows down."""
+
+COARSE_SHARE = 0.5
+"""Share of MOST_SAMPLES that a coarse run takes; the same share of the blocks then remains."""
+
+STRAIGHT = 2e-4
+"""Largest distance of a command or channel from the straight line between two samples of a coarse run, as a share of
+its range, at which the samples are fitted: the response is then wrong by less, which is a good sensor's noise."""
+
+FEWEST_STRAIGHT = 0.5
+"""Least share of the samples of a coarse run that are fitted; otherwise the samples must be closer together."""
 
 FADING_LAGS = 8.0
 """Time constants of the lag at the start of a block that are not fitted: exp(-8) is 1/3000 of a stroke."""
@@ -61,7 +75,7 @@ class _Block:
 
 
 def excerpt(scene: Scene, lag: float) -> Scene:
-    """The scene on blocks of its samples; the scene itself if it has at most MOST_SAMPLES. lag: in samples.
+    """The scene on parts of its samples; the scene itself if it has at most MOST_SAMPLES. lag: in samples.
 
     The first and the last block are those of the first and last fitted rows; each further one has the most classes of
     level and rate that the blocks before it lack, and of several such blocks it is the farthest from them.
@@ -70,14 +84,77 @@ def excerpt(scene: Scene, lag: float) -> Scene:
     if scene.samples <= max(MOST_SAMPLES, BLOCKS * length):
         return scene
     fading = max(math.ceil(FADING_LAGS * lag), math.ceil(LEAST_FADING * length))
+    coarse = _coarse_run(scene, fading)
+    count = BLOCKS if coarse is None else round((1.0 - COARSE_SHARE) * BLOCKS)
     left = _blocks(scene, length, fading)
     chosen = [left.pop(0), left.pop(-1)]
-    while len(chosen) < BLOCKS and left:
+    while len(chosen) < count and left:
         covered = frozenset[int]().union(*(block.covers for block in chosen))
         best = max(left, key=lambda block: (len(block.covers - covered), _distance(block, chosen)))
         left.remove(best)
         chosen.append(best)
-    return _scene_of(scene, sorted(chosen, key=lambda block: (block.segment, block.first)), fading)
+    parts = [_part_of(scene, block, fading) for block in _joined(chosen)]
+    return _scene_of(scene, [*parts, *([coarse] if coarse else [])])
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A run of an excerpt, the samples of it that are fitted, and those at which the sensor was at its end."""
+
+    run: Trace
+    rows: Rows
+    lost: Rows
+
+
+def _coarse_run(scene: Scene, fading: int) -> _Part | None:
+    """The longest segment, or the part of it that moves most, at as few samples as the command allows; None for none.
+
+    Where the command, or a channel, leaves the straight line between two samples, they and those after them, while the
+    lag fades, are not fitted. An extreme in between replaces the sample before it, because a hysteresis remembers it.
+    """
+    number = int(np.argmax([len(run.u_V) for run in scene.runs]))
+    run, first = scene.runs[number], sum(len(run.u_V) for run in scene.runs[:number])
+    n, count = len(run.u_V), round(COARSE_SHARE * MOST_SAMPLES)
+    fitted = np.zeros(n, dtype=bool)
+    fitted[scene.rows[(scene.rows >= first) & (scene.rows < first + n)] - first] = True
+    stride = math.ceil(n / count)
+    while stride > 1:
+        strides = math.ceil(fading / stride) + 10
+        bent = _bent([run.u_V, *run.aux.values()], stride)
+        usable = ~maximum_filter1d(bent, strides, origin=(strides - 1) // 2) & fitted[: len(bent) * stride : stride]
+        starts = np.unique(np.linspace(0, max(0, len(usable) - count), 9).astype(int))
+        begin = max(starts.tolist(), key=lambda start: int(usable[start : start + count].sum()))
+        usable = usable[begin : begin + count]
+        if usable.sum() >= FEWEST_STRAIGHT * len(usable):
+            return _Part(_strided(run, begin * stride, stride, len(usable)), np.flatnonzero(usable), _NO_ROWS)
+        stride //= 2
+    return None
+
+
+def _bent(signals: list[Floats], stride: int) -> NDArray[np.bool_]:
+    """(m,) whether a signal leaves the straight line before or after the sample m stride by more than STRAIGHT."""
+    m = (len(signals[0]) - 1) // stride
+    bent = np.zeros(m + 1, dtype=bool)
+    for signal in signals:
+        part = signal[: m * stride + 1]
+        ends = part[::stride]
+        line = ends[:-1, None] + np.outer(np.diff(ends), np.arange(stride) / stride)
+        away = np.abs(part[:-1].reshape(m, stride) - line).max(axis=1) > STRAIGHT * np.ptp(signal)
+        bent[:-1] |= away
+        bent[1:] |= away
+    return bent
+
+
+def _strided(run: Trace, first: int, stride: int, count: int) -> Trace:
+    """The run from the sample `first` on, at every `stride`-th sample or the extreme that follows it."""
+    u_V = run.u_V[first : first + count * stride : stride].copy()
+    whole = run.u_V[first : first + len(u_V) * stride]
+    turns = turning_rows(whole, STRAIGHT * float(np.ptp(run.u_V)))
+    u_V[turns // stride] = whole[turns]
+    at = slice(first, first + count * stride, stride)
+    aux = {name: values[at] for name, values in run.aux.items()}
+    past = history(run.u_V, first)
+    return Trace(u_V, run.y_um[at], aux, run.start, past, len(run.u_V), stride)
 
 
 def _blocks(scene: Scene, length: int, fading: int) -> list[_Block]:
@@ -113,34 +190,34 @@ def _distance(block: _Block, chosen: list[_Block]) -> float:
     return float(min(near, default=10**12))
 
 
-def _scene_of(scene: Scene, blocks: list[_Block], fading: int) -> Scene:
-    """The scene of these blocks; the rows at the start of a block, while the lag fades, are not fitted."""
-    offsets = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
-    runs, rows, lost, count = [], [], [], 0
-    for segment, own in itertools.groupby(_joined(blocks), key=lambda block: block.segment):
-        run = scene.runs[segment]
-        for block in own:
-            part = slice(block.first, block.last)
-            aux = {name: values[part] for name, values in run.aux.items()}
-            runs.append(
-                Trace(run.u_V[part], run.y_um[part], aux, run.start, history(run.u_V, block.first), len(run.u_V))
-            )
-            low = offsets[segment] + block.first
-            begin = low if block.first == 0 else low + fading
-            high = offsets[segment] + block.last
-            rows.append(scene.rows[(scene.rows >= begin) & (scene.rows < high)] - low + count)
-            lost.append(scene.lost[(scene.lost >= low) & (scene.lost < high)] - low + count)
-            count += block.last - block.first
-    ranges = {name: scene.range_of(name) for name in scene.runs[0].aux}
-    return Scene(
-        tuple(runs), scene.Ts_s, np.concatenate(rows), scene.operator, ranges, np.concatenate(lost).astype(np.intp)
+def _part_of(scene: Scene, block: _Block, fading: int) -> _Part:
+    """The block as a run; its rows at the start, while the lag fades, are not fitted."""
+    run, at = scene.runs[block.segment], slice(block.first, block.last)
+    low = sum(len(run.u_V) for run in scene.runs[: block.segment]) + block.first
+    begin, high = low if block.first == 0 else low + fading, low + block.last - block.first
+    aux = {name: values[at] for name, values in run.aux.items()}
+    past = history(run.u_V, block.first)
+    return _Part(
+        Trace(run.u_V[at], run.y_um[at], aux, run.start, past, len(run.u_V)),
+        scene.rows[(scene.rows >= begin) & (scene.rows < high)] - low,
+        scene.lost[(scene.lost >= low) & (scene.lost < high)] - low,
     )
 
 
+def _scene_of(scene: Scene, parts: list[_Part]) -> Scene:
+    """The scene of these runs."""
+    offsets = np.cumsum([0, *(len(part.run.u_V) for part in parts)])[:-1]
+    rows = np.concatenate([part.rows + offset for part, offset in zip(parts, offsets, strict=True)])
+    lost = np.concatenate([part.lost + offset for part, offset in zip(parts, offsets, strict=True)])
+    ranges = {name: scene.range_of(name) for name in scene.runs[0].aux}
+    runs = tuple(part.run for part in parts)
+    return Scene(runs, scene.Ts_s, rows.astype(np.intp), scene.operator, ranges, lost.astype(np.intp))
+
+
 def _joined(blocks: list[_Block]) -> list[_Block]:
-    """The blocks, those that overlap or touch as one."""
+    """The blocks in their order, those that overlap or touch as one."""
     result: list[_Block] = []
-    for block in blocks:
+    for block in sorted(blocks, key=lambda block: (block.segment, block.first)):
         if result and result[-1].segment == block.segment and result[-1].last >= block.first:
             result[-1] = _Block(block.segment, result[-1].first, max(result[-1].last, block.last), frozenset())
         else:

@@ -36,9 +36,8 @@ class CouplingPart(Part):
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         lagged = [seen(run.aux[name]) for name in self.channels]
-        return [
-            np.concatenate([np.full(tap, one[0]), one[: len(one) - tap]]) for one in lagged for tap in range(self.taps)
-        ]
+        at = np.arange(len(run.u_V))
+        return [np.interp(at - tap / run.stride, at, one) for one in lagged for tap in range(self.taps)]
 
     def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
         return (self, lag_s, delay)

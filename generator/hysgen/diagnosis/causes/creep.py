@@ -54,7 +54,7 @@ class CreepPart(Part):
     per_decade: float
     from_s: float
 
-    def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
+    def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
         return SlowStates(self.per_decade, np.exp(-Ts_s / _times_s(self.from_s, _slowest_s(samples * Ts_s))))
 
     @property

@@ -66,7 +66,7 @@ class SlewCause(Cause):
         chain, scene = residual.fit.chain, residual.scene
         if self.present(chain):
             return []
-        rates = np.concatenate([np.abs(np.diff(run.u_V)) for run in scene.runs]) / scene.Ts_s
+        rates = np.concatenate([np.abs(np.diff(run.u_V)) / run.stride for run in scene.runs]) / scene.Ts_s
         levels = np.unique(np.quantile(rates[rates > 1e-6 * rates.max()], QUANTILES))
         # The fitted lag may contain the effect of the limit, so shorter lags are starting values too.
         return [
@@ -81,9 +81,7 @@ class SlewCause(Cause):
         rate = chain.of(SlewPart).rate_V_per_s
         error = rate * standard_errors(scene, residual.fit).coordinates["slew.rate_V_per_s"]
         free = self.without(chain)
-        behind = np.concatenate(
-            [np.abs(chain.amplified(run.u_V, scene.Ts_s) - free.amplified(run.u_V, scene.Ts_s)) for run in scene.runs]
-        )
+        behind = np.concatenate([np.abs(chain.amplified(*run) - free.amplified(*run)) for run in scene.commands])
         held = int(np.count_nonzero(behind[scene.rows] > 1e-3 * (scene.operator.high_V - scene.operator.low_V)))
         z = rate / max(error, 1e-15)
         return Signature(

@@ -22,6 +22,9 @@ from hysgen.diagnosis.probe.part import Extent, Mode, Part, ShapeParameter, Slow
 Floats = NDArray[np.float64]
 P = TypeVar("P", bound=Part)
 
+FASTEST = 0.05
+"""Frequency of a mode times the distance of two samples from which on the mode responds at once: 1 % early."""
+
 LAG = ShapeParameter("lag_s", "s", lambda extent: (0.02 * extent.Ts_s, 0.3 * extent.span_s), logarithm=True)
 
 
@@ -110,10 +113,14 @@ class Chain:
             low_V, high_V = part.passes_V(low_V, high_V)
         return low_V, high_V
 
-    def slow_states(self, samples: int, Ts_s: float) -> SlowStates:
+    def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
         """The slow states behind the hysteresis; with no states if no part has them."""
         candidates = [part.slow_states(samples, Ts_s) for part in self.parts]
         return next((states for states in candidates if states is not None), SlowStates(0.0, np.zeros(0)))
+
+    def seen_every(self, stride: int, Ts_s: float) -> Thinned:
+        """The part of the chain behind the hysteresis for samples `stride` periods apart (`scene.Trace.thinned`)."""
+        return Thinned(self.lag_s, self.parts, self.memory, stride=stride, Ts_s=Ts_s)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -139,3 +146,37 @@ class Chain:
                 break
             count += part.added
         return count
+
+
+@dataclass(frozen=True)
+class Thinned(Chain):
+    """A chain for samples `stride` periods Ts_s apart; modes above FASTEST respond at once.
+
+    Its input at sample k, held for a stride, is h at k + ahead; h is a straight line between two samples. This makes the
+    response to a ramp exact:
+
+        ahead = 1 / (1 - a) + 1 / ln a - (delay + 1/2) / stride,    a = exp(-stride Ts / lag)
+
+    1/2: an input that is held for a period is half a period behind the ramp.
+    """
+
+    stride: int = 1
+    Ts_s: float = 1.0
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        return tuple(mode for mode in super().modes if mode.f_Hz * self.stride * self.Ts_s < FASTEST)
+
+    @property
+    def delay(self) -> float:
+        """0: `input` contains the delay."""
+        return 0.0
+
+    def input(self, h: Floats) -> Floats:
+        """(m, n) h at k + ahead, for h, (m, n), constant before its first and behind its last sample."""
+        steps, n = self.stride * self.Ts_s / self.lag_s, h.shape[1]
+        ahead = -1.0 / math.expm1(-steps) - 1.0 / steps - (super().delay + 0.5) / self.stride
+        whole = math.floor(ahead)
+        at = np.arange(n) + whole
+        share = ahead - whole
+        return (1.0 - share) * h[:, at.clip(0, n - 1)] + share * h[:, (at + 1).clip(0, n - 1)]

@@ -27,12 +27,12 @@ def respond(h: Floats, chain: Chain, Ts_s: float) -> Floats:
     return out.reshape(h.shape)
 
 
-def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float, whole_run: int = 0) -> None:
+def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float, whole_run: float = 0.0) -> None:
     """`respond` of h, (m, n), written to out[:, first : first + n].
 
     whole_run: samples of the segment of h, on which the slowest of the slow states depends; 0 for n.
     """
-    slow = chain.slow_states(whole_run or h.shape[-1], Ts_s)
+    slow = chain.slow_states(whole_run or float(h.shape[-1]), Ts_s)
     branches, whole = _branches(chain.lag_s, chain.delay, chain.modes, Ts_s)
     linear_response(h, LinearPart(slow.share, slow.keep, branches, whole), out, first)
 

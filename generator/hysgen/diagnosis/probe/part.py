@@ -90,7 +90,7 @@ class SlowStates:
 class RunSignals(Protocol):
     """Signals of one run for an added column: the command and the auxiliary channels, (n,) each.
 
-    whole: samples of the segment; time_s: (n,) time since its start.
+    whole: samples of the segment; stride: periods between two samples; time_s: (n,) time since its start.
     """
 
     @property
@@ -101,6 +101,9 @@ class RunSignals(Protocol):
 
     @property
     def whole(self) -> int: ...
+
+    @property
+    def stride(self) -> int: ...
 
     def time_s(self, Ts_s: float) -> Floats: ...
 
@@ -156,7 +159,7 @@ class Part:
 
     # Behind the hysteresis; linear.
 
-    def slow_states(self, samples: int, Ts_s: float) -> SlowStates | None:
+    def slow_states(self, samples: float, Ts_s: float) -> SlowStates | None:
         """First-order states with the hysteresis as input; at most one part of a chain may have them."""
         return None
 

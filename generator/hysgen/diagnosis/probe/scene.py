@@ -63,6 +63,7 @@ class Trace:
     """One unbroken run: u_V, y_um (n,), auxiliary channels, initial state of the plays (`Operator.columns`).
 
     history: the command of the same segment before the run. segment: samples of this segment; 0 for those of the run.
+    stride: periods from each sample to the next; above 1, the signals are straight lines between the samples.
     """
 
     u_V: Floats
@@ -71,6 +72,7 @@ class Trace:
     start: float = 0.0
     history: History = NO_HISTORY
     segment: int = 0
+    stride: int = 1
 
     @property
     def whole(self) -> int:
@@ -79,8 +81,14 @@ class Trace:
 
     def time_s(self, Ts_s: float) -> Floats:
         """(n,) time since the start of the segment."""
-        first = self.history.samples
-        return np.asarray(Ts_s * np.arange(first, first + len(self.u_V), dtype=np.float64))
+        return np.asarray(Ts_s * (self.history.samples + self.stride * np.arange(len(self.u_V), dtype=np.float64)))
+
+    def held(self, h: Floats, chain: Chain, Ts_s: float) -> tuple[Floats, Chain]:
+        """Input, (m, n), of the part of the chain behind the hysteresis for h, (m, n), and this part (`Thinned`)."""
+        if self.stride == 1:
+            return h, chain
+        thinned = chain.seen_every(self.stride, Ts_s)
+        return thinned.input(h), thinned
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +140,11 @@ class Scene:
         return np.concatenate([run.time_s(self.Ts_s) for run in self.runs])
 
     @property
+    def commands(self) -> list[tuple[Floats, float]]:
+        """Command, (n_i,), and time between two samples in s, of each run: the arguments of `Chain.amplified`."""
+        return [(run.u_V, self.Ts_s * run.stride) for run in self.runs]
+
+    @property
     def extent(self) -> Extent:
         """The quantities on which bounds and steps of the chain's parameters depend."""
         return Extent(self.Ts_s, self.span_s, self.operator.low_V, self.operator.high_V)
@@ -152,20 +165,20 @@ class Scene:
 
     def _path(self, run: Trace, chain: Chain) -> Floats:
         """(size, k + n) columns of h: k of the history, then those of the run, averaged over each sampling period."""
-        past, v_V = len(run.history), chain.amplified(run.u_V, self.Ts_s)
+        past, v_V = len(run.history), chain.amplified(run.u_V, self.Ts_s * run.stride)
         if not past:
             columns = self._operator(chain).columns(v_V, run.start)
-            return self._averaged(columns, v_V, chain)
+            return self._averaged(columns, v_V, run, chain)
         before_V = run.history.u_V
         for part in chain.amplifier:
             before_V = part.amplify_held(before_V, run.history.held, self.Ts_s)
         columns = self._operator(chain).columns(np.concatenate([before_V, v_V]), run.start)
         if chain.amplifier:
-            columns[:, past:] = self._averaged(columns[:, past:].copy(), v_V, chain)
+            columns[:, past:] = self._averaged(columns[:, past:].copy(), v_V, run, chain)
         return columns
 
-    def _averaged(self, columns: Floats, v_V: Floats, chain: Chain) -> Floats:
-        for part in chain.amplifier:
+    def _averaged(self, columns: Floats, v_V: Floats, run: Trace, chain: Chain) -> Floats:
+        for part in chain.amplifier if run.stride == 1 else ():
             columns = part.averaged(columns, v_V, self.Ts_s)
         return columns
 
@@ -203,11 +216,13 @@ class Scene:
         """
         past, n = len(run.history), len(run.u_V)
         slow = chain.slow_states(run.whole, self.Ts_s)
-        respond_into(out, first, np.ascontiguousarray(h[:, past:]), chain, self.Ts_s, run.whole)
+        held, linear = run.held(h[:, past:], chain, self.Ts_s)
+        held = np.ascontiguousarray(held)
+        respond_into(out, first, held, linear, self.Ts_s * run.stride, run.whole / run.stride)
         if past and slow.share != 0.0:
             # `respond_into` starts from rest at h of the first sample and counts the slow states from there.
-            rest = h[:, past : past + 1]
-            fading = np.exp(np.log(slow.keep)[:, None] * np.arange(n))
+            rest = held[:, :1]
+            fading = np.exp(np.log(slow.keep)[:, None] * (run.stride * np.arange(n)))
             moved = (run.history.slow_states(h[:, :past], slow.keep) - rest) @ fading
             out[:, first : first + n] += 0.5 * slow.share * (moved + len(slow.keep) * (rest - h[:, :1]))
 
@@ -255,11 +270,14 @@ class Scene:
         key: Hashable = tuple(part.columns_depend_on(chain.lag_s, chain.delay) for part in adding)
         return self._added.get(key, lambda: np.hstack([self._added_to(run, chain) for run in self.runs]))
 
+    def _lagged(self, signal: Floats, run: Trace, chain: Chain) -> Floats:
+        """(n,) a channel behind the lag and the delay of the chain."""
+        held, linear = run.held(signal[None], chain, self.Ts_s)
+        return lagged(held[0], linear.lag_s, linear.delay, self.Ts_s * run.stride)
+
     def _added_to(self, run: Trace, chain: Chain) -> Floats:
         """(q, n_i) `added_columns` of one run."""
         columns: list[Floats] = [np.ones(len(run.u_V))]
         for part in chain.parts:
-            columns.extend(
-                part.columns(run, self.extent, lambda signal: lagged(signal, chain.lag_s, chain.delay, self.Ts_s))
-            )
+            columns.extend(part.columns(run, self.extent, lambda signal: self._lagged(signal, run, chain)))
         return np.stack(columns)

@@ -113,12 +113,12 @@ def _maximum_likelihood(scene: Scene, fit: Fit) -> Whitening:
 
 def _travelled(scene: Scene, chain: Chain) -> Floats:
     """(n,) distance that the stage travels in each step, in ranges of the input; infinite at the start of a run."""
-    rate = np.array([-np.expm1(-scene.Ts_s / chain.lag_s)])
-    late = max(0, round(chain.delay))
     span_V = scene.operator.high_V - scene.operator.low_V
     distances = []
-    for run in scene.runs:
-        v_V = chain.amplified(run.u_V, scene.Ts_s)
+    for run, command in zip(scene.runs, scene.commands, strict=True):
+        rate = np.array([-np.expm1(-command[1] / chain.lag_s)])
+        late = max(0, round(chain.delay / run.stride))
+        v_V = chain.amplified(*command)
         v_V = np.concatenate([np.full(late, v_V[0]), v_V[: len(v_V) - late]])
         lagged_V = lag_states(v_V, rate, v_V[:1].copy())[:, 0]
         distances.append(np.abs(np.diff(lagged_V, prepend=np.inf)) / span_V)
