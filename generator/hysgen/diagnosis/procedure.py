@@ -39,6 +39,9 @@ LEAST_FALL = 0.02
 """A cause whose extension lowers the rms error by less than this share is not named."""
 
 
+SEARCHED = 0.7
+"""Share of the time of `name_causes` until the search is done, for progress."""
+
 SOURCES = Path(__file__).parents[1]
 """Folder of the code that a kept search depends on."""
 
@@ -150,11 +153,19 @@ def name_causes(
     prepared = prepare(record, holdout, chosen.identify)
     report(0.05, "fitting the probe")
 
+    fraction = 0.05
+
+    def found_so_far(line: str) -> None:
+        # The number of steps is unknown: each takes a quarter of what is left of the search's share.
+        nonlocal fraction
+        fraction += 0.25 * (SEARCHED - fraction)
+        report(fraction, line)
+
     def searched() -> SearchResult:
-        return search(prepared.excerpt(), lambda line: report(0.3, line))
+        return search(prepared.excerpt(), found_so_far)
 
     found = resumed(_inputs(prepared), SOURCES, searched) if chosen.resume else searched()
-    report(0.7, "weighing the evidence")
+    report(SEARCHED, "weighing the evidence")
     whole = over_all_rows(found, prepared.scene())
     signatures = _signatures(found, whole)
     weak = [name for name, signature in signatures.items() if not signature.holds]

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from hysgen.fitting.least_squares import Information
 from hysgen.fitting.regularisation import Penalties, penalties_at
+from hysgen.fitting.windows import windows
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import FreeRunSums, Rules, free_run_sums
 from hysgen.model.model import Model
@@ -70,13 +71,19 @@ class FreeRunError:
         return Criterion(value, gradient, hessian, sums.rms_um)
 
     def sums(self, model: Model) -> FreeRunSums:
-        """Sums over the free run of all segments, without the penalties."""
+        """Sums over the free run of all segments, without the penalties.
+
+        Of a long record, windows are run (`windows`), each from the displacement measured at its start; the terms run
+        through the whole record.
+        """
         rules = Rules(structure_of(model).range_um, model.consequents)
         columns = self.columns.get(model.terms, lambda: [term_regressors(model.terms, drive) for drive in self.drives])
         total: FreeRunSums | None = None
         for segment, drive, trust, phi in zip(self.record.segments, self.drives, self.trust, columns, strict=True):
-            part = free_run_sums(rules, drive.u_V, phi @ model.weights, phi, segment.y_um, trust)
-            total = part if total is None else total + part
+            added = phi @ model.weights
+            for at in windows(len(trust), self.record.samples):
+                part = free_run_sums(rules, drive.u_V[at], added[at], phi[at], segment.y_um[at], trust[at])
+                total = part if total is None else total + part
         assert total is not None
         return total
 

@@ -26,6 +26,7 @@ from hysgen.certify.path_inverse import strokes, turning_points
 from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
 from hysgen.fitting.operator import Operator, PathSize
+from hysgen.fitting.windows import windows
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import exp
 from hysgen.model.intervals import Interval
@@ -39,6 +40,7 @@ from hysgen.record import Record, Segment
 from hysgen.record.series import first_covering
 
 Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
 
 LEAST_SLOPE = 0.05
 """Smallest slope of h, as a part of its mean slope: of stages with 20 % of hysteresis, the slope after a turn is about
@@ -49,6 +51,9 @@ RIDGE = 1e-7
 
 MOST_ROWS = 16_000
 """Rows of the least-squares problem; the rows of a longer record are drawn at random."""
+
+FADING = 250
+"""Samples at the start of a window that are not fitted, while the lag forgets its start: a tenth of a window."""
 
 PATH_SAMPLES = 3000
 """Points of the record's path at which the slope is checked."""
@@ -99,19 +104,35 @@ def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class PathColumns:
-    """The linear problem of a path over a record, whatever rows count: columns behind the lag `lag_s`, (p, n)."""
+    """The linear problem of a path over a record, whatever rows count: columns behind the lag `lag_s`, (p, m).
+
+    rows: (m,) rows of the joined segments; of a long record, those of its windows (`windows`).
+    """
 
     task: PathTask
     lag_s: float
     columns: Floats
+    rows: Rows
+
+    def of(self, rows: Rows) -> Floats:
+        """(p, k) the columns on some of the rows."""
+        return self.columns[:, np.searchsorted(self.rows, rows)]
 
 
 def path_columns(task: PathTask, trust: Trust) -> PathColumns:
     """The columns of a path, with the lag of least error on the rows of `trust`; with modes, the lag is theirs."""
-    behind = [_behind(task, segment) for segment in task.record.segments]
+    held, rows, first = [], [], 0
+    for segment in task.record.segments:
+        behind = _behind(task, segment)
+        share = np.arange(segment.samples) / segment.samples
+        for at in windows(segment.samples, task.record.samples):
+            held.append(_Held(behind[0][:, at].copy(), behind[1][:, at].copy(), share[at]))
+            rows.append(first + np.arange(at.start, at.stop))
+        first += segment.samples
+    problem = PathColumns(task, 0.0, np.zeros((0, 0)), np.concatenate(rows))
     modes = next((block for block in task.blocks if isinstance(block, Modes)), None)
-    lag_s = _searched_lag(task, _Kept.of(task, trust), behind) if modes is None else modes.lag_s
-    return PathColumns(task, lag_s, np.hstack([_lagged(task, *columns, lag_s) for columns in behind]))
+    lag_s = _searched_lag(problem, _Kept.of(problem, trust), held) if modes is None else modes.lag_s
+    return dataclasses.replace(problem, lag_s=lag_s, columns=np.hstack([_lagged(task, one, lag_s) for one in held]))
 
 
 def path_model(problem: PathColumns, trust: Trust) -> Model:
@@ -120,9 +141,9 @@ def path_model(problem: PathColumns, trust: Trust) -> Model:
     trust: weight of each sample, by segment. Raises FitError if no rising hysteresis is found.
     """
     task, lag_s = problem.task, problem.lag_s
-    kept = _Kept.of(task, trust)
+    kept = _Kept.of(problem, trust)
     operator = task.size.operator(*_passed_V(task))
-    weights = _solved(task, operator, problem.columns[:, kept.rows], kept)
+    weights = _solved(task, operator, problem.of(kept.rows), kept)
     size = operator.size
     a_left = 1.0 - exp(-task.record.Ts_s / lag_s)
     dc = 1.0 + sum(block.amount * len(block.tau_s) for block in task.blocks if isinstance(block, Creep))
@@ -155,14 +176,19 @@ def _covering(model: Model, whole: Record) -> Grid:
 class _Kept:
     """Rows of the least-squares problem, their weights (square roots of the trust) and displacements."""
 
-    rows: NDArray[np.intp]
+    rows: Rows
     weight: Floats
     y_um: Floats
 
     @classmethod
-    def of(cls, task: PathTask, trust: Trust) -> _Kept:
-        weight = np.concatenate(list(trust))
-        rows = np.flatnonzero(weight > 0.0)
+    def of(cls, problem: PathColumns, trust: Trust) -> _Kept:
+        task, weight = problem.task, np.concatenate(list(trust))
+        known = problem.rows
+        if known.size < weight.size:
+            # The lag of a window starts at its input.
+            starts = np.flatnonzero(np.diff(known, prepend=-2) > 1)
+            known = np.delete(known, np.add.outer(starts, np.arange(FADING)).ravel())
+        rows = known[weight[known] > 0.0]
         if rows.size > MOST_ROWS:
             rows = np.sort(np.random.default_rng(0).choice(rows, MOST_ROWS, replace=False))
         y_um = np.concatenate([segment.y_um for segment in task.record.segments])
@@ -187,34 +213,43 @@ def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
             u_V = block.apply(u_V, Ts_s)
     columns = task.size.operator(*_passed_V(task)).columns(u_V)
     for block in task.blocks:
-        if block.responds:
-            columns = np.stack([block.apply(column, Ts_s) for column in columns])
+        for column in columns if block.responds else ():
+            column[:] = block.apply(column, Ts_s)
     drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
     extra = [np.ones(segment.samples)]
     extra += [column for term in task.terms for column in term.regressors(drive).T]
     return columns, np.stack(extra)
 
 
-def _lagged(task: PathTask, columns: Floats, extra: Floats, lag_s: float) -> Floats:
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """Columns of `_behind` on a window, and (n,) the share of the segment before each sample."""
+
+    columns: Floats
+    extra: Floats
+    share: Floats
+
+
+def _lagged(task: PathTask, held: _Held, lag_s: float) -> Floats:
     """(p, n) responses of the lag: to h with the static gain 1, to terms with the gain 1 in one sample; then creep."""
-    Ts_s, samples = task.record.Ts_s, columns.shape[1]
+    Ts_s, extra = task.record.Ts_s, held.extra
     rate = np.array([1.0 - exp(-Ts_s / lag_s)])
-    out = [lag_states(column, rate, column[:1].copy())[:, 0] for column in columns]
+    out = [lag_states(column, rate, column[:1].copy())[:, 0] for column in held.columns]
     out += [extra[0]]
     out += [lag_states(column, rate, column[:1].copy())[:, 0] / rate[0] for column in extra[1:]]
     if any(isinstance(block, Creep) for block in task.blocks):
-        t = np.arange(samples) / samples
-        out += [np.exp(-t / share) for share in CREPT]
+        out += [np.exp(-held.share / share) for share in CREPT]
     return np.stack(out)
 
 
-def _searched_lag(task: PathTask, kept: _Kept, held: Sequence[tuple[Floats, Floats]]) -> float:
+def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> float:
     """The lag of least error without constraints, between a fifth and five times the best of the task's."""
+    task = problem.task
     few = dataclasses.replace(kept, rows=kept.rows[::4], weight=kept.weight[::4], y_um=kept.y_um[::4])
 
     def error(log_lag: float) -> float:
-        lagged = [_lagged(task, columns, extra, float(np.exp(log_lag))) for columns, extra in held]
-        _, d, _ = _triangular(np.hstack(lagged)[:, few.rows], few)
+        lagged = np.hstack([_lagged(task, one, float(np.exp(log_lag))) for one in held])
+        _, d, _ = _triangular(dataclasses.replace(problem, columns=lagged).of(few.rows), few)
         # ||A x - b||^2 = ||b||^2 - ||d||^2 at the least-squares solution.
         return -float(d @ d)
 

@@ -152,8 +152,8 @@ class Chain:
 class Thinned(Chain):
     """A chain for samples `stride` periods Ts_s apart; modes above FASTEST respond at once.
 
-    Its input at sample k, held for a stride, is h at k + ahead; h is a straight line between two samples. This makes the
-    response to a ramp exact:
+    Its input at sample k, held for a stride, is h at k + ahead; h is a straight line between two samples. This makes
+    the response to a ramp exact:
 
         ahead = 1 / (1 - a) + 1 / ln a - (delay + 1/2) / stride,    a = exp(-stride Ts / lag)
 
