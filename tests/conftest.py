@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,31 @@ for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="write golden files instead of comparing with them")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _every_json_has_its_schema() -> Iterator[None]:
+    """The JSON of every verb that a test runs is held to the published schema (`hysgen schema`)."""
+    try:
+        import jsonschema
+    except ImportError:
+        if os.environ.get("HYSGEN_REQUIRE_TOOLS"):
+            raise
+        yield
+        return
+    from hysgen.cli.console import Console
+    from hysgen.cli.schemas import schema_for
+
+    write = Console.write_json
+
+    def checked(self: Console, result: Mapping[str, Any]) -> None:
+        plain = json.loads(json.dumps(self.with_head(result)))
+        jsonschema.validate(plain, schema_for(plain), jsonschema.Draft202012Validator)
+        write(self, result)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Console, "write_json", checked)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -12,6 +12,7 @@ import pytest
 
 import hysgen
 from fixtures.bank_records import record_of
+from hysgen.checking.proof.checks import CheckSettings
 from hysgen.display import Displayed
 from hysgen.report.plots.results import Drawing
 from hysgen.stage import Stage, run
@@ -216,6 +217,13 @@ def test_what_the_command_line_does_is_in_the_interface(
     }
     saved = hysgen.page((model, scores, record)).save(tmp_path / "page.html")
     assert saved.read_text().startswith("<!DOCTYPE html>")
+    several = hysgen.page(({"first": model, "second": again}, record)).html()
+    assert all(f"{name}, {kind}" in several for name in ("first", "second") for kind in ("free run", "one step"))
+    proof = hysgen.prove(hysgen.generate(model), ["sanitize"], CheckSettings(samples=500))
+    assert proof.clean
+    assert proof.to_json()["model"] == model.name
+    with pytest.raises(hysgen.HysgenError, match="--only misa: is not a check"):
+        hysgen.prove(hysgen.generate(model), ["misa"])
 
 
 def test_the_estimator_is_fitted_scored_and_cloned_by_its_parameters(record: hysgen.Record) -> None:

@@ -22,6 +22,7 @@ from hysgen.certify.certificates import Certificates, certify
 from hysgen.certify.dynamics import Dynamics, dynamics
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
+from hysgen.checking.proof.checks import CHECKS, CheckSettings, Proof, known_checks
 from hysgen.codegen import Options, write
 from hysgen.codegen import generate as generate_texts
 from hysgen.codegen.manifest import read_folder
@@ -75,6 +76,7 @@ __all__ = [
     "load_model",
     "load_record",
     "page",
+    "prove",
     "refit",
     "rivals",
     "save_model",
@@ -157,14 +159,23 @@ def describe(model: Model) -> Dynamics:
     return dynamics(model)
 
 
-def page(result: Study | tuple[Model, Scores, Record], title: str = "") -> Page:
-    """The report of a diagnosis, or of a model with its scores on a record; `page(study).save("report.html")`."""
+def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model], Record], title: str = "") -> Page:
+    """The report of a diagnosis, of a model with its scores on a record, or of several models on one record.
+
+    `page(study).save("report.html")`; `page(({"paper": a, "memory": b}, record))` has all models in each table.
+    """
     if isinstance(result, Study):
         return importlib.import_module("hysgen.report.diagnosis").diagnosis_page(result)  # type: ignore[no-any-return]
-    model, scores, record = result
+    if len(result) == 2:
+        models, record = result
+        scored = {name: score(model, record) for name, model in models.items()}
+    else:
+        model, scores, record = result
+        models, scored = {model.name: model}, {model.name: scores}
     room = importlib.import_module("hysgen.report.model")
-    scored = room.ScoredModels(record, {model.name: model}, {model.name: scores})
-    made: Page = room.model_page(title or f"{model.name} on {record.source}", scored)
+    made: Page = room.model_page(
+        title or f"{', '.join(models)} on {record.source}", room.ScoredModels(record, models, scored)
+    )
     return made
 
 
@@ -244,9 +255,27 @@ def verify(code: Generated | str | Path, samples: int = 200_000, progress: Progr
     return verify_texts(folder.model, folder.texts, settings, progress, folder.altered)
 
 
+def prove(
+    code: Generated | str | Path,
+    checks: Sequence[str] = ("warnings", "misra", "sanitize"),
+    settings: CheckSettings | None = None,
+    progress: Progress | None = None,
+) -> Proof:
+    """Checks of generated C, or of a folder of it, without the target; "eva" takes minutes and needs Frama-C.
+
+    Raises HysgenError for an unknown check, and if a tool of a check is not installed.
+    """
+    model, texts = (code.model, code.texts) if isinstance(code, Generated) else _of_folder(code)
+    chosen, report = settings or CheckSettings(), progress or (lambda fraction, line: None)
+    return Proof(model.name, {name: CHECKS[name](model, texts, chosen, report) for name in known_checks(checks)})
+
+
+def _of_folder(folder: str | Path) -> tuple[Model, Mapping[str, str]]:
+    found = read_folder(Path(folder))
+    return found.model, found.texts
+
+
 def cost(code: Generated | str | Path) -> Cost:
     """The cost of generated C, or of a folder of it: operations, cycles against the sample period, bytes."""
-    if isinstance(code, Generated):
-        return cost_of_texts(code.model, code.texts, timed=False)
-    folder = read_folder(Path(code))
-    return cost_of_texts(folder.model, folder.texts, timed=False)
+    model, texts = (code.model, code.texts) if isinstance(code, Generated) else _of_folder(code)
+    return cost_of_texts(model, texts, timed=False)

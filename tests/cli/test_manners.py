@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import subprocess
 import sys
 import time
@@ -101,6 +102,25 @@ def test_sentences_are_folded_to_the_terminal_and_tables_are_not(
     monkeypatch.setenv("COLUMNS", "60")
     Console().say("word " * 40)
     assert max(map(len, capsys.readouterr().out.splitlines())) <= 60
+
+
+def test_schemas_are_listed_printed_and_exist_for_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema"]) == 0
+    listed = capsys.readouterr().out.split()
+    assert {f"{name}-1" for name in NAMES if name != "fit"} | {"model-1", "manifest-1"} <= set(listed)
+    assert main(["schema", "hysgen-score"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema["$id"] == "hysgen-score-1"
+    assert "free_run" in schema["required"]
+    assert main(["schema", "scores"]) == 2
+    assert "scores: no such schema; choose from" in capsys.readouterr().err
+
+
+def test_a_result_that_breaks_its_schema_is_found() -> None:
+    """The fixture of conftest.py holds every result of every verb to its schema; here one breaks it."""
+    validation = pytest.importorskip("jsonschema").ValidationError
+    with pytest.raises(validation, match="'record' is a required property"):
+        Console(verb="score").finish({"model": "x"})
 
 
 def test_progress_says_seconds_and_quiet_says_nothing() -> None:

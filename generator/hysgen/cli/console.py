@@ -71,20 +71,20 @@ class Console:
         return None
 
     def write_json(self, result: Mapping[str, Any]) -> None:
-        """Write the result of the verb as JSON with the option --json. Raises ValueError for NaN and infinity.
-
-        A result without a schema of its own gets "hysgen-VERB" with the version SCHEMA_VERSION (docs/json.md).
-        """
+        """Write the result of the verb as JSON with the option --json. Raises ValueError for NaN and infinity."""
         if self.json_to is None:
             return
-        head = {"schema": f"hysgen-{self.verb}", "version": SCHEMA_VERSION, "hysgen": version()}
-        result = result if "schema" in result else head | dict(result)
-        text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        text = json.dumps(self.with_head(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         if self.json_to == "-":
             self._progress.pause()
             print(text, end="", file=self.out, flush=True)
         else:
             write_whole(Path(self.json_to), text)
+
+    def with_head(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The result with its schema: `hysgen-VERB` in the version SCHEMA_VERSION, unless it has one of its own."""
+        head = {"schema": f"hysgen-{self.verb}", "version": SCHEMA_VERSION, "hysgen": version()}
+        return result if "schema" in result else head | dict(result)
 
     def finish(self, result: Mapping[str, Any], holds: bool = True) -> int:
         """Write the result as JSON. Returns the exit code: 0 if the answer is yes, else 1."""

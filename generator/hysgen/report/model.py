@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -96,7 +97,7 @@ def _pictures(scored: ScoredModels) -> list[Picture]:
     """Loops of each model, displacement and error in time, error against the horizon."""
     record, scores = scored.record, scored.scores
     runs = {name: free_run(model, record)[0].y_um for name, model in scored.models.items()}
-    colours = dict(zip(scored.models, COLOURS, strict=False))
+    colours = dict(zip(scored.models, itertools.cycle(COLOURS), strict=False))
     pictures: list[Picture] = []
     for name, y_um in runs.items():
         alt = f"Displacement over voltage: {name} misses the loops by {scores[name].free_run.e_rms_um:.3g} µm rms."

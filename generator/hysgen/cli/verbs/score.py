@@ -41,6 +41,9 @@ def score_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rivals", metavar="A:B", help="also score the paper's rivals, fitted to rows A to B of the same records"
     )
+    parser.add_argument(
+        "--beside", action="append", default=[], metavar="MODEL", help="another model in the same tables and pictures"
+    )
     parser.add_argument("--report", metavar="FILE.html", help="write one page with the scores, the model and pictures")
     parser.add_argument("--plot", metavar="FILE.png", help="draw measured and simulated displacement")
     add_record_options(parser)
@@ -53,6 +56,15 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     scores = score(model, record, arguments.settle)
     result = scores.to_json()
     console.say(scores.table())
+    others = {Path(name).stem: load_model(name) for name in arguments.beside}
+    beside = {name: score(other, record, arguments.settle) for name, other in others.items()}
+    if beside:
+        shown = {**beside, Path(arguments.model).stem: scores}
+        rows = [(f"{name}, free run", one.free_run) for name, one in shown.items()]
+        rows += [(f"{name}, one step", one.one_step) for name, one in shown.items()]
+        console.say("\nbeside each other")
+        console.say("\n".join(score_lines(rows)))
+        result["beside"] = {name: one.to_json() for name, one in beside.items()}
     rivals: list[tuple[str, Score]] = []
     if arguments.rivals:
         known = whole.rows(*parse_rows(arguments.rivals, whole.samples, whole.Ts_s))
@@ -64,8 +76,9 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.report:
         from hysgen.report.model import ScoredModels, model_page
 
-        scored = ScoredModels(record, {model.name: model}, {model.name: scores}, rivals)
-        write_whole(Path(arguments.report), model_page(f"{model.name} on {record.source}", scored).html())
+        name = Path(arguments.model).stem if beside else model.name
+        scored = ScoredModels(record, {**others, name: model}, {**beside, name: scores}, rivals)
+        write_whole(Path(arguments.report), model_page(f"{', '.join(scored.models)} on {record.source}", scored).html())
         console.say(f"\nwritten: {arguments.report}")
     if arguments.plot:
         # matplotlib takes half a second to import.

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final, Protocol
 
 from hysgen.c674x.cost import cost_of_texts
 from hysgen.c674x.equality import verify_on_target
 from hysgen.checking.bits import DEFAULT_OTHER_MODELS, DEFAULT_SAMPLES, VerifySettings, verify
 from hysgen.checking.bits.inputs import LEARNING_SHARE
+from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
 from hysgen.checking.proof.emulated.contraction import contraction, contraction_rows
 from hysgen.checking.proof.emulated.equality import EmulationSettings, equality
 from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
-from hysgen.checking.proof.eva.report import prove
-from hysgen.checking.proof.misra import misra
-from hysgen.checking.proof.sanitize import sanitize
-from hysgen.checking.proof.warnings import wall
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder
 from hysgen.cli.verbs import Verb
-from hysgen.codegen.manifest import Folder, read_folder
+from hysgen.codegen.manifest import read_folder
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.machine.files import write_whole
@@ -45,46 +40,6 @@ the box again. docs/proof.md says what is assumed.
 
 TARGET_SAMPLES = 4000
 EMULATED_SAMPLES = 20_000
-
-
-class Answer(Protocol):
-    """The result of a check, as text and as JSON."""
-
-    def lines(self) -> list[str]: ...
-
-    def to_json(self) -> dict[str, Any]: ...
-
-
-Checked = tuple[Answer, bool]
-
-
-def _warnings(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
-    report = wall(folder.model.name, folder.texts, progress=console.progress)
-    return report, report.clean
-
-
-def _misra(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
-    report = misra(folder.model.name, folder.texts, progress=console.progress)
-    return report, report.clean
-
-
-def _sanitize(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
-    report = sanitize(folder.model, folder.texts, samples=arguments.samples, progress=console.progress)
-    return report, report.equal
-
-
-def _eva(folder: Folder, arguments: argparse.Namespace, console: Console) -> Checked:
-    calls = [function for function in arguments.calls.split(",") if function]
-    proofs = prove(folder.model, folder.texts, calls=calls, take_out=arguments.take_out, progress=console.progress)
-    return proofs, proofs.holds
-
-
-CHECKS: Final[dict[str, Callable[[Folder, argparse.Namespace, Console], Checked]]] = {
-    "warnings": _warnings,
-    "misra": _misra,
-    "sanitize": _sanitize,
-    "eva": _eva,
-}
 
 
 def verify_arguments(parser: argparse.ArgumentParser) -> None:
@@ -207,21 +162,18 @@ def prove_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_prove(arguments: argparse.Namespace, console: Console) -> int:
-    chosen = arguments.only.split(",")
-    for name in chosen:
-        if name not in CHECKS:
-            raise HysgenError(f"--only {name}: is not a check; choose among {', '.join(CHECKS)}")
+    names = known_checks(arguments.only.split(","))
     folder = read_folder(Path(arguments.folder))
-    result: dict[str, Any] = {"model": folder.model.name, "altered": list(folder.altered)}
     for line in folder.altered:
         console.warn(line)
-    clean = True
-    for name in chosen:
-        answer, holds = CHECKS[name](folder, arguments, console)
-        console.say(f"{name}: " + "\n".join(answer.lines()) + "\n")
-        result[name] = answer.to_json()
-        clean = clean and holds
-    return console.finish(result | {"clean": clean}, clean)
+    calls = tuple(function for function in arguments.calls.split(",") if function)
+    settings = CheckSettings(arguments.samples, calls, arguments.take_out)
+    checks: dict[str, Checked] = {}
+    for name in names:
+        checks[name] = CHECKS[name](folder.model, folder.texts, settings, console.progress)
+        console.say(f"{name}: " + "\n".join(checks[name].answer.lines()) + "\n")
+    proof = Proof(folder.model.name, checks)
+    return console.finish({**proof.to_json(), "altered": list(folder.altered)}, proof.clean)
 
 
 VERBS = {
