@@ -104,6 +104,20 @@ def test_sentences_are_folded_to_the_terminal_and_tables_are_not(
     assert max(map(len, capsys.readouterr().out.splitlines())) <= 60
 
 
+def test_options_out_of_range_are_said_before_the_computation(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fit = ["fit", "r.csv", "-o", "m.json", "--method", "batch", "--columns", "time=t,voltage=a,displacement=b"]
+    for option, said in (
+        (["--rules", "300"], "--rules 300: is not supported; choose 2 to 256"),
+        (["--jitter", "-1"], "jitter: -1 is no share of the sampling period"),
+    ):
+        assert main([*fit, *option]) == 2
+        err = capsys.readouterr().err
+        assert said in err
+        assert "rules see fewer" not in err
+    assert main([*fit, "--input-range", "-1000", "1000"]) == 0
+    assert "--input-range: 2000 V is more than 2 times" in capsys.readouterr().err
+
+
 def test_schemas_are_listed_printed_and_exist_for_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["schema"]) == 0
     listed = capsys.readouterr().out.split()

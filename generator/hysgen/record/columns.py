@@ -152,7 +152,7 @@ class Columns:
 def nearest(name: str, there: Iterable[str]) -> str:
     """The text " (did you mean 'x'?)" with the name in `there` of closest spelling, or "" if none is close."""
     by_spelling = {one.lower(): one for one in there}
-    close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.6)
     return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""
 
 

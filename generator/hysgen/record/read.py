@@ -46,6 +46,8 @@ def load_record(
     Nothing in the files can run code. Raises RecordError with one line: file, row, field, fault and cure.
     """
     columns = columns_of(columns)
+    if not 0.0 <= jitter < 1.0:
+        raise RecordError(f"jitter: {jitter:g} is no share of the sampling period; choose 0 to below 1")
     if hasattr(path, "columns"):
         raise RecordError("a DataFrame is no file; give it to Record.from_dataframe")
     try:

@@ -26,7 +26,7 @@ from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.compare import Comparison, compare
 from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, model_to_json, save_model
-from hysgen.model.model import Model
+from hysgen.model.model import MOST_RULES, Model
 from hysgen.model.scores import score_identification
 from hysgen.record import Record, check_for_fit
 from hysgen.report.words import price_of, verdict
@@ -47,6 +47,9 @@ the record is diagnosed, and nothing is written unless --anyway is given.
 """
 DIFF_HELP = """\
 Say what moved from one model to another of the same structure, in physical terms and rule by rule."""
+
+FAR = 2.0
+"""Range of the input, relative to that of the record, beyond which --input-range is warned of."""
 
 FIT_EXAMPLES = (
     "hysgen fit record.csv --memory -o stage.json",
@@ -118,7 +121,16 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
         memory=None if arguments.memory is None else PathSize(plays=arguments.memory),
         certified=not arguments.uncertified,
     )
+    if not 2 <= settings.rules <= MOST_RULES:
+        raise HysgenError(f"--rules {settings.rules}: is not supported; choose 2 to {MOST_RULES}")
     low_V, high_V = record.u_range_V
+    if settings.input_range_V is not None:
+        wanted_V = settings.input_range_V[1] - settings.input_range_V[0]
+        if wanted_V > FAR * (high_V - low_V):
+            console.warn(
+                f"--input-range: {wanted_V:.4g} V is more than {FAR:g} times the {high_V - low_V:.4g} V of the record; "
+                "outside the record the model extrapolates"
+            )
     parameters = 3 * settings.rules
     if settings.memory is not None:
         parameters += settings.memory.operator(low_V, high_V).size
