@@ -174,7 +174,7 @@ def test_no_command_makes_link_idle_loop_and_interrupt_fail() -> None:
 @pytest.mark.parametrize(
     ("entry", "options", "change"),
     [
-        (IMAGE_ENTRY, OPTIONS, ("crc32.c", "crc & 15u", "crc & 31u")),
+        (IMAGE_ENTRY, OPTIONS, ("store.c", "1u - first", "2u - first")),
         (FRAME_ENTRY, UNROLLED, ("frame.c", "self->count < FRAME_BYTES", "self->count <= FRAME_BYTES")),
         (FRAME_ENTRY, UNROLLED, ("frame.c", "count < FRAME_PAYLOAD", "count < FRAME_WIRE")),
     ],
