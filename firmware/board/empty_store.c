@@ -1,7 +1,6 @@
-/* empty_store.c: a parameter store without memory, of the simulator's board and of the C6748's until it is replaced.
+/* empty_store.c: a parameter store without memory, of the simulator's board, and for a board without flash in place of c6748/flash.c.
  *
- * On your board: two sectors of flash. Without them nothing survives power off, and images are refused with
- * IMAGE_NOT_STORED; reading gives erased memory. */
+ * Nothing survives power off, and images are refused with IMAGE_NOT_STORED; reading gives erased memory. */
 
 #include "board.h"
 

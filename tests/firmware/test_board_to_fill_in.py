@@ -14,7 +14,7 @@ import pytest
 
 from fixtures.firmware_bench import WARNINGS
 from hysgen.errors import BuildError
-from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, TARGET_BOARD, read_sources
+from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 
 C6X = """
@@ -60,6 +60,15 @@ volatile uint32_t *chip_register(uint32_t address)
     }
     return &place_value[i];
 }
+/* A word on the bus, and the number of words read or written. */
+uint16_t bus_word;
+uint32_t bus_address, bus_count;
+volatile uint16_t *chip_bus(uint32_t address)
+{
+    bus_address = address;
+    bus_count += 1u;
+    return &bus_word;
+}
 uint32_t board_bytes(void);
 uint32_t board_bytes(void) { return (uint32_t)sizeof(board_t); }
 void board_clear(board_t *board);
@@ -75,7 +84,10 @@ typedef struct board board_t;
 uint32_t chip_start(uint32_t);
 void chip_start_sampling(uint32_t);
 volatile uint32_t *chip_register(uint32_t);
-extern uint32_t log_address[8192], log_count, places, stuck;
+extern uint32_t log_address[8192], log_count, places, stuck, bus_address, bus_count;
+extern uint16_t bus_word;
+float board_displacement_um(board_t *);
+void board_voltage(board_t *, float);
 void board_line_serve(board_t *);
 uint32_t board_line_read(board_t *, uint8_t *, uint32_t);
 uint32_t board_line_write(board_t *, const uint8_t *, uint32_t);
@@ -87,12 +99,12 @@ uint32_t board_bytes(void);
 void board_clear(board_t *);
 """
 PLL, PSC0, PSC1, SYSCFG, UART, GPIO = 0x01C11000, 0x01C10000, 0x01E27000, 0x01C14000, 0x01D0D000, 0x01E26000
-TIMER0, TIMER1 = 0x01C20000, 0x01C21000
+TIMER0, TIMER1, SPI1 = 0x01C20000, 0x01C21000, 0x01F0E000
 
 
 def compiled(period_ns: int = 20_000) -> Library:
     """The board's library for a model of this sampling period."""
-    board = [(name, text) for name, text in read_sources(TARGET_BOARD) if name != "main.c"] + read_sources(*EMPTY_STORE)
+    board = [(name, text) for name, text in read_sources(TARGET_BOARD) if name != "main.c"]
     headers = [(name, text) for name, text in read_sources(CONTROLLER) if name in ("board.h", "number.h")]
     own = [("c6x.h", C6X), ("registers.c", REGISTERS)]
     model = ("model.h", f"#define MODEL_PERIOD_NS {period_ns}u\n")
@@ -137,10 +149,10 @@ def test_start_up_gives_375_MHz_power_pins_bus_and_line() -> None:
     # Out of reset, powered, not disabled, selected; the core undivided, UART2 at half, the bus at a quarter.
     assert chip[PLL + 0x100] & 0x13B == 0x009
     assert [chip[PLL + place] for place in (0x118, 0x11C, 0x120, 0x128)] == [0x8000, 0x8001, 0x8003, 0x8000]
-    for psc, module in ((PSC0, 3), (PSC1, 3), (PSC1, 13)):
+    for psc, module in ((PSC0, 3), (PSC1, 3), (PSC1, 13), (PSC1, 10)):
         assert chip[psc + 0xA00 + 4 * module] & 0x1F == 3
-    # UART2 on PINMUX4, GP0[0] to GP0[2] on PINMUX1, the bus on 5, 7, 8, 9.
-    pins = {1: 0x88800000, 4: 0x00220000, 5: 0x11000000, 7: 0x00110011, 8: 0x11111111, 9: 0x11111111}
+    # UART2 and the timer's pin on PINMUX4, GP0[0] to GP0[3] on PINMUX1, SPI1 on 5, the bus on 5, 7, 8, 9.
+    pins = {1: 0x88880000, 4: 0x00220002, 5: 0x11110110, 7: 0x00110011, 8: 0x11111111, 9: 0x11111111}
     assert {place: chip[SYSCFG + 0x120 + 4 * place] for place in pins} == pins
     divisor = chip[UART + 0x20] + 256 * chip[UART + 0x24]
     assert 187_500_000 / (16 * divisor) == pytest.approx(115_200, rel=0.01)
@@ -169,7 +181,7 @@ def test_a_device_without_power_is_told_and_does_not_hang_the_start() -> None:
 def test_sampling_starts_behind_a_running_watchdog() -> None:
     chip = Chip()
     chip.lib.chip_start_sampling(500)
-    assert (chip[TIMER0 + 0x18], chip[TIMER0 + 0x20]) == (499, 0x80)
+    assert (chip[TIMER0 + 0x18], chip[TIMER0 + 0x20]) == (499, 0xB0)
     assert chip[0x01800104] & 0x7F == 4
     # 64-bit watchdog mode, 10 ms of the crystal, armed by both words.
     assert (chip[TIMER1 + 0x24], chip[TIMER1 + 0x18], chip[TIMER1 + 0x28]) == (0x0B, 250_000, 0xDA7E4000)
@@ -235,9 +247,44 @@ def test_a_byte_that_finds_the_buffer_full_is_lost_and_no_other() -> None:
     assert list(data[0:256]) == [byte & 0xFF for byte in range(256)]
 
 
-def test_without_a_flash_driver_nothing_claims_to_be_stored() -> None:
+def test_the_flash_gets_mode_0_of_8_bits_below_10_MHz() -> None:
     chip = Chip()
+    assert chip.lib.chip_start(4) == 0
+    format_0 = chip[SPI1 + 0x50]
+    assert (format_0 & 0x1F, format_0 >> 16) == (8, 1)
+    assert 187_500_000 / ((format_0 >> 8 & 0xFF) + 1) == pytest.approx(10_000_000, rel=0.02)
+    # Out of reset, master, on; SIMO, SOMI, CLK and SCS[0] are pins of SPI1, the last one high at rest.
+    assert (chip[SPI1], chip[SPI1 + 4], chip[SPI1 + 0x14], chip[SPI1 + 0x4C]) == (1, 0x01000003, 0xE01, 1)
+
+
+def test_with_spi_that_does_not_answer_nothing_claims_to_be_stored() -> None:
+    chip = Chip()
+    chip[SPI1 + 0x40] = 0x8000_0000
     assert chip.lib.board_store_write(chip.board, 0, 0, b"\0\0\0\0", 4) == 0
+
+
+@pytest.mark.parametrize(("word", "reading_um"), [(0, 4.916), (0x7FFF, 13.10775), (0x8000, -3.276), (0xFFFF, 4.91575)])
+def test_a_word_of_the_converter_is_twos_complement(word: int, reading_um: float) -> None:
+    chip = Chip()
+    chip.lib.bus_word = word
+    assert chip.lib.board_displacement_um(chip.board) == pytest.approx(reading_um, abs=1e-6)
+    assert chip.lib.bus_address == 0x6000_0000
+
+
+def test_a_converter_that_stays_busy_gives_no_number_and_is_not_read() -> None:
+    chip = Chip()
+    chip[GPIO + 0x20] = 8
+    chip.lib.bus_count, chip.lib.log_count = 0, 0
+    assert np.isnan(chip.lib.board_displacement_um(chip.board))
+    assert chip.lib.bus_count == 0
+    assert 100 < len(chip.touched) < 400
+
+
+@pytest.mark.parametrize(("u_V", "code"), [(-20.0, 0), (120.0, 65535), (50.0, 32768), (-1e9, 0), (1e9, 65535)])
+def test_a_voltage_becomes_the_code_of_the_converter(u_V: float, code: int) -> None:
+    chip = Chip()
+    chip.lib.board_voltage(chip.board, u_V)
+    assert (chip.lib.bus_word, chip.lib.bus_address) == (code, 0x6200_0000)
 
 
 def test_a_model_of_another_sampling_period_does_not_compile_into_the_image() -> None:

@@ -57,7 +57,7 @@ def test_every_include_of_the_project_is_found_and_in_the_project(tmp_path: Path
             assert found[0] in files, f"{path.name}: {name} is found outside the project, in {found[0]}"
 
 
-@pytest.mark.parametrize("folder", ["controller", "models/extended", "board", "board/c6748"])
+@pytest.mark.parametrize("folder", ["controller", "models/extended", "board/c6748"])
 def test_no_source_of_the_firmware_is_missing(folder: str) -> None:
     listed = {entry.attrib["path"] for entry in project().iter("file")}
     assert {f"../{folder}/{path.name}" for path in (FIRMWARE / folder).glob("*.[ch]")} <= listed

@@ -1,4 +1,4 @@
-/* board.c: the C6748's board, to be filled in where board_type.h says so. The store is ../empty_store.c. */
+/* board.c: the C6748's board, to be filled in where board_type.h says so. The store is flash.c. */
 
 #include "board.h"
 
@@ -80,10 +80,20 @@ void board_start(board_t *board)
 
 float board_displacement_um(board_t *board)
 {
-    const uint32_t code = *(volatile uint16_t *)(uintptr_t)BOARD_ADC_ADDRESS;
+    uint32_t polls = 0u;
+    float reading_um = number_of(NUMBER_NAN);
 
     (void)board;
-    return BOARD_ADC_LOW_UM + BOARD_ADC_STEP_UM * (float)(int32_t)code;
+    while (((*chip_register(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_ADC_BUSY) != 0u) && (polls < BOARD_ADC_POLLS)) {
+        polls += 1u;
+    }
+    if (polls < BOARD_ADC_POLLS) {
+        /* Two's complement of 16 bits: as offset binary, less the offset. */
+        const uint32_t code = (uint32_t)*chip_bus(BOARD_ADC_ADDRESS) ^ 0x8000u;
+
+        reading_um = BOARD_ADC_ZERO_UM + BOARD_ADC_STEP_UM * (float)((int32_t)code - 0x8000);
+    }
+    return reading_um;
 }
 
 float board_reference_um(board_t *board)
@@ -105,7 +115,7 @@ void board_voltage(board_t *board, float u_V)
     const float code = number_limited((u_V - BOARD_DAC_LOW_V) * BOARD_DAC_PER_V + 0.5f, 0.0f, BOARD_DAC_CODES);
 
     (void)board;
-    *(volatile uint16_t *)(uintptr_t)BOARD_DAC_ADDRESS = (uint16_t)(int32_t)code;
+    *chip_bus(BOARD_DAC_ADDRESS) = (uint16_t)(int32_t)code;
 }
 
 uint32_t board_cycles(board_t *board)

@@ -6,13 +6,22 @@
 
 #include <stdint.h>
 
-/* Fill in: converters on the EMIFA bus, both with 16 bits, and the pins of the amplifier. On TI's LCDK chip select 3 is the NAND flash. */
-#define BOARD_ADC_ADDRESS      0x60000000u  /* chip select 2: one 16-bit word, offset binary */
-#define BOARD_DAC_ADDRESS      0x62000000u  /* chip select 3: one 16-bit word, offset binary */
+/* Converters on the EMIFA bus, 16 bits each. On TI's LCDK chip select 3 is the NAND flash.
+ *
+ * Chip select 2: Analog Devices AD7606C-16 (or AD7606B, AD7606), hardware mode, parallel, +-10 V, no oversampling: the sensor on V1, CONVST
+ * on TM64P0_OUT12, BUSY on GP0[3], RD on EMA_OE. Two's complement; the first read behind BUSY is V1.
+ * Chip select 3: Analog Devices AD5547 (or AD5546, one channel), four-quadrant, +-10 V: WR on EMA_CS3 or EMA_WE (both low), LDAC high, A0 and
+ * A1 to select one channel. Offset binary. */
+#define BOARD_ADC_ADDRESS      0x60000000u
+#define BOARD_DAC_ADDRESS      0x62000000u
+#define BOARD_ADC_BUSY         0x00000008u  /* GP0[3], input: 1 while it converts */
+#define BOARD_ADC_POLLS        200u         /* looks at BUSY, some 30 cycles each, until a conversion counts as failed: the reading is NaN */
+
+/* Fill in: scales and pins of the amplifier. */
 /* The amplifier's pins, all with pull-downs: a broken wire or an amplifier without power reads as failure and switches it off. */
 #define BOARD_AMPLIFIER_PINS   0x00000003u  /* GP0[0], input: 1 not at a limit; GP0[1], input: 1 no fault */
 #define BOARD_AMPLIFIER_ENABLE 0x00000004u  /* GP0[2], output: 1 on */
-#define BOARD_ADC_LOW_UM       -3.276f
+#define BOARD_ADC_ZERO_UM      4.916f       /* displacement at 0 V of the A/D */
 #define BOARD_ADC_STEP_UM      0.00025f
 #define BOARD_DAC_LOW_V        -20.0f
 #define BOARD_DAC_PER_V        468.107143f  /* 65535 codes over 140 V: 2.1 mV */

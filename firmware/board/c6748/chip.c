@@ -1,3 +1,18 @@
+/* chip.c: start-up of the C6748.
+ *
+ * Where the values come from. TI's SPRUH79 (technical reference manual) has one chapter per device; pages differ between its revisions,
+ * so each block below names the chapter and the register. Pins and modules were compared with two other users of the same numbers:
+ * Linux (arch/arm/mach-davinci/da850.c) and U-Boot (da850_pinmux.c, davinci_spi.h). None of it ran on silicon.
+ *
+ *   SYSCFG  "System Configuration (SYSCFG) Module": KICK0R, KICK1R, PINMUX0 .. 19, CFGCHIP0
+ *   PLL0    "Phase-Locked Loop Controller (PLLC)": PLLCTL, PLLM, POSTDIV, PLLDIV1 .. 7, PLLCMD, PLLSTAT
+ *   PSC     "Power and Sleep Controller (PSC)": PTCMD, PTSTAT, MDSTATn, MDCTLn; module numbers in the chapter's first table
+ *   EMIFA   "External Memory Interface A (EMIFA)": CE2CFG, CE3CFG
+ *   UART2   "Universal Asynchronous Receiver/Transmitter (UART)": IER, FCR, LCR, MCR, DLL, DLH, PWREMU_MGMT, MDR
+ *   SPI1    "Serial Peripheral Interface (SPI)": SPIGCR0, SPIGCR1, SPIPC0, SPIFMT0, SPIDELAY, SPIDEF
+ *   Timer   "64-Bit Timer Plus": TGCR, TCR, TIM12, PRD12, WDTCR
+ *   INTMUX  SPRUFK5 (megamodule), "Interrupt Controller": INTMUX1; events in SPRS590 (data sheet), "C6748 DSP interrupts" */
+
 #include "chip.h"
 
 #define SYSCFG0          0x01C14000u
@@ -34,6 +49,7 @@
 #define PSC_ON           3u
 #define PSC0_EMIFA       3u
 #define PSC1_GPIO        3u
+#define PSC1_SPI1        10u
 #define PSC1_UART2       13u
 
 #define EMIFA            0x68000000u
@@ -54,9 +70,9 @@ typedef struct {
 } chip_pins_t;
 
 static const chip_pins_t chip_pins[] = {
-    { 1u, 0xFFF00000u, 0x88800000u },  /* GP0[0], GP0[1], GP0[2] */
-    { 4u, 0x00FF0000u, 0x00220000u },  /* UART2_TXD, UART2_RXD */
-    { 5u, 0xFF000000u, 0x11000000u },  /* EMA_BA0, EMA_BA1 */
+    { 1u, 0xFFFF0000u, 0x88880000u },  /* GP0[0], GP0[1], GP0[2], GP0[3] */
+    { 4u, 0x00FF000Fu, 0x00220002u },  /* UART2_TXD, UART2_RXD; TM64P0_OUT12, which starts the A/D */
+    { 5u, 0xFFFF0FF0u, 0x11110110u },  /* EMA_BA0, EMA_BA1; SPI1_SIMO, SPI1_SOMI, SPI1_CLK, SPI1_SCS[0] */
     { 7u, 0x00FF00FFu, 0x00110011u },  /* EMA_CS2, EMA_CS3, EMA_WE, EMA_OE */
     { 8u, 0xFFFFFFFFu, 0x11111111u },  /* EMA_D8 .. EMA_D15 */
     { 9u, 0xFFFFFFFFu, 0x11111111u },  /* EMA_D0 .. EMA_D7 */
@@ -146,6 +162,21 @@ static void chip_start_line(void)
     chip_write(CHIP_UART2 + CHIP_UART_POWER, 0x6001u);        /* sender and receiver on; runs on while a debugger halts */
 }
 
+/* SPI1 as master, mode 0, 8 bits, the most significant first; chip select 0 is low from a byte with CHIP_SPI_HOLD to one without. */
+static void chip_start_flash(void)
+{
+    const uint32_t prescale = (CHIP_CORE_HZ / 2u) / CHIP_FLASH_HZ;
+
+    chip_write(CHIP_SPI1 + CHIP_SPI_GCR0, 0u);                /* reset */
+    chip_write(CHIP_SPI1 + CHIP_SPI_GCR0, 1u);
+    chip_write(CHIP_SPI1 + CHIP_SPI_GCR1, 0x00000003u);       /* master, clock of its own */
+    chip_write(CHIP_SPI1 + CHIP_SPI_PC0, 0x00000E01u);        /* SIMO, SOMI, CLK, SCS[0] are SPI pins */
+    chip_write(CHIP_SPI1 + CHIP_SPI_FMT0, 0x00010008u | (prescale << 8));
+    chip_write(CHIP_SPI1 + CHIP_SPI_DELAY, 0x0A0A0000u);      /* chip select to clock and back: 53 ns */
+    chip_write(CHIP_SPI1 + CHIP_SPI_DEF, 0x00000001u);        /* SCS[0] high between transfers */
+    chip_write(CHIP_SPI1 + CHIP_SPI_GCR1, 0x01000003u);       /* on */
+}
+
 /* Timer64P1 as a watchdog of 64 bits. Behind the second word nothing but board_alive keeps the chip from a reset. */
 static void chip_start_watchdog(void)
 {
@@ -176,10 +207,11 @@ uint32_t chip_start(uint32_t outputs)
     for (uint32_t i = 0u; i < (uint32_t)(sizeof chip_pins / sizeof chip_pins[0]); ++i) {
         chip_change(SYSCFG0 + SYSCFG_PINMUX + 4u * chip_pins[i].pinmux, chip_pins[i].mask, chip_pins[i].function);
     }
-    power &= chip_power(PSC0, PSC0_EMIFA) & chip_power(PSC1, PSC1_UART2);
+    power &= chip_power(PSC0, PSC0_EMIFA) & chip_power(PSC1, PSC1_UART2) & chip_power(PSC1, PSC1_SPI1);
     chip_write(EMIFA + EMIFA_CE2CFG, EMIFA_BUS);
     chip_write(EMIFA + EMIFA_CE3CFG, EMIFA_BUS);
     chip_start_line();
+    chip_start_flash();
     return (clock == 0u) ? 1u : ((power == 0u) ? 2u : 0u);
 }
 
@@ -191,5 +223,5 @@ void chip_start_sampling(uint32_t period)
     chip_write(CHIP_TIMER0 + CHIP_TIMER_PRD12, period - 1u);
     chip_change(INTC_INTMUX1, 0x7Fu, EVENT_TIMER0);
     chip_start_watchdog();
-    chip_write(CHIP_TIMER0 + CHIP_TIMER_TCR, 0x80u);          /* continuous */
+    chip_write(CHIP_TIMER0 + CHIP_TIMER_TCR, 0xB0u);          /* continuous; the pin is high for 4 ticks */
 }

@@ -1,7 +1,7 @@
 /* chip.h: the C6748's own devices, from reset to sampling, and the registers that board.c uses.
  *
  * Names and values after TI's SPRUH79 (technical reference), SPRS590 (data sheet: limits of clocks) and SPRUFK5 (megamodule). None
- * of it ran on silicon; tests/firmware/test_chip.py holds every write against a model of the registers. */
+ * of it ran on silicon; tests/firmware/test_board_to_fill_in.py holds every write against a model of the registers. */
 
 #ifndef CHIP_H
 #define CHIP_H
@@ -14,6 +14,7 @@
 #define CHIP_MULTIPLIER      15u          /* PLL0: 375 MHz, inside 300 .. 600 */
 #define CHIP_CORE_HZ         (CHIP_OSCILLATOR_HZ * CHIP_MULTIPLIER)
 #define CHIP_LINE_HZ         115200u
+#define CHIP_FLASH_HZ        10000000u
 
 #define CHIP_TIMER0          0x01C20000u  /* sampling */
 #define CHIP_TIMER1          0x01C21000u  /* watchdog */
@@ -42,6 +43,19 @@
 #define CHIP_UART_RECEIVED   0x01u
 #define CHIP_UART_EMPTY      0x20u
 
+#define CHIP_SPI1            0x01F0E000u  /* flash on chip select 0 */
+#define CHIP_SPI_GCR0        0x00u
+#define CHIP_SPI_GCR1        0x04u
+#define CHIP_SPI_PC0         0x14u
+#define CHIP_SPI_DAT1        0x3Cu
+#define CHIP_SPI_BUF         0x40u
+#define CHIP_SPI_DELAY       0x48u
+#define CHIP_SPI_DEF         0x4Cu
+#define CHIP_SPI_FMT0        0x50u
+#define CHIP_SPI_HOLD        0x10000000u  /* DAT1: the chip select stays active behind this byte */
+#define CHIP_SPI_FULL        0x20000000u  /* BUF: the byte before is not sent yet */
+#define CHIP_SPI_EMPTY       0x80000000u  /* BUF: nothing received */
+
 #define CHIP_GPIO            0x01E26000u
 #define CHIP_GPIO_DIRECTION  0x10u        /* banks 0 and 1; 1: input */
 #define CHIP_GPIO_SET        0x18u
@@ -51,18 +65,25 @@
 #if defined(CHIP_MODEL)
 /* A test's model of the registers in place of the chip. */
 volatile uint32_t *chip_register(uint32_t address);
+volatile uint16_t *chip_bus(uint32_t address);
 #else
 static inline volatile uint32_t *chip_register(uint32_t address)
 {
     return (volatile uint32_t *)(uintptr_t)address;
 }
+
+/* A word on the 16-bit bus. */
+static inline volatile uint16_t *chip_bus(uint32_t address)
+{
+    return (volatile uint16_t *)(uintptr_t)address;
+}
 #endif
 
-/* Behind reset: clocks, pins, power of the devices, bus, line, amplifier's pins, watchdog. outputs: pins of GPIO bank 0 that drive;
+/* Behind reset: clocks, pins, power of the devices, bus, line, flash, amplifier's pins, watchdog. outputs: pins of GPIO bank 0 that drive;
  * they are low. Returns 0, or the number of the step that did not finish: 1 PLL, 2 power of a device. */
 uint32_t chip_start(uint32_t outputs);
 
-/* Timer64P0 as one 32-bit timer of `period` oscillator ticks, to interrupt 4. */
+/* Timer64P0 as one 32-bit timer of `period` oscillator ticks, to interrupt 4 and, as a pulse of 4 ticks, to its pin. */
 void chip_start_sampling(uint32_t period);
 
 #endif

@@ -12,7 +12,7 @@ HOST_BOARD: Final = "board/host"
 SIMULATOR_BOARD: Final = "board/simulator"
 TARGET_BOARD: Final = "board/c6748"
 EMPTY_STORE: Final = ("board", "empty_store.c")
-"""Folder and name of the parameter store without memory, which SIMULATOR_BOARD and TARGET_BOARD share."""
+"""Folder and name of the parameter store without memory, of SIMULATOR_BOARD and of boards without flash."""
 
 Sources = list[tuple[str, str]]
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 from hysgen.c674x import toolchain
 from hysgen.c674x.toolchain import Firmware
 from hysgen.codegen.manifest import c_files
-from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, TARGET_BOARD, read_sources
+from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
 
 MEMORIES: Final = {"L2 RAM": (0x11800000, 256 * 1024), "shared RAM": (0x80000000, 128 * 1024)}
 """Memories of the C6748 by name: first address, bytes."""
@@ -61,8 +61,7 @@ def link_image(name: str, texts: Mapping[str, str]) -> LinkedImage:
     """
     generated = list(c_files(texts).items())
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
-    board = [*read_sources(TARGET_BOARD, "*.[chs]"), *read_sources(*EMPTY_STORE)]
-    sources = [*read_sources(CONTROLLER), *board, *generated]
+    sources = [*read_sources(CONTROLLER), *read_sources(TARGET_BOARD, "*.[chs]"), *generated]
     firmware = toolchain.compile(sources, script=script)
     sections = tuple(
         PlacedSection(each.name, each.address, each.size, _memory(each.address))
