@@ -89,9 +89,11 @@ float board_displacement_um(board_t *board)
     }
     if (polls < BOARD_ADC_POLLS) {
         /* Two's complement of 16 bits: as offset binary, less the offset. */
-        const uint32_t code = (uint32_t)*chip_bus(BOARD_ADC_ADDRESS) ^ 0x8000u;
+        const uint16_t word = *chip_bus(BOARD_ADC_ADDRESS);
+        const uint32_t code = (uint32_t)word ^ 0x8000u;
+        const int32_t steps = (int32_t)code - 0x8000;
 
-        reading_um = BOARD_ADC_ZERO_UM + BOARD_ADC_STEP_UM * (float)((int32_t)code - 0x8000);
+        reading_um = BOARD_ADC_ZERO_UM + BOARD_ADC_STEP_UM * (float)steps;
     }
     return reading_um;
 }
