@@ -80,7 +80,9 @@ class Columns:
         given: dict[str, Any] = {}
         for pair in re.findall(r"(?:\[[^\]]*\]|[^,\[])+", text):
             key, equals, value = (part.strip() for part in pair.partition("="))
-            if key not in known or not equals:
+            if key in known and not equals:
+                raise RecordError(f"columns: '{key}' has no value; write {key}=NAME")
+            if key not in known:
                 raise RecordError(
                     f"columns: '{pair.strip()}' is not understood{nearest(key, known)}; "
                     f"write key=value with a key out of {', '.join(known)}"
