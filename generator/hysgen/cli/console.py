@@ -65,7 +65,7 @@ class Console:
         self._progress.stop()
 
     def _width(self) -> int | None:
-        """Columns of the terminal; None where the text goes to a file, unless COLUMNS says how wide it may be."""
+        """Columns of the terminal; None for output to a file, unless the environment variable COLUMNS is set."""
         if self.out.isatty() or os.environ.get("COLUMNS", "").isdecimal():
             return max(shutil.get_terminal_size().columns, 40)
         return None

@@ -15,7 +15,7 @@ SECONDS: Final = 2.0
 SECONDS_ON_TERMINAL: Final = 0.5
 
 LEAST_SECONDS: Final = 3.0
-"""Seconds from which on a line says how many have passed and are left."""
+"""Run time in seconds from which on a line states the time passed and the time left."""
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""The project file: options of the command line that stand in `hysgen.toml` of the working folder.
+"""The project file: options of the command line, read from `hysgen.toml` in the working folder.
 
     [record]                    options of every verb that reads a record
     columns = "voltage=U [V],displacement=Sensor [nm],time=t [ms]"

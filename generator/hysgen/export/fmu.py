@@ -32,7 +32,7 @@ HEADERS: Final = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-"""Headers of the FMI standard, under the 2-clause BSD licence that stands in them."""
+"""Headers of the FMI standard; each states its 2-clause BSD licence."""
 
 _FLAGS: Final = ("-std=c99", "-O2", "-fPIC", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)

@@ -17,7 +17,7 @@ MOST_COLUMNS = 64
 
 
 def chosen_arrays(source: str, file: FileArrays, columns: Columns) -> tuple[Columns, float | None, str]:
-    """The columns with an array for each role that the user did not name; the period in s; a line that says so.
+    """The columns with an array for each role that the user did not name; the period in s; a message that states them.
 
     A matrix without other arrays is a table: the first column that rises is time, then voltage, then displacement.
     """

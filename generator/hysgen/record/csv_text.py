@@ -51,8 +51,8 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     if columns.Ts_s is None and layout.Ts_s is not None and not _has_time(layout):
         columns = replace(columns, Ts_s=layout.Ts_s, time="")
     columns, guess = guessed(columns, layout.names, source) if layout.headed else _by_position(columns, layout, source)
-    told = {role: layout.units.get(getattr(columns, role)) for role in ROLES}
-    units = {role: unit for role, unit in told.items() if unit and getattr(columns, f"{role}_unit") is None}
+    stated = {role: layout.units.get(getattr(columns, role)) for role in ROLES}
+    units = {role: unit for role, unit in stated.items() if unit and getattr(columns, f"{role}_unit") is None}
     columns = columns.named({}, units)
     for role in ROLES:
         try:

@@ -97,7 +97,7 @@ def words_of(name: str) -> tuple[str, ...]:
 
 
 def guessed(columns: Columns, names: Sequence[str], source: str) -> tuple[Columns, str]:
-    """The columns with every role found among `names`, and a line that says so; "" if nothing was guessed.
+    """The columns with every role found among `names`, and a message that states them; "" if nothing was guessed.
 
     A role that the user named is kept.
     Raises RecordError for a role that two columns suit equally well.

@@ -20,7 +20,7 @@ from hysgen.record.channels import Channels
 Floats = NDArray[np.float64]
 
 FEWEST = 200
-"""Samples below which a correlation says nothing."""
+"""Fewest samples for which a correlation is significant."""
 
 WINDOWS = 16
 """Windows of a coherence, which overlap by half."""

@@ -19,7 +19,7 @@ UNITS = ("varUnits", "VariableUnits")
 def read_tables(path: Path) -> tuple[dict[str, Array], dict[str, str]]:
     """The columns of all tables and timetables of a MAT file as "table/column", and their units.
 
-    The times of the rows are "table/Time" in s: of a duration as they stand, of dates since the first row.
+    The times of the rows are "table/Time" in s: durations unchanged, dates relative to the first row.
     Raises RecordError without mat-io and for a file whose objects are no tables.
     """
     try:

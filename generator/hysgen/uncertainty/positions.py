@@ -33,7 +33,7 @@ HOLD_S: Final = 0.01
 
 FEWEST_SAMPLES: Final = 16
 APPROACHES: Final = 5
-"""Approaches of a level from either side that ISO 230-2 asks for; fewer are said."""
+"""Approaches of a level from either side that ISO 230-2 demands; a smaller number stands beside the result."""
 
 _SAME_LEVEL: Final = 1e-3
 """Voltages within this part of the range are one level."""

@@ -38,7 +38,7 @@ MEASURAND = "displacement that the model states for a sample (free run)"
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a budget is made of. residual_um: (n,) free run minus reading on rows that no fit has seen.
+    """The inputs of a budget. residual_um: (n,) free run minus reading, on rows without part in any fit.
 
     fitted: rows of the identification; parameters: numbers fitted to them. drift_um: largest change of the displacement
     since the record, None if unknown. actions_um: cause and a_i, (n,), in ladder order. left_um: cause that is not in
