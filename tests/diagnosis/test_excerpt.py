@@ -12,7 +12,7 @@ from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
-from hysgen.diagnosis.excerpt import BLOCKS, MOST_SAMPLES, excerpt, remembered
+from hysgen.diagnosis.excerpt import BLOCKS, LONG, MOST_SAMPLES, excerpt, remembered
 from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_fit
 from hysgen.machine.kernels import play_operators
 from hysgen.studies.bank.excitation import good
@@ -79,7 +79,7 @@ def test_a_rare_fast_step_is_in_a_block() -> None:
 
 
 def test_a_short_record_is_its_own_excerpt() -> None:
-    short = long_scene(good(np.random.default_rng(3), MOST_SAMPLES, 0.0, 100.0))
+    short = long_scene(good(np.random.default_rng(3), LONG, 0.0, 100.0))
     assert excerpt(short, 3.0) is short
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.bootstrap import Gain
 from hysgen.diagnosis.causes import Estimate
+from hysgen.diagnosis.identifiability import Ability
 from hysgen.model.model import Model
 from hysgen.record.noise import NoiseFloor
 
@@ -123,6 +124,7 @@ class Diagnosis:
     base_rms_um, extended_rms_um: free-run rms of the first and of the last rung on the held-out rows `held_rows`.
     persistence_um: rms of the one-step error of y(k+1) = y(k), held out. probe_rms_um: of the probe on its fitted rows.
     unexplained_fraction: part of the base error's power above the noise floor that remains; 0 if no power is above it.
+    abilities: for every cause, whether this record could show it, from which size on, and what hides it.
     next_experiment: excitation that distinguishes causes which this record cannot distinguish; may be empty.
     """
 
@@ -136,6 +138,7 @@ class Diagnosis:
     noise: NoiseFloor
     persistence_um: float
     unexplained_fraction: float
+    abilities: tuple[Ability, ...]
     next_experiment: str
     errors_um: tuple[tuple[str, Floats], ...] = field(repr=False)
     held_rows: NDArray[np.intp] = field(repr=False)
@@ -172,6 +175,7 @@ class Diagnosis:
             "noise_floor_from": self.noise.source,
             "unexplained_fraction": self.unexplained_fraction,
             "next_experiment": self.next_experiment,
+            "could_show": [ability.to_json() for ability in self.abilities],
             "not_named": [{"name": refused.name, "why": refused.why} for refused in self.refused],
             "probe_rms_um": _finite(self.probe_rms_um),
             "missing_certificates": list(self.missing_certificates),

@@ -73,6 +73,7 @@ class Study(Displayed):
         notes += [cause.why_not_extended for cause in diagnosis.causes if cause.why_not_extended]
         if diagnosis.missing_certificates:
             notes.append(f"not certified in the extended model: {', '.join(diagnosis.missing_certificates)}")
+        notes += [f"could show {one.name}: {one.text()}" for one in diagnosis.abilities if one.verdict != "named"]
         notes += [f"unknown: {diagnosis.unknown}"] if diagnosis.unknown else []
         notes += [f"next experiment: {diagnosis.next_experiment}"] if diagnosis.next_experiment else []
         return Summary(f"Diagnosis of {self.record.source}: {named}", LADDER, self.ladder(), notes)

@@ -25,18 +25,20 @@ Rows = NDArray[np.intp]
 
 _NO_ROWS: Rows = np.zeros(0, dtype=np.intp)
 
-MOST_SAMPLES = 12_000
-"""Samples of a record above which the search looks at an excerpt; 8000 of them are fitted (`search.MOST_ROWS`)."""
+LONG, MOST_SAMPLES = 20_000, 12_000
+"""Samples of a record above which the search looks at an excerpt, and samples of the excerpt; 8000 of them are fitted
+(`search.MOST_ROWS`). A shorter record is simulated in less than twice the time of its excerpt."""
 
 BLOCKS = 6
-"""Blocks of an excerpt without a coarse run: enough to tell a ramp from a course that slows down."""
+"""Blocks of an excerpt: enough to tell a ramp from a course that slows down."""
 
 COARSE_SHARE = 0.5
-"""Share of MOST_SAMPLES that a coarse run takes; the same share of the blocks then remains."""
+"""Share of MOST_SAMPLES that a coarse run takes; the blocks are then shorter by this share."""
 
-STRAIGHT = 2e-4
+STRAIGHT = 2e-5
 """Largest distance of a command or channel from the straight line between two samples of a coarse run, as a share of
-its range, at which the samples are fitted: the response is then wrong by less, which is a good sensor's noise."""
+its range, at which the samples are fitted. The response is wrong by less, and the noise of a good sensor is larger; the
+error has the sign of the curvature, so a larger one would be taken for a shorter lag."""
 
 FEWEST_STRAIGHT = 0.5
 """Least share of the samples of a coarse run that are fitted; otherwise the samples must be closer together."""
@@ -77,20 +79,21 @@ class _Block:
 def excerpt(scene: Scene, lag: float) -> Scene:
     """The scene on parts of its samples; the scene itself if it has at most MOST_SAMPLES. lag: in samples.
 
-    The first and the last block are those of the first and last fitted rows; each further one has the most classes of
-    level and rate that the blocks before it lack, and of several such blocks it is the farthest from them.
+    The first and the last block are those of the first and last fitted rows; each further one has the fastest classes
+    of level and rate that the blocks before it lack, and of several such blocks it is the farthest from them.
     """
     length = max(MOST_SAMPLES // BLOCKS, math.ceil(FADING_LAGS * lag / LONGEST_FADING))
-    if scene.samples <= max(MOST_SAMPLES, BLOCKS * length):
+    if scene.samples <= max(LONG, BLOCKS * length):
         return scene
     fading = max(math.ceil(FADING_LAGS * lag), math.ceil(LEAST_FADING * length))
     coarse = _coarse_run(scene, fading)
-    count = BLOCKS if coarse is None else round((1.0 - COARSE_SHARE) * BLOCKS)
+    if coarse is not None:
+        length = max(round((1.0 - COARSE_SHARE) * length), math.ceil(fading / LONGEST_FADING))
     left = _blocks(scene, length, fading)
     chosen = [left.pop(0), left.pop(-1)]
-    while len(chosen) < count and left:
+    while len(chosen) < BLOCKS and left:
         covered = frozenset[int]().union(*(block.covers for block in chosen))
-        best = max(left, key=lambda block: (len(block.covers - covered), _distance(block, chosen)))
+        best = max(left, key=lambda block: (_worth(block.covers - covered), _distance(block, chosen)))
         left.remove(best)
         chosen.append(best)
     parts = [_part_of(scene, block, fading) for block in _joined(chosen)]
@@ -153,8 +156,13 @@ def _strided(run: Trace, first: int, stride: int, count: int) -> Trace:
     u_V[turns // stride] = whole[turns]
     at = slice(first, first + count * stride, stride)
     aux = {name: values[at] for name, values in run.aux.items()}
-    past = history(run.u_V, first)
-    return Trace(u_V, run.y_um[at], aux, run.start, past, len(run.u_V), stride)
+    cells = np.lib.stride_tricks.sliding_window_view(np.append(run.u_V[first:], np.full(stride, run.u_V[-1])), stride)
+    mean_V = cells[: count * stride : stride].mean(axis=1)[: len(u_V)]
+    step_V = np.append(np.diff(u_V), 0.0)
+    # A command that is held for a period is half a period behind the line.
+    share = (mean_V - u_V) / np.where(step_V == 0.0, np.inf, step_V) + 0.5 / stride
+    share = np.where(np.abs(step_V) > STRAIGHT * np.ptp(run.u_V), share.clip(0.0, 1.0), 0.5)
+    return Trace(u_V, run.y_um[at], aux, run.start, history(run.u_V, first), len(run.u_V), stride, share)
 
 
 def _blocks(scene: Scene, length: int, fading: int) -> list[_Block]:
@@ -182,6 +190,11 @@ def _blocks(scene: Scene, length: int, fading: int) -> list[_Block]:
                     found.append(_Block(number, first, last, frozenset(kind[rows].tolist())))
         offset += n
     return found
+
+
+def _worth(classes: frozenset[int]) -> float:
+    """Sum of the rates of classes in powers of two: a step shows lag, delay and modes, and a plateau nothing fast."""
+    return float(sum(2 ** abs(one % (2 * RATES + 1) - RATES) for one in classes))
 
 
 def _distance(block: _Block, chosen: list[_Block]) -> float:

@@ -16,6 +16,7 @@ from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order, slow_causes
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
+from hysgen.diagnosis.identifiability import Ability, abilities
 from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder
 from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
@@ -72,6 +73,7 @@ class Naming:
     whole: residual of the probe over all rows of the identification part.
     agreed: named causes in ladder order: evidence, need and gain hold. alone: gain of each extension beside all others.
     refused: the other causes of the chain, with the reason. unknown: description of structure that is left, or None.
+    abilities: what the record can tell about every cause.
     """
 
     prepared: Prepared
@@ -84,6 +86,7 @@ class Naming:
     refused: list[Refused]
     noise: NoiseFloor
     unknown: str | None
+    abilities: tuple[Ability, ...]
     next_experiment: str
 
     @property
@@ -184,6 +187,7 @@ def name_causes(
         refused,
         noise,
         unexplained_structure(prepared, whole, noise),
+        abilities(Residual(found.scene, found.fit), whole, dict.fromkeys(agreed)),
         next_experiment(prepared),
     )
 
@@ -375,6 +379,7 @@ def _scored(naming: Naming, ladder: Pruned, settings: DiagnoseSettings) -> Diagn
         noise=noise,
         persistence_um=rms(steps[held]),
         unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above if above > 0.0 else 0.0,
+        abilities=naming.abilities,
         next_experiment=naming.next_experiment,
         errors_um=tuple((" + ".join(rung.causes) or "paper model", rung.error_um) for rung in rungs),
         held_rows=held,

@@ -162,6 +162,8 @@ def _causes(study: Study) -> PageSection:
     if diagnosis.unknown:
         rows.append(["unknown", f"{100 * diagnosis.unexplained_fraction:.1f} %", "", diagnosis.unknown, ""])
     tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
+    shown = [[one.name, one.text()] for one in diagnosis.abilities]
+    tables.append(PageTable(["cause", "could this record show it?"], shown, "What this record can tell", left=2))
     if diagnosis.refused:
         refused = [[item.name, item.why] for item in diagnosis.refused]
         tables.append(PageTable(["cause", "why not"], refused, "Examined and not named", left=2))

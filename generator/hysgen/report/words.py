@@ -56,6 +56,7 @@ def diagnosis_text(study: Study) -> str:
     ]
     evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in diagnosis.causes]
     evidence += [f"not named: {refused.name}: {refused.why}" for refused in diagnosis.refused]
+    evidence += [f"could show {one.name}: {one.text()}" for one in diagnosis.abilities if one.verdict != "named"]
     if evidence:
         blocks.append("\n".join(evidence))
     header = ["error rms by", "paper's model", *(["extended"] if study.improved else [])]

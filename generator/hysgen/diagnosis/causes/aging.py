@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors, whitened_fit
@@ -61,6 +61,7 @@ class GainChange(Correction):
 class AgingCause(Cause):
     name = "aging"
     rank = 100
+    experiment = "record longer, over the whole range"
     slow = True
     part = AgingPart
 
@@ -79,6 +80,9 @@ class AgingCause(Cause):
     def select_starts(self, candidates: list[Fit]) -> list[Fit]:
         """The best start of each sign, because a refinement may not change the sign (STARTING_CHANGES)."""
         return list({candidate.chain.gain_per_s > 0.0: candidate for candidate in reversed(candidates)}.values())
+
+    def effect(self, residual: Residual) -> Effect:
+        return Effect("1/s", residual.scene.time_s * np.concatenate(residual.responses(residual.fit.chain)))
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The change of the gain divided by its standard error, by the whitened fit."""

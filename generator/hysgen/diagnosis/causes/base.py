@@ -7,6 +7,7 @@ A cause is named only if two criteria hold: the error of the probe on the checki
 from __future__ import annotations
 
 import abc
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -46,6 +47,10 @@ class Residual:
         rows = self.scene.rows
         orthogonal = self.projector.orthogonal_part(column[rows])
         return float(orthogonal @ self.fit.error[rows] / (orthogonal @ orthogonal + 1e-300))
+
+    def changed_by(self, chain: Chain) -> Floats:
+        """(n,) change of the response to the fitted hysteresis if `chain` takes the place of the fitted chain."""
+        return np.concatenate(self.responses(chain)) - np.concatenate(self.responses(self.fit.chain))
 
     def responses(self, chain: Chain) -> list[Floats]:
         """Response of the linear part of `chain` to the fitted hysteresis, (n_i,) for each run."""
@@ -87,6 +92,20 @@ class Known:
     channels: Mapping[str, Floats]
 
 
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """The effect of a cause beside a chain without it, for what a record can tell (`identifiability`).
+
+    column: (n,) change of the prediction per unit of the amount, in um; None if `least` is known without a fit.
+    most: amount from which on the effect is not physical.
+    """
+
+    unit: str
+    column: Floats | None = None
+    most: float = math.inf
+    least: float = math.nan
+
+
 class Cause(abc.ABC):
     """One cause of the vocabulary. It has no state: each module has one instance, CAUSE."""
 
@@ -112,6 +131,9 @@ class Cause(abc.ABC):
 
     on_all_rows: ClassVar[bool] = False
     """Whether signature and extension are those of all rows of the record, not of the rows of the search."""
+
+    experiment: ClassVar[str] = ""
+    """What to record so that the cause shows."""
 
     needed: ClassVar[float] = 1.2
     """Least growth of the probe's error above the noise on the checking rows without the cause, as a ratio."""
@@ -162,6 +184,10 @@ class Cause(abc.ABC):
     def select_starts(self, candidates: list[Fit]) -> list[Fit]:
         """The linear fits that are refined. candidates: linear fits of the proposals, sorted by rms error."""
         return candidates[: self.starts]
+
+    def effect(self, residual: Residual) -> Effect | None:
+        """The effect of the cause per unit of its amount beside a chain without it; None if it is not excited."""
+        return None
 
     @abc.abstractmethod
     def signature(self, residual: Residual, rival: Fit) -> Signature:

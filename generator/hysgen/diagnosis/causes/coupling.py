@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, standard_errors
 from hysgen.model.terms.coupling import Coupling
@@ -46,6 +46,7 @@ class CouplingPart(Part):
 class CouplingCause(Cause):
     name = "coupling"
     rank = 70
+    experiment = "record the other axes, the temperature or the load as further columns"
     part = CouplingPart
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
@@ -72,6 +73,15 @@ class CouplingCause(Cause):
         if part.taps == 1 and (further or part.channels):
             chains.append(chain.having(CouplingPart((*part.channels, *further), TAPS)))
         return chains
+
+    def effect(self, residual: Residual) -> Effect | None:
+        """Of the first further channel, per standard deviation of it."""
+        moving = [name for name in residual.scene.runs[0].aux if _moves(residual, name)]
+        if not moving:
+            return None
+        channel = np.concatenate([run.aux[moving[0]] for run in residual.scene.runs])
+        column = (channel - channel.mean()) / float(np.std(channel))
+        return Effect(f"um for a standard deviation of {moving[0]}", column)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The gain of each channel divided by its standard error, beside all columns of the own input.

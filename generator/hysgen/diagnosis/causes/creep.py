@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import SLOW_Z, Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -94,6 +94,7 @@ def _times_s(from_s: float, to_s: float) -> Floats:
 class CreepCause(Cause):
     name = "creep"
     rank = 50
+    experiment = "hold the input for a tenth of the record after full strokes"
     slow = True
     part = CreepPart
 
@@ -112,6 +113,11 @@ class CreepCause(Cause):
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
             candidates.append(chain.having(CreepPart(float(np.clip(creep, -1.0, 1.0)), start_s)))
         return candidates
+
+    def effect(self, residual: Residual) -> Effect:
+        chain, scene = residual.fit.chain, residual.scene
+        from_s = max(5.0 * scene.Ts_s, 3.0 * chain.lag_s)
+        return Effect("of a move per decade", residual.changed_by(chain.having(CreepPart(1.0, from_s))), most=1.0)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The creep divided by its standard error; it must be positive and last for at least a decade of time.

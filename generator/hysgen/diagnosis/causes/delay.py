@@ -6,10 +6,13 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
 from hysgen.model.path.delay import Delay
+
+MOST_SAMPLES = 200.0
+"""Largest delay in samples; a longer one is a shift of the channels of a record."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,7 @@ class DelayPart(Part):
     cause: ClassVar[str] = "delay"
     order: ClassVar[int] = 0
     table: ClassVar[tuple[ShapeParameter, ...]] = (
-        ShapeParameter("samples", "samples", lambda e: (-3.0, 200.0), step=lambda e: 1e-3),
+        ShapeParameter("samples", "samples", lambda e: (-3.0, MOST_SAMPLES), step=lambda e: 1e-3),
     )
     samples: float
 
@@ -31,6 +34,7 @@ class DelayPart(Part):
 class DelayCause(Cause):
     name = "delay"
     rank = 30
+    experiment = "drive at two frequencies at least a decade apart"
     mistaken_for = ("resonance",)
     part = DelayPart
 
@@ -42,10 +46,14 @@ class DelayCause(Cause):
         candidates = []
         for share in (0.1, 0.4, 0.8):
             late = share * chain.lag_s / Ts_s
-            if 0.05 < late < 200.0:
+            if 0.05 < late < MOST_SAMPLES:
                 candidates.append(dataclasses.replace(chain.having(DelayPart(late)), lag_s=(1.0 - share) * chain.lag_s))
         candidates.append(chain.having(DelayPart(0.5)))
         return candidates
+
+    def effect(self, residual: Residual) -> Effect:
+        late = residual.changed_by(residual.fit.chain.having(DelayPart(1.0)))
+        return Effect("samples", late, most=MOST_SAMPLES)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The delay divided by its standard error; lag, modes and hysteresis are fitted jointly with the delay."""

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -101,6 +101,7 @@ class DriftPart(Part):
 class DriftCause(Cause):
     name = "drift"
     rank = 90
+    experiment = "record longer"
     slow = True
     mistaken_for = ("aging", "creep")
     part = DriftPart
@@ -121,6 +122,9 @@ class DriftCause(Cause):
         if part is not None:
             return [] if part.since_s is not None else slowing
         return [chain.having(DriftPart()), *slowing]
+
+    def effect(self, residual: Residual) -> Effect:
+        return Effect("um/s", residual.scene.time_s)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The drift divided by its standard error, and the drift on rising and on falling input, which must agree.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
 from hysgen.fitting.operator import PathSize
@@ -38,6 +38,7 @@ class MemoryCause(Cause):
     name = "memory"
     kind = "hysteresis"
     rank = 40
+    experiment = "drive with nested amplitudes, 20 to 100 % of the range"
 
     def present(self, chain: Chain) -> bool:
         return chain.memory
@@ -48,6 +49,11 @@ class MemoryCause(Cause):
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
         return [] if chain.memory else [dataclasses.replace(chain, memory=True)]
+
+    def effect(self, residual: Residual) -> Effect:
+        """Of a play, per um of the opening of its loop."""
+        half_V = 0.5 * (residual.scene.operator.high_V - residual.scene.operator.low_V)
+        return Effect("um between the way up and the way down", _slack(residual) / (2.0 * WITNESS * half_V))
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Sign test on the swings between turning points: the number of swings on which the fit with memory is better.
@@ -92,12 +98,17 @@ def _opening(residual: Residual, rival: Fit) -> float:
     """Mean height in um of the loop in the residual of a model without memory, by regression on z(u) - u of a play."""
     scene = residual.scene
     half = 0.5 * (scene.operator.high_V - scene.operator.low_V)
-    slack = np.concatenate(
-        [play_operators(run.u_V, np.array([WITNESS * half]), run.u_V[:1].copy())[:, 0] - run.u_V for run in scene.runs]
-    )[scene.rows]
+    slack = _slack(residual)[scene.rows]
     error = rival.error[scene.rows]
     slack = slack - slack.mean()
     return 2.0 * WITNESS * half * abs(float(slack @ error)) / (float(slack @ slack) + 1e-300)
+
+
+def _slack(residual: Residual) -> Floats:
+    """(n,) z(u) - u of the play WITNESS, in V."""
+    scene = residual.scene
+    width = np.array([0.5 * WITNESS * (scene.operator.high_V - scene.operator.low_V)])
+    return np.concatenate([play_operators(run.u_V, width, run.u_V[:1].copy())[:, 0] - run.u_V for run in scene.runs])
 
 
 CAUSE = MemoryCause()

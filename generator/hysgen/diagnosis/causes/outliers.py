@@ -7,12 +7,15 @@ the model has weights of 0 for them, and the learner gets a gate.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.outlier_detection import local_scatter
+from hysgen.diagnosis.outlier_detection import LEAST_DEVIATION, local_scatter
 from hysgen.diagnosis.probe import Fit
 from hysgen.record.series import MEDIAN_TO_DEVIATION
+
+Floats = NDArray[np.float64]
 
 FEWEST = 3
 """Least number of corrupted samples for evidence."""
@@ -21,6 +24,7 @@ FEWEST = 3
 class OutliersCause(Cause):
     name = "outliers"
     rank = 0
+    experiment = "record with the full range of the sensor free"
     judged_by_gain = False  # on a corrupted sample the error is that of the reading, not that of the model
 
     on_all_rows = True
@@ -28,14 +32,18 @@ class OutliersCause(Cause):
     def shown(self, residual: Residual) -> bool:
         return bool(residual.corrupted.any())
 
+    def effect(self, residual: Residual) -> Effect:
+        """The least deviation of a corrupted sample."""
+        scatter_um = MEDIAN_TO_DEVIATION * float(np.median(np.abs(_deviation(residual))))
+        return Effect("um off the neighbours", least=LEAST_DEVIATION * scatter_um)
+
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Number and size of the corrupted samples, and their size divided by the scatter of all samples.
 
         The signature holds if the error power of the corrupted samples exceeds that of all other samples.
         """
-        hit, error = np.flatnonzero(residual.corrupted), residual.fit.error
-        edges = np.cumsum([len(run.u_V) for run in residual.scene.runs])[:-1]
-        deviation = np.concatenate([local_scatter(part) for part in np.split(error, edges)])
+        hit = np.flatnonzero(residual.corrupted)
+        deviation = _deviation(residual)
         size_um = float(np.sqrt(np.mean(deviation[hit] ** 2)))
         rate = len(hit) / len(deviation)
         scatter = MEDIAN_TO_DEVIATION * float(np.median(np.abs(deviation)))
@@ -52,6 +60,12 @@ class OutliersCause(Cause):
 
     def extension(self, residual: Residual) -> Extension:
         return Extension(trust=np.where(residual.corrupted, 0.0, 1.0), gate=True)
+
+
+def _deviation(residual: Residual) -> Floats:
+    """(n,) distance of each sample of the residual from its neighbours in um."""
+    edges = np.cumsum([len(run.u_V) for run in residual.scene.runs])[:-1]
+    return np.concatenate([local_scatter(part) for part in np.split(residual.fit.error, edges)])
 
 
 CAUSE = OutliersCause()

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import rfft
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, ShapeParameter, standard_errors
 from hysgen.model.terms.periodic import Periodic
@@ -63,6 +63,7 @@ class PeriodicPart(Part):
 class PeriodicCause(Cause):
     name = "periodic"
     rank = 80
+    experiment = "record at least twelve periods"
     part = PeriodicPart
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
@@ -83,6 +84,11 @@ class PeriodicCause(Cause):
         evidence = zip(_lines_Hz(chain), _line_evidence(residual), strict=True)
         kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in evidence if steady and ratio > LEAST_RATIO)
         return chain.having(PeriodicPart(kept)) if kept else chain
+
+    def effect(self, residual: Residual) -> Effect:
+        """Of a line at a twentieth of the sampling rate."""
+        f_Hz = 0.05 / residual.scene.Ts_s
+        return Effect(f"um at {f_Hz:.3g} Hz", np.sin(2.0 * np.pi * f_Hz * residual.scene.time_s))
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Power of each line divided by the local background, and its phase in each quarter of the record."""

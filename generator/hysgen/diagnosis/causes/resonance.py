@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, Scene, ShapeParameter, standard_errors
 from hysgen.model.path.modes import Modes
@@ -55,6 +55,7 @@ class ResonanceCause(Cause):
     name = "resonance"
     kind = "modes"
     rank = 60
+    experiment = "drive with steps, or with frequencies up to a tenth of the sampling rate"
     part = ResonancePart
     starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
 
@@ -106,6 +107,12 @@ class ResonanceCause(Cause):
             if len(chosen) == 6:
                 break
         return [chain.having(ResonancePart((*chain.modes, mode))) for mode in chosen]
+
+    def effect(self, residual: Residual) -> Effect:
+        """Of a mode at a twentieth of the sampling rate."""
+        f_Hz = 0.05 / residual.scene.Ts_s
+        rings = residual.changed_by(residual.fit.chain.having(ResonancePart((Mode(f_Hz, 0.03, 1.0),))))
+        return Effect(f"of the motion, for a mode at {f_Hz:.3g} Hz", rings, most=3.0)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Frequency, damping ratio and share of each mode with standard errors; see `mode_evidence` for the limits."""

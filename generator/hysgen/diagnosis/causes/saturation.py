@@ -11,7 +11,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.slew import FEWEST_LIMITED
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
 from hysgen.model.path.saturation import Saturation
@@ -54,6 +55,7 @@ class SaturationPart(Part):
 class SaturationCause(Cause):
     name = "saturation"
     rank = 10
+    experiment = "drive over the whole range of the amplifier"
     mistaken_for = ("slew",)
     part = SaturationPart
     needed = 2.0  # a limit has a large effect; a smaller growth is misfit at the end of the range
@@ -107,6 +109,11 @@ class SaturationCause(Cause):
         if part.low_V is None or part.high_V is None:
             return []
         return [chain.having(SaturationPart(high_V=part.high_V)), chain.having(SaturationPart(low_V=part.low_V))]
+
+    def effect(self, residual: Residual) -> Effect:
+        """The highest level that FEWEST_LIMITED samples exceed."""
+        command_V = np.sort(np.concatenate([run.u_V for run in residual.scene.runs])[residual.scene.rows])
+        return Effect("V and lower levels", least=float(command_V[-FEWEST_LIMITED]))
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Slope of the output over the command beyond the level, as a share of the mean slope of the record."""

@@ -9,13 +9,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
 from hysgen.machine.kernels import rate_limited
 from hysgen.model.path.slew import Slew
 
 Floats = NDArray[np.float64]
+
+FEWEST_LIMITED = 10
+"""Least number of samples that a limit holds back."""
 
 QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.77, 0.83, 0.87, 0.9, 0.925, 0.95, 0.965, 0.98, 0.99)
 """Quantiles of the command's rates that are the starting values of the limit."""
@@ -59,6 +62,7 @@ class SlewPart(Part):
 class SlewCause(Cause):
     name = "slew"
     rank = 20
+    experiment = "drive with steps"
     part = SlewPart
     needed = 2.0  # a limit has a large effect; a smaller growth is misfit
 
@@ -75,6 +79,12 @@ class SlewCause(Cause):
             for share in (1.0, 0.25, 0.05)
         ]
 
+    def effect(self, residual: Residual) -> Effect:
+        """The highest rate of the command that FEWEST_LIMITED samples exceed."""
+        scene = residual.scene
+        rates = np.concatenate([np.abs(np.diff(run.u_V)) / run.stride for run in scene.runs])
+        return Effect("V/s and lower rates", least=float(np.sort(rates)[-FEWEST_LIMITED]) / scene.Ts_s)
+
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The rate divided by its standard error, and the number of samples at which the limit delays the command."""
         scene, chain = residual.scene, residual.fit.chain
@@ -85,7 +95,7 @@ class SlewCause(Cause):
         held = int(np.count_nonzero(behind[scene.rows] > 1e-3 * (scene.operator.high_V - scene.operator.low_V)))
         z = rate / max(error, 1e-15)
         return Signature(
-            holds=z > 10.0 and held >= 10,
+            holds=z > 10.0 and held >= FEWEST_LIMITED,
             z=z,
             text=f"the output never follows faster than {rate:.4g} V/s +- {error:.1g}, "
             f"at any level ({held} samples held back)",

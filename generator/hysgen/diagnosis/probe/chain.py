@@ -172,11 +172,22 @@ class Thinned(Chain):
         """0: `input` contains the delay."""
         return 0.0
 
+    def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
+        """None: their response is straight over the time of the lag and is only late (`later`)."""
+        return SlowStates(0.0, np.zeros(0))
+
     def input(self, h: Floats) -> Floats:
-        """(m, n) h at k + ahead, for h, (m, n), constant before its first and behind its last sample."""
-        steps, n = self.stride * self.Ts_s / self.lag_s, h.shape[1]
-        ahead = -1.0 / math.expm1(-steps) - 1.0 / steps - (super().delay + 0.5) / self.stride
-        whole = math.floor(ahead)
-        at = np.arange(n) + whole
-        share = ahead - whole
-        return (1.0 - share) * h[:, at.clip(0, n - 1)] + share * h[:, (at + 1).clip(0, n - 1)]
+        """(m, n) h at k + ahead."""
+        steps = self.stride * self.Ts_s / self.lag_s
+        return _at(h, -1.0 / math.expm1(-steps) - 1.0 / steps - (super().delay + 0.5) / self.stride)
+
+    def later(self, signal: Floats) -> Floats:
+        """(m, n) a signal whose course is straight over the time of the lag, late by lag, delay and half a period."""
+        return _at(signal, -(self.lag_s / self.Ts_s + super().delay + 0.5) / self.stride)
+
+
+def _at(signal: Floats, ahead: float) -> Floats:
+    """(m, n) the signal, (m, n), at k + ahead by straight lines; constant before and behind its samples."""
+    n, whole = signal.shape[1], math.floor(ahead)
+    at, share = np.arange(n) + whole, ahead - whole
+    return (1.0 - share) * signal[:, at.clip(0, n - 1)] + share * signal[:, (at + 1).clip(0, n - 1)]

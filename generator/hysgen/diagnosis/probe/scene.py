@@ -9,11 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.chain import Chain
+from hysgen.diagnosis.probe.chain import Chain, Thinned
 from hysgen.diagnosis.probe.dynamics import lagged, respond_into
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
+from hysgen.machine.kernels import lag_states
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -63,7 +64,8 @@ class Trace:
     """One unbroken run: u_V, y_um (n,), auxiliary channels, initial state of the plays (`Operator.columns`).
 
     history: the command of the same segment before the run. segment: samples of this segment; 0 for those of the run.
-    stride: periods from each sample to the next; above 1, the signals are straight lines between the samples.
+    stride: periods from each sample to the next; above 1, the signals are straight lines between fitted samples.
+    share: (n,) share of the move from each sample to the next in the mean of the command between them; 1/2 for a line.
     """
 
     u_V: Floats
@@ -73,6 +75,7 @@ class Trace:
     history: History = NO_HISTORY
     segment: int = 0
     stride: int = 1
+    share: Floats = field(default_factory=lambda: np.full(1, 0.5))
 
     @property
     def whole(self) -> int:
@@ -218,13 +221,20 @@ class Scene:
         slow = chain.slow_states(run.whole, self.Ts_s)
         held, linear = run.held(h[:, past:], chain, self.Ts_s)
         held = np.ascontiguousarray(held)
-        respond_into(out, first, held, linear, self.Ts_s * run.stride, run.whole / run.stride)
-        if past and slow.share != 0.0:
+        respond_into(out, first, held, linear, self.Ts_s * run.stride, run.whole)
+        if slow.share == 0.0 or (run.stride == 1 and not past):
+            return
+        states = run.history.slow_states(h[:, :past], slow.keep) if past else np.tile(h[:, :1], len(slow.keep))
+        if isinstance(linear, Thinned):
+            rates = 1.0 - slow.keep**run.stride
+            means = h[:, past:] + run.share * np.diff(h[:, past:], axis=1, append=h[:, -1:])
+            crept = [lag_states(mean, rates, start).sum(axis=1) for mean, start in zip(means, states, strict=True)]
+            moved = linear.later(np.stack(crept))
+        else:
             # `respond_into` starts from rest at h of the first sample and counts the slow states from there.
             rest = held[:, :1]
-            fading = np.exp(np.log(slow.keep)[:, None] * (run.stride * np.arange(n)))
-            moved = (run.history.slow_states(h[:, :past], slow.keep) - rest) @ fading
-            out[:, first : first + n] += 0.5 * slow.share * (moved + len(slow.keep) * (rest - h[:, :1]))
+            moved = (states - rest) @ np.exp(np.log(slow.keep)[:, None] * np.arange(n)) + len(slow.keep) * rest
+        out[:, first : first + n] += 0.5 * slow.share * (moved - len(slow.keep) * h[:, :1])
 
     def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
         """Response of the linear part of the chain to `paths` (`Scene.paths`), (n_i,) for each run."""

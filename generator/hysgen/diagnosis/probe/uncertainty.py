@@ -59,7 +59,7 @@ def block_left_out_error(columns: Floats, error: Floats) -> Floats:
     """
     basis = Projector.of(columns).basis()
     parts = []
-    for a, b in itertools.pairwise(_block_edges(len(error))):
+    for a, b in itertools.pairwise(block_edges(len(error))):
         part = basis[:, a:b]
         leverage, axes = np.linalg.eigh(part @ part.T)
         weight = 1.0 / (1.0 - np.minimum(leverage, MOST_LEVERAGE))
@@ -75,7 +75,7 @@ def _orthogonal_part(columns: Floats, base: Floats) -> Floats:
     return np.asarray(columns - (np.linalg.solve(gram, scaled @ columns.T).T) @ scaled)
 
 
-def _block_edges(rows: int) -> NDArray[np.intp]:
+def block_edges(rows: int) -> NDArray[np.intp]:
     return np.linspace(0, rows, BLOCKS + 1).astype(np.intp)
 
 
@@ -85,6 +85,6 @@ def _sandwich(J: Floats, error: Floats) -> Floats:
     zero = norm < 1e-12 * (norm.max() + 1e-300)
     scaled = J / np.where(zero, 1.0, norm)[:, None]
     inverse = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
-    scores = np.stack([scaled[:, a:b] @ error[a:b] for a, b in itertools.pairwise(_block_edges(len(error)))])
+    scores = np.stack([scaled[:, a:b] @ error[a:b] for a, b in itertools.pairwise(block_edges(len(error)))])
     covariance = inverse @ (scores.T @ scores) @ inverse * (BLOCKS - 1) / BLOCKS
     return np.where(zero, np.inf, np.sqrt(np.diag(covariance)) / np.where(zero, 1.0, norm))
