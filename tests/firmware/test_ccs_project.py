@@ -6,6 +6,7 @@ where they are, copied files lie in PROJECT_ROOT; FIRMWARE is a path variable re
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -61,3 +62,28 @@ def test_every_include_of_the_project_is_found_and_in_the_project(tmp_path: Path
 def test_no_source_of_the_firmware_is_missing(folder: str) -> None:
     listed = {entry.attrib["path"] for entry in project().iter("file")}
     assert {f"../{folder}/{path.name}" for path in (FIRMWARE / folder).glob("*.[ch]")} <= listed
+
+
+def test_the_target_configuration_connects_a_probe_to_this_device() -> None:
+    """Each instance names the file that its reference ends in; the connection is the configuration's probe."""
+    listed = [entry.attrib["path"] for entry in project().iter("file") if entry.attrib["path"].endswith(".ccxml")]
+    assert len(listed) == 1
+    configuration = ElementTree.parse(PROJECT.parent / listed[0]).getroot().find("configuration")
+    assert configuration is not None
+    for instance in configuration.iter("instance"):
+        assert instance.attrib["href"] == f"{instance.attrib['xmlpath']}/{instance.attrib['xml']}"
+    probe, connection = configuration.find("instance"), configuration.find("connection")
+    assert probe is not None
+    assert connection is not None
+    assert probe.attrib["id"] == connection.attrib["id"]
+    assert probe.attrib["xmlpath"] == "connections"
+    devices = [each for each in connection.iter("instance") if each.attrib["xmlpath"] == "devices"]
+    assert [each.attrib["desc"].removesuffix("_0") for each in devices] == [project().attrib["device"]]
+
+
+def test_the_boot_image_step_runs_a_module_that_exists() -> None:
+    step = re.fullmatch(
+        r'python3 -m ([\w.]+) "\$\{BuildArtifactFileName\}" "[^"]+\.ais"', project().attrib["postBuildStep"]
+    )
+    assert step is not None
+    assert importlib.util.find_spec(step[1]) is not None
