@@ -22,6 +22,7 @@ from hysgen.firmware.tracking import controllers, run_controller
 from hysgen.model.file import load_model
 
 FOLDERS = Path(__file__).resolve().parents[2] / "firmware" / "models"
+PAGE = FOLDERS.parents[1] / "docs" / "firmware.md"
 MODELS = {model.name: model for model in firmware_models()}
 
 
@@ -46,6 +47,15 @@ def test_the_models_in_the_firmware_are_what_the_templates_make(name: str, reque
         assert kept[file] == text, f"{file}:\n" + "\n".join(list(change)[:60])
 
 
+def on_page(row: str, name: str) -> str:
+    """The cell of docs/firmware.md in the row that begins with `row`, in the column of the model."""
+    found = [
+        line for line in PAGE.read_text(encoding="utf-8").splitlines() if re.match(rf"\| {re.escape(row)}\b", line)
+    ]
+    assert len(found) == 1, (row, found)
+    return found[0].strip("| ").split(" | ")[{"appendix_a": -2, "extended": -1}[name]]
+
+
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.slow
 def test_the_image_links_into_the_targets_memories(name: str) -> None:
@@ -53,6 +63,8 @@ def test_the_image_links_into_the_targets_memories(name: str) -> None:
     built = link_image(name, generated(name))
     assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack"}
     assert all(size <= MEMORIES[memory][1] for memory, size in built.used.items())
+    assert [on_page(each.name, name) for each in built.sections] == [str(each.size) for each in built.sections]
+    assert on_page("of 262144", name) == str(built.used["L2 RAM"])
     symbols = built.firmware.image.symbols
     # No function of the compiler's library: its copy uses a hardware loop, whose counter the interrupt does not save.
     assert not [symbol for symbol in symbols if symbol.startswith("__c6xabi")]
@@ -87,6 +99,9 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str)
     assert commit is not None
     assert max(most for _, most in run.interrupt.values()) <= interrupt[1]
     assert interrupt[1] + commit[1] < 7500
+    for symbol, cycles in longest.items():
+        assert cycles is not None
+        assert on_page(symbol.removeprefix(f"{name}_"), name) == f"{cycles[0]} .. {cycles[1]}"
 
 
 @pytest.mark.slow

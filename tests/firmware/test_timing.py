@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
@@ -16,6 +18,7 @@ from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.simulated import compile_image
 from hysgen.firmware.timing import LEARN, TRIM, tracked
 
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "firmware.md"
 FETCH, LOAD, STORE = AccessKind.FETCH, AccessKind.LOAD, AccessKind.STORE
 
 
@@ -28,6 +31,10 @@ def test_the_learner_does_not_delay_the_output() -> None:
     assert learning.delay == without.delay
     assert min(learning.total) > max(without.total)
     assert learning.cold.lines > without.cold.lines > without.warm.lines
+    page = PAGE.read_text(encoding="utf-8")
+    for name, each in {"trim": without, "trim, learner": learning}.items():
+        row = f"| Appendix A, {name} | {min(each.delay)} .. {max(each.delay)} | {max(each.total)} |"
+        assert row in page, row
 
 
 @pytest.mark.slow

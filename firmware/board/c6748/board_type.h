@@ -15,7 +15,7 @@
 #define BOARD_ADC_ADDRESS      0x60000000u
 #define BOARD_DAC_ADDRESS      0x62000000u
 #define BOARD_ADC_BUSY         0x00000008u  /* GP0[3], input: 1 while it converts */
-#define BOARD_ADC_POLLS        200u         /* looks at BUSY, some 30 cycles each, until a conversion counts as failed: the reading is NaN */
+#define BOARD_ADC_POLLS        100u         /* looks at BUSY, some 30 cycles each, until a conversion counts as failed: the reading is NaN */
 
 /* Fill in: scales and pins of the amplifier. */
 /* The amplifier's pins, all with pull-downs: a broken wire or an amplifier without power reads as failure and switches it off. */
