@@ -16,10 +16,11 @@ from hysgen.c674x import interpreter
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.equality import verify_on_target
 from hysgen.c674x.interpreter import PipelineState
+from hysgen.c674x.schedule.c_source import KernelRefusalError, Source
 from hysgen.c674x.schedule.checker import function_packets, inspect
 from hysgen.c674x.schedule.dataflow import Memory, evaluate
 from hysgen.c674x.schedule.folder import kernels
-from hysgen.c674x.schedule.from_c import KernelRefusalError, Source, kernel
+from hysgen.c674x.schedule.from_c import kernel
 from hysgen.checking.host import Host
 from hysgen.errors import BuildError
 from hysgen.float32.reference.instance import Instance

@@ -15,10 +15,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from hysgen.c674x.schedule.c_source import KernelRefusalError, Source
 from hysgen.c674x.schedule.emit import file_text
-from hysgen.c674x.schedule.from_c import KernelRefusalError, Source, kernel
-from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Schedule, schedule
-from hysgen.c674x.schedule.selection import select
+from hysgen.c674x.schedule.from_c import kernel
+from hysgen.c674x.schedule.plans import shortest
+from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Schedule
 from hysgen.codegen.manifest import MANIFEST
 from hysgen.errors import TargetError
 from hysgen.machine.files import digest
@@ -57,7 +58,7 @@ def kernels(name: str, texts: Mapping[str, str], functions: Sequence[str] = FUNC
             continue
         try:
             dataflow = kernel(source, function)
-            schedules[function] = schedule(select(dataflow))
+            schedules[function] = shortest(dataflow)
             tables |= dataflow.tables
         except (KernelRefusalError, OutOfRegistersError) as refusal:
             refused[function] = str(refusal)
@@ -120,7 +121,7 @@ def _left_out(name: str, source: str, function: str) -> str:
         raise TargetError(f"{name}.c: the definition of {function} is expected once, found {len(found)} times")
     (match,) = found
     local = match["static"] or match[0].startswith(f"{upper}_INLINE")
-    head = match["head"].replace(f"{upper}_STRAIGHT ", "")
+    head = re.sub(rf"{upper}_(STRAIGHT|ALONE) ", "", match["head"])
     instead = f"#ifdef {upper}_KERNELS\nextern {head};\n#else\n" if local else f"#ifndef {upper}_KERNELS\n"
     return source[: match.start()] + instead + match[0] + "#endif\n" + source[match.end() :]
 

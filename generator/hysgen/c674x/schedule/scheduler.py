@@ -29,9 +29,6 @@ PRESERVED: Final = (tuple(range(10, 16)), tuple(range(10, 15)))
 BRANCH_SLOTS: Final = 5
 _PACKET: Final = 8
 _READS: Final = 4
-_GOOD_ENOUGH: Final = 1.02
-"""Cycles, as a multiple of those without limits on registers, at which no further plan is tried."""
-
 _URGENT: Final = 8
 """Oldest instructions, in the order of the C text, for which registers are reserved."""
 
@@ -88,47 +85,16 @@ class Plan:
     saved: bool = False
 
 
-_SETTINGS: Final = (
-    (1 << 20, 2, 0.0, 0.0),
-    (1 << 20, 8, 0.0, 1.0),
-    (1 << 20, 2, 0.1, 1.0),
-    (1 << 20, 8, 2.0, 1.0),
-    (200, 2, 0.5, 1.0),
-    (80, 8, 0.1, 1.0),
-)
-"""Window, lead, slope and stretch of the plans that were best for some function of the shipped models."""
-
-PLANS: Final = tuple(
-    Plan(window, lead, 2, slope, stretch, saved)
-    for saved in (False, True)
-    for window, lead, slope, stretch in _SETTINGS
-)
-
-
-def schedule(selected: Selected, plans: Iterable[Plan] = PLANS) -> Schedule:
-    """The shortest schedule of several attempts. Raises OutOfRegistersError if none succeeds."""
-    best: Schedule | None = None
-    issue = unlimited(selected)
-    enough = _GOOD_ENOUGH * max(issue.values())
-    for plan in plans:
-        try:
-            found = _List(selected, plan, issue).run()
-        except OutOfRegistersError:
-            continue
-        if best is None or found.cycles < best.cycles:
-            best = found
-        if best.cycles <= enough:
-            break
-    if best is None:
-        raise OutOfRegistersError("no schedule with the registers of the C674x; the function stays in C")
-    return best
-
-
 def unlimited(selected: Selected) -> dict[int, int]:
     """The cycle of every instruction, by its id, if there were as many registers as one likes."""
     attempt = _List(selected, Plan(1 << 30, 0, 0, 0.0), None, unlimited=True)
     attempt.run()
     return {key: placement.cycle for key, placement in attempt.placed.items()}
+
+
+def planned(selected: Selected, plan: Plan, issue: Mapping[int, int]) -> Schedule:
+    """The schedule of one plan; issue: the cycles of `unlimited`. Raises OutOfRegistersError."""
+    return _List(selected, plan, issue).run()
 
 
 def heights(nodes: Sequence[Node]) -> dict[int, int]:
@@ -512,6 +478,9 @@ class _List:
             choice = [r for r in PREDICATES[side] if r in free | dying]
         else:
             choice = [r for r in self.general[side] if r in free | dying]
+        if not choice and id(node) in self.urgent and not node.predicate:
+            spare = [r for r in PREDICATES[side] if r in free]
+            choice = spare[1:]
         if choice and not self.unlimited:
             reserve = 1 if node.predicate else self.plan.reserve
             if id(node) in self.urgent or dying:

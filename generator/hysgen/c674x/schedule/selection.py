@@ -6,7 +6,8 @@ an offset reaches, are values of their own. Values that many instructions of bot
 
 from __future__ import annotations
 
-from collections import Counter
+from bisect import bisect_left
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
@@ -21,8 +22,10 @@ _WINDOW: Final = 62 * WORD
 _FAR: Final = 80
 """Operations of the C text after which a word is loaded again rather than kept in a register."""
 
+NEAR: Final = 40
 _SHARED: Final = 5
-"""A constant with this many users is kept in a register of each side; others are made anew for every user."""
+"""A constant with this many users, each at most NEAR operations behind the one before, is kept in a register of each
+side; others are made anew for every user."""
 
 # mnemonic: units, delay slots. The second source of all of them can come over the cross path.
 UNITS: Final = {
@@ -118,19 +121,20 @@ ARGUMENTS: Final = ((0, 4), (1, 4), (0, 6), (1, 6), (0, 8), (1, 8))
 """Side and register of the arguments of a function, by the C6000 EABI (SPRAB89, chapter 3)."""
 
 
-def select(kernel: Kernel) -> Selected:
-    """Instructions for a kernel."""
-    return _Selection(kernel).run()
+def select(kernel: Kernel, near: int = NEAR) -> Selected:
+    """Instructions for a kernel, in the order of the C text. near: see NEAR."""
+    return _Selection(kernel, near).run()
 
 
 @dataclass
 class _Selection:
     kernel: Kernel
+    near: int
     nodes: list[Node] = field(default_factory=list)
     values: dict[int, Value] = field(default_factory=dict)
-    constants: dict[int, Both] = field(default_factory=dict)
+    constants: dict[tuple[int, int], Both] = field(default_factory=dict)
     windows: dict[tuple[int, int], Value] = field(default_factory=dict)
-    users: Counter[int] = field(default_factory=Counter)
+    users: dict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
     loads: dict[int, list[Node]] = field(default_factory=dict)
     stores: dict[int, Node] = field(default_factory=dict)
     used: dict[int, int] = field(default_factory=dict)
@@ -141,9 +145,9 @@ class _Selection:
         operations = self._guarded(self.kernel.operations())
         addresses: Counter[int] = Counter()
         tested: set[int] = set()
-        for op in operations:
+        for order, op in enumerate(operations):
             for arg in op.args:
-                self.users[id(arg)] += 1
+                self.users[id(arg)].append(order)
             if op.kind in ("load", "store"):
                 addresses[id(op.args[0])] += 1
             if op.kind == "select":
@@ -228,11 +232,23 @@ class _Selection:
             return self._loaded(op)
         if op.kind != "const":
             return self.values[id(op)]
-        if self.users[id(op)] < _SHARED:
+        first, users = self._cluster(self.users[id(op)])
+        if users < _SHARED:
             return self._constant(op.number, None)
-        if op.number not in self.constants:
-            self.constants[op.number] = Both((self._constant(op.number, 0), self._constant(op.number, 1)))
-        return self.constants[op.number]
+        key = op.number, first
+        if key not in self.constants:
+            self.constants[key] = Both((self._constant(op.number, 0), self._constant(op.number, 1)))
+        return self.constants[key]
+
+    def _cluster(self, users: Sequence[int]) -> tuple[int, int]:
+        """First of the users around the present one that follow each other closely, and their number."""
+        here = bisect_left(users, self.order)
+        first = last = min(here, len(users) - 1)
+        while first > 0 and users[first] - users[first - 1] <= self.near:
+            first -= 1
+        while last + 1 < len(users) and users[last + 1] - users[last] <= self.near:
+            last += 1
+        return users[first], last + 1 - first
 
     def _short(self, op: Op) -> Operand:
         """A constant of 5 bits as such, any other value in a register."""
