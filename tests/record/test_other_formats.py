@@ -312,3 +312,14 @@ def test_a_damaged_file_is_one_line(suffix: str, tmp_path: Path) -> None:
         load_record(path)
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith(path.name)
+
+
+def test_the_tdms_of_the_tutorial_is_read_without_options(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first step of docs/export.md, as it stands there."""
+    library("nptdms")
+    page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    exec(page.partition("```python\n")[2].partition("```")[0], {})
+    record = load_record(tmp_path / "stage.tdms")
+    assert (record.samples, record.Ts_s) == (67_248, pytest.approx(2e-5))
+    assert record.u_range_V == pytest.approx((5.7764, 54.2236))
