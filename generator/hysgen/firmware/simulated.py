@@ -14,10 +14,10 @@ import numpy as np
 
 from hysgen.c674x import toolchain
 from hysgen.c674x.cycles import bounds
+from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.toolchain import Firmware
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
-from hysgen.codegen.manifest import c_files
 from hysgen.errors import TargetError
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, read_sources
@@ -128,5 +128,5 @@ def virtual_stage(model: Model) -> tuple[Host, Any]:
 
 
 def _sources(texts: Mapping[str, str]) -> list[tuple[str, str]]:
-    generated = list(c_files(texts).items())
+    generated = c_texts(texts)
     return [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *generated]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from hysgen.c674x import toolchain
+from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.toolchain import Firmware
-from hysgen.codegen.manifest import c_files
 from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
 
 MEMORIES: Final = {"L2 RAM": (0x11800000, 256 * 1024), "shared RAM": (0x80000000, 128 * 1024)}
@@ -59,7 +59,7 @@ def link_image(name: str, texts: Mapping[str, str]) -> LinkedImage:
 
     texts: generated C and model.h by file name. Raises BuildError if there is no compiler or it reports an error.
     """
-    generated = list(c_files(texts).items())
+    generated = c_texts(texts)
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
     sources = [*read_sources(CONTROLLER), *read_sources(TARGET_BOARD, "*.[chs]"), *generated]
     firmware = toolchain.compile(sources, script=script)
