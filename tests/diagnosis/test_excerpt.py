@@ -107,3 +107,27 @@ def test_amounts_of_a_long_record_are_those_of_its_blocks(whole: Scene) -> None:
     y_um = weights @ whole.columns(chain) + 1e-3 * rng.normal(size=SAMPLES)
     blocks = excerpt(long_scene(whole.runs[0].u_V, y_um), 3.0)
     np.testing.assert_allclose(linear_fit(blocks, chain).weights[-3:], weights[-3:], atol=3e-4)
+
+
+def test_extremes_of_long_ago_are_remembered_behind_thousands_of_small_turns() -> None:
+    rng = np.random.default_rng(7)
+    u_V = 50.0 + np.abs(np.arange(SAMPLES) % 14 - 7.0) / 5.0
+    u_V[:5000] = np.interp(np.arange(5000), np.linspace(0, 4999, 40), 50.0 + rng.uniform(-50.0, 50.0, 40))
+    whole, chain = long_scene(u_V), Chain(3e-3)
+    blocks = excerpt(whole, 3.0)
+    sample = np.round(blocks.time_s[blocks.rows] / TS_S).astype(int)
+    plays = slice(0, 27)  # the Duhem states forget along the path
+    np.testing.assert_allclose(
+        blocks.columns(chain)[plays, blocks.rows], whole.columns(chain)[plays, sample], atol=1e-9
+    )
+
+
+def test_blocks_prefer_steps_to_slow_movement() -> None:
+    at = np.arange(SAMPLES)
+    u_V = 50.0 + 40.0 * np.sin(at / 3000.0)
+    steps = np.array([7_300, 21_700, 28_900, 46_100])
+    for place, size in zip(steps.tolist(), (5.0, 8.0, -6.0, 9.0), strict=True):
+        u_V[place : place + 60] += size
+    blocks = excerpt(long_scene(u_V), 3.0)
+    seen = np.round(blocks.time_s[: sum(len(run.u_V) for run in blocks.runs if run.stride == 1)] / TS_S)
+    assert np.isin(steps, seen).sum() >= 3
