@@ -7,6 +7,7 @@ code must leave the same registers and memory as without the interrupt.
 from __future__ import annotations
 
 import functools
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -16,9 +17,10 @@ import pytest
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import ModelStage, model
 from hysgen.c674x import interpreter, toolchain
+from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.machine import Machine
 from hysgen.c674x.processor import MEMORY_BASE, RETURN_ADDRESS, STACK_POINTER
-from hysgen.codegen.manifest import c_files
+from hysgen.c674x.schedule.folder import kernels, with_kernels
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, read_sources
@@ -61,10 +63,16 @@ def changing() -> str:
 
 
 @functools.cache
-def machine() -> Machine:
-    """Controller, model, simulator's board, start.s and the functions above, in the memories of the C6748."""
+def machine(scheduled: bool = False) -> Machine:
+    """Controller, model, simulator's board, start.s and the functions above, in the memories of the C6748.
+
+    scheduled: with the model's functions as kernels.
+    """
     need_compiler()
-    generated = c_files(firmware_model(model())).items()
+    texts = firmware_model(model())
+    if scheduled:
+        texts = with_kernels(model().name, texts, kernels(model().name, texts))
+    generated = c_texts(texts)
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
     board = [*read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *read_sources(TARGET_BOARD, "*.s")]
     sources = [*read_sources(CONTROLLER), *board, *generated, ("victim.c", VICTIM), ("changing.s", changing())]
@@ -192,8 +200,13 @@ def test_an_interrupt_before_any_packet_leaves_arguments_on_the_stack_alone() ->
     assert differing == 0
 
 
-def test_an_interrupt_before_any_packet_of_the_idle_loop_changes_no_word() -> None:
-    """The idle loop of a firmware that tracks and learns, in several phases of a commit."""
+@pytest.mark.parametrize("scheduled", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["C", "kernels"])
+def test_an_interrupt_before_any_packet_of_the_idle_loop_changes_no_word(
+    scheduled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The idle loop of a firmware that tracks and learns, in three phases of a commit; inverse and learn interrupt."""
+    if scheduled:
+        monkeypatch.setattr(sys.modules[__name__], "machine", functools.partial(machine, scheduled=True))
     target, stage = machine(), ModelStage(model())
     target.call("simulated_boot")
     taken, y_um, phases = 0, stage.y_um, 0
