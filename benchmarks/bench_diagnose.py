@@ -2,8 +2,8 @@
 
 Run:  python benchmarks/bench_diagnose.py [LARGEST]      (longest record in samples, default 50000)
 The limits to hold on two idle cores: 6000 samples 5 s, 50 000 samples 12 s, 1e6 samples 60 s and 2 GB. The record hides
-memory, creep and a line; above 20 000 samples the search looks at an excerpt, so that what grows with the length is the
-simulation of the final chain and of each rung.
+memory, creep and a line; above 100 000 samples the search looks at an excerpt, so only the simulation of the final
+chain and of each rung grows with the length.
 """
 
 from __future__ import annotations

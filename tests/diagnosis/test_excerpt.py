@@ -99,7 +99,7 @@ def test_plays_end_where_the_whole_command_leaves_them() -> None:
 
 
 def test_amounts_of_a_long_record_are_those_of_its_blocks(whole: Scene) -> None:
-    """Aging, drift and a line that the whole record holds, found from a fifth of its samples."""
+    """Aging, drift and a line that the whole record holds, found from a tenth of its samples."""
     chain = Chain(3e-3, (DriftPart(), PeriodicPart((50.3,))))
     rng = np.random.default_rng(6)
     weights = np.zeros(len(whole.added_columns(chain)) + whole.hysteresis_size(chain))
