@@ -309,7 +309,7 @@ static void firmware_commit(firmware_t *self)
     }
     self->committing = 1u;
     controller->committing = 1u;
-    answer = model_commit(&controller->model, &controller->learner);
+    answer = (uint32_t)model_commit(&controller->model, &controller->learner);
     controller->committing = 0u;
     if (answer != MODEL_BUSY) {
         self->committing = 0u;

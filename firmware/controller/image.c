@@ -111,7 +111,7 @@ uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t 
     model_learn_init(&bench->learner, &bench->model);
     bench->learner.age = MODEL_COMMIT_MATURE;
     for (uint32_t i = 0u; (i < IMAGE_MOST_CALLS) & (answer == MODEL_BUSY); ++i) {
-        answer = model_commit(&bench->model, &bench->learner);
+        answer = (uint32_t)model_commit(&bench->model, &bench->learner);
     }
     if (answer != MODEL_COMMITTED) {
         return IMAGE_UNCERTIFIED + answer;

@@ -17,6 +17,7 @@ from fixtures.tools import need
 from hysgen.c674x import toolchain
 from hysgen.c674x.cost import cost, cost_of_texts
 from hysgen.c674x.cost.budget_file import changes, read
+from hysgen.c674x.cost.formulas import formulas
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.footprint import footprint
 from hysgen.checking.host import Host
@@ -30,6 +31,7 @@ from hysgen.codegen.operations.cycles import Cycles, budget, estimated, per_samp
 from hysgen.codegen.operations.text import syntax_tree
 from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
+from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
@@ -196,11 +198,11 @@ def test_every_function_is_within_the_budget_that_is_kept(name: str) -> None:
     assert not different, "\n".join(str(change) for change in different)
     period = max(found[step]["cycles"] for step in ("predict", "simulate", "inverse"))
     period += sum(found[besides]["cycles"] for besides in ("learn", "commit") if besides in found)
-    assert period <= {"learning": 3000}.get(name, 7500)
+    assert period <= {"learning": 4200}.get(name, 7500)
     if name == "learning":
         assert found["predict"]["cycles"] <= 180
         assert found["inverse"]["cycles"] <= 200
-        assert found["learn"]["cycles"] <= 2357
+        assert found["learn"]["cycles"] <= 3500
 
 
 @pytest.mark.slow
@@ -214,7 +216,28 @@ def test_the_largest_path_leaves_the_period_that_it_must() -> None:
     }
     assert found["predict"] <= 500
     assert found["inverse"] <= 1200
-    assert max(found["predict"], found["inverse"]) + found["learn"] + found["commit"] <= 4300
+    assert max(found["predict"], found["inverse"]) + found["learn"] + found["commit"] <= 5600
+
+
+@pytest.mark.slow
+def test_formulas_give_the_measured_cycles_within_the_error_that_they_state() -> None:
+    """Of sizes that the formulas were not fitted to: 5 rules with 15 parameters, and 10 plays."""
+    need_compiler()
+    small = dataclasses.replace(smooth(5), name="smooth", learner=LearnerSettings())
+    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:], learner=None)
+    for model in (small, plays):
+        measured = footprint(model.name, generate(model, Options(clock_Hz=1e10)))
+        found = formulas(model)
+        assert len(found) == (5 if model.learner else 3)
+        for formula, value in found:
+            cycles = measured[formula.function]["cycles"]
+            assert abs(value - cycles) <= formula.error * cycles, f"{formula.function}: {value}, measured {cycles}"
+
+
+def test_formulas_stand_beside_the_figures() -> None:
+    text = "\n".join(cost_of_texts(load_model("appendix_a"), generate(load_model("appendix_a")), timed=False).notes())
+    assert "predict = 120 + 7.6 L = 166 (+-13 %)" in text
+    assert formulas(everything()) == []
 
 
 @pytest.mark.slow

@@ -94,7 +94,7 @@ def test_a_part_of_an_update_that_writes_more_than_its_contract_says_is_told() -
     need("frama-c")
     learner, generated = gains()
     source = generated["small.c"]
-    altered = source.replace("    self->k[0] = ", "    self->theta[1] = 0.0f;\n    self->k[0] = ", 1)
+    altered = source.replace("        self->k[j] = ", "        self->theta[1] = 0.0f;\n        self->k[j] = ", 1)
     assert altered != source
     verdict, _ = prove_update(learner, {**generated, "small.c": altered})
     assert any("factor: writes theta" in alarm for alarm in verdict.alarms), verdict.alarms

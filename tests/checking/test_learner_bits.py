@@ -84,10 +84,10 @@ def test_a_restart_is_whole_in_the_call_that_loses_the_shadow(size: int) -> None
 @pytest.mark.slow
 def test_a_restart_that_leaves_out_an_element_is_found() -> None:
     model = sized(18)
-    texts, left_out = texts_of(model), "self->u[152] = 0.0f;\n}"
+    texts, left_out = texts_of(model), f"{model.name.upper()}_FACTORS; ++i) {{\n        self->u[i] = 0.0f;"
     file = f"{model.name}.c"
     assert texts[file].count(left_out) == 1
-    texts[file] = texts[file].replace(left_out, "}")
+    texts[file] = texts[file].replace(left_out, left_out.replace("; ++i", " - 1u; ++i"))
     pair = Pair(model, texts)
     assert "u[" in str(next(filter(None, (pair.first_difference(*piece) for piece in losing(pair))), None))
 
@@ -143,9 +143,9 @@ def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size:
 @pytest.mark.parametrize(
     ("intact", "planted"),
     [
-        ("self->theta_low[3] = left3;", "self->theta_low[3] = 0.0f;"),
+        ("self->theta_low[j] = carried - (sum - theta);", "self->theta_low[j] = 0.0f;"),
         ("self->turn = (j + 1u <", "self->turn = (j + 2u <"),
-        ("f5 = f5 + m2_5;", "f5 = m2_5 + f5 * 1.0000001f;"),
+        ("f[i] = f[i] + self->x[i];", "f[i] = f[i] * 1.0000001f + self->x[i];"),
         ("const uint32_t usable = 1u ^ (y_lost | implausible);", "const uint32_t usable = 1u ^ y_lost;"),
     ],
 )

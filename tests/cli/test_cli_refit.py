@@ -71,7 +71,7 @@ def test_refit_changes_the_numbers_and_verifies_the_c(folder: Path, tmp_path: Pa
     told = json.loads((tmp_path / "told.json").read_text())
     assert told["structure_fits"]
     assert told["c"]["equal"]
-    assert told["c"]["changed"] == ["MANIFEST.json", "axis.json", "axis_params.h"]
+    assert told["c"]["changed"] == ["MANIFEST.json", "axis.json", "axis_params.h", "axis_selftest_data.h"]
     assert main(["generate", f"{tmp_path}/axis.json", "-o", f"{tmp_path}/c", "--check"]) == 0
     assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c", "--check"]) == 1
 

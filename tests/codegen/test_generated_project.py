@@ -137,6 +137,9 @@ def shifted(model: Model) -> Model:
 
 def digest_of_numbers(text: str) -> str:
     """SHA-256 of the words in parts 1 and 2 of a params header: the bits of its floats and its unsigned numbers."""
-    parts = text.partition("#ifdef LEARNING_SELFTEST_NUMBERS")[0].partition("_NUMBERS_WORD")[2]
-    rows = re.findall(r"/\* (0x[0-9a-f]{8}) \*/|^#define \w+ +(0x[0-9a-f]{8})u$", parts.partition("\n")[2], re.M)
-    return hashlib.sha256(b"".join(struct.pack("<I", int(bits or word, 16)) for bits, word in rows)).hexdigest()
+    parts = re.sub(r"/\*.*?\*/", "", text.partition("_NUMBERS_WORD")[2].partition("\n")[2], flags=re.DOTALL)
+    numbers = re.findall(r"(?<![\w.])(-?[\d.]+(?:e[-+]\d+)?)f\b|(?<![\w.])(0x[0-9a-f]{8})u\b", parts)
+    words = [
+        struct.pack("<f", float(number)) if number else struct.pack("<I", int(word, 16)) for number, word in numbers
+    ]
+    return hashlib.sha256(b"".join(words)).hexdigest()

@@ -18,7 +18,10 @@ from hysgen.float32.learner_status import Commit
 
 SHIPPED = {each.name: each for each in firmware_models()}
 PLANTED = {
-    "an element of U is read for another": (r"u1_2 = u\[2\];", "u1_2 = u[3];"),
+    "an element of U is read for another": (
+        r"u\[i\] = self->u\[(\w+)\(i, j\)\];",
+        r"u[i] = self->u[(j == 2u) ? 1u : \1(i, j)];",
+    ),
     "the gain's refusal is taken out": (r"return (\w+)_REFUSED_GAIN;", r"return \1_BUSY;"),
     "the slope's refusal is taken out": (r"\(steep != 0u\)", "(steep > 1000u)"),
     "the limit's refusal is taken out": (r"return (\w+)_REFUSED_LIMIT;", r"return \1_BUSY;"),

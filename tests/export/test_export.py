@@ -389,7 +389,8 @@ def table_of(here: Path, name: str) -> tuple[int, ...]:
     """The words of a table in the text of <name>_params.h."""
     text = (here / "model" / f"{NAME}_params.h").read_text()
     body = text.partition(f"{NAME}_{name}[")[2].partition("};")[0]
-    return tuple(int(bits, 16) for bits in re.findall(r"/\* (0x[0-9a-f]{8}) \*/", body))
+    numbers = re.findall(r"(-?[\d.]+(?:e[-+]\d+)?)f,", body)
+    return tuple(struct.unpack("<I", struct.pack("<f", float(number)))[0] for number in numbers)
 
 
 def test_an_elf_that_does_not_fit_is_refused(folder: Path, tmp_path: Path) -> None:

@@ -29,8 +29,8 @@ extern "C" {
 
 #define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define APPENDIX_A_ALGORITHM "bfc18e3c81cd090200b3e84e513793525f8b1392e08747d74b948534598a0a3c"
-#define APPENDIX_A_ALGORITHM_WORD 0xbfc18e3cu  /**< its first 32 bits */
+#define APPENDIX_A_ALGORITHM "336bc560895940d90faf7490253f53a6e3dae21e80ed517eb3f13c5aff96fc18"
+#define APPENDIX_A_ALGORITHM_WORD 0x336bc560u  /**< its first 32 bits */
 
 #define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -39,36 +39,36 @@ extern "C" {
 #define APPENDIX_A_BANK_RULES 6u  /**< rules in a bank, padding included */
 
 /* Bits of `status`, sticky until the caller clears them or calls appendix_a_init. */
-#define APPENDIX_A_STATUS_Y_CLAMPED          0x01u  /**< a displacement lay outside the identified range and was limited to it */
-#define APPENDIX_A_STATUS_U_CLAMPED          0x02u  /**< a voltage lay outside the input range and was limited to it */
-#define APPENDIX_A_STATUS_Y_REJECTED         0x04u  /**< a displacement was not finite; the last good one was used */
-#define APPENDIX_A_STATUS_U_REJECTED         0x08u  /**< a voltage was not finite; the last good one was used */
-#define APPENDIX_A_STATUS_REFERENCE_CLAMPED  0x10u  /**< a reference lay more than one range away and was limited */
-#define APPENDIX_A_STATUS_UNREACHABLE        0x20u  /**< the input that would reach the reference lay beyond what can be applied */
-#define APPENDIX_A_STATUS_AUX_CLAMPED        0x40u  /**< an auxiliary channel lay outside its range and was limited to it */
-#define APPENDIX_A_STATUS_AUX_REJECTED       0x80u  /**< an auxiliary channel was not finite; its last good sample was used */
+#define APPENDIX_A_STATUS_Y_CLAMPED          0x01u  /**< A displacement lay outside the identified range and was limited to it. */
+#define APPENDIX_A_STATUS_U_CLAMPED          0x02u  /**< A voltage lay outside the input range and was limited to it. */
+#define APPENDIX_A_STATUS_Y_REJECTED         0x04u  /**< A displacement was not finite; the last good one was used. */
+#define APPENDIX_A_STATUS_U_REJECTED         0x08u  /**< A voltage was not finite; the last good one was used. */
+#define APPENDIX_A_STATUS_REFERENCE_CLAMPED  0x10u  /**< A reference lay more than one range away and was limited. */
+#define APPENDIX_A_STATUS_UNREACHABLE        0x20u  /**< The input that would reach the reference lay beyond what can be applied. */
+#define APPENDIX_A_STATUS_AUX_CLAMPED        0x40u  /**< An auxiliary channel lay outside its range and was limited to it. */
+#define APPENDIX_A_STATUS_AUX_REJECTED       0x80u  /**< An auxiliary channel was not finite; its last good sample was used. */
 
 /** Parameters as the sums over the rules need them: consequents times strengths. */
 typedef struct {
-    float slope[APPENDIX_A_BANK_RULES];   /**< q1 [um/um] */
-    float offset[APPENDIX_A_BANK_RULES];  /**< q3 [um] */
-    float gain[APPENDIX_A_BANK_RULES];    /**< q2 [um/V] */
+    float slope[APPENDIX_A_BANK_RULES];   /**< Consequents q1 times the strengths of the rules [um/um]. */
+    float offset[APPENDIX_A_BANK_RULES];  /**< Consequents q3 times the strengths of the rules [um]. */
+    float gain[APPENDIX_A_BANK_RULES];    /**< Consequents q2 times the strengths of the rules [um/V]. */
 } appendix_a_bank_t;
 
 /** One instance of the model, 188 bytes. */
 typedef struct {
-    uint32_t active;            /**< index of the bank in use, 0 or 1 */
-    float y_um;                 /**< last model output [um]: the state of the free run */
-    float u_V;                  /**< last accepted input [V] */
-    float low_V;                /**< lowest voltage that may be put out [V] */
-    float high_V;               /**< highest voltage that may be put out [V] */
-    float step_V;               /**< largest change of that voltage per sample [V] */
-    uint32_t status;            /**< bits APPENDIX_A_STATUS_..., sticky */
-    uint32_t y_clamped;         /**< calls with y outside its range; counters stop at their largest value */
-    uint32_t u_clamped;         /**< calls with u outside its range */
-    uint32_t y_rejected;        /**< calls with y not finite */
-    uint32_t u_rejected;        /**< calls with u not finite */
-    appendix_a_bank_t bank[2];  /**< active and idle parameters */
+    uint32_t active;            /**< Index of the active bank, 0 or 1. */
+    float y_um;                 /**< Last output of the model [um], from which a free run continues. */
+    float u_V;                  /**< Last accepted input [V]. */
+    float low_V;                /**< Lowest voltage that the inverse may put out [V]. */
+    float high_V;               /**< Highest voltage that the inverse may put out [V]. */
+    float step_V;               /**< Largest change of the inverse's voltage per sample [V]. */
+    uint32_t status;            /**< Bits APPENDIX_A_STATUS_..., set by events and cleared by the caller. */
+    uint32_t y_clamped;         /**< Number of calls with y outside its range; every counter stops at its largest value. */
+    uint32_t u_clamped;         /**< Number of calls with u outside its range. */
+    uint32_t y_rejected;        /**< Number of calls with y not finite. */
+    uint32_t u_rejected;        /**< Number of calls with u not finite. */
+    appendix_a_bank_t bank[2];  /**< Both banks of parameters, of which one is active. */
 } appendix_a_t;
 
 /** Start anew, with the parameters of appendix_a_params.h in both banks.
@@ -136,79 +136,89 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
 #define APPENDIX_A_FACTORS 153u  /**< words of U */
 
 /* Bits of a learner's `status`, sticky until the caller clears them or calls appendix_a_learn_init. */
-#define APPENDIX_A_LEARN_REJECTED   0x001u  /**< a sample was not finite or not plausible and taught nothing */
-#define APPENDIX_A_LEARN_OUTSIDE    0x002u  /**< a displacement lay outside the identified range and taught nothing */
-#define APPENDIX_A_LEARN_RESTING    0x004u  /**< the input rested and taught nothing */
-#define APPENDIX_A_LEARN_OUTLIER    0x008u  /**< an innovation was an outlier and taught nothing */
-#define APPENDIX_A_LEARN_CHANGED    0x010u  /**< so many outliers in a row that they are none: learnt from */
-#define APPENDIX_A_LEARN_QUIET      0x020u  /**< an innovation lay inside the dead zone and taught nothing */
-#define APPENDIX_A_LEARN_LIMITED    0x040u  /**< a step of the parameters was shortened */
-#define APPENDIX_A_LEARN_CLAMPED    0x080u  /**< a variance was limited */
-#define APPENDIX_A_LEARN_RESTARTED  0x100u  /**< the shadow went back to the reference parameters and the prior */
+#define APPENDIX_A_LEARN_REJECTED   0x001u  /**< A sample was not finite or not plausible and was ignored. */
+#define APPENDIX_A_LEARN_OUTSIDE    0x002u  /**< A displacement was outside the identified range; no update used it. */
+#define APPENDIX_A_LEARN_RESTING    0x004u  /**< The input was at rest; no update used the sample. */
+#define APPENDIX_A_LEARN_OUTLIER    0x008u  /**< An innovation was an outlier; no update used it. */
+#define APPENDIX_A_LEARN_CHANGED    0x010u  /**< Enough outliers in a row were taken for a change of the plant; updates resumed. */
+#define APPENDIX_A_LEARN_QUIET      0x020u  /**< An innovation was inside the dead zone; no update used it. */
+#define APPENDIX_A_LEARN_LIMITED    0x040u  /**< A step of the parameters was reduced. */
+#define APPENDIX_A_LEARN_CLAMPED    0x080u  /**< An element of D was limited. */
+#define APPENDIX_A_LEARN_RESTARTED  0x100u  /**< The shadow was reset to the reference parameters and the prior. */
 
-/* Answers of appendix_a_commit. */
-#define APPENDIX_A_BUSY             0u  /**< not done yet: call again */
-#define APPENDIX_A_COMMITTED        1u  /**< the shadow's parameters are active now */
-#define APPENDIX_A_REFUSED_YOUNG    2u  /**< too few updates since the shadow restarted */
-#define APPENDIX_A_REFUSED_LIMIT    3u  /**< a parameter is not finite or beyond its limit */
-#define APPENDIX_A_REFUSED_GAIN     4u  /**< the gain b(y) would come too close to zero or change its sign */
-#define APPENDIX_A_REFUSED_SLOPE    5u  /**< the slope |df/dy| would come too close to 1 */
+/** What appendix_a_commit answers. */
+typedef enum {
+    APPENDIX_A_COMMIT_BUSY = 0,           /**< The commit is not finished; call again. */
+    APPENDIX_A_COMMIT_COMMITTED = 1,      /**< The shadow's parameters are active. */
+    APPENDIX_A_COMMIT_REFUSED_YOUNG = 2,  /**< The shadow has had too few updates since its restart. */
+    APPENDIX_A_COMMIT_REFUSED_LIMIT = 3,  /**< A parameter is not finite or beyond its limit. */
+    APPENDIX_A_COMMIT_REFUSED_GAIN = 4,   /**< The gain b(y) would come too close to zero or change its sign. */
+    APPENDIX_A_COMMIT_REFUSED_SLOPE = 5   /**< The slope |df/dy| would come too close to 1. */
+} appendix_a_commit_t;
 
-/** A shadow on its way to become active. */
+/** Phases of a commit: `phase` of a candidate. */
+typedef enum {
+    APPENDIX_A_PHASE_IDLE = 0,   /**< No commit is under way; the next call copies the shadow. */
+    APPENDIX_A_PHASE_CHECK = 1,  /**< The next call examines check points. */
+    APPENDIX_A_PHASE_WRITE = 2,  /**< The next call writes the candidate into the idle bank. */
+    APPENDIX_A_PHASE_SWITCH = 3  /**< The next call makes the written bank active. */
+} appendix_a_phase_t;
+
+/** A copy of the shadow whose certificates a commit checks before it becomes active. */
 typedef struct {
-    uint32_t phase;                   /**< 0: none, 1: being checked, 2: to be written, 3: to be made active */
-    uint32_t point;                   /**< check point that comes next */
-    float gain_remainder_um_per_V;    /**< bound of the gain's Taylor remainder near a check point [um/V] */
-    float slope_remainder[2];         /**< the same of |df/dy|, at the least and the largest input */
-    float theta[APPENDIX_A_LEARNED];  /**< the shadow when it was taken [um] */
-    appendix_a_bank_t bank;           /**< the same as a bank */
+    uint32_t phase;                   /**< Phase of the commit, a value of appendix_a_phase_t. */
+    uint32_t point;                   /**< Index of the check point that the next call examines first. */
+    float gain_remainder_um_per_V;    /**< Bound of the Taylor remainder of the gain between check points [um/V]. */
+    float slope_remainder[2];         /**< Bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules. */
+    float theta[APPENDIX_A_LEARNED];  /**< Copy of the shadow's parameters, scaled [um]. */
+    appendix_a_bank_t bank;           /**< The parameters theta as a bank. */
 } appendix_a_candidate_t;
 
 /** A learner: the covariance P = U D U' of Eq. (10), the shadow parameters theta, and what it needs between samples.
  * theta = scale * (number in a bank), x = regressor / scale; U is unit upper triangular, its columns packed. */
 typedef struct {
-    float d[APPENDIX_A_LEARNED];          /**< diagonal D of P = U D U', larger than 0 */
-    float x[APPENDIX_A_LEARNED];          /**< regressors of the sample before, scaled */
-    float theta[APPENDIX_A_LEARNED];      /**< shadow parameters, scaled [um] */
-    float theta_low[APPENDIX_A_LEARNED];  /**< rounding error of theta, carried along [um] */
-    float reference[APPENDIX_A_LEARNED];  /**< parameters last committed, at first those of the model [um] */
-    float f[APPENDIX_A_LEARNED];          /**< U' x */
-    float g[APPENDIX_A_LEARNED];          /**< D U' x */
-    float l[APPENDIX_A_LEARNED];          /**< -f_j / alpha_(j-1) */
-    float k[APPENDIX_A_LEARNED];          /**< P x */
-    float per_alpha;                      /**< 1 / alpha_n of this update */
-    float inflate;                        /**< 1 / lambda of this update */
-    float innovation_um;                  /**< y - x' theta of this update [um] */
-    float fixed_um;                       /**< part of the prediction that is not learned [um] */
-    float y_um;                           /**< last accepted displacement [um] */
-    float u_V;                            /**< last accepted input [V] */
-    float mean_u_V;                       /**< running mean of the input [V]; the input rests near it */
-    float scale_um;                       /**< running mean of |innovation|, outliers limited [um] */
-    float moving_um;                      /**< running mean of |y(k) - y(k-1)| [um] */
-    float error;                          /**< mean square innovation of the shadow [um^2] */
-    float reference_error;                /**< mean square innovation of the reference parameters [um^2] */
-    float step_error;                     /**< mean square of y(k) - y(k-1) [um^2] */
-    uint32_t fresh;                       /**< 1: the regressors belong to the sample before */
-    uint32_t rested;                      /**< 1: the input rested at the sample before */
-    uint32_t measuring;                   /**< 1: this update learns from a sample, 0: it restores a prior */
-    uint32_t since_refresh;               /**< updates since a prior was restored */
-    uint32_t turn;                        /**< parameter whose prior is restored next */
-    uint32_t run;                         /**< outliers in a row */
-    uint32_t age;                         /**< updates since the last restart */
-    uint32_t status;                      /**< bits APPENDIX_A_LEARN_..., sticky */
-    uint32_t updates;                     /**< updates that changed the parameters */
-    uint32_t rejected;                    /**< samples that were not finite or not plausible */
-    uint32_t outside;                     /**< displacements outside the identified range */
-    uint32_t resting;                     /**< samples at which the input rested */
-    uint32_t outliers;                    /**< innovations refused as outliers */
-    uint32_t changes;                     /**< runs of outliers that were accepted as a change */
-    uint32_t quiet;                       /**< innovations inside the dead zone */
-    uint32_t limited;                     /**< updates whose step was shortened */
-    uint32_t clamped;                     /**< updates that limited a variance */
-    uint32_t restarts;                    /**< returns to the reference parameters and the prior */
-    float u[APPENDIX_A_FACTORS];          /**< U above its diagonal */
-    appendix_a_bank_t base;               /**< the parameters that are not learned */
-    appendix_a_candidate_t candidate;     /**< the shadow that is being committed */
+    float d[APPENDIX_A_LEARNED];          /**< Diagonal of D in P = U D U', every element positive. */
+    float x[APPENDIX_A_LEARNED];          /**< Regressors x = phi / scale of the previous sample. */
+    float theta[APPENDIX_A_LEARNED];      /**< Parameters theta of the shadow, scaled [um]. */
+    float theta_low[APPENDIX_A_LEARNED];  /**< Rounding error of theta, added to the next step [um]. */
+    float reference[APPENDIX_A_LEARNED];  /**< Parameters of the last commit, before it those of the model, scaled [um]. */
+    float f[APPENDIX_A_LEARNED];          /**< F = U' x of this update. */
+    float g[APPENDIX_A_LEARNED];          /**< G = D f of this update. */
+    float l[APPENDIX_A_LEARNED];          /**< L_j = -f_j / alpha_(j-1) of this update. */
+    float k[APPENDIX_A_LEARNED];          /**< K = P x of this update. */
+    float per_alpha;                      /**< Reciprocal of alpha = 1 + x' P x of this update. */
+    float inflate;                        /**< Reciprocal of the forgetting factor lambda of this update. */
+    float innovation_um;                  /**< Innovation y - x' theta of this update [um]. */
+    float fixed_um;                       /**< Part of the prediction from parameters that are not learned [um]. */
+    float y_um;                           /**< Last accepted displacement [um]. */
+    float u_V;                            /**< Last accepted input [V]. */
+    float mean_u_V;                       /**< Running mean of the input [V]; an input near it is at rest. */
+    float scale_um;                       /**< Running mean of |innovation|, with outliers limited [um]. */
+    float moving_um;                      /**< Running mean of |y(k) - y(k-1)| [um]. */
+    float error;                          /**< Mean square innovation of the shadow [um^2]. */
+    float reference_error;                /**< Mean square innovation of the reference parameters [um^2]. */
+    float step_error;                     /**< Mean square of y(k) - y(k-1) [um^2]. */
+    uint32_t fresh;                       /**< 1 if the regressors belong to the previous sample, 0 if it was not usable. */
+    uint32_t rested;                      /**< 1 if the input was at rest at the previous sample. */
+    uint32_t measuring;                   /**< 1 if this update uses a sample, 0 if it restores the prior of a parameter. */
+    uint32_t since_refresh;               /**< Number of updates since the prior of a parameter was restored. */
+    uint32_t turn;                        /**< Index of the parameter whose prior is restored next. */
+    uint32_t run;                         /**< Number of consecutive outliers. */
+    uint32_t age;                         /**< Number of updates since the last restart. */
+    uint32_t status;                      /**< Bits APPENDIX_A_LEARN_..., set by events and cleared by the caller. */
+    uint32_t updates;                     /**< Number of updates that changed the parameters. */
+    uint32_t rejected;                    /**< Number of samples that were not finite or not plausible. */
+    uint32_t outside;                     /**< Number of displacements outside the identified range. */
+    uint32_t resting;                     /**< Number of samples with the input at rest. */
+    uint32_t outliers;                    /**< Number of innovations rejected as outliers. */
+    uint32_t changes;                     /**< Number of runs of outliers that were taken for a change. */
+    uint32_t quiet;                       /**< Number of innovations inside the dead zone. */
+    uint32_t limited;                     /**< Number of updates whose step was reduced. */
+    uint32_t clamped;                     /**< Number of updates that limited an element of D. */
+    uint32_t restarts;                    /**< Number of restarts of the shadow. */
+    float u[APPENDIX_A_FACTORS];          /**< Columns of U above its diagonal, one after the other. */
+    appendix_a_bank_t base;               /**< Bank of the model when learning began; its parameters that are not learned are in use. */
+    appendix_a_candidate_t candidate;     /**< Copy of the shadow that a commit checks. */
 } appendix_a_learner_t;
 
 /** Start to learn from the active parameters of a model, whose state of terms and inputs is taken over.
@@ -224,22 +234,22 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in appendix_a_predict
  *
- * 1098 float +-, 822 float *, 54 float comparisons, 569 integer, 723 loads, 573 stores, 16 branches.
- * C674x: about 2607 cycles (estimate). */
+ * 1143 float +-, 851 float *, 54 float comparisons, 4344 integer, 947 loads, 573 stores, 1018 branches.
+ * C674x: about 3633 cycles (estimate). */
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V);
 
-/** Make the shadow active if its certificates hold, over many calls: a snapshot; APPENDIX_A_COMMIT_POINTS check points,
- * 1 per call, between which the bounds in appendix_a_params.h hold; the idle bank; the switch. Answers APPENDIX_A_BUSY
- * until then. A refused shadow goes on learning, the active parameters stay.
- * appendix_a_learn must not interrupt it; appendix_a_predict and the like may.
+/** Make the shadow active if its certificates hold, in many calls: one copies the shadow; each of the next ones examines
+ * 1 of the APPENDIX_A_COMMIT_POINTS check points, between which the bounds in appendix_a_params.h hold; then one
+ * writes the idle bank, and one switches banks. After a refusal the shadow learns on and the active parameters stay.
+ * appendix_a_predict, appendix_a_simulate and appendix_a_inverse may interrupt a call, appendix_a_learn must not.
  *
  * @param self     the instance whose parameters change
  * @param learner  the learner whose shadow is checked
- * @return         APPENDIX_A_BUSY, APPENDIX_A_COMMITTED, or why the shadow was refused
+ * @return         APPENDIX_A_COMMIT_BUSY before the last call, then APPENDIX_A_COMMIT_COMMITTED or the reason of the refusal
  *
- * 80 float +-, 172 float *, 62 float comparisons, 122 integer, 218 loads, 41 stores, 3 branches.
- * C674x: about 641 cycles (estimate). */
-uint32_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *learner);
+ * 80 float +-, 172 float *, 62 float comparisons, 298 integer, 218 loads, 41 stores, 65 branches.
+ * C674x: about 469 cycles (estimate). */
+appendix_a_commit_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *learner);
 
 /* The compiler of the caller must lay the structs out as the compiler of appendix_a.c: another size is an error here. */
 typedef char appendix_a_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */

@@ -1,11 +1,9 @@
-/* appendix_a_selftest.c: every function over fixed inputs; they and the expected bits stand in appendix_a_params.h. */
+/* appendix_a_selftest.c: every function over the fixed inputs of appendix_a_selftest_data.h, compared bit by bit. */
 
 #include "appendix_a_selftest.h"
 
 #include "appendix_a.h"
-
-#define APPENDIX_A_SELFTEST_NUMBERS
-#include "appendix_a_params.h"
+#include "appendix_a_selftest_data.h"
 
 APPENDIX_A_CODE
 static float appendix_a_selftest_float(uint32_t bits)
@@ -103,14 +101,14 @@ static uint32_t appendix_a_selftest_inverse(void)
 
 /** A model, and its words to hash. */
 typedef union {
-    appendix_a_t model;                         /**< the model */
-    uint32_t words[sizeof(appendix_a_t) >> 2];  /**< all its words */
+    appendix_a_t model;                         /**< The model. */
+    uint32_t words[sizeof(appendix_a_t) >> 2];  /**< All words of the struct. */
 } appendix_a_selftest_model_t;
 
 /** A learner, and its words to hash. */
 typedef union {
-    appendix_a_learner_t learner;                       /**< the learner */
-    uint32_t words[sizeof(appendix_a_learner_t) >> 2];  /**< all its words */
+    appendix_a_learner_t learner;                       /**< The learner. */
+    uint32_t words[sizeof(appendix_a_learner_t) >> 2];  /**< All words of the struct. */
 } appendix_a_selftest_learner_t;
 
 #define APPENDIX_A_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
@@ -143,7 +141,7 @@ static uint32_t appendix_a_selftest_commit(appendix_a_selftest_model_t *self, ap
 
     for (uint32_t k = 0u; k < 8u; ++k) {
         const uint32_t *row = appendix_a_selftest_commit_rows[k];
-        uint32_t answer = APPENDIX_A_BUSY;
+        uint32_t answer = APPENDIX_A_COMMIT_BUSY;
         uint32_t calls;
         uint32_t hash;
 
@@ -151,7 +149,7 @@ static uint32_t appendix_a_selftest_commit(appendix_a_selftest_model_t *self, ap
         for (uint32_t i = 0u; i < APPENDIX_A_LEARNED; ++i) {
             learner->learner.theta[i] = appendix_a_selftest_float(row[4u + i]);
         }
-        for (calls = 0u; (answer == APPENDIX_A_BUSY) && (calls < APPENDIX_A_SELFTEST_LEARN_CALLS); ++calls) {
+        for (calls = 0u; (answer == APPENDIX_A_COMMIT_BUSY) && (calls < APPENDIX_A_SELFTEST_LEARN_CALLS); ++calls) {
             answer = appendix_a_commit(&self->model, &learner->learner);
         }
         hash = appendix_a_selftest_hash(0x811c9dc5u, self->words, APPENDIX_A_SELFTEST_WORDS(*self));

@@ -1,11 +1,9 @@
-/* extended_selftest.c: every function over fixed inputs; they and the expected bits stand in extended_params.h. */
+/* extended_selftest.c: every function over the fixed inputs of extended_selftest_data.h, compared bit by bit. */
 
 #include "extended_selftest.h"
 
 #include "extended.h"
-
-#define EXTENDED_SELFTEST_NUMBERS
-#include "extended_params.h"
+#include "extended_selftest_data.h"
 
 EXTENDED_CODE
 static float extended_selftest_float(uint32_t bits)
@@ -103,14 +101,14 @@ static uint32_t extended_selftest_inverse(void)
 
 /** A model, and its words to hash. */
 typedef union {
-    extended_t model;                         /**< the model */
-    uint32_t words[sizeof(extended_t) >> 2];  /**< all its words */
+    extended_t model;                         /**< The model. */
+    uint32_t words[sizeof(extended_t) >> 2];  /**< All words of the struct. */
 } extended_selftest_model_t;
 
 /** A learner, and its words to hash. */
 typedef union {
-    extended_learner_t learner;                       /**< the learner */
-    uint32_t words[sizeof(extended_learner_t) >> 2];  /**< all its words */
+    extended_learner_t learner;                       /**< The learner. */
+    uint32_t words[sizeof(extended_learner_t) >> 2];  /**< All words of the struct. */
 } extended_selftest_learner_t;
 
 #define EXTENDED_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
@@ -143,7 +141,7 @@ static uint32_t extended_selftest_commit(extended_selftest_model_t *self, extend
 
     for (uint32_t k = 0u; k < 8u; ++k) {
         const uint32_t *row = extended_selftest_commit_rows[k];
-        uint32_t answer = EXTENDED_BUSY;
+        uint32_t answer = EXTENDED_COMMIT_BUSY;
         uint32_t calls;
         uint32_t hash;
 
@@ -151,7 +149,7 @@ static uint32_t extended_selftest_commit(extended_selftest_model_t *self, extend
         for (uint32_t i = 0u; i < EXTENDED_LEARNED; ++i) {
             learner->learner.theta[i] = extended_selftest_float(row[4u + i]);
         }
-        for (calls = 0u; (answer == EXTENDED_BUSY) && (calls < EXTENDED_SELFTEST_LEARN_CALLS); ++calls) {
+        for (calls = 0u; (answer == EXTENDED_COMMIT_BUSY) && (calls < EXTENDED_SELFTEST_LEARN_CALLS); ++calls) {
             answer = extended_commit(&self->model, &learner->learner);
         }
         hash = extended_selftest_hash(0x811c9dc5u, self->words, EXTENDED_SELFTEST_WORDS(*self));

@@ -1,6 +1,6 @@
 """C code from a model: `generate` returns the text of each file without side effects, `write` writes the files.
 
-A generated folder consists of five C files, CMakeLists.txt, an example, the model file and MANIFEST.json. The same
+A generated folder consists of six C files, CMakeLists.txt, an example, the model file and MANIFEST.json. The same
 model and options give the same bytes on every machine and at any time.
 """
 
@@ -211,6 +211,7 @@ def _firmware(name: str, facts: Mapping[str, Any], cost: Mapping[str, str], size
         f"{name}_params.h": render("params.h.j2", complete),
         f"{name}_selftest.h": render("selftest.h.j2", complete),
         f"{name}_selftest.c": render("selftest.c.j2", complete),
+        f"{name}_selftest_data.h": render("selftest_data.h.j2", complete),
         CMAKE: render("CMakeLists.txt.j2", complete),
         EXAMPLE: render("example.c.j2", complete),
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from hysgen.certify.certificates import Certificates
@@ -10,8 +12,7 @@ from hysgen.codegen.render import Feature
 from hysgen.codegen.structs import candidate_struct, rows, rule_axis
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.commit_numbers import CommitNumbers, commit_numbers
-from hysgen.float32.learner_numbers import learner_numbers
-from hysgen.float32.learner_status import COMMIT_MEANINGS
+from hysgen.float32.learner_status import COMMIT_MEANINGS, PHASE_MEANINGS, Commit, Phase
 from hysgen.model.model import Model
 from hysgen.model.structs import Axis, Quantity
 
@@ -26,25 +27,20 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
     found = commit_numbers(model, numbers, certificates)
     upper = model.name.upper()
     facts = {
-        "answer_rows": [
-            f"#define {upper}_{answer.name:<15}  {int(answer)}u  /**< {meaning} */"
-            for answer, meaning in COMMIT_MEANINGS.items()
-        ],
+        "answer_rows": _enumerators(f"{upper}_COMMIT", COMMIT_MEANINGS),
+        "phase_rows": _enumerators(f"{upper}_PHASE", PHASE_MEANINGS),
         "members": rows(candidate_struct(model, numbers).members),
         "bias": "bias" in model.learner.learned,
         "points_per_call": model.learner.points_per_call,
-        "kept": _kept(model, numbers),
     }
     return Feature("commit.c.j2", {"commit": facts}, _sections(found, upper, rule_axis(model)))
 
 
-def _kept(model: Model, numbers: Coefficients) -> list[str]:
-    """C text of every bank member that the learner does not learn."""
-    learned = {f"{parameter.group}[{parameter.index}]" for parameter in learner_numbers(model, numbers).parameters}
-    weights = sum(term.size for term in model.terms)
-    rules = [f"{group}[{rule}]" for group in ("slope", "offset", "gain") for rule in range(numbers.bank_rules)]
-    kept = [place for place in rules if place not in learned]
-    return kept + [f"weight[{j}]" for j in range(weights)]
+def _enumerators(prefix: str, meanings: Mapping[Commit, str] | Mapping[Phase, str]) -> list[str]:
+    """One C line per enumerator, comments in an aligned column."""
+    texts = [f"{prefix}_{key.name} = {int(key)}" + "," * (key is not list(meanings)[-1]) for key in meanings]
+    wide = max(len(text) for text in texts)
+    return [f"{text:<{wide}}  /**< {meaning} */" for text, meaning in zip(texts, meanings.values(), strict=True)]
 
 
 def _sections(found: CommitNumbers, upper: str, axis: Axis) -> list[Section]:

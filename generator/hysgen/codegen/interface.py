@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from hysgen.codegen.manifest import MANIFEST
 from hysgen.codegen.structs import structs
 from hysgen.errors import HysgenError
+from hysgen.float32.learner_status import Commit
 from hysgen.model.file import parse_model
 from hysgen.model.model import Model
 from hysgen.model.structs import Struct
@@ -73,6 +74,9 @@ class Interface:
     def declarations(self) -> str:
         """The C declarations of structs and functions for cffi."""
         channels = f"#define {self.name.upper()}_CHANNELS {self.channels}\n" if self.channels else ""
+        if self.has("commit"):
+            answers = ", ".join(f"{self.name.upper()}_COMMIT_{answer.name}" for answer in Commit)
+            channels += f"typedef enum {{ {answers} }} {self.name}_commit_t;\n"
         declared = "".join(f"{prototype};\n" for prototype in self.prototypes.values())
         return channels + "".join(struct.declaration() for struct in self.structs) + declared
 
@@ -97,7 +101,7 @@ def interface(model: Model, *, inverse: bool) -> Interface:
         functions.append(Function("learn", "void", (learner, "float y_um", "float u_V")))
         if channels:
             functions.append(Function("learn_aux", "void", (learner, aux)))
-        functions.append(Function("commit", "uint32_t", (self_t, f"{name}_learner_t *learner")))
+        functions.append(Function("commit", f"{name}_commit_t", (self_t, f"{name}_learner_t *learner")))
     functions.append(Function("selftest", "uint32_t", ()))
     return Interface(name, structs(model), tuple(functions), channels)
 

@@ -1,4 +1,4 @@
-"""The data of the learner's templates, one dataclass per partial, and the learner's parameter sections."""
+"""The data of the learner's templates, and the learner's parameter sections."""
 
 from __future__ import annotations
 
@@ -8,22 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from hysgen.codegen.parameters import Constant, Section, Table
-from hysgen.codegen.pipeline import Turn
-from hysgen.codegen.polynomials import Step, Sum, polynomial, powers
+from hysgen.codegen.parameters import Constant, Section, Table, literal
 from hysgen.codegen.render import Feature
 from hysgen.codegen.structs import learner_struct, rows, rule_axis
-from hysgen.codegen.update_loops import (
-    Element,
-    StepLoops,
-    UpdateLoops,
-    blocks,
-    denominators,
-    innovations,
-    parameter_elements,
-    step_loops,
-    update_loops,
-)
 from hysgen.float32.coefficients import Coefficients
 from hysgen.float32.learner_numbers import (
     FACTOR_GRID,
@@ -34,7 +21,6 @@ from hysgen.float32.learner_numbers import (
     SLOW,
     STEP_GRID,
     LearnerNumbers,
-    Parameter,
     factors,
     learner_numbers,
 )
@@ -45,60 +31,33 @@ from hysgen.model.float32_constants import ROUNDING
 from hysgen.model.model import Model
 from hysgen.model.structs import Quantity
 
-GRIDS: Final = {"regressor": REGRESSOR_GRID, "factor": FACTOR_GRID, "gain": GAIN_GRID, "step": STEP_GRID}
-
-
-@dataclass(frozen=True)
-class Learned:
-    """Learned parameter i: C text of its member in the bank ("" for the bias) and C text of its regressor x_i."""
-
-    i: int
-    place: str
-    regressor: str
-
-
-@dataclass(frozen=True)
-class RegressorFacts:
-    """Regressors (learn_regressors.j2): learned groups, powers of r, sum of the strengths, fixed prediction.
-
-    firing: whether consequents of the rules are learned; fixed_rules: whether `fixed` needs the sums over the rules.
-    """
-
-    groups: frozenset[str]
-    firing: bool
-    powers: Sequence[Step]
-    weight: Sum
-    fixed: str
-    fixed_rules: bool
+GRIDS: Final = {"REGRESSOR": REGRESSOR_GRID, "FACTOR": FACTOR_GRID, "GAIN": GAIN_GRID, "STEP": STEP_GRID}
 
 
 @dataclass(frozen=True)
 class LearnerFacts:
     """Variables of the learner's templates.
 
-    members, status_rows: rows of the struct and of the status bits. restart, start: C values by kind and member, of a
-    restart and of the initialisation. n: parameters; factors: words of U; elements, blocks: the parameters, one by one
-    and in blocks. sliding_always: whether the forgetting factor is below 1 from the first update on.
-    grid: 1.5 * 2^23 steps of each grid.
+    members, status_rows, grid_rows: rows of the struct, of the status bits and of the rounding grids.
+    restart, start: C values by kind and member, of a restart and of the initialisation. n: parameters; factors: words
+    of U; unroll: passes of the longest loop. sliding_always: whether the forgetting factor is below 1 from the first
+    update on. groups: learned groups of consequents, each with the C index of its parameter of rule l; empty for a
+    bias.
+    fixed: the part of the prediction that is not learned, as C text.
     """
 
     members: Sequence[str]
     status_rows: Sequence[str]
+    grid_rows: Sequence[str]
     restart: Mapping[str, Mapping[str, str]]
     start: Mapping[str, Mapping[str, str]]
     counters: Sequence[str]
-    update: UpdateLoops
-    denominators: Sequence[Turn[list[Element]]]
-    step: StepLoops
-    regressors: RegressorFacts
-    innovations: Sequence[Turn[list[Element]]]
     sliding_always: bool
     n: int
     factors: int
-    learned: Sequence[Learned]
-    elements: Sequence[Element]
-    blocks: Sequence[Sequence[Element]]
-    grid: Mapping[str, np.float32]
+    unroll: int
+    groups: Mapping[str, str]
+    fixed: str
 
 
 def learner_feature(model: Model, numbers: Coefficients, _certificates: object) -> Feature | None:
@@ -106,52 +65,43 @@ def learner_feature(model: Model, numbers: Coefficients, _certificates: object) 
     if model.learner is None:
         return None
     found = learner_numbers(model, numbers)
-    regressors = _regressor_facts(model, numbers, found)
-    n, elements = found.size, parameter_elements(found.size)
+    upper = model.name.upper()
     described = LearnerWords.described()
+    groups = _groups(found)
     facts = LearnerFacts(
         members=rows(learner_struct(model, numbers).members),
-        status_rows=[
-            f"#define {model.name.upper()}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
-            for flag, meaning in LEARNER_MEANINGS.items()
+        status_rows=_status_rows(upper),
+        grid_rows=[
+            f"#define {upper}_{name + '_GRID':<14}  {literal(np.float32(ROUNDING * np.float32(grid)))}"
+            for name, grid in GRIDS.items()
+            if name != "FACTOR" or factors(found.size)
         ],
         restart=_written({member: _restart(member, model.name) for member in _restarted(described)}),
         start=_written({member: _start(member) for member in described if member.start}),
         counters=list(LEARNER_COUNTERS),
-        update=update_loops(n),
-        denominators=denominators(n),
-        step=step_loops(n),
-        regressors=regressors,
-        innovations=innovations(n),
         sliding_always=model.learner.forgetting < 1.0,
-        n=n,
-        factors=factors(n),
-        learned=[_learned(i, parameter, model.name) for i, parameter in enumerate(found.parameters)],
-        elements=elements,
-        blocks=blocks(elements),
-        grid={name: np.float32(ROUNDING * np.float32(grid)) for name, grid in GRIDS.items()},
-    )
-    return Feature("learn.c.j2", {"learner": facts}, _sections(found, model, firing=regressors.firing))
-
-
-def _regressor_facts(model: Model, numbers: Coefficients, found: LearnerNumbers) -> RegressorFacts:
-    return RegressorFacts(
-        groups=frozenset(parameter.group for parameter in found.parameters),
-        firing=not found.learns("bias"),
-        powers=powers(numbers.rules),
-        weight=polynomial("weight", [f"{model.name}_strength[{k}]" for k in range(numbers.rules)]),
+        n=found.size,
+        factors=factors(found.size),
+        unroll=max(factors(found.size), numbers.rules),
+        groups=groups,
         fixed=_fixed(model, found),
-        fixed_rules=_fixed_sums(found) != "",
     )
+    return Feature("learn.c.j2", {"learner": facts}, _sections(found, model, firing=bool(groups)))
 
 
-def _learned(i: int, parameter: Parameter, name: str) -> Learned:
-    """Bank member and regressor of parameter i as C text."""
-    if parameter.group == "bias":
-        return Learned(i, "", "1.0f")
-    j = parameter.index
-    share = {"slope": " * y_share", "gain": " * u_share", "offset": ""}[parameter.group]
-    return Learned(i, f"{parameter.group}[{j}]", f"firing{j}{share}")
+def _status_rows(upper: str) -> list[str]:
+    return [
+        f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
+        for flag, meaning in LEARNER_MEANINGS.items()
+    ]
+
+
+def _groups(found: LearnerNumbers) -> dict[str, str]:
+    """C index of the parameter of rule l in the vectors of the learner, by learned group, in the order of Eq. (9)."""
+    names = [parameter.group for parameter in found.parameters if parameter.index == 0 and parameter.group != "bias"]
+    if len(names) < 2:
+        return dict.fromkeys(names, "l")
+    return {name: f"{len(names)}u * l" + (f" + {place}u" if place else "") for place, name in enumerate(names)}
 
 
 def _start(member: Described) -> str:
@@ -182,11 +132,11 @@ def _restarted(members: Sequence[Described]) -> list[Described]:
 
 
 def _restart(member: Described, name: str) -> str:
-    """The value that a restart writes into `member`, as C text; {j} is the index of the parameter."""
+    """The value that a restart writes into `member`, as C text; j is the index of the parameter."""
     texts = {
-        Restart.REFERENCE: "self->reference[{j}]",
+        Restart.REFERENCE: "self->reference[j]",
         Restart.ZERO: "0.0f" if member.type == "float" else "0u",
-        Restart.PRIOR: f"{name}_learn_prior[{{j}}]",
+        Restart.PRIOR: f"{name}_learn_prior[j]",
         Restart.LEVEL: f"{name.upper()}_LEARN_LEVEL_UM",
     }
     return texts[member.restart] if member.restart else ""

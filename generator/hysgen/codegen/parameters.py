@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.structs import Axis, Quantity
 from hysgen.model.terms import Term
+
+PER_ROW: Final = 8
+"""Numbers in a row of a table."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +57,12 @@ class Table:
         return "float" if self.values.dtype == np.float32 else "uint32_t"
 
     @property
-    def rows(self) -> list[tuple[str, str]]:
-        """The C literal of each number and its comment."""
-        return [(_text(value), bits(value) if self.type == "float" else "") for value in self.values]
+    def rows(self) -> list[str]:
+        """The C literals, eight to a row, in aligned columns."""
+        texts = [_text(value) for value in self.values]
+        wide = max(len(text) for text in texts)
+        columns = [f"{text + ',':>{wide + 1}}" for text in texts]
+        return [" ".join(columns[k : k + PER_ROW]) for k in range(0, len(columns), PER_ROW)]
 
 
 @dataclass(frozen=True)
@@ -128,8 +135,7 @@ def rule_section(model: Model, numbers: Coefficients) -> Section:
     else:
         tables = [Table("strength", f"{upper}_RULES", numbers.strength, strength, axis)]
     for group, about in consequents(unit).items():
-        scaled = Quantity(f"{about.meaning} times strength", about.unit)
-        tables.append(Table(group, rows, getattr(numbers.bank, group), scaled, axis))
+        tables.append(Table(group, rows, getattr(numbers.bank, group), about, axis))
     scale = "steps per um from the lowest centre" if numbers.windowed else "octaves per um from the middle"
     return Section(
         f"Rules, Eqs (1) to (7): {scale}; strengths w;\n"

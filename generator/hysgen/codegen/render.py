@@ -235,23 +235,6 @@ def _window_sums() -> list[Sum]:
     return [pairs(sum_, [f"v{k} * {table}[{k}]" for k in range(WINDOW)]) for sum_, table in tables.items()]
 
 
-def each(elements: Sequence[Any], text: str, joint: str = " ") -> str:
-    """`text` formatted with i, j, place of each element, joined by `joint`, in lines of up to 92 characters.
-
-    >>> from types import SimpleNamespace
-    >>> each([SimpleNamespace(i=0, j=3, place=3), SimpleNamespace(i=1, j=3, place=4)], "x{i} = u[{place}]", ", ")
-    'x0 = u[3], x1 = u[4]'
-    """
-    lines = [""]
-    for item in (text.format(i=e.i, j=e.j, place=e.place) for e in elements):
-        if lines[-1] and len(lines[-1]) + len(joint) + len(item) > 92:
-            lines[-1] += joint.rstrip()
-            lines.append(item)
-        else:
-            lines[-1] += joint + item if lines[-1] else item
-    return "\n            ".join(lines)
-
-
 def hexes(row: tuple[Sequence[int], Sequence[int], int]) -> str:
     """The words of a self-test row (arguments, channels, result) as C literals, separated by commas."""
     arguments, channels, result = row
@@ -292,7 +275,6 @@ def _environment(marked: bool) -> jinja2.Environment:
     environment.filters |= {
         "literal": literal,
         "aligned": aligned,
-        "each": each,
         "hexes": hexes,
     }
     return environment

@@ -55,14 +55,17 @@ def rule_axis(model: Model, pad: int = 0) -> Axis:
 def inputs_struct(model: Model) -> Struct:
     """`<name>_inputs_t`: the state of all input blocks."""
     stateful = [block for block in model.blocks if block.members()]
-    members = [Member(block.kind, part_struct(model, block), "input block") for block in stateful]
+    members = [
+        Member(block.kind, part_struct(model, block), f"state of the block `{block.kind}`") for block in stateful
+    ]
     return Struct(f"{model.name}_inputs_t", (Member("v_V", "float", "last input of the stage", unit="V"), *members))
 
 
 def terms_struct(model: Model) -> Struct:
     """`<name>_terms_t`: the state of all terms."""
     return Struct(
-        f"{model.name}_terms_t", tuple(Member(term.kind, part_struct(model, term), "term") for term in model.terms)
+        f"{model.name}_terms_t",
+        tuple(Member(term.kind, part_struct(model, term), f"state of the term `{term.kind}`") for term in model.terms),
     )
 
 
@@ -76,20 +79,24 @@ def bank_struct(model: Model, numbers: Coefficients) -> Struct:
     ]
     if model.terms:
         weights = sum(term.size for term in model.terms)
-        meaning = "theta_j of the terms, in their order"
+        meaning = "weights theta_j of the terms, in their order"
         members.append(Member("weight", "float", meaning, (weights,), (f"{upper}_WEIGHTS",)))
     return Struct(f"{model.name}_bank_t", tuple(members))
 
 
 def consequents(w_unit: str) -> dict[str, Quantity]:
     """The coefficients of Eq. (4) by their group in a bank; w_unit: unit of the input of the rules."""
-    return {"slope": Quantity("q1", "um/um"), "offset": Quantity("q3", "um"), "gain": Quantity("q2", f"um/{w_unit}")}
+    return {
+        "slope": Quantity("consequents q1 times the strengths of the rules", "um/um"),
+        "offset": Quantity("consequents q3 times the strengths of the rules", "um"),
+        "gain": Quantity("consequents q2 times the strengths of the rules", f"um/{w_unit}"),
+    }
 
 
 def instance_struct(model: Model, numbers: Coefficients) -> Struct:
     """`<name>_t`: one instance of the model."""
-    active = Member("active", "uint32_t", "index of the bank in use, 0 or 1")
-    banks = Member("bank", bank_struct(model, numbers), "active and idle parameters", (2,))
+    active = Member("active", "uint32_t", "index of the active bank, 0 or 1")
+    banks = Member("bank", bank_struct(model, numbers), "both banks of parameters, of which one is active", (2,))
     return Struct(f"{model.name}_t", (active, *_members(InstanceWords, model), banks))
 
 
@@ -99,19 +106,29 @@ def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
     return Struct(
         f"{model.name}_candidate_t",
         (
-            Member("phase", "uint32_t", "0: none, 1: being checked, 2: to be written, 3: to be made active"),
-            Member("point", "uint32_t", "check point that comes next"),
+            Member("phase", "uint32_t", f"phase of the commit, a value of {model.name}_phase_t"),
+            Member("point", "uint32_t", "index of the check point that the next call examines first"),
             Member(
                 "gain_remainder_um_per_V",
                 "float",
-                "bound of the gain's Taylor remainder near a check point",
+                "bound of the Taylor remainder of the gain between check points",
                 unit="um/V",
             ),
-            Member("slope_remainder", "float", "the same of |df/dy|, at the least and the largest input", (2,)),
             Member(
-                "theta", "float", "the shadow when it was taken", (learned,), (f"{model.name.upper()}_LEARNED",), "um"
+                "slope_remainder",
+                "float",
+                "bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules",
+                (2,),
             ),
-            Member("bank", bank_struct(model, numbers), "the same as a bank"),
+            Member(
+                "theta",
+                "float",
+                "copy of the shadow's parameters, scaled",
+                (learned,),
+                (f"{model.name.upper()}_LEARNED",),
+                "um",
+            ),
+            Member("bank", bank_struct(model, numbers), "the parameters theta as a bank"),
         ),
     )
 
@@ -119,8 +136,12 @@ def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
 def learner_struct(model: Model, numbers: Coefficients) -> Struct:
     """`<name>_learner_t`: the state of a learner, the parameters that it does not learn, and a commit's candidate."""
     learned = learner_numbers(model, numbers).size
-    base = Member("base", bank_struct(model, numbers), "the parameters that are not learned")
-    candidate = Member("candidate", candidate_struct(model, numbers), "the shadow that is being committed")
+    base = Member(
+        "base",
+        bank_struct(model, numbers),
+        "bank of the model when learning began; its parameters that are not learned are in use",
+    )
+    candidate = Member("candidate", candidate_struct(model, numbers), "copy of the shadow that a commit checks")
     return Struct(f"{model.name}_learner_t", (*_members(LearnerWords, model, learned), base, candidate))
 
 

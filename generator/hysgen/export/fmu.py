@@ -175,7 +175,11 @@ def fmu_sources(standard: int, generated: Mapping[str, str], own: Mapping[str, s
     """Path in the export folder -> text of the sources of one FMU: model, component, FMU, headers of the standard."""
     name = f"_fmi{5 - standard}.c"
     chosen = {file: text for file, text in {**c_files(generated), **own}.items() if not file.endswith(name)}
-    chosen = {file: text for file, text in chosen.items() if not file.endswith(("_selftest.c", "_selftest.h"))}
+    chosen = {
+        file: text
+        for file, text in chosen.items()
+        if not file.endswith(("_selftest.c", "_selftest.h", "_selftest_data.h"))
+    }
     return {f"sources{standard}/{file}": text for file, text in {**chosen, **headers(standard)}.items()}
 
 

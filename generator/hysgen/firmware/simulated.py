@@ -110,7 +110,10 @@ def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | 
     """
     decoded = compiled.packets
     cycles: dict[str, tuple[int, int] | None] = {}
-    for symbol in ("firmware_interrupt", f"{name}_inverse", f"{name}_learn", f"{name}_commit"):
+    for symbol in (
+        "firmware_interrupt",
+        *(f"{name}_{called}" for called in ("inverse", "learn_init", "learn", "commit")),
+    ):
         try:
             bound = bounds(compiled.image, decoded, symbol)
         except TargetError:

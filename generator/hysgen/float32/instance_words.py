@@ -17,12 +17,12 @@ class InstanceWords(StructWords):
 
     COUNTERS: ClassVar[Mapping[str, Counter]] = COUNTERS
 
-    y_um: Annotated[Floats32, number("last model output", unit="um", remark=": the state of the free run")]
+    y_um: Annotated[Floats32, number("last output of the model", unit="um", remark=", from which a free run continues")]
     u_V: Annotated[Floats32, number("last accepted input", unit="V")]
     low_V: Annotated[Floats32, number("lowest voltage that may be put out", unit="V")]
     high_V: Annotated[Floats32, number("highest voltage that may be put out", unit="V")]
-    step_V: Annotated[Floats32, number("largest change of that voltage per sample", unit="V")]
-    status: Annotated[Words, integer("bits {NAME}_STATUS_..., sticky")]
+    step_V: Annotated[Floats32, number("largest change of the voltage per sample", unit="V")]
+    status: Annotated[Words, integer("bits {NAME}_STATUS_..., set by events and cleared by the caller")]
     counters: Annotated[dict[str, Words], COUNTERS_OF]
     inputs: Annotated[ChainMirror, INPUTS_OF]
     terms: Annotated[list[Mirror], TERMS_OF]

@@ -22,28 +22,28 @@ class LearnerStatus(enum.IntFlag):
 
 
 LEARNER_MEANINGS = {
-    LearnerStatus.REJECTED: "a sample was not finite or not plausible and taught nothing",
-    LearnerStatus.OUTSIDE: "a displacement lay outside the identified range and taught nothing",
-    LearnerStatus.RESTING: "the input rested and taught nothing",
-    LearnerStatus.OUTLIER: "an innovation was an outlier and taught nothing",
-    LearnerStatus.CHANGED: "so many outliers in a row that they are none: learnt from",
-    LearnerStatus.QUIET: "an innovation lay inside the dead zone and taught nothing",
-    LearnerStatus.LIMITED: "a step of the parameters was shortened",
-    LearnerStatus.CLAMPED: "a variance was limited",
-    LearnerStatus.RESTARTED: "the shadow went back to the reference parameters and the prior",
+    LearnerStatus.REJECTED: "A sample was not finite or not plausible and was ignored.",
+    LearnerStatus.OUTSIDE: "A displacement was outside the identified range; no update used it.",
+    LearnerStatus.RESTING: "The input was at rest; no update used the sample.",
+    LearnerStatus.OUTLIER: "An innovation was an outlier; no update used it.",
+    LearnerStatus.CHANGED: "Enough outliers in a row were taken for a change of the plant; updates resumed.",
+    LearnerStatus.QUIET: "An innovation was inside the dead zone; no update used it.",
+    LearnerStatus.LIMITED: "A step of the parameters was reduced.",
+    LearnerStatus.CLAMPED: "An element of D was limited.",
+    LearnerStatus.RESTARTED: "The shadow was reset to the reference parameters and the prior.",
 }
 
 LEARNER_COUNTERS = {
-    "updates": Counter("updates that changed the parameters", written_by=("step",)),
-    "rejected": Counter("samples that were not finite or not plausible", LearnerStatus.REJECTED),
-    "outside": Counter("displacements outside the identified range", LearnerStatus.OUTSIDE),
-    "resting": Counter("samples at which the input rested", LearnerStatus.RESTING),
-    "outliers": Counter("innovations refused as outliers", LearnerStatus.OUTLIER),
-    "changes": Counter("runs of outliers that were accepted as a change", LearnerStatus.CHANGED),
-    "quiet": Counter("innovations inside the dead zone", LearnerStatus.QUIET),
-    "limited": Counter("updates whose step was shortened", LearnerStatus.LIMITED, written_by=("step",)),
-    "clamped": Counter("updates that limited a variance", LearnerStatus.CLAMPED),
-    "restarts": Counter("returns to the reference parameters and the prior", LearnerStatus.RESTARTED),
+    "updates": Counter("number of updates that changed the parameters", written_by=("step",)),
+    "rejected": Counter("number of samples that were not finite or not plausible", LearnerStatus.REJECTED),
+    "outside": Counter("number of displacements outside the identified range", LearnerStatus.OUTSIDE),
+    "resting": Counter("number of samples with the input at rest", LearnerStatus.RESTING),
+    "outliers": Counter("number of innovations rejected as outliers", LearnerStatus.OUTLIER),
+    "changes": Counter("number of runs of outliers that were taken for a change", LearnerStatus.CHANGED),
+    "quiet": Counter("number of innovations inside the dead zone", LearnerStatus.QUIET),
+    "limited": Counter("number of updates whose step was reduced", LearnerStatus.LIMITED, written_by=("step",)),
+    "clamped": Counter("number of updates that limited an element of D", LearnerStatus.CLAMPED),
+    "restarts": Counter("number of restarts of the shadow", LearnerStatus.RESTARTED),
 }
 """The counters in the order of the struct; each stops at 2^32 - 1."""
 
@@ -60,10 +60,27 @@ class Commit(enum.IntEnum):
 
 
 COMMIT_MEANINGS = {
-    Commit.BUSY: "not done yet: call again",
-    Commit.COMMITTED: "the shadow's parameters are active now",
-    Commit.REFUSED_YOUNG: "too few updates since the shadow restarted",
-    Commit.REFUSED_LIMIT: "a parameter is not finite or beyond its limit",
-    Commit.REFUSED_GAIN: "the gain b(y) would come too close to zero or change its sign",
-    Commit.REFUSED_SLOPE: "the slope |df/dy| would come too close to 1",
+    Commit.BUSY: "The commit is not finished; call again.",
+    Commit.COMMITTED: "The shadow's parameters are active.",
+    Commit.REFUSED_YOUNG: "The shadow has had too few updates since its restart.",
+    Commit.REFUSED_LIMIT: "A parameter is not finite or beyond its limit.",
+    Commit.REFUSED_GAIN: "The gain b(y) would come too close to zero or change its sign.",
+    Commit.REFUSED_SLOPE: "The slope |df/dy| would come too close to 1.",
+}
+
+
+class Phase(enum.IntEnum):
+    """Phases of a commit: the member `phase` of a candidate."""
+
+    IDLE = 0
+    CHECK = 1
+    WRITE = 2
+    SWITCH = 3
+
+
+PHASE_MEANINGS = {
+    Phase.IDLE: "No commit is under way; the next call copies the shadow.",
+    Phase.CHECK: "The next call examines check points.",
+    Phase.WRITE: "The next call writes the candidate into the idle bank.",
+    Phase.SWITCH: "The next call makes the written bank active.",
 }

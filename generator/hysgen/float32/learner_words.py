@@ -35,16 +35,24 @@ class LearnerWords(StructWords):
 
     COUNTERS: ClassVar[Mapping[str, Counter]] = LEARNER_COUNTERS
 
-    d: Annotated[Floats32, vector("diagonal D of P = U D U', larger than 0", restart=Restart.PRIOR, any_bits=True)]
-    x: Annotated[Floats32, vector("regressors of the sample before, scaled", start=Start.ZERO)]
+    d: Annotated[
+        Floats32, vector("diagonal of D in P = U D U', every element positive", restart=Restart.PRIOR, any_bits=True)
+    ]
+    x: Annotated[Floats32, vector("regressors x = phi / scale of the previous sample", start=Start.ZERO)]
     theta: Annotated[
         Floats32,
-        vector("shadow parameters, scaled", unit="um", restart=Restart.REFERENCE, parameter=True, written_by=("step",)),
+        vector(
+            "parameters theta of the shadow, scaled",
+            unit="um",
+            restart=Restart.REFERENCE,
+            parameter=True,
+            written_by=("step",),
+        ),
     ]
     theta_low: Annotated[
         Floats32,
         vector(
-            "rounding error of theta, carried along",
+            "rounding error of theta, added to the next step",
             unit="um",
             restart=Restart.ZERO,
             any_bits=True,
@@ -52,23 +60,29 @@ class LearnerWords(StructWords):
         ),
     ]
     reference: Annotated[
-        Floats32, vector("parameters last committed, at first those of the model", unit="um", parameter=True)
+        Floats32,
+        vector("parameters of the last commit, before it those of the model, scaled", unit="um", parameter=True),
     ]
-    f: Annotated[Floats32, vector("U' x", start=Start.ZERO, any_bits=True, written_by=("project",))]
-    g: Annotated[Floats32, vector("D U' x", start=Start.ZERO, any_bits=True, written_by=("project",))]
-    l: Annotated[Floats32, vector("-f_j / alpha_(j-1)", start=Start.ZERO, any_bits=True)]  # noqa: E741
-    k: Annotated[Floats32, vector("P x", start=Start.ZERO, any_bits=True, written_by=("factor",))]
-    per_alpha: Annotated[Floats32, number("1 / alpha_n of this update", start=Start.ONE, any_bits=True)]
-    inflate: Annotated[Floats32, number("1 / lambda of this update", start=Start.ONE)]
-    innovation_um: Annotated[Floats32, number("y - x' theta of this update", unit="um", start=Start.ZERO)]
-    fixed_um: Annotated[Floats32, number("part of the prediction that is not learned", unit="um", start=Start.ZERO)]
+    f: Annotated[Floats32, vector("f = U' x of this update", start=Start.ZERO, any_bits=True, written_by=("project",))]
+    g: Annotated[Floats32, vector("g = D f of this update", start=Start.ZERO, any_bits=True, written_by=("project",))]
+    l: Annotated[Floats32, vector("l_j = -f_j / alpha_(j-1) of this update", start=Start.ZERO, any_bits=True)]  # noqa: E741
+    k: Annotated[Floats32, vector("k = P x of this update", start=Start.ZERO, any_bits=True, written_by=("factor",))]
+    per_alpha: Annotated[
+        Floats32, number("reciprocal of alpha = 1 + x' P x of this update", start=Start.ONE, any_bits=True)
+    ]
+    inflate: Annotated[Floats32, number("reciprocal of the forgetting factor lambda of this update", start=Start.ONE)]
+    innovation_um: Annotated[Floats32, number("innovation y - x' theta of this update", unit="um", start=Start.ZERO)]
+    fixed_um: Annotated[
+        Floats32, number("part of the prediction from parameters that are not learned", unit="um", start=Start.ZERO)
+    ]
     y_um: Annotated[Floats32, number("last accepted displacement", unit="um", start=Start.MODEL_Y)]
     u_V: Annotated[Floats32, number("last accepted input", unit="V", start=Start.MODEL_U)]
     mean_u_V: Annotated[
-        Floats32, number("running mean of the input", unit="V", remark="; the input rests near it", start=Start.MODEL_U)
+        Floats32,
+        number("running mean of the input", unit="V", remark="; an input near it is at rest", start=Start.MODEL_U),
     ]
     scale_um: Annotated[
-        Floats32, number("running mean of |innovation|, outliers limited", unit="um", restart=Restart.LEVEL)
+        Floats32, number("running mean of |innovation|, with outliers limited", unit="um", restart=Restart.LEVEL)
     ]
     moving_um: Annotated[Floats32, number("running mean of |y(k) - y(k-1)|", unit="um", restart=Restart.LEVEL)]
     error: Annotated[Floats32, number("mean square innovation of the shadow", unit="um^2", restart=Restart.ZERO)]
@@ -76,15 +90,31 @@ class LearnerWords(StructWords):
         Floats32, number("mean square innovation of the reference parameters", unit="um^2", restart=Restart.ZERO)
     ]
     step_error: Annotated[Floats32, number("mean square of y(k) - y(k-1)", unit="um^2", restart=Restart.ZERO)]
-    fresh: Annotated[Words, flag("1: the regressors belong to the sample before", start=Start.ZERO)]
-    rested: Annotated[Words, flag("1: the input rested at the sample before", start=Start.ZERO)]
-    measuring: Annotated[Words, flag("1: this update learns from a sample, 0: it restores a prior", start=Start.ZERO)]
-    since_refresh: Annotated[Words, integer("updates since a prior was restored", start=Start.ZERO)]
-    turn: Annotated[Words, integer("parameter whose prior is restored next", start=Start.ZERO)]
-    run: Annotated[Words, integer("outliers in a row", restart=Restart.ZERO)]
-    age: Annotated[Words, integer("updates since the last restart", restart=Restart.ZERO, written_by=("step",))]
-    status: Annotated[Words, integer("bits {NAME}_LEARN_..., sticky", start=Start.ZERO, written_by=("step",))]
+    fresh: Annotated[
+        Words, flag("1 if the regressors belong to the previous sample, 0 if it was not usable", start=Start.ZERO)
+    ]
+    rested: Annotated[Words, flag("1 if the input was at rest at the previous sample", start=Start.ZERO)]
+    measuring: Annotated[
+        Words, flag("1 if this update uses a sample, 0 if it restores the prior of a parameter", start=Start.ZERO)
+    ]
+    since_refresh: Annotated[
+        Words, integer("number of updates since the prior of a parameter was restored", start=Start.ZERO)
+    ]
+    turn: Annotated[Words, integer("index of the parameter whose prior is restored next", start=Start.ZERO)]
+    run: Annotated[Words, integer("number of consecutive outliers", restart=Restart.ZERO)]
+    age: Annotated[
+        Words, integer("number of updates since the last restart", restart=Restart.ZERO, written_by=("step",))
+    ]
+    status: Annotated[
+        Words,
+        integer(
+            "bits {NAME}_LEARN_..., set by events and cleared by the caller", start=Start.ZERO, written_by=("step",)
+        ),
+    ]
     counters: Annotated[dict[str, Words], COUNTERS_OF]
     inputs: Annotated[ChainMirror, INPUTS_OF]
     terms: Annotated[list[Mirror], TERMS_OF]
-    u: Annotated[Floats32, matrix("U above its diagonal", any_bits=True, written_by=("factor", "clear"))]
+    u: Annotated[
+        Floats32,
+        matrix("columns of U above its diagonal, one after the other", any_bits=True, written_by=("factor", "clear")),
+    ]

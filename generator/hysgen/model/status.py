@@ -22,21 +22,23 @@ class Status(enum.IntFlag):
 
 
 MEANINGS = {
-    Status.Y_CLAMPED: "a displacement lay outside the identified range and was limited to it",
-    Status.U_CLAMPED: "a voltage lay outside the input range and was limited to it",
-    Status.Y_REJECTED: "a displacement was not finite; the last good one was used",
-    Status.U_REJECTED: "a voltage was not finite; the last good one was used",
-    Status.REFERENCE_CLAMPED: "a reference lay more than one range away and was limited",
-    Status.UNREACHABLE: "the input that would reach the reference lay beyond what can be applied",
-    Status.AUX_CLAMPED: "an auxiliary channel lay outside its range and was limited to it",
-    Status.AUX_REJECTED: "an auxiliary channel was not finite; its last good sample was used",
-    Status.INVERSE_RESIDUAL: "the voltage leaves more than the stated tolerance of the input of the rules",
+    Status.Y_CLAMPED: "A displacement lay outside the identified range and was limited to it.",
+    Status.U_CLAMPED: "A voltage lay outside the input range and was limited to it.",
+    Status.Y_REJECTED: "A displacement was not finite; the last good one was used.",
+    Status.U_REJECTED: "A voltage was not finite; the last good one was used.",
+    Status.REFERENCE_CLAMPED: "A reference lay more than one range away and was limited.",
+    Status.UNREACHABLE: "The input that would reach the reference lay beyond what can be applied.",
+    Status.AUX_CLAMPED: "An auxiliary channel lay outside its range and was limited to it.",
+    Status.AUX_REJECTED: "An auxiliary channel was not finite; its last good sample was used.",
+    Status.INVERSE_RESIDUAL: "The voltage leaves more than the stated tolerance of the input of the rules.",
 }
 
 COUNTERS = {
-    "y_clamped": Counter("calls with y outside its range; counters stop at their largest value", Status.Y_CLAMPED),
-    "u_clamped": Counter("calls with u outside its range", Status.U_CLAMPED),
-    "y_rejected": Counter("calls with y not finite", Status.Y_REJECTED),
-    "u_rejected": Counter("calls with u not finite", Status.U_REJECTED),
+    "y_clamped": Counter(
+        "number of calls with y outside its range; every counter stops at its largest value", Status.Y_CLAMPED
+    ),
+    "u_clamped": Counter("number of calls with u outside its range", Status.U_CLAMPED),
+    "y_rejected": Counter("number of calls with y not finite", Status.Y_REJECTED),
+    "u_rejected": Counter("number of calls with u not finite", Status.U_REJECTED),
 }
 """The counters of the struct in its order; each stops at its largest value."""

@@ -78,8 +78,8 @@ class Member:
 
     @property
     def comment(self) -> str:
-        """The comment in the header."""
-        return self.meaning + (f" [{self.unit}]" if self.unit else "") + self.remark
+        """The comment in the header: meaning, unit and remark as a sentence."""
+        return sentence(self.meaning + (f" [{self.unit}]" if self.unit else "") + self.remark)
 
     @property
     def type_name(self) -> str:
@@ -146,6 +146,15 @@ class MirroredStruct:
         left = iter(words)
         for member in self.members:
             setattr(self, member.name, _nested(left, member.type, member.sizes))
+
+
+def sentence(text: str) -> str:
+    """`text` with a capital first letter and a full stop.
+
+    >>> sentence("last output [um]")
+    'Last output [um].'
+    """
+    return text[:1].upper() + text[1:].removesuffix(".") + "."
 
 
 def _flat(value: Any, depth: int) -> list[LaneWords]:

@@ -94,12 +94,12 @@ APPENDIX_A_INLINE uint32_t appendix_a_mask(uint32_t condition)
     return 0u - condition;
 }
 
-/** What happened to the inputs during one call: each 0 or 1. */
+/** Events at the inputs during one call, 1 if the event occurred and 0 if not. */
 typedef struct {
-    uint32_t y_clamped;   /**< y was outside its range */
-    uint32_t u_clamped;   /**< u was outside its range */
-    uint32_t y_rejected;  /**< y was not finite */
-    uint32_t u_rejected;  /**< u was not finite */
+    uint32_t y_clamped;   /**< y was outside its range and was limited. */
+    uint32_t u_clamped;   /**< u was outside its range and was limited. */
+    uint32_t y_rejected;  /**< y was not finite and was replaced. */
+    uint32_t u_rejected;  /**< u was not finite and was replaced. */
 } appendix_a_events_t;
 
 APPENDIX_A_INLINE uint32_t appendix_a_counted(uint32_t counter, uint32_t happened)
@@ -152,10 +152,10 @@ APPENDIX_A_INLINE float appendix_a_limited(float x, float low, float high, uint3
         (appendix_a_bits(x) & ~(raise | lower)) | (appendix_a_bits(low) & raise) | (appendix_a_bits(high) & lower));
 }
 
-/** Voltages that the inverse may put out at one sample. */
+/** The range of the inverse's voltage at one sample. */
 typedef struct {
-    float low;   /**< [V] */
-    float high;  /**< [V] */
+    float low;   /**< Lowest voltage [V]. */
+    float high;  /**< Highest voltage [V]. */
 } appendix_a_span_t;
 
 /* low_V .. high_V, and at most step_V from the voltage before. */
@@ -206,10 +206,10 @@ APPENDIX_A_INLINE float appendix_a_checked_u(const appendix_a_t *self, float u_V
 
 /** Sums over the rules; v_l are the unnormalised memberships, p_l = v_l / weight. */
 typedef struct {
-    float slope;   /**< sum v_l q_l1 */
-    float offset;  /**< sum v_l q_l3 */
-    float gain;    /**< sum v_l q_l2 */
-    float weight;  /**< sum v_l */
+    float slope;   /**< Sum of v_l q_l1. */
+    float offset;  /**< Sum of v_l q_l3 [um]. */
+    float gain;    /**< Sum of v_l q_l2. */
+    float weight;  /**< Sum of v_l. */
 } appendix_a_sums_t;
 
 /* Neighbouring rules' strengths differ by r = exp((y - middle) / h) and constants, so each sum over the rules is a

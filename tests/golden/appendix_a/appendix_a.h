@@ -29,8 +29,8 @@ extern "C" {
 
 #define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define APPENDIX_A_ALGORITHM "716e449b650dc508917325aef6fa59875ea246ab08b41476d962aa5dd417951c"
-#define APPENDIX_A_ALGORITHM_WORD 0x716e449bu  /**< its first 32 bits */
+#define APPENDIX_A_ALGORITHM "8df134dee47dc13c3fde4bae21c2ad73be61935956e03d16853775bbf32fcab4"
+#define APPENDIX_A_ALGORITHM_WORD 0x8df134deu  /**< its first 32 bits */
 
 #define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -39,36 +39,36 @@ extern "C" {
 #define APPENDIX_A_BANK_RULES 6u  /**< rules in a bank, padding included */
 
 /* Bits of `status`, sticky until the caller clears them or calls appendix_a_init. */
-#define APPENDIX_A_STATUS_Y_CLAMPED          0x01u  /**< a displacement lay outside the identified range and was limited to it */
-#define APPENDIX_A_STATUS_U_CLAMPED          0x02u  /**< a voltage lay outside the input range and was limited to it */
-#define APPENDIX_A_STATUS_Y_REJECTED         0x04u  /**< a displacement was not finite; the last good one was used */
-#define APPENDIX_A_STATUS_U_REJECTED         0x08u  /**< a voltage was not finite; the last good one was used */
-#define APPENDIX_A_STATUS_REFERENCE_CLAMPED  0x10u  /**< a reference lay more than one range away and was limited */
-#define APPENDIX_A_STATUS_UNREACHABLE        0x20u  /**< the input that would reach the reference lay beyond what can be applied */
-#define APPENDIX_A_STATUS_AUX_CLAMPED        0x40u  /**< an auxiliary channel lay outside its range and was limited to it */
-#define APPENDIX_A_STATUS_AUX_REJECTED       0x80u  /**< an auxiliary channel was not finite; its last good sample was used */
+#define APPENDIX_A_STATUS_Y_CLAMPED          0x01u  /**< A displacement lay outside the identified range and was limited to it. */
+#define APPENDIX_A_STATUS_U_CLAMPED          0x02u  /**< A voltage lay outside the input range and was limited to it. */
+#define APPENDIX_A_STATUS_Y_REJECTED         0x04u  /**< A displacement was not finite; the last good one was used. */
+#define APPENDIX_A_STATUS_U_REJECTED         0x08u  /**< A voltage was not finite; the last good one was used. */
+#define APPENDIX_A_STATUS_REFERENCE_CLAMPED  0x10u  /**< A reference lay more than one range away and was limited. */
+#define APPENDIX_A_STATUS_UNREACHABLE        0x20u  /**< The input that would reach the reference lay beyond what can be applied. */
+#define APPENDIX_A_STATUS_AUX_CLAMPED        0x40u  /**< An auxiliary channel lay outside its range and was limited to it. */
+#define APPENDIX_A_STATUS_AUX_REJECTED       0x80u  /**< An auxiliary channel was not finite; its last good sample was used. */
 
 /** Parameters as the sums over the rules need them: consequents times strengths. */
 typedef struct {
-    float slope[APPENDIX_A_BANK_RULES];   /**< q1 [um/um] */
-    float offset[APPENDIX_A_BANK_RULES];  /**< q3 [um] */
-    float gain[APPENDIX_A_BANK_RULES];    /**< q2 [um/V] */
+    float slope[APPENDIX_A_BANK_RULES];   /**< Consequents q1 times the strengths of the rules [um/um]. */
+    float offset[APPENDIX_A_BANK_RULES];  /**< Consequents q3 times the strengths of the rules [um]. */
+    float gain[APPENDIX_A_BANK_RULES];    /**< Consequents q2 times the strengths of the rules [um/V]. */
 } appendix_a_bank_t;
 
 /** One instance of the model, 188 bytes. */
 typedef struct {
-    uint32_t active;            /**< index of the bank in use, 0 or 1 */
-    float y_um;                 /**< last model output [um]: the state of the free run */
-    float u_V;                  /**< last accepted input [V] */
-    float low_V;                /**< lowest voltage that may be put out [V] */
-    float high_V;               /**< highest voltage that may be put out [V] */
-    float step_V;               /**< largest change of that voltage per sample [V] */
-    uint32_t status;            /**< bits APPENDIX_A_STATUS_..., sticky */
-    uint32_t y_clamped;         /**< calls with y outside its range; counters stop at their largest value */
-    uint32_t u_clamped;         /**< calls with u outside its range */
-    uint32_t y_rejected;        /**< calls with y not finite */
-    uint32_t u_rejected;        /**< calls with u not finite */
-    appendix_a_bank_t bank[2];  /**< active and idle parameters */
+    uint32_t active;            /**< Index of the active bank, 0 or 1. */
+    float y_um;                 /**< Last output of the model [um], from which a free run continues. */
+    float u_V;                  /**< Last accepted input [V]. */
+    float low_V;                /**< Lowest voltage that may be put out [V]. */
+    float high_V;               /**< Highest voltage that may be put out [V]. */
+    float step_V;               /**< Largest change of the voltage per sample [V]. */
+    uint32_t status;            /**< Bits APPENDIX_A_STATUS_..., set by events and cleared by the caller. */
+    uint32_t y_clamped;         /**< Number of calls with y outside its range; every counter stops at its largest value. */
+    uint32_t u_clamped;         /**< Number of calls with u outside its range. */
+    uint32_t y_rejected;        /**< Number of calls with y not finite. */
+    uint32_t u_rejected;        /**< Number of calls with u not finite. */
+    appendix_a_bank_t bank[2];  /**< Both banks of parameters, of which one is active. */
 } appendix_a_t;
 
 /** Start anew, with the parameters of appendix_a_params.h in both banks.

@@ -1,11 +1,9 @@
-/* appendix_a_selftest.c: every function over fixed inputs; they and the expected bits stand in appendix_a_params.h. */
+/* appendix_a_selftest.c: every function over the fixed inputs of appendix_a_selftest_data.h, compared bit by bit. */
 
 #include "appendix_a_selftest.h"
 
 #include "appendix_a.h"
-
-#define APPENDIX_A_SELFTEST_NUMBERS
-#include "appendix_a_params.h"
+#include "appendix_a_selftest_data.h"
 
 APPENDIX_A_CODE
 static float appendix_a_selftest_float(uint32_t bits)

@@ -30,8 +30,8 @@ extern "C" {
 
 #define DIAGNOSED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of diagnosed.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define DIAGNOSED_ALGORITHM "a477610dab9fa320a9fa7027255672490543494ef5775c78bffa35883b2ecfcb"
-#define DIAGNOSED_ALGORITHM_WORD 0xa477610du  /**< its first 32 bits */
+#define DIAGNOSED_ALGORITHM "d76d684b95fa6e2bb2687b3f90b79e2e0734d41346c2355223e037d7cbf6b150"
+#define DIAGNOSED_ALGORITHM_WORD 0xd76d684bu  /**< its first 32 bits */
 
 #define DIAGNOSED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define DIAGNOSED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -42,79 +42,79 @@ extern "C" {
 #define DIAGNOSED_PREVIEW 1u
 
 /* Bits of `status`, sticky until the caller clears them or calls diagnosed_init. */
-#define DIAGNOSED_STATUS_Y_CLAMPED          0x01u  /**< a displacement lay outside the identified range and was limited to it */
-#define DIAGNOSED_STATUS_U_CLAMPED          0x02u  /**< a voltage lay outside the input range and was limited to it */
-#define DIAGNOSED_STATUS_Y_REJECTED         0x04u  /**< a displacement was not finite; the last good one was used */
-#define DIAGNOSED_STATUS_U_REJECTED         0x08u  /**< a voltage was not finite; the last good one was used */
-#define DIAGNOSED_STATUS_REFERENCE_CLAMPED  0x10u  /**< a reference lay more than one range away and was limited */
-#define DIAGNOSED_STATUS_UNREACHABLE        0x20u  /**< the input that would reach the reference lay beyond what can be applied */
-#define DIAGNOSED_STATUS_AUX_CLAMPED        0x40u  /**< an auxiliary channel lay outside its range and was limited to it */
-#define DIAGNOSED_STATUS_AUX_REJECTED       0x80u  /**< an auxiliary channel was not finite; its last good sample was used */
-#define DIAGNOSED_STATUS_INVERSE_RESIDUAL   0x100u  /**< the voltage leaves more than the stated tolerance of the input of the rules */
+#define DIAGNOSED_STATUS_Y_CLAMPED          0x01u  /**< A displacement lay outside the identified range and was limited to it. */
+#define DIAGNOSED_STATUS_U_CLAMPED          0x02u  /**< A voltage lay outside the input range and was limited to it. */
+#define DIAGNOSED_STATUS_Y_REJECTED         0x04u  /**< A displacement was not finite; the last good one was used. */
+#define DIAGNOSED_STATUS_U_REJECTED         0x08u  /**< A voltage was not finite; the last good one was used. */
+#define DIAGNOSED_STATUS_REFERENCE_CLAMPED  0x10u  /**< A reference lay more than one range away and was limited. */
+#define DIAGNOSED_STATUS_UNREACHABLE        0x20u  /**< The input that would reach the reference lay beyond what can be applied. */
+#define DIAGNOSED_STATUS_AUX_CLAMPED        0x40u  /**< An auxiliary channel lay outside its range and was limited to it. */
+#define DIAGNOSED_STATUS_AUX_REJECTED       0x80u  /**< An auxiliary channel was not finite; its last good sample was used. */
+#define DIAGNOSED_STATUS_INVERSE_RESIDUAL   0x100u  /**< The voltage leaves more than the stated tolerance of the input of the rules. */
 
 /** Delay: past inputs, a ring of a power of two. */
 typedef struct {
-    float ring[2];    /**< past inputs [V] */
-    uint32_t newest;  /**< index of the last input */
-    float wanted_V;   /**< v of the last command, or the last input [V] */
+    float ring[2];    /**< Past inputs, a ring [V]. */
+    uint32_t newest;  /**< Index of the last input. */
+    float wanted_V;   /**< Input that the last command asked for, or the last input [V]. */
 } diagnosed_delay_t;
 
 /** Hysteresis: state of the play operators and of the Duhem states, last turn, input and output. */
 typedef struct {
-    float play[12];    /**< plays z_j [half ranges] */
-    float sum_um[13];  /**< part of the plays from j on in the output [um] */
-    float left[2];     /**< 1 - d_i at the last turn of the input */
-    float back[2];     /**< 1 - d_i if the input turned now */
-    float turn;        /**< input at the last turn [half ranges] */
-    float last;        /**< last input [half ranges] */
-    float h_um;        /**< last output [um] */
+    float play[12];    /**< Positions z_j of the plays [half ranges]. */
+    float sum_um[13];  /**< Sum of the outputs of the plays from j on [um]. */
+    float left[2];     /**< Duhem states as 1 - d_i at the last turn of the input. */
+    float back[2];     /**< Duhem states as 1 - d_i after a turn at the present input. */
+    float turn;        /**< Input at the last turn [half ranges]. */
+    float last;        /**< Last input of the block [half ranges]. */
+    float h_um;        /**< Last output of the block [um]. */
 } diagnosed_hysteresis_t;
 
 /** Creep: slow first-order answers to the input, each a sum of two words. */
 typedef struct {
-    float high[4];  /**< slow states [um] */
-    float low[4];   /**< rounding error of `high`, carried along [um] */
+    float high[4];  /**< Slow states of the creep [um]. */
+    float low[4];   /**< Rounding error of `high`, added to the next step [um]. */
 } diagnosed_creep_t;
 
 /** Modes: position and velocity of each, each a sum of two words. */
 typedef struct {
-    float position[1];      /**< position of each mode [um] */
-    float position_low[1];  /**< rounding error of `position`, carried along [um] */
-    float velocity[1];      /**< velocity of each mode over the angular frequency [um] */
-    float velocity_low[1];  /**< rounding error of `velocity`, carried along [um] */
+    float position[1];      /**< Position of each mode [um]. */
+    float position_low[1];  /**< Rounding error of `position`, added to the next step [um]. */
+    float velocity[1];      /**< Velocity of each mode over the angular frequency [um]. */
+    float velocity_low[1];  /**< Rounding error of `velocity`, added to the next step [um]. */
 } diagnosed_modes_t;
 
 /** What the input passes through before it reaches the stage. */
 typedef struct {
-    float v_V;                          /**< last input of the stage [V] */
-    diagnosed_delay_t delay;            /**< input block */
-    diagnosed_hysteresis_t hysteresis;  /**< input block */
-    diagnosed_creep_t creep;            /**< input block */
-    diagnosed_modes_t modes;            /**< input block */
+    float v_V;                          /**< Last input of the stage [V]. */
+    diagnosed_delay_t delay;            /**< State of the block `delay`. */
+    diagnosed_hysteresis_t hysteresis;  /**< State of the block `hysteresis`. */
+    diagnosed_creep_t creep;            /**< State of the block `creep`. */
+    diagnosed_modes_t modes;            /**< State of the block `modes`. */
 } diagnosed_inputs_t;
 
 /** Parameters as the sums over the rules need them: consequents times strengths. */
 typedef struct {
-    float slope[DIAGNOSED_BANK_RULES];   /**< q1 [um/um] */
-    float offset[DIAGNOSED_BANK_RULES];  /**< q3 [um] */
-    float gain[DIAGNOSED_BANK_RULES];    /**< q2 [um/um] */
+    float slope[DIAGNOSED_BANK_RULES];   /**< Consequents q1 times the strengths of the rules [um/um]. */
+    float offset[DIAGNOSED_BANK_RULES];  /**< Consequents q3 times the strengths of the rules [um]. */
+    float gain[DIAGNOSED_BANK_RULES];    /**< Consequents q2 times the strengths of the rules [um/um]. */
 } diagnosed_bank_t;
 
 /** One instance of the model, 384 bytes. */
 typedef struct {
-    uint32_t active;            /**< index of the bank in use, 0 or 1 */
-    float y_um;                 /**< last model output [um]: the state of the free run */
-    float u_V;                  /**< last accepted input [V] */
-    float low_V;                /**< lowest voltage that may be put out [V] */
-    float high_V;               /**< highest voltage that may be put out [V] */
-    float step_V;               /**< largest change of that voltage per sample [V] */
-    uint32_t status;            /**< bits DIAGNOSED_STATUS_..., sticky */
-    uint32_t y_clamped;         /**< calls with y outside its range; counters stop at their largest value */
-    uint32_t u_clamped;         /**< calls with u outside its range */
-    uint32_t y_rejected;        /**< calls with y not finite */
-    uint32_t u_rejected;        /**< calls with u not finite */
-    diagnosed_inputs_t inputs;  /**< state of the input blocks */
-    diagnosed_bank_t bank[2];   /**< active and idle parameters */
+    uint32_t active;            /**< Index of the active bank, 0 or 1. */
+    float y_um;                 /**< Last output of the model [um], from which a free run continues. */
+    float u_V;                  /**< Last accepted input [V]. */
+    float low_V;                /**< Lowest voltage that may be put out [V]. */
+    float high_V;               /**< Highest voltage that may be put out [V]. */
+    float step_V;               /**< Largest change of the voltage per sample [V]. */
+    uint32_t status;            /**< Bits DIAGNOSED_STATUS_..., set by events and cleared by the caller. */
+    uint32_t y_clamped;         /**< Number of calls with y outside its range; every counter stops at its largest value. */
+    uint32_t u_clamped;         /**< Number of calls with u outside its range. */
+    uint32_t y_rejected;        /**< Number of calls with y not finite. */
+    uint32_t u_rejected;        /**< Number of calls with u not finite. */
+    diagnosed_inputs_t inputs;  /**< State of the input blocks. */
+    diagnosed_bank_t bank[2];   /**< Both banks of parameters, of which one is active. */
 } diagnosed_t;
 
 /** Start anew, with the parameters of diagnosed_params.h in both banks.
@@ -185,80 +185,90 @@ float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um);
 #define DIAGNOSED_FACTORS 153u  /**< words of U */
 
 /* Bits of a learner's `status`, sticky until the caller clears them or calls diagnosed_learn_init. */
-#define DIAGNOSED_LEARN_REJECTED   0x001u  /**< a sample was not finite or not plausible and taught nothing */
-#define DIAGNOSED_LEARN_OUTSIDE    0x002u  /**< a displacement lay outside the identified range and taught nothing */
-#define DIAGNOSED_LEARN_RESTING    0x004u  /**< the input rested and taught nothing */
-#define DIAGNOSED_LEARN_OUTLIER    0x008u  /**< an innovation was an outlier and taught nothing */
-#define DIAGNOSED_LEARN_CHANGED    0x010u  /**< so many outliers in a row that they are none: learnt from */
-#define DIAGNOSED_LEARN_QUIET      0x020u  /**< an innovation lay inside the dead zone and taught nothing */
-#define DIAGNOSED_LEARN_LIMITED    0x040u  /**< a step of the parameters was shortened */
-#define DIAGNOSED_LEARN_CLAMPED    0x080u  /**< a variance was limited */
-#define DIAGNOSED_LEARN_RESTARTED  0x100u  /**< the shadow went back to the reference parameters and the prior */
+#define DIAGNOSED_LEARN_REJECTED   0x001u  /**< A sample was not finite or not plausible and was ignored. */
+#define DIAGNOSED_LEARN_OUTSIDE    0x002u  /**< A displacement was outside the identified range; no update used it. */
+#define DIAGNOSED_LEARN_RESTING    0x004u  /**< The input was at rest; no update used the sample. */
+#define DIAGNOSED_LEARN_OUTLIER    0x008u  /**< An innovation was an outlier; no update used it. */
+#define DIAGNOSED_LEARN_CHANGED    0x010u  /**< Enough outliers in a row were taken for a change of the plant; updates resumed. */
+#define DIAGNOSED_LEARN_QUIET      0x020u  /**< An innovation was inside the dead zone; no update used it. */
+#define DIAGNOSED_LEARN_LIMITED    0x040u  /**< A step of the parameters was reduced. */
+#define DIAGNOSED_LEARN_CLAMPED    0x080u  /**< An element of D was limited. */
+#define DIAGNOSED_LEARN_RESTARTED  0x100u  /**< The shadow was reset to the reference parameters and the prior. */
 
-/* Answers of diagnosed_commit. */
-#define DIAGNOSED_BUSY             0u  /**< not done yet: call again */
-#define DIAGNOSED_COMMITTED        1u  /**< the shadow's parameters are active now */
-#define DIAGNOSED_REFUSED_YOUNG    2u  /**< too few updates since the shadow restarted */
-#define DIAGNOSED_REFUSED_LIMIT    3u  /**< a parameter is not finite or beyond its limit */
-#define DIAGNOSED_REFUSED_GAIN     4u  /**< the gain b(y) would come too close to zero or change its sign */
-#define DIAGNOSED_REFUSED_SLOPE    5u  /**< the slope |df/dy| would come too close to 1 */
+/** What diagnosed_commit answers. */
+typedef enum {
+    DIAGNOSED_COMMIT_BUSY = 0,           /**< The commit is not finished; call again. */
+    DIAGNOSED_COMMIT_COMMITTED = 1,      /**< The shadow's parameters are active. */
+    DIAGNOSED_COMMIT_REFUSED_YOUNG = 2,  /**< The shadow has had too few updates since its restart. */
+    DIAGNOSED_COMMIT_REFUSED_LIMIT = 3,  /**< A parameter is not finite or beyond its limit. */
+    DIAGNOSED_COMMIT_REFUSED_GAIN = 4,   /**< The gain b(y) would come too close to zero or change its sign. */
+    DIAGNOSED_COMMIT_REFUSED_SLOPE = 5   /**< The slope |df/dy| would come too close to 1. */
+} diagnosed_commit_t;
 
-/** A shadow on its way to become active. */
+/** Phases of a commit: `phase` of a candidate. */
+typedef enum {
+    DIAGNOSED_PHASE_IDLE = 0,   /**< No commit is under way; the next call copies the shadow. */
+    DIAGNOSED_PHASE_CHECK = 1,  /**< The next call examines check points. */
+    DIAGNOSED_PHASE_WRITE = 2,  /**< The next call writes the candidate into the idle bank. */
+    DIAGNOSED_PHASE_SWITCH = 3  /**< The next call makes the written bank active. */
+} diagnosed_phase_t;
+
+/** A copy of the shadow whose certificates a commit checks before it becomes active. */
 typedef struct {
-    uint32_t phase;                  /**< 0: none, 1: being checked, 2: to be written, 3: to be made active */
-    uint32_t point;                  /**< check point that comes next */
-    float gain_remainder_um_per_V;   /**< bound of the gain's Taylor remainder near a check point [um/V] */
-    float slope_remainder[2];        /**< the same of |df/dy|, at the least and the largest input */
-    float theta[DIAGNOSED_LEARNED];  /**< the shadow when it was taken [um] */
-    diagnosed_bank_t bank;           /**< the same as a bank */
+    uint32_t phase;                  /**< Phase of the commit, a value of diagnosed_phase_t. */
+    uint32_t point;                  /**< Index of the check point that the next call examines first. */
+    float gain_remainder_um_per_V;   /**< Bound of the Taylor remainder of the gain between check points [um/V]. */
+    float slope_remainder[2];        /**< Bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules. */
+    float theta[DIAGNOSED_LEARNED];  /**< Copy of the shadow's parameters, scaled [um]. */
+    diagnosed_bank_t bank;           /**< The parameters theta as a bank. */
 } diagnosed_candidate_t;
 
 /** A learner: the covariance P = U D U' of Eq. (10), the shadow parameters theta, and what it needs between samples.
  * theta = scale * (number in a bank), x = regressor / scale; U is unit upper triangular, its columns packed. */
 typedef struct {
-    float d[DIAGNOSED_LEARNED];          /**< diagonal D of P = U D U', larger than 0 */
-    float x[DIAGNOSED_LEARNED];          /**< regressors of the sample before, scaled */
-    float theta[DIAGNOSED_LEARNED];      /**< shadow parameters, scaled [um] */
-    float theta_low[DIAGNOSED_LEARNED];  /**< rounding error of theta, carried along [um] */
-    float reference[DIAGNOSED_LEARNED];  /**< parameters last committed, at first those of the model [um] */
-    float f[DIAGNOSED_LEARNED];          /**< U' x */
-    float g[DIAGNOSED_LEARNED];          /**< D U' x */
-    float l[DIAGNOSED_LEARNED];          /**< -f_j / alpha_(j-1) */
-    float k[DIAGNOSED_LEARNED];          /**< P x */
-    float per_alpha;                     /**< 1 / alpha_n of this update */
-    float inflate;                       /**< 1 / lambda of this update */
-    float innovation_um;                 /**< y - x' theta of this update [um] */
-    float fixed_um;                      /**< part of the prediction that is not learned [um] */
-    float y_um;                          /**< last accepted displacement [um] */
-    float u_V;                           /**< last accepted input [V] */
-    float mean_u_V;                      /**< running mean of the input [V]; the input rests near it */
-    float scale_um;                      /**< running mean of |innovation|, outliers limited [um] */
-    float moving_um;                     /**< running mean of |y(k) - y(k-1)| [um] */
-    float error;                         /**< mean square innovation of the shadow [um^2] */
-    float reference_error;               /**< mean square innovation of the reference parameters [um^2] */
-    float step_error;                    /**< mean square of y(k) - y(k-1) [um^2] */
-    uint32_t fresh;                      /**< 1: the regressors belong to the sample before */
-    uint32_t rested;                     /**< 1: the input rested at the sample before */
-    uint32_t measuring;                  /**< 1: this update learns from a sample, 0: it restores a prior */
-    uint32_t since_refresh;              /**< updates since a prior was restored */
-    uint32_t turn;                       /**< parameter whose prior is restored next */
-    uint32_t run;                        /**< outliers in a row */
-    uint32_t age;                        /**< updates since the last restart */
-    uint32_t status;                     /**< bits DIAGNOSED_LEARN_..., sticky */
-    uint32_t updates;                    /**< updates that changed the parameters */
-    uint32_t rejected;                   /**< samples that were not finite or not plausible */
-    uint32_t outside;                    /**< displacements outside the identified range */
-    uint32_t resting;                    /**< samples at which the input rested */
-    uint32_t outliers;                   /**< innovations refused as outliers */
-    uint32_t changes;                    /**< runs of outliers that were accepted as a change */
-    uint32_t quiet;                      /**< innovations inside the dead zone */
-    uint32_t limited;                    /**< updates whose step was shortened */
-    uint32_t clamped;                    /**< updates that limited a variance */
-    uint32_t restarts;                   /**< returns to the reference parameters and the prior */
-    diagnosed_inputs_t inputs;           /**< state of the input blocks */
-    float u[DIAGNOSED_FACTORS];          /**< U above its diagonal */
-    diagnosed_bank_t base;               /**< the parameters that are not learned */
-    diagnosed_candidate_t candidate;     /**< the shadow that is being committed */
+    float d[DIAGNOSED_LEARNED];          /**< Diagonal of D in P = U D U', every element positive. */
+    float x[DIAGNOSED_LEARNED];          /**< Regressors x = phi / scale of the previous sample. */
+    float theta[DIAGNOSED_LEARNED];      /**< Parameters theta of the shadow, scaled [um]. */
+    float theta_low[DIAGNOSED_LEARNED];  /**< Rounding error of theta, added to the next step [um]. */
+    float reference[DIAGNOSED_LEARNED];  /**< Parameters of the last commit, before it those of the model, scaled [um]. */
+    float f[DIAGNOSED_LEARNED];          /**< F = U' x of this update. */
+    float g[DIAGNOSED_LEARNED];          /**< G = D f of this update. */
+    float l[DIAGNOSED_LEARNED];          /**< L_j = -f_j / alpha_(j-1) of this update. */
+    float k[DIAGNOSED_LEARNED];          /**< K = P x of this update. */
+    float per_alpha;                     /**< Reciprocal of alpha = 1 + x' P x of this update. */
+    float inflate;                       /**< Reciprocal of the forgetting factor lambda of this update. */
+    float innovation_um;                 /**< Innovation y - x' theta of this update [um]. */
+    float fixed_um;                      /**< Part of the prediction from parameters that are not learned [um]. */
+    float y_um;                          /**< Last accepted displacement [um]. */
+    float u_V;                           /**< Last accepted input [V]. */
+    float mean_u_V;                      /**< Running mean of the input [V]; an input near it is at rest. */
+    float scale_um;                      /**< Running mean of |innovation|, with outliers limited [um]. */
+    float moving_um;                     /**< Running mean of |y(k) - y(k-1)| [um]. */
+    float error;                         /**< Mean square innovation of the shadow [um^2]. */
+    float reference_error;               /**< Mean square innovation of the reference parameters [um^2]. */
+    float step_error;                    /**< Mean square of y(k) - y(k-1) [um^2]. */
+    uint32_t fresh;                      /**< 1 if the regressors belong to the previous sample, 0 if it was not usable. */
+    uint32_t rested;                     /**< 1 if the input was at rest at the previous sample. */
+    uint32_t measuring;                  /**< 1 if this update uses a sample, 0 if it restores the prior of a parameter. */
+    uint32_t since_refresh;              /**< Number of updates since the prior of a parameter was restored. */
+    uint32_t turn;                       /**< Index of the parameter whose prior is restored next. */
+    uint32_t run;                        /**< Number of consecutive outliers. */
+    uint32_t age;                        /**< Number of updates since the last restart. */
+    uint32_t status;                     /**< Bits DIAGNOSED_LEARN_..., set by events and cleared by the caller. */
+    uint32_t updates;                    /**< Number of updates that changed the parameters. */
+    uint32_t rejected;                   /**< Number of samples that were not finite or not plausible. */
+    uint32_t outside;                    /**< Number of displacements outside the identified range. */
+    uint32_t resting;                    /**< Number of samples with the input at rest. */
+    uint32_t outliers;                   /**< Number of innovations rejected as outliers. */
+    uint32_t changes;                    /**< Number of runs of outliers that were taken for a change. */
+    uint32_t quiet;                      /**< Number of innovations inside the dead zone. */
+    uint32_t limited;                    /**< Number of updates whose step was reduced. */
+    uint32_t clamped;                    /**< Number of updates that limited an element of D. */
+    uint32_t restarts;                   /**< Number of restarts of the shadow. */
+    diagnosed_inputs_t inputs;           /**< State of the input blocks. */
+    float u[DIAGNOSED_FACTORS];          /**< Columns of U above its diagonal, one after the other. */
+    diagnosed_bank_t base;               /**< Bank of the model when learning began; its parameters that are not learned are in use. */
+    diagnosed_candidate_t candidate;     /**< Copy of the shadow that a commit checks. */
 } diagnosed_learner_t;
 
 /** Start to learn from the active parameters of a model, whose state of terms and inputs is taken over.
@@ -274,22 +284,22 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in diagnosed_predict
  *
- * 1239 float +-, 893 float *, 83 float comparisons, 677 integer, 837 loads, 620 stores, 19 branches.
- * C674x: about 2962 cycles (estimate). */
+ * 1284 float +-, 922 float *, 83 float comparisons, 4452 integer, 1061 loads, 620 stores, 1021 branches.
+ * C674x: about 3976 cycles (estimate). */
 void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V);
 
-/** Make the shadow active if its certificates hold, over many calls: a snapshot; DIAGNOSED_COMMIT_POINTS check points,
- * 1 per call, between which the bounds in diagnosed_params.h hold; the idle bank; the switch. Answers DIAGNOSED_BUSY
- * until then. A refused shadow goes on learning, the active parameters stay.
- * diagnosed_learn must not interrupt it; diagnosed_predict and the like may.
+/** Make the shadow active if its certificates hold, in many calls: one copies the shadow; each of the next ones examines
+ * 1 of the DIAGNOSED_COMMIT_POINTS check points, between which the bounds in diagnosed_params.h hold; then one
+ * writes the idle bank, and one switches banks. After a refusal the shadow learns on and the active parameters stay.
+ * diagnosed_predict, diagnosed_simulate and diagnosed_inverse may interrupt a call, diagnosed_learn must not.
  *
  * @param self     the instance whose parameters change
  * @param learner  the learner whose shadow is checked
- * @return         DIAGNOSED_BUSY, DIAGNOSED_COMMITTED, or why the shadow was refused
+ * @return         DIAGNOSED_COMMIT_BUSY before the last call, then DIAGNOSED_COMMIT_COMMITTED or the reason of the refusal
  *
- * 80 float +-, 172 float *, 62 float comparisons, 122 integer, 218 loads, 41 stores, 3 branches.
- * C674x: about 641 cycles (estimate). */
-uint32_t diagnosed_commit(diagnosed_t *self, diagnosed_learner_t *learner);
+ * 80 float +-, 172 float *, 62 float comparisons, 298 integer, 218 loads, 41 stores, 65 branches.
+ * C674x: about 469 cycles (estimate). */
+diagnosed_commit_t diagnosed_commit(diagnosed_t *self, diagnosed_learner_t *learner);
 
 /* The compiler of the caller must lay the structs out as the compiler of diagnosed.c: another size is an error here. */
 typedef char diagnosed_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */

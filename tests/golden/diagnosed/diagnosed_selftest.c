@@ -1,11 +1,9 @@
-/* diagnosed_selftest.c: every function over fixed inputs; they and the expected bits stand in diagnosed_params.h. */
+/* diagnosed_selftest.c: every function over the fixed inputs of diagnosed_selftest_data.h, compared bit by bit. */
 
 #include "diagnosed_selftest.h"
 
 #include "diagnosed.h"
-
-#define DIAGNOSED_SELFTEST_NUMBERS
-#include "diagnosed_params.h"
+#include "diagnosed_selftest_data.h"
 
 DIAGNOSED_CODE
 static float diagnosed_selftest_float(uint32_t bits)
@@ -103,14 +101,14 @@ static uint32_t diagnosed_selftest_inverse(void)
 
 /** A model, and its words to hash. */
 typedef union {
-    diagnosed_t model;                         /**< the model */
-    uint32_t words[sizeof(diagnosed_t) >> 2];  /**< all its words */
+    diagnosed_t model;                         /**< The model. */
+    uint32_t words[sizeof(diagnosed_t) >> 2];  /**< All words of the struct. */
 } diagnosed_selftest_model_t;
 
 /** A learner, and its words to hash. */
 typedef union {
-    diagnosed_learner_t learner;                       /**< the learner */
-    uint32_t words[sizeof(diagnosed_learner_t) >> 2];  /**< all its words */
+    diagnosed_learner_t learner;                       /**< The learner. */
+    uint32_t words[sizeof(diagnosed_learner_t) >> 2];  /**< All words of the struct. */
 } diagnosed_selftest_learner_t;
 
 #define DIAGNOSED_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
@@ -143,7 +141,7 @@ static uint32_t diagnosed_selftest_commit(diagnosed_selftest_model_t *self, diag
 
     for (uint32_t k = 0u; k < 8u; ++k) {
         const uint32_t *row = diagnosed_selftest_commit_rows[k];
-        uint32_t answer = DIAGNOSED_BUSY;
+        diagnosed_commit_t answer = DIAGNOSED_COMMIT_BUSY;
         uint32_t calls;
         uint32_t hash;
 
@@ -151,12 +149,12 @@ static uint32_t diagnosed_selftest_commit(diagnosed_selftest_model_t *self, diag
         for (uint32_t i = 0u; i < DIAGNOSED_LEARNED; ++i) {
             learner->learner.theta[i] = diagnosed_selftest_float(row[4u + i]);
         }
-        for (calls = 0u; (answer == DIAGNOSED_BUSY) && (calls < DIAGNOSED_SELFTEST_LEARN_CALLS); ++calls) {
+        for (calls = 0u; (answer == DIAGNOSED_COMMIT_BUSY) && (calls < DIAGNOSED_SELFTEST_LEARN_CALLS); ++calls) {
             answer = diagnosed_commit(&self->model, &learner->learner);
         }
         hash = diagnosed_selftest_hash(0x811c9dc5u, self->words, DIAGNOSED_SELFTEST_WORDS(*self));
         hash = diagnosed_selftest_hash(hash, learner->words, DIAGNOSED_SELFTEST_WORDS(*learner));
-        mismatches += (uint32_t)(calls != row[1]) + (uint32_t)(answer != row[2]) + (uint32_t)(hash != row[3]);
+        mismatches += (uint32_t)(calls != row[1]) + (uint32_t)((uint32_t)answer != row[2]) + (uint32_t)(hash != row[3]);
     }
     return mismatches;
 }

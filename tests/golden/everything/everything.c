@@ -94,12 +94,12 @@ EVERYTHING_INLINE uint32_t everything_mask(uint32_t condition)
     return 0u - condition;
 }
 
-/** What happened to the inputs during one call: each 0 or 1. */
+/** Events at the inputs during one call, 1 if the event occurred and 0 if not. */
 typedef struct {
-    uint32_t y_clamped;   /**< y was outside its range */
-    uint32_t u_clamped;   /**< u was outside its range */
-    uint32_t y_rejected;  /**< y was not finite */
-    uint32_t u_rejected;  /**< u was not finite */
+    uint32_t y_clamped;   /**< y was outside its range and was limited. */
+    uint32_t u_clamped;   /**< u was outside its range and was limited. */
+    uint32_t y_rejected;  /**< y was not finite and was replaced. */
+    uint32_t u_rejected;  /**< u was not finite and was replaced. */
 } everything_events_t;
 
 EVERYTHING_INLINE uint32_t everything_counted(uint32_t counter, uint32_t happened)
@@ -160,10 +160,10 @@ EVERYTHING_INLINE float everything_limited(float x, float low, float high, uint3
         (everything_bits(x) & ~(raise | lower)) | (everything_bits(low) & raise) | (everything_bits(high) & lower));
 }
 
-/** Voltages that the inverse may put out at one sample. */
+/** The range of the inverse's voltage at one sample. */
 typedef struct {
-    float low;   /**< [V] */
-    float high;  /**< [V] */
+    float low;   /**< Lowest voltage [V]. */
+    float high;  /**< Highest voltage [V]. */
 } everything_span_t;
 
 /* low_V .. high_V, and at most step_V from the voltage before. */
@@ -214,10 +214,10 @@ EVERYTHING_INLINE float everything_checked_u(const everything_t *self, float u_V
 
 /** Sums over the rules; v_l are the unnormalised memberships, p_l = v_l / weight. */
 typedef struct {
-    float slope;   /**< sum v_l q_l1 */
-    float offset;  /**< sum v_l q_l3 */
-    float gain;    /**< sum v_l q_l2 */
-    float weight;  /**< sum v_l */
+    float slope;   /**< Sum of v_l q_l1. */
+    float offset;  /**< Sum of v_l q_l3 [um]. */
+    float gain;    /**< Sum of v_l q_l2. */
+    float weight;  /**< Sum of v_l. */
 } everything_sums_t;
 
 /* Neighbouring rules' strengths differ by r = exp((y - middle) / h) and constants, so each sum over the rules is a
@@ -566,8 +566,8 @@ EVERYTHING_INLINE float everything_hysteresis_rough_reciprocal(float x)
 
 /** h [um] and dh/dx [um per half range]. */
 typedef struct {
-    float um;     /**< h, or a part of h [um] */
-    float slope;  /**< its derivative by x [um per half range] */
+    float um;     /**< Output h, or a part of it [um]. */
+    float slope;  /**< Derivative of `um` by the input [um per half range]. */
 } everything_hysteresis_ahead_t;
 
 /* Number of plays that the input has taken along when it reaches `ahead`. `taken` rises with the half-width. */
@@ -830,10 +830,10 @@ EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, flo
 
 /** What the inverse of the path finds besides the command. */
 typedef struct {
-    float w;               /**< input of the rules that follows from the command */
-    uint32_t u_clamped;    /**< 1: the voltage lay outside the span */
-    uint32_t unreachable;  /**< 1: a limit keeps the stage from the wanted input */
-    uint32_t residual;     /**< 1: the wanted input is missed although no limit acted */
+    float w;               /**< Input of the rules that follows from the command. */
+    uint32_t u_clamped;    /**< 1 if the voltage was outside the span. */
+    uint32_t unreachable;  /**< 1 if a limit keeps the input of the rules from the wanted one. */
+    uint32_t residual;     /**< 1 if the input of the rules is not the wanted one although no limit acted. */
 } everything_found_t;
 
 /* The command for which w is the input of the rules, 3 samples later;

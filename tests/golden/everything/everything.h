@@ -33,8 +33,8 @@ extern "C" {
 
 #define EVERYTHING_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of everything.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EVERYTHING_ALGORITHM "f3e80ccc19ab804b0c17460e3e4dacee15095103b0d6c3dcc4ef67dc5806ef00"
-#define EVERYTHING_ALGORITHM_WORD 0xf3e80cccu  /**< its first 32 bits */
+#define EVERYTHING_ALGORITHM "98ce727cf2b065e40578c93adb02f22dd0c924fe910480a4804fa431fa0416d4"
+#define EVERYTHING_ALGORITHM_WORD 0x98ce727cu  /**< its first 32 bits */
 
 #define EVERYTHING_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EVERYTHING_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -47,111 +47,111 @@ extern "C" {
 #define EVERYTHING_PREVIEW 3u
 
 /* Bits of `status`, sticky until the caller clears them or calls everything_init. */
-#define EVERYTHING_STATUS_Y_CLAMPED          0x01u  /**< a displacement lay outside the identified range and was limited to it */
-#define EVERYTHING_STATUS_U_CLAMPED          0x02u  /**< a voltage lay outside the input range and was limited to it */
-#define EVERYTHING_STATUS_Y_REJECTED         0x04u  /**< a displacement was not finite; the last good one was used */
-#define EVERYTHING_STATUS_U_REJECTED         0x08u  /**< a voltage was not finite; the last good one was used */
-#define EVERYTHING_STATUS_REFERENCE_CLAMPED  0x10u  /**< a reference lay more than one range away and was limited */
-#define EVERYTHING_STATUS_UNREACHABLE        0x20u  /**< the input that would reach the reference lay beyond what can be applied */
-#define EVERYTHING_STATUS_AUX_CLAMPED        0x40u  /**< an auxiliary channel lay outside its range and was limited to it */
-#define EVERYTHING_STATUS_AUX_REJECTED       0x80u  /**< an auxiliary channel was not finite; its last good sample was used */
-#define EVERYTHING_STATUS_INVERSE_RESIDUAL   0x100u  /**< the voltage leaves more than the stated tolerance of the input of the rules */
+#define EVERYTHING_STATUS_Y_CLAMPED          0x01u  /**< A displacement lay outside the identified range and was limited to it. */
+#define EVERYTHING_STATUS_U_CLAMPED          0x02u  /**< A voltage lay outside the input range and was limited to it. */
+#define EVERYTHING_STATUS_Y_REJECTED         0x04u  /**< A displacement was not finite; the last good one was used. */
+#define EVERYTHING_STATUS_U_REJECTED         0x08u  /**< A voltage was not finite; the last good one was used. */
+#define EVERYTHING_STATUS_REFERENCE_CLAMPED  0x10u  /**< A reference lay more than one range away and was limited. */
+#define EVERYTHING_STATUS_UNREACHABLE        0x20u  /**< The input that would reach the reference lay beyond what can be applied. */
+#define EVERYTHING_STATUS_AUX_CLAMPED        0x40u  /**< An auxiliary channel lay outside its range and was limited to it. */
+#define EVERYTHING_STATUS_AUX_REJECTED       0x80u  /**< An auxiliary channel was not finite; its last good sample was used. */
+#define EVERYTHING_STATUS_INVERSE_RESIDUAL   0x100u  /**< The voltage leaves more than the stated tolerance of the input of the rules. */
 
 /** Slew limit: what left it last. */
 typedef struct {
-    float last_V;  /**< last output of the limiter [V] */
+    float last_V;  /**< Last output of the limiter [V]. */
 } everything_slew_t;
 
 /** Delay: past inputs, a ring of a power of two. */
 typedef struct {
-    float ring[4];    /**< past inputs [V] */
-    uint32_t newest;  /**< index of the last input */
-    float wanted_V;   /**< v of the last command, or the last input [V] */
+    float ring[4];    /**< Past inputs, a ring [V]. */
+    uint32_t newest;  /**< Index of the last input. */
+    float wanted_V;   /**< Input that the last command asked for, or the last input [V]. */
 } everything_delay_t;
 
 /** Hysteresis: state of the play operators and of the Duhem states, last turn, input and output. */
 typedef struct {
-    float play[6];    /**< plays z_j [half ranges] */
-    float sum_um[7];  /**< part of the plays from j on in the output [um] */
-    float left[2];    /**< 1 - d_i at the last turn of the input */
-    float back[2];    /**< 1 - d_i if the input turned now */
-    float turn;       /**< input at the last turn [half ranges] */
-    float last;       /**< last input [half ranges] */
-    float h_um;       /**< last output [um] */
+    float play[6];    /**< Positions z_j of the plays [half ranges]. */
+    float sum_um[7];  /**< Sum of the outputs of the plays from j on [um]. */
+    float left[2];    /**< Duhem states as 1 - d_i at the last turn of the input. */
+    float back[2];    /**< Duhem states as 1 - d_i after a turn at the present input. */
+    float turn;       /**< Input at the last turn [half ranges]. */
+    float last;       /**< Last input of the block [half ranges]. */
+    float h_um;       /**< Last output of the block [um]. */
 } everything_hysteresis_t;
 
 /** Creep: slow first-order answers to the input, each a sum of two words. */
 typedef struct {
-    float high[4];  /**< slow states [um] */
-    float low[4];   /**< rounding error of `high`, carried along [um] */
+    float high[4];  /**< Slow states of the creep [um]. */
+    float low[4];   /**< Rounding error of `high`, added to the next step [um]. */
 } everything_creep_t;
 
 /** Modes: position and velocity of each, each a sum of two words. */
 typedef struct {
-    float position[1];      /**< position of each mode [um] */
-    float position_low[1];  /**< rounding error of `position`, carried along [um] */
-    float velocity[1];      /**< velocity of each mode over the angular frequency [um] */
-    float velocity_low[1];  /**< rounding error of `velocity`, carried along [um] */
+    float position[1];      /**< Position of each mode [um]. */
+    float position_low[1];  /**< Rounding error of `position`, added to the next step [um]. */
+    float velocity[1];      /**< Velocity of each mode over the angular frequency [um]. */
+    float velocity_low[1];  /**< Rounding error of `velocity`, added to the next step [um]. */
 } everything_modes_t;
 
 /** What the input passes through before it reaches the stage. */
 typedef struct {
-    float v_V;                           /**< last input of the stage [V] */
-    everything_slew_t slew;              /**< input block */
-    everything_delay_t delay;            /**< input block */
-    everything_hysteresis_t hysteresis;  /**< input block */
-    everything_creep_t creep;            /**< input block */
-    everything_modes_t modes;            /**< input block */
+    float v_V;                           /**< Last input of the stage [V]. */
+    everything_slew_t slew;              /**< State of the block `slew`. */
+    everything_delay_t delay;            /**< State of the block `delay`. */
+    everything_hysteresis_t hysteresis;  /**< State of the block `hysteresis`. */
+    everything_creep_t creep;            /**< State of the block `creep`. */
+    everything_modes_t modes;            /**< State of the block `modes`. */
 } everything_inputs_t;
 
 /** Periodic disturbance: its phase in units of 2^-32 and 2^-64 of a turn, 0 at init. */
 typedef struct {
-    uint32_t phase[1];      /**< upper word of the phase [turns / 2^32] */
-    uint32_t phase_low[1];  /**< lower word of the phase [turns / 2^64] */
+    uint32_t phase[1];      /**< Upper word of the phase [turns / 2^32]. */
+    uint32_t phase_low[1];  /**< Lower word of the phase [turns / 2^64]. */
 } everything_periodic_t;
 
 /** Coupling: the last samples of temperature, around the middle of their ranges, newest first. */
 typedef struct {
-    float sample[1][2];  /**< [channel][age], in the unit of the channel, age 0 the newest */
+    float sample[1][2];  /**< [channel][age], in the unit of the channel, age 0 the newest. */
 } everything_coupling_t;
 
 /** Drift: a slow bias, a sum of two words; predictions from measured displacements move it, other calls hold it. */
 typedef struct {
-    float bias_um;      /**< the bias [um] */
-    float bias_low_um;  /**< rounding error of `bias_um`, carried along [um] */
+    float bias_um;      /**< Slow displacement of the stage [um]. */
+    float bias_low_um;  /**< Rounding error of `bias_um`, added to the next step [um]. */
 } everything_drift_t;
 
 /** State of the terms. */
 typedef struct {
-    everything_periodic_t periodic;  /**< term */
-    everything_coupling_t coupling;  /**< term */
-    everything_drift_t drift;        /**< term */
+    everything_periodic_t periodic;  /**< State of the term `periodic`. */
+    everything_coupling_t coupling;  /**< State of the term `coupling`. */
+    everything_drift_t drift;        /**< State of the term `drift`. */
 } everything_terms_t;
 
 /** Parameters as the sums over the rules need them: consequents times strengths, weights of the terms. */
 typedef struct {
-    float slope[EVERYTHING_BANK_RULES];   /**< q1 [um/um] */
-    float offset[EVERYTHING_BANK_RULES];  /**< q3 [um] */
-    float gain[EVERYTHING_BANK_RULES];    /**< q2 [um/um] */
-    float weight[EVERYTHING_WEIGHTS];     /**< theta_j of the terms, in their order */
+    float slope[EVERYTHING_BANK_RULES];   /**< Consequents q1 times the strengths of the rules [um/um]. */
+    float offset[EVERYTHING_BANK_RULES];  /**< Consequents q3 times the strengths of the rules [um]. */
+    float gain[EVERYTHING_BANK_RULES];    /**< Consequents q2 times the strengths of the rules [um/um]. */
+    float weight[EVERYTHING_WEIGHTS];     /**< Weights theta_j of the terms, in their order. */
 } everything_bank_t;
 
 /** One instance of the model, 412 bytes. */
 typedef struct {
-    uint32_t active;             /**< index of the bank in use, 0 or 1 */
-    float y_um;                  /**< last model output [um]: the state of the free run */
-    float u_V;                   /**< last accepted input [V] */
-    float low_V;                 /**< lowest voltage that may be put out [V] */
-    float high_V;                /**< highest voltage that may be put out [V] */
-    float step_V;                /**< largest change of that voltage per sample [V] */
-    uint32_t status;             /**< bits EVERYTHING_STATUS_..., sticky */
-    uint32_t y_clamped;          /**< calls with y outside its range; counters stop at their largest value */
-    uint32_t u_clamped;          /**< calls with u outside its range */
-    uint32_t y_rejected;         /**< calls with y not finite */
-    uint32_t u_rejected;         /**< calls with u not finite */
-    everything_inputs_t inputs;  /**< state of the input blocks */
-    everything_terms_t terms;    /**< state of the terms */
-    everything_bank_t bank[2];   /**< active and idle parameters */
+    uint32_t active;             /**< Index of the active bank, 0 or 1. */
+    float y_um;                  /**< Last output of the model [um], from which a free run continues. */
+    float u_V;                   /**< Last accepted input [V]. */
+    float low_V;                 /**< Lowest voltage that may be put out [V]. */
+    float high_V;                /**< Highest voltage that may be put out [V]. */
+    float step_V;                /**< Largest change of the voltage per sample [V]. */
+    uint32_t status;             /**< Bits EVERYTHING_STATUS_..., set by events and cleared by the caller. */
+    uint32_t y_clamped;          /**< Number of calls with y outside its range; every counter stops at its largest value. */
+    uint32_t u_clamped;          /**< Number of calls with u outside its range. */
+    uint32_t y_rejected;         /**< Number of calls with y not finite. */
+    uint32_t u_rejected;         /**< Number of calls with u not finite. */
+    everything_inputs_t inputs;  /**< State of the input blocks. */
+    everything_terms_t terms;    /**< State of the terms. */
+    everything_bank_t bank[2];   /**< Both banks of parameters, of which one is active. */
 } everything_t;
 
 /** Start anew, with the parameters of everything_params.h in both banks.

@@ -1,11 +1,9 @@
-/* everything_selftest.c: every function over fixed inputs; they and the expected bits stand in everything_params.h. */
+/* everything_selftest.c: every function over the fixed inputs of everything_selftest_data.h, compared bit by bit. */
 
 #include "everything_selftest.h"
 
 #include "everything.h"
-
-#define EVERYTHING_SELFTEST_NUMBERS
-#include "everything_params.h"
+#include "everything_selftest_data.h"
 
 EVERYTHING_CODE
 static float everything_selftest_float(uint32_t bits)

@@ -94,12 +94,12 @@ SMOOTH_50_INLINE uint32_t smooth_50_mask(uint32_t condition)
     return 0u - condition;
 }
 
-/** What happened to the inputs during one call: each 0 or 1. */
+/** Events at the inputs during one call, 1 if the event occurred and 0 if not. */
 typedef struct {
-    uint32_t y_clamped;   /**< y was outside its range */
-    uint32_t u_clamped;   /**< u was outside its range */
-    uint32_t y_rejected;  /**< y was not finite */
-    uint32_t u_rejected;  /**< u was not finite */
+    uint32_t y_clamped;   /**< y was outside its range and was limited. */
+    uint32_t u_clamped;   /**< u was outside its range and was limited. */
+    uint32_t y_rejected;  /**< y was not finite and was replaced. */
+    uint32_t u_rejected;  /**< u was not finite and was replaced. */
 } smooth_50_events_t;
 
 SMOOTH_50_INLINE uint32_t smooth_50_counted(uint32_t counter, uint32_t happened)
@@ -152,10 +152,10 @@ SMOOTH_50_INLINE float smooth_50_limited(float x, float low, float high, uint32_
         (smooth_50_bits(x) & ~(raise | lower)) | (smooth_50_bits(low) & raise) | (smooth_50_bits(high) & lower));
 }
 
-/** Voltages that the inverse may put out at one sample. */
+/** The range of the inverse's voltage at one sample. */
 typedef struct {
-    float low;   /**< [V] */
-    float high;  /**< [V] */
+    float low;   /**< Lowest voltage [V]. */
+    float high;  /**< Highest voltage [V]. */
 } smooth_50_span_t;
 
 /* low_V .. high_V, and at most step_V from the voltage before. */
@@ -206,10 +206,10 @@ SMOOTH_50_INLINE float smooth_50_checked_u(const smooth_50_t *self, float u_V, s
 
 /** Sums over the rules; v_l are the unnormalised memberships, p_l = v_l / weight. */
 typedef struct {
-    float slope;   /**< sum v_l q_l1 */
-    float offset;  /**< sum v_l q_l3 */
-    float gain;    /**< sum v_l q_l2 */
-    float weight;  /**< sum v_l */
+    float slope;   /**< Sum of v_l q_l1. */
+    float offset;  /**< Sum of v_l q_l3 [um]. */
+    float gain;    /**< Sum of v_l q_l2. */
+    float weight;  /**< Sum of v_l. */
 } smooth_50_sums_t;
 
 /* Of 50 rules the 11 around the nearest centre are summed, the others carry less than 3e-7 of the weight. With t the

@@ -1,11 +1,9 @@
-/* smooth_50_selftest.c: every function over fixed inputs; they and the expected bits stand in smooth_50_params.h. */
+/* smooth_50_selftest.c: every function over the fixed inputs of smooth_50_selftest_data.h, compared bit by bit. */
 
 #include "smooth_50_selftest.h"
 
 #include "smooth_50.h"
-
-#define SMOOTH_50_SELFTEST_NUMBERS
-#include "smooth_50_params.h"
+#include "smooth_50_selftest_data.h"
 
 SMOOTH_50_CODE
 static float smooth_50_selftest_float(uint32_t bits)

@@ -23,7 +23,7 @@ int main(void)
     static appendix_a_t feedforward;
     static appendix_a_t observer;
     static appendix_a_learner_t learner;
-    uint32_t answer = APPENDIX_A_BUSY;
+    uint32_t answer = APPENDIX_A_COMMIT_BUSY;
     const uint32_t mismatches = appendix_a_selftest();
     const float middle_V = 0.5f * (APPENDIX_A_U_MIN_V + APPENDIX_A_U_MAX_V);
 
@@ -64,11 +64,11 @@ int main(void)
         printf("feed-forward: %.6f to %.6f um, largest error %.2g um, status 0x%lx\n", (double)from, (double)to,
             (double)largest, (unsigned long)feedforward.status);
     }
-    for (uint32_t call = 0u; (call < 100000u) && (answer == APPENDIX_A_BUSY); ++call) {
+    for (uint32_t call = 0u; (call < 100000u) && (answer == APPENDIX_A_COMMIT_BUSY); ++call) {
         answer = appendix_a_commit(&observer, &learner);
     }
     printf("learning: %lu updates, %s (answer %lu)\n", (unsigned long)learner.updates,
-        (answer == APPENDIX_A_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);
+        (answer == APPENDIX_A_COMMIT_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);
 
     return (mismatches == 0u) ? 0 : 1;
 }

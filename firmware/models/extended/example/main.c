@@ -23,7 +23,7 @@ int main(void)
     static extended_t feedforward;
     static extended_t observer;
     static extended_learner_t learner;
-    uint32_t answer = EXTENDED_BUSY;
+    uint32_t answer = EXTENDED_COMMIT_BUSY;
     const uint32_t mismatches = extended_selftest();
     const float middle_V = 0.5f * (EXTENDED_U_MIN_V + EXTENDED_U_MAX_V);
 
@@ -65,11 +65,11 @@ int main(void)
         printf("feed-forward: %.6f to %.6f um, largest error %.2g um, status 0x%lx\n", (double)from, (double)to,
             (double)largest, (unsigned long)feedforward.status);
     }
-    for (uint32_t call = 0u; (call < 100000u) && (answer == EXTENDED_BUSY); ++call) {
+    for (uint32_t call = 0u; (call < 100000u) && (answer == EXTENDED_COMMIT_BUSY); ++call) {
         answer = extended_commit(&observer, &learner);
     }
     printf("learning: %lu updates, %s (answer %lu)\n", (unsigned long)learner.updates,
-        (answer == EXTENDED_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);
+        (answer == EXTENDED_COMMIT_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);
 
     return (mismatches == 0u) ? 0 : 1;
 }

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from hysgen.c674x.cost.formulas import Formula, formulas
 from hysgen.checking.bits.functions import COMPARED_STRUCTS
 from hysgen.checking.bits.inputs import chunks
 from hysgen.checking.host import Host
@@ -47,7 +48,8 @@ class Cost(Displayed):
 
     functions: the public ones, in the order of the source. struct_bytes: by public struct. constant_bytes: of the
     tables. per_sample: cycles of the most expensive step function, plus learn and commit. budget: cycles of a sample
-    period at clock_Hz. host: compiler of the timed runs.
+    period at clock_Hz. host: compiler of the timed runs. formulas: cycles as formulas in the sizes of the structure,
+    with their values; none for a structure that they do not describe.
     """
 
     model: str
@@ -59,6 +61,7 @@ class Cost(Displayed):
     clock_Hz: float
     Ts_s: float
     host: str
+    formulas: Sequence[tuple[Formula, int]] = ()
 
     @property
     def share(self) -> float:
@@ -108,7 +111,13 @@ class Cost(Displayed):
             f"one sample: {self.per_sample} of {self.budget} at {rate}, {100.0 * self.share:.1f} %",
             "~ before cycles: estimated from the operations, not measured on the target; stalls and caches left out",
             f"host ns: median of repeated runs on this machine ({self.host}); they say nothing about the DSP",
+            *self._formula_lines(),
         ]
+
+    def _formula_lines(self) -> list[str]:
+        lines = [f"  {f.function} = {f} = {value} (+-{100 * f.error:.0f} %)" for f, value in self.formulas]
+        about = "C674x cycles as formulas in rules L, plays m and parameters n:"
+        return [about, *lines] if lines else []
 
 
 def cost(folder: Path, cycles: Mapping[str, int] | None = None, *, timed: bool = True) -> Cost:
@@ -146,6 +155,7 @@ def cost_of_texts(
         budget=budget(model.Ts_s, clock_Hz),
         clock_Hz=clock_Hz,
         Ts_s=model.Ts_s,
+        formulas=formulas(model),
         host=f"{compiler_version(toolchain.command)}, {' '.join(toolchain.flags)}" if toolchain else "not timed",
     )
 

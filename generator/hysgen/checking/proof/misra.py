@@ -48,11 +48,6 @@ DEVIATIONS: Final = (
         "products in sums follow the equations; parentheses stand where the order of additions matters to the bits",
     ),
     Deviation(
-        "12.3",
-        "the comma operator is not used",
-        "it is not: the add-on takes the commas between several declarators for it",
-    ),
-    Deviation(
         "15.5",
         "a function returns at its end only",
         "a learner or commit that has to stop early says so where it happens, instead of carrying a flag through",

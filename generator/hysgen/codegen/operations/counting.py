@@ -6,7 +6,7 @@ pointers to local variables, count as registers; the minus of a negative constan
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from pycparser import c_ast
@@ -41,9 +41,14 @@ class Value:
 
 @dataclass
 class Scope:
-    """Variables by name."""
+    """Variables by name. indices: values of the indices of enclosing loops that decide the length of a loop inside."""
 
     names: dict[str, Value] = field(default_factory=dict)
+    indices: dict[str, int] = field(default_factory=dict)
+
+    def inner(self) -> Scope:
+        """A scope inside of this one."""
+        return Scope(dict(self.names), dict(self.indices))
 
 
 class Program:
@@ -59,6 +64,7 @@ class Program:
             match node:
                 case c_ast.Typedef():
                     self.types.define(node)
+                    self._globals.names |= dict.fromkeys(_enumerators(node), Value(INTEGER))
                 case c_ast.FuncDef():
                     self._functions[node.decl.name] = node
                 case c_ast.Decl() if not isinstance(node.type, c_ast.FuncDecl):
@@ -112,7 +118,7 @@ class Program:
             case None | c_ast.EmptyStatement() | c_ast.Pragma() | c_ast.Break():
                 return _NOTHING, False
             case c_ast.Compound():
-                return self._block(node.block_items or [], Scope(dict(scope.names)))
+                return self._block(node.block_items or [], scope.inner())
             case c_ast.If():
                 return self._block([node], scope)
             case c_ast.Return():
@@ -141,17 +147,21 @@ class Program:
         return cost
 
     def _loop(self, node: c_ast.For, scope: Scope) -> Counts:
-        inner = Scope(dict(scope.names))
+        inner = scope.inner()
         start = self._statement(node.init, inner)[0]
-        passes = _passes(node)
-        condition, step = self._expression(node.cond, inner)[0], self._expression(node.next, inner)[0]
-        body = self._statement(node.stmt, inner)[0]
-        each = condition + Counts(branch=1)
-        return start + each + (each + body + step).times(passes)
+        index, passes = _passes(node, scope.indices)
+        each = self._expression(node.cond, inner)[0] + Counts(branch=1)
+        step = self._expression(node.next, inner)[0]
+        if _decides(index, node.stmt):
+            bodies = [
+                self._statement(node.stmt, Scope(inner.names, {**inner.indices, index: value}))[0] for value in passes
+            ]
+            return start + each + (each + step).times(len(passes)) + sum(bodies, _NOTHING)
+        return start + each + (each + self._statement(node.stmt, inner)[0] + step).times(len(passes))
 
     def _switch(self, node: c_ast.Switch, scope: Scope) -> Counts:
         """Operations of the most expensive case; every case of generated C ends in a break or return."""
-        cases = [self._block(case.stmts or [], Scope(dict(scope.names)))[0] for case in node.stmt.block_items]
+        cases = [self._block(case.stmts or [], scope.inner())[0] for case in node.stmt.block_items]
         costliest = _NOTHING
         for case in cases:
             costliest = worse(costliest, case)
@@ -276,6 +286,12 @@ def _parameters(function: c_ast.FuncDef) -> list[c_ast.Decl]:
     return [p for p in (declared.params if declared else []) if isinstance(p, c_ast.Decl)]
 
 
+def _enumerators(node: c_ast.Typedef) -> list[str]:
+    """Names of the constants of `typedef enum { ... } name;`; none for another typedef."""
+    kind = getattr(node.type, "type", None)
+    return [constant.name for constant in kind.values.enumerators] if isinstance(kind, c_ast.Enum) else []
+
+
 def _moved(place: Value, one: Counts) -> Counts:
     """Loads or stores (`one` each) of the value at `place`: one per word; none for registers, addresses and arrays."""
     if not place.in_memory or isinstance(place.type, Pointer | Array):
@@ -283,10 +299,29 @@ def _moved(place: Value, one: Counts) -> Counts:
     return one.times(words(place.type))
 
 
-def _passes(node: c_ast.For) -> int:
-    """Number of passes of a loop `for (i = a; i < b; ++i)` or `for (i = a; i < b; i += c)`."""
-    first = constant(node.init.decls[0].init if isinstance(node.init, c_ast.DeclList) else node.init.rvalue)
+def _passes(node: c_ast.For, indices: Mapping[str, int]) -> tuple[str, range]:
+    """Index and its values in a loop `for (i = a; i < b; ++i)` or `for (i = a; i < b; i += c)`.
+
+    indices: values of variables that a and b may contain, by name.
+    """
+    first = node.init.decls[0] if isinstance(node.init, c_ast.DeclList) else node.init
+    name, start = (first.name, first.init) if isinstance(first, c_ast.Decl) else (first.lvalue.name, first.rvalue)
     if not isinstance(node.cond, c_ast.BinaryOp) or node.cond.op != "<":
         raise HysgenError(f"{node.coord}: a generated loop runs while its index is below a constant")
     step = constant(node.next.rvalue) if isinstance(node.next, c_ast.Assignment) else 1
-    return max(0, -(-(constant(node.cond.right) - first) // step))
+    return name, range(constant(start, indices), constant(node.cond.right, indices), step)
+
+
+def _decides(index: str, body: c_ast.Node) -> bool:
+    """Whether the length of a loop in `body` depends on the variable `index`."""
+    if isinstance(body, c_ast.For):
+        ends = [body.init, body.cond.right]
+        if any(_mentions(index, end) for end in ends):
+            return True
+    return any(_decides(index, child) for _, child in body.children())
+
+
+def _mentions(index: str, node: c_ast.Node) -> bool:
+    if isinstance(node, c_ast.ID) and node.name == index:
+        return True
+    return any(_mentions(index, child) for _, child in node.children())

@@ -73,6 +73,8 @@ class Types:
                 return Array(self.of(node.type), constant(node.dim))
             case c_ast.Struct() | c_ast.Union():
                 return StructType({member.name: self.of(member.type) for member in node.decls or []})
+            case c_ast.Enum():
+                return INTEGER
             case c_ast.IdentifierType():
                 name = node.names[-1]
                 return self._named[name] if name in self._named else Scalar(name == "float")
@@ -89,17 +91,22 @@ def words(kind: Type) -> int:
     return 1
 
 
-def constant(node: c_ast.Node) -> int:
-    """The value of an integer constant expression. Raises HysgenError for any other expression."""
+def constant(node: c_ast.Node, known: Mapping[str, int] | None = None) -> int:
+    """The value of an integer expression of constants and the variables in `known`, by name.
+
+    Raises HysgenError for any other expression.
+    """
     match node:
         case c_ast.Constant():
             return int(node.value.rstrip("uUlL"), 0)
+        case c_ast.ID() if known and node.name in known:
+            return known[node.name]
         case c_ast.BinaryOp(op="+"):
-            return constant(node.left) + constant(node.right)
+            return constant(node.left, known) + constant(node.right, known)
         case c_ast.BinaryOp(op="-"):
-            return constant(node.left) - constant(node.right)
+            return constant(node.left, known) - constant(node.right, known)
         case c_ast.BinaryOp(op="*"):
-            return constant(node.left) * constant(node.right)
+            return constant(node.left, known) * constant(node.right, known)
         case c_ast.Cast():
-            return constant(node.expr)
+            return constant(node.expr, known)
     raise HysgenError(f"{node.coord}: not an integer constant; generated loops and arrays have constant sizes")

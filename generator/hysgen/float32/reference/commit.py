@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hysgen.float32.commit_numbers import CommitNumbers
-from hysgen.float32.learner_status import Commit
+from hysgen.float32.learner_status import Commit, Phase
 from hysgen.float32.reference.factorised import magnitude
 from hysgen.float32.reference.learner import Learner
 from hysgen.float32.reference.learner_state import Mask
@@ -17,9 +17,6 @@ from hysgen.model.float32_arithmetic import Floats32, Words, bits_of
 _HALF = np.float32(0.5)
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 _GROUPS = ("slope", "offset", "gain", "weight")
-
-_NONE, _CHECKED, _WRITTEN, _SWITCHED = (np.uint32(phase) for phase in range(4))
-"""Phases of a candidate: none, being checked, to be written into the idle bank, to be made active."""
 
 
 class Committer:
@@ -44,21 +41,21 @@ class Committer:
         """One call in every lane; returns the values of `Commit`, (lanes,)."""
         phase = self.phase
         answer = np.full(phase.size, np.uint32(Commit.BUSY))
-        answer = self._snapshot(phase == _NONE, answer)
+        answer = self._snapshot(phase == Phase.IDLE, answer)
         for _ in range(self.numbers.settings.points_per_call):
-            where = (phase == _CHECKED) & (self.phase == _CHECKED) & (answer == Commit.BUSY)
+            where = (phase == Phase.CHECK) & (self.phase == Phase.CHECK) & (answer == Commit.BUSY)
             answer = np.where(where, self._answer_at_point(), answer)
             self.point = self.point + where.astype(np.uint32)
-            self.phase = np.where(where & (self.point >= self.numbers.points), _WRITTEN, self.phase)
-        self.phase = np.where((phase == _CHECKED) & (answer != Commit.BUSY), _NONE, self.phase)
-        writing, switching = phase == _WRITTEN, phase == _SWITCHED
+            self.phase = np.where(where & (self.point >= self.numbers.points), np.uint32(Phase.WRITE), self.phase)
+        self.phase = np.where((phase == Phase.CHECK) & (answer != Commit.BUSY), np.uint32(Phase.IDLE), self.phase)
+        writing, switching = phase == Phase.WRITE, phase == Phase.SWITCH
         for group, rows in self.bank.items():
             for number in range(2):
                 idle = writing & (self.active != number)
                 self.banks[group][number] = np.where(idle, rows, self.banks[group][number])
         self.active = np.where(switching, np.uint32(1) - self.active, self.active)
         self.learner.reference = np.where(switching, self.theta, self.learner.reference)
-        self.phase = np.where(writing, _SWITCHED, np.where(switching, _NONE, self.phase))
+        self.phase = np.where(writing, np.uint32(Phase.SWITCH), np.where(switching, np.uint32(Phase.IDLE), self.phase))
         return np.where(switching, np.uint32(Commit.COMMITTED), answer)
 
     def verdict(self) -> Words:
@@ -102,7 +99,7 @@ class Committer:
         where = where & ~beyond
         self._bound_remainders(where)
         self.point = np.where(where, np.uint32(0), self.point)
-        self.phase = np.where(where, _CHECKED, self.phase)
+        self.phase = np.where(where, np.uint32(Phase.CHECK), self.phase)
         return answer
 
     def _fold(self, where: Mask) -> None:

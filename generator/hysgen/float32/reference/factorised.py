@@ -16,12 +16,11 @@ from hysgen.model.float32_constants import MAGNITUDE_BITS, ROUNDING
 
 
 def project(u: Floats32, x: Floats32) -> Floats32:
-    """f_j = sum_{i<j} U_ij x_i + x_j."""
+    """f_j = sum_{i<j} U_ij x_i + x_j; each sum starts at 0 and ends with x_j."""
     f = np.zeros_like(x)
     for i in range(len(x)):
-        f[i] = x[i] if i == 0 else f[i] + x[i]
-        products = u[i, i + 1 :] * x[i]
-        f[i + 1 :] = products if i == 0 else f[i + 1 :] + products
+        f[i] = f[i] + x[i]
+        f[i + 1 :] = f[i + 1 :] + u[i, i + 1 :] * x[i]
     return f
 
 

@@ -59,8 +59,8 @@ class Learner(LearnerState):
 
     def _evaluate_reading(self, where: Mask, y: Floats32) -> tuple[Floats32, Mask]:
         """Innovation e = y - x' theta - fixed_um [um], (lanes,), and the lanes in which an update with e begins."""
-        shadow, other = self.x[0] * self.theta[0], self.x[0] * self.reference[0]
-        for i in range(1, self.numbers.size):
+        shadow, other = np.zeros_like(y), np.zeros_like(y)
+        for i in range(self.numbers.size):
             shadow = shadow + self.x[i] * self.theta[i]
             other = other + self.x[i] * self.reference[i]
         e: Floats32 = y - (shadow + self.fixed_um)

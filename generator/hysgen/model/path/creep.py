@@ -96,8 +96,8 @@ class Creep(InputBlock):
     def members(self) -> tuple[Member, ...]:
         states = (len(self.tau_s),)
         return (
-            Member("high", "float", "slow states", states, unit=INPUT_UNIT),
-            Member("low", "float", "rounding error of `high`, carried along", states, unit=INPUT_UNIT),
+            Member("high", "float", "slow states of the creep", states, unit=INPUT_UNIT),
+            Member("low", "float", "rounding error of `high`, added to the next step", states, unit=INPUT_UNIT),
         )
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> CreepMirror:

@@ -104,10 +104,10 @@ class Delay(InputBlock):
 
     def members(self) -> tuple[Member, ...]:
         ring = (
-            Member("ring", "float", "past inputs", (self.ring,), unit="V"),
+            Member("ring", "float", "past inputs, a ring", (self.ring,), unit="V"),
             Member("newest", "uint32_t", "index of the last input"),
         )
-        wanted = Member("wanted_V", "float", "v of the last command, or the last input", unit="V")
+        wanted = Member("wanted_V", "float", "input that the last command asked for, or the last input", unit="V")
         return (*ring, wanted) if self.interpolates else ring
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> DelayMirror:

@@ -256,17 +256,17 @@ class Hysteresis(InputBlock):
 
     def members(self) -> tuple[Member, ...]:
         plays = (
-            Member("play", "float", "plays z_j", (self.plays,), unit="half ranges"),
-            Member("sum_um", "float", "part of the plays from j on in the output", (self.plays + 1,), unit="um"),
+            Member("play", "float", "positions z_j of the plays", (self.plays,), unit="half ranges"),
+            Member("sum_um", "float", "sum of the outputs of the plays from j on", (self.plays + 1,), unit="um"),
         )
         duhem = (
-            Member("left", "float", "1 - d_i at the last turn of the input", (self.states,)),
-            Member("back", "float", "1 - d_i if the input turned now", (self.states,)),
+            Member("left", "float", "Duhem states as 1 - d_i at the last turn of the input", (self.states,)),
+            Member("back", "float", "Duhem states as 1 - d_i after a turn at the present input", (self.states,)),
             Member("turn", "float", "input at the last turn", unit="half ranges"),
         )
         last = (
-            Member("last", "float", "last input", unit="half ranges"),
-            Member("h_um", "float", "last output", unit="um"),
+            Member("last", "float", "last input of the block", unit="half ranges"),
+            Member("h_um", "float", "last output of the block", unit="um"),
         )
         return (*(plays if self.plays else ()), *(duhem if self.states else ()), *last)
 

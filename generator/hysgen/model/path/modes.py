@@ -173,9 +173,13 @@ class Modes(InputBlock):
         modes = (len(self.f_Hz),)
         return (
             Member("position", "float", "position of each mode", modes, unit=INPUT_UNIT),
-            Member("position_low", "float", "rounding error of `position`, carried along", modes, unit=INPUT_UNIT),
+            Member(
+                "position_low", "float", "rounding error of `position`, added to the next step", modes, unit=INPUT_UNIT
+            ),
             Member("velocity", "float", "velocity of each mode over the angular frequency", modes, unit=INPUT_UNIT),
-            Member("velocity_low", "float", "rounding error of `velocity`, carried along", modes, unit=INPUT_UNIT),
+            Member(
+                "velocity_low", "float", "rounding error of `velocity`, added to the next step", modes, unit=INPUT_UNIT
+            ),
         )
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> ModesMirror:

@@ -77,8 +77,8 @@ class Drift(Term):
 
     def members(self) -> tuple[Member, ...]:
         return (
-            Member("bias_um", "float", "the bias", unit="um"),
-            Member("bias_low_um", "float", "rounding error of `bias_um`, carried along", unit="um"),
+            Member("bias_um", "float", "slow displacement of the stage", unit="um"),
+            Member("bias_low_um", "float", "rounding error of `bias_um`, added to the next step", unit="um"),
         )
 
     def mirror(self, lanes: int, Ts_s: float) -> BiasMirror:

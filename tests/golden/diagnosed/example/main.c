@@ -23,7 +23,7 @@ int main(void)
     static diagnosed_t feedforward;
     static diagnosed_t observer;
     static diagnosed_learner_t learner;
-    uint32_t answer = DIAGNOSED_BUSY;
+    diagnosed_commit_t answer = DIAGNOSED_COMMIT_BUSY;
     const uint32_t mismatches = diagnosed_selftest();
     const float middle_V = 0.5f * (DIAGNOSED_U_MIN_V + DIAGNOSED_U_MAX_V);
 
@@ -65,11 +65,11 @@ int main(void)
         printf("feed-forward: %.6f to %.6f um, largest error %.2g um, status 0x%lx\n", (double)from, (double)to,
             (double)largest, (unsigned long)feedforward.status);
     }
-    for (uint32_t call = 0u; (call < 100000u) && (answer == DIAGNOSED_BUSY); ++call) {
+    for (uint32_t call = 0u; (call < 100000u) && (answer == DIAGNOSED_COMMIT_BUSY); ++call) {
         answer = diagnosed_commit(&observer, &learner);
     }
     printf("learning: %lu updates, %s (answer %lu)\n", (unsigned long)learner.updates,
-        (answer == DIAGNOSED_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);
+        (answer == DIAGNOSED_COMMIT_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);
 
     return (mismatches == 0u) ? 0 : 1;
 }

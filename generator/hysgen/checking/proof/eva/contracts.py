@@ -29,8 +29,8 @@ WRITES: Final[Mapping[str, tuple[str, ...]]] = {
 _RESULT: Final[Mapping[str, tuple[str, ...]]] = {"project": (), "factor": (), "clear": (), "step": (r"\result",)}
 
 _CLAUSE: Final = "\n    "
-_STORED: Final = "step: theta "
-"""Start of the name of a hook behind the lines that store parameters; their indices follow, separated by spaces."""
+_STORED: Final = "step: theta"
+"""Name of the hook behind the line that stores parameter j."""
 
 LOOKED_AT: Final = "looked_at"
 """Parameter whose cases are distinguished: a number of the analysis, not of the generated C."""
@@ -56,19 +56,15 @@ def update_contracts(model: Model, texts: Mapping[str, str]) -> dict[str, list[s
     return lines
 
 
-def update_cases(model: Model, texts: Mapping[str, str]) -> dict[str, list[str]]:
+def update_cases(model: Model) -> dict[str, list[str]]:
     """Cases of the parameter LOOKED_AT in `step`, by hook: not a number, below its limits, above them, inside."""
-    name = model.name
-    limit = f"{name.upper()}_LEARN_LIMIT_UM"
-    lines: dict[str, list[str]] = {}
-    for hook in hook_names(model, texts):
-        if hook.startswith(_STORED):
-            lines[hook] = [
-                f"    /*@ ghost if ({LOOKED_AT} == {j}u) {{ /@ split \\is_NaN(sum{j}); @/"
-                f" if (sum{j} < {limit}) {{ if (sum{j} <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
-                for j in hook.removeprefix(_STORED).split()
-            ]
-    return lines
+    limit = f"{model.name.upper()}_LEARN_LIMIT_UM"
+    return {
+        _STORED: [
+            f"    /*@ ghost if ({LOOKED_AT} == j) {{ /@ split \\is_NaN(sum); @/"
+            f" if (sum < {limit}) {{ if (sum <= -{limit}) {{ ; }} else {{ ; }} }} else {{ ; }} }} */"
+        ]
+    }
 
 
 def beyond_contract(name: str) -> dict[str, list[str]]:

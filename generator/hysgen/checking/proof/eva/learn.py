@@ -81,7 +81,7 @@ def update_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     """The C that Eva analyses for what one update does to the shadow, and the number of its checks."""
     name = model.name
     functions = update_functions(model, texts)
-    source = hooked(model, texts, beyond_contract(name) | update_cases(model, texts))
+    source = hooked(model, texts, beyond_contract(name) | update_cases(model))
     kept = [within(name, f"learner.theta[{j}]") for j in range(parameters(name, texts))]
     facts = {
         "name": name,

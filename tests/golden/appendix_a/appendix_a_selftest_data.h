@@ -1,0 +1,145 @@
+/* appendix_a_selftest_data.h: inputs of the self-test, and the bits that the float32 reference computes from them. */
+
+#ifndef APPENDIX_A_SELFTEST_DATA_H
+#define APPENDIX_A_SELFTEST_DATA_H
+
+#include <stdint.h>
+
+#include "appendix_a.h"
+
+/* predict: arguments, expected result. */
+#define APPENDIX_A_SELFTEST_PREDICT_START_Y 0x400cb1c4u
+#define APPENDIX_A_SELFTEST_PREDICT_START_U 0x00000000u
+#define APPENDIX_A_SELFTEST_PREDICT_STATUS 0x0000000fu
+#define APPENDIX_A_SELFTEST_PREDICT_Y_CLAMPED 5u
+#define APPENDIX_A_SELFTEST_PREDICT_U_CLAMPED 2u
+#define APPENDIX_A_SELFTEST_PREDICT_Y_REJECTED 3u
+#define APPENDIX_A_SELFTEST_PREDICT_U_REJECTED 3u
+
+APPENDIX_A_TABLE
+static const uint32_t appendix_a_selftest_predict_rows[32][3] = {
+    { 0x40130acbu, 0x40e16fbau, 0x400e925fu },  /* 2.29753, 7.04489 -> 2.22768 */
+    { 0x4018d62eu, 0x42a9dcb1u, 0x401c368bu },  /* 2.38807, 84.931 -> 2.44083 */
+    { 0x000116c2u, 0xf149f2cau, 0x3f13f84cu },  /* 9.99995e-41, -1e+30 -> 0.578007 */
+    { 0x4054ca65u, 0x42e2ffafu, 0x405a4e8cu },  /* 3.32485, 113.499 -> 3.41104 */
+    { 0x3fd97f40u, 0x426db281u, 0x3fdcb1aeu },  /* 1.6992, 59.4243 -> 1.72417 */
+    { 0x7fc00000u, 0xff800000u, 0x3fdfd4a0u },  /* nan, -inf -> 1.74868 */
+    { 0x4037e929u, 0xc1055a2fu, 0x40310a36u },  /* 2.87361, -8.33452 -> 2.76625 */
+    { 0x40603901u, 0x42b4ed3bu, 0x406314e1u },  /* 3.50348, 90.4633 -> 3.54815 */
+    { 0x00000000u, 0xc1a00000u, 0x3f13f84cu },  /* 0, -20 -> 0.578007 */
+    { 0x40051f51u, 0x426bce0cu, 0x400637fdu },  /* 2.08004, 58.9512 -> 2.09717 */
+    { 0x3fffe6ccu, 0x4291b005u, 0x40029080u },  /* 1.99923, 72.8438 -> 2.04007 */
+    { 0x40d9f3b6u, 0x7fc00000u, 0x406fb43fu },  /* 6.811, nan -> 3.74538 */
+    { 0x3ff8895cu, 0x42a43af7u, 0x3fffccbeu },  /* 1.94169, 82.1152 -> 1.99844 */
+    { 0x403b66d1u, 0x41efe1d4u, 0x40386f44u },  /* 2.92815, 29.9853 -> 2.88179 */
+    { 0x406f18fcu, 0x42f00000u, 0x407534c8u },  /* 3.7359, 120 -> 3.83135 */
+    { 0x400bbf81u, 0x42bd456eu, 0x40105d0eu },  /* 2.18356, 94.6356 -> 2.25568 */
+    { 0x3fe0ca87u, 0x419110cdu, 0x3fdb5fcfu },  /* 1.75618, 18.1332 -> 1.71386 */
+    { 0x80000000u, 0xc3200000u, 0x3f13f84cu },  /* -0, -160 -> 0.578007 */
+    { 0x40452245u, 0x40247e78u, 0x403f0500u },  /* 3.08022, 2.57022 -> 2.98468 */
+    { 0x400623f8u, 0x428ec970u, 0x40087d27u },  /* 2.09595, 71.3934 -> 2.13264 */
+    { 0xf149f2cau, 0x000116c2u, 0x3f1c4d75u },  /* -1e+30, 9.99995e-41 -> 0.610557 */
+    { 0x40103482u, 0x42e2ea73u, 0x4016a867u },  /* 2.2532, 113.458 -> 2.35403 */
+    { 0x40509284u, 0x40ad7765u, 0x404a6626u },  /* 3.25894, 5.42082 -> 3.16248 */
+    { 0xff800000u, 0x7f800000u, 0x40446ca9u },  /* -inf, inf -> 3.06913 */
+    { 0x3ffef8acu, 0x42eb0910u, 0x4006ad2cu },  /* 1.99196, 117.518 -> 2.10432 */
+    { 0x3ffd6a37u, 0x42cac53cu, 0x4004437au },  /* 1.9798, 101.385 -> 2.06662 */
+    { 0x7f800000u, 0x80000000u, 0x3ffeb426u },  /* inf, -0 -> 1.98987 */
+    { 0x3fff579du, 0x4107ea96u, 0x3ff76b81u },  /* 1.99486, 8.49477 -> 1.93297 */
+    { 0x4005525au, 0x42ce6710u, 0x400aef89u },  /* 2.08315, 103.201 -> 2.17087 */
+    { 0x3f292a30u, 0x00000000u, 0x3f1c4d75u },  /* 0.6608, 0 -> 0.610557 */
+    { 0x4069e6a1u, 0x42b69faeu, 0x406cbc77u },  /* 3.6547, 91.3119 -> 3.699 */
+    { 0x3f554929u, 0xc177c691u, 0x3f40e28du },  /* 0.833148, -15.486 -> 0.753457 */
+};
+
+/* simulate: arguments, expected result. */
+#define APPENDIX_A_SELFTEST_SIMULATE_START_Y 0x400cb1c4u
+#define APPENDIX_A_SELFTEST_SIMULATE_START_U 0x00000000u
+#define APPENDIX_A_SELFTEST_SIMULATE_STATUS 0x0000000au
+#define APPENDIX_A_SELFTEST_SIMULATE_Y_CLAMPED 0u
+#define APPENDIX_A_SELFTEST_SIMULATE_U_CLAMPED 3u
+#define APPENDIX_A_SELFTEST_SIMULATE_Y_REJECTED 0u
+#define APPENDIX_A_SELFTEST_SIMULATE_U_REJECTED 2u
+
+APPENDIX_A_TABLE
+static const uint32_t appendix_a_selftest_simulate_rows[32][2] = {
+    { 0x429f4944u, 0x400fc2b2u },  /* 79.6431 -> 2.24626 */
+    { 0xbf41a05bu, 0x400a8e8au },  /* -0.756353 -> 2.16495 */
+    { 0xc3200000u, 0x40037c81u },  /* -160 -> 2.05447 */
+    { 0x428d34ddu, 0x4005cde3u },  /* 70.6032 -> 2.09069 */
+    { 0x4279bfd0u, 0x40073e73u },  /* 62.4373 -> 2.11319 */
+    { 0x000116c2u, 0x4002471fu },  /* 9.99995e-41 -> 2.03559 */
+    { 0x4202092cu, 0x4000b987u },  /* 32.509 -> 2.01132 */
+    { 0x4266cbc5u, 0x4001c683u },  /* 57.699 -> 2.02774 */
+    { 0xf149f2cau, 0x3ff5ba54u },  /* -1e+30 -> 1.91975 */
+    { 0x422115cau, 0x3ff47a95u },  /* 40.2713 -> 1.90999 */
+    { 0x3fc31fb7u, 0x3feb51d5u },  /* 1.52441 -> 1.83843 */
+    { 0x43820000u, 0x3ffa9974u },  /* 260 -> 1.95781 */
+    { 0x415884d8u, 0x3ff3ca9du },  /* 13.5324 -> 1.90462 */
+    { 0x4261fa3du, 0x3ff5e624u },  /* 56.4944 -> 1.92109 */
+    { 0x42f00000u, 0x40027bcfu },  /* 120 -> 2.03881 */
+    { 0x4217ca18u, 0x40017b8du },  /* 37.9474 -> 2.02317 */
+    { 0x401918aeu, 0x3ff9bb0cu },  /* 2.39213 -> 1.95102 */
+    { 0x80000000u, 0x3ff02b45u },  /* -0 -> 1.87632 */
+    { 0xc030b7c5u, 0x3fe634a0u },  /* -2.76122 -> 1.79848 */
+    { 0x42b4c6a3u, 0x3fef83eeu },  /* 90.388 -> 1.87121 */
+    { 0xff800000u, 0x3ff8a50du },  /* -inf -> 1.94254 */
+    { 0x41cf0dbeu, 0x3ff465f7u },  /* 25.8817 -> 1.90936 */
+    { 0x42bd649fu, 0x3ffe50e2u },  /* 94.6965 -> 1.98684 */
+    { 0x7fc00000u, 0x40040579u },  /* nan -> 2.06283 */
+    { 0x42b4ea76u, 0x40085bb3u },  /* 90.4579 -> 2.1306 */
+    { 0x405df404u, 0x4003b9ccu },  /* 3.46802 -> 2.05822 */
+    { 0xc1a00000u, 0x3ff98f46u },  /* -20 -> 1.94968 */
+    { 0x42ed8cf3u, 0x40042707u },  /* 118.775 -> 2.06488 */
+    { 0x42075ad3u, 0x4002b365u },  /* 33.8387 -> 2.0422 */
+    { 0x00000000u, 0x3ffba264u },  /* 0 -> 1.96589 */
+    { 0xc1918f1fu, 0x3fee513du },  /* -18.1949 -> 1.86185 */
+    { 0x42d72899u, 0x3ffafdf8u },  /* 107.579 -> 1.96088 */
+};
+
+/* inverse: arguments, expected result. */
+#define APPENDIX_A_SELFTEST_INVERSE_START_Y 0x400cb1c4u
+#define APPENDIX_A_SELFTEST_INVERSE_START_U 0x00000000u
+#define APPENDIX_A_SELFTEST_INVERSE_STATUS 0x00000037u
+#define APPENDIX_A_SELFTEST_INVERSE_Y_CLAMPED 5u
+#define APPENDIX_A_SELFTEST_INVERSE_U_CLAMPED 6u
+#define APPENDIX_A_SELFTEST_INVERSE_Y_REJECTED 5u
+#define APPENDIX_A_SELFTEST_INVERSE_U_REJECTED 0u
+
+APPENDIX_A_TABLE
+static const uint32_t appendix_a_selftest_inverse_rows[32][3] = {
+    { 0x4059dc88u, 0x405dfbcbu, 0x42ca6194u },  /* 3.40409, 3.46849 -> 101.191 */
+    { 0x3fbf3b6bu, 0x3fc69891u, 0x429a32bdu },  /* 1.494, 1.55153 -> 77.0991 */
+    { 0x406f18fcu, 0x3f292a30u, 0xc1a00000u },  /* 3.7359, 0.6608 -> -20 */
+    { 0x3f824051u, 0x3f71664fu, 0xc122e9d5u },  /* 1.01759, 0.942967 -> -10.1821 */
+    { 0x3f9065a1u, 0x3f9dc775u, 0x42ca90c2u },  /* 1.1281, 1.23265 -> 101.283 */
+    { 0xff800000u, 0x80000000u, 0xc1a00000u },  /* -inf, -0 -> -20 */
+    { 0x3f911acdu, 0x3f946d5fu, 0x425401a6u },  /* 1.13363, 1.15959 -> 53.0016 */
+    { 0x3fa4d84au, 0x3f9c250du, 0xc04186d6u },  /* 1.28785, 1.21988 -> -3.02385 */
+    { 0x80000000u, 0xf149f2cau, 0xc1a00000u },  /* -0, -1e+30 -> -20 */
+    { 0x3f794288u, 0x3f83d6dbu, 0x428b8260u },  /* 0.973671, 1.02999 -> 69.7546 */
+    { 0x3ffbdc0du, 0x3ff6a902u, 0x41ac0853u },  /* 1.96765, 1.92703 -> 21.5041 */
+    { 0x7f800000u, 0x40d9f3b6u, 0x42f00000u },  /* inf, 6.811 -> 120 */
+    { 0x40350e16u, 0x40301868u, 0x4115990au },  /* 2.82898, 2.75149 -> 9.34986 */
+    { 0x4006ba40u, 0x40067004u, 0x4236b627u },  /* 2.10512, 2.10059 -> 45.6779 */
+    { 0x3f292a30u, 0x000116c2u, 0xc1a00000u },  /* 0.6608, 9.99995e-41 -> -20 */
+    { 0x404ec247u, 0x404eca37u, 0x4279449du },  /* 3.23061, 3.23109 -> 62.317 */
+    { 0x3f764e8cu, 0x3f7da4d7u, 0x425280d5u },  /* 0.962136, 0.990797 -> 52.6258 */
+    { 0x7fc00000u, 0xff800000u, 0x420d6d8bu },  /* nan, -inf -> 35.357 */
+    { 0x3fb8c7bcu, 0x3faf99b7u, 0xc0640667u },  /* 1.4436, 1.37188 -> -3.56289 */
+    { 0x3f89abffu, 0x3f90003fu, 0x42857dcfu },  /* 1.07556, 1.12501 -> 66.7457 */
+    { 0x40d9f3b6u, 0x406f18fcu, 0x42874ab0u },  /* 6.811, 3.7359 -> 67.6459 */
+    { 0x40652288u, 0x405e2780u, 0x409274e2u },  /* 3.58023, 3.47116 -> 4.57677 */
+    { 0x4056bef3u, 0x405b2d73u, 0x42cf7e91u },  /* 3.3554, 3.42465 -> 103.747 */
+    { 0x00000000u, 0x00000000u, 0xc1a00000u },  /* 0, 0 -> -20 */
+    { 0x4048ff21u, 0x40475fe2u, 0x42371cc3u },  /* 3.14057, 3.11523 -> 45.7781 */
+    { 0x40314e01u, 0x4029f891u, 0xc168019fu },  /* 2.77039, 2.6558 -> -14.5004 */
+    { 0xf149f2cau, 0x7fc00000u, 0x41f6f9a3u },  /* -1e+30, nan -> 30.8719 */
+    { 0x4015142du, 0x400e9c97u, 0xc141c7ffu },  /* 2.32936, 2.22831 -> -12.1113 */
+    { 0x3ff463d2u, 0x3fee1e42u, 0x4179ecfeu },  /* 1.9093, 1.8603 -> 15.6204 */
+    { 0x000116c2u, 0x7f800000u, 0x41f6f9a3u },  /* 9.99995e-41, inf -> 30.8719 */
+    { 0x40218d04u, 0x40256ad9u, 0x42b68caau },  /* 2.52423, 2.58465 -> 91.2747 */
+    { 0x4067a433u, 0x406342a9u, 0x41e09692u },  /* 3.6194, 3.55094 -> 28.0735 */
+};
+
+#endif
