@@ -459,7 +459,7 @@ static void appendix_a_restart(appendix_a_learner_t *self)
 /* Index of U_ij, i < j, in the packed columns. */
 APPENDIX_A_INLINE uint32_t appendix_a_place(uint32_t i, uint32_t j)
 {
-    return j * (j - 1u) / 2u + i;
+    return ((j * (j - 1u)) >> 1) + i;
 }
 
 /* f = U' x and g = D f with D / lambda:  f_j = sum_{i<j} U_ij x_i + x_j. Row i of U adds to every f_j behind it. */
@@ -795,7 +795,7 @@ static APPENDIX_A_ALONE void appendix_a_store_regressors(appendix_a_learner_t *s
     power[1] = r;
     APPENDIX_A_UNROLL
     for (uint32_t l = 2u; l < APPENDIX_A_RULES; ++l) {
-        power[l] = power[l / 2u] * power[l - l / 2u];
+        power[l] = power[l >> 1] * power[l - (l >> 1)];
     }
 
     self->fixed_um = 0.0f;

@@ -29,8 +29,8 @@ extern "C" {
 
 #define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define APPENDIX_A_ALGORITHM "336bc560895940d90faf7490253f53a6e3dae21e80ed517eb3f13c5aff96fc18"
-#define APPENDIX_A_ALGORITHM_WORD 0x336bc560u  /**< its first 32 bits */
+#define APPENDIX_A_ALGORITHM "e039127b48ffe26273a696fab48be30c215a352baf98d04e4d4de564bbc4b7e1"
+#define APPENDIX_A_ALGORITHM_WORD 0xe039127bu  /**< its first 32 bits */
 
 #define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -60,9 +60,9 @@ typedef struct {
     uint32_t active;            /**< Index of the active bank, 0 or 1. */
     float y_um;                 /**< Last output of the model [um], from which a free run continues. */
     float u_V;                  /**< Last accepted input [V]. */
-    float low_V;                /**< Lowest voltage that the inverse may put out [V]. */
-    float high_V;               /**< Highest voltage that the inverse may put out [V]. */
-    float step_V;               /**< Largest change of the inverse's voltage per sample [V]. */
+    float low_V;                /**< Lowest voltage that may be put out [V]. */
+    float high_V;               /**< Highest voltage that may be put out [V]. */
+    float step_V;               /**< Largest change of the voltage per sample [V]. */
     uint32_t status;            /**< Bits APPENDIX_A_STATUS_..., set by events and cleared by the caller. */
     uint32_t y_clamped;         /**< Number of calls with y outside its range; every counter stops at its largest value. */
     uint32_t u_clamped;         /**< Number of calls with u outside its range. */

@@ -28,8 +28,8 @@
 /* Of the model file: a parameter image may name the build that it is for. */
 #define MODEL_BUILD    0x82289dfau
 
-#define MODEL_BUSY       APPENDIX_A_COMMIT_BUSY
-#define MODEL_COMMITTED  APPENDIX_A_COMMIT_COMMITTED
+#define MODEL_BUSY       ((uint32_t)APPENDIX_A_COMMIT_BUSY)
+#define MODEL_COMMITTED  ((uint32_t)APPENDIX_A_COMMIT_COMMITTED)
 
 typedef appendix_a_t model_t;
 typedef appendix_a_bank_t model_bank_t;

@@ -1079,7 +1079,7 @@ static void extended_restart(extended_learner_t *self)
 /* Index of U_ij, i < j, in the packed columns. */
 EXTENDED_INLINE uint32_t extended_place(uint32_t i, uint32_t j)
 {
-    return j * (j - 1u) / 2u + i;
+    return ((j * (j - 1u)) >> 1) + i;
 }
 
 /* f = U' x and g = D f with D / lambda:  f_j = sum_{i<j} U_ij x_i + x_j. Row i of U adds to every f_j behind it. */
@@ -1415,7 +1415,7 @@ static EXTENDED_ALONE void extended_store_regressors(extended_learner_t *self, f
     power[1] = r;
     EXTENDED_UNROLL
     for (uint32_t l = 2u; l < EXTENDED_RULES; ++l) {
-        power[l] = power[l / 2u] * power[l - l / 2u];
+        power[l] = power[l >> 1] * power[l - (l >> 1)];
     }
 
     self->fixed_um = 0.0f;

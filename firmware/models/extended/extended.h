@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "5b2fe3ba5f1317a1c0f11a0bf5b7691c8e167773a7eb42099934cdb904b48d71"
-#define EXTENDED_ALGORITHM_WORD 0x5b2fe3bau  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "53651ba983e12904bb2f547cd35b077197d5f1b597cdc42ec00ad60d285b8c50"
+#define EXTENDED_ALGORITHM_WORD 0x53651ba9u  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -96,9 +96,9 @@ typedef struct {
     uint32_t active;           /**< Index of the active bank, 0 or 1. */
     float y_um;                /**< Last output of the model [um], from which a free run continues. */
     float u_V;                 /**< Last accepted input [V]. */
-    float low_V;               /**< Lowest voltage that the inverse may put out [V]. */
-    float high_V;              /**< Highest voltage that the inverse may put out [V]. */
-    float step_V;              /**< Largest change of the inverse's voltage per sample [V]. */
+    float low_V;               /**< Lowest voltage that may be put out [V]. */
+    float high_V;              /**< Highest voltage that may be put out [V]. */
+    float step_V;              /**< Largest change of the voltage per sample [V]. */
     uint32_t status;           /**< Bits EXTENDED_STATUS_..., set by events and cleared by the caller. */
     uint32_t y_clamped;        /**< Number of calls with y outside its range; every counter stops at its largest value. */
     uint32_t u_clamped;        /**< Number of calls with u outside its range. */

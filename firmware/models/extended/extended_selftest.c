@@ -141,7 +141,7 @@ static uint32_t extended_selftest_commit(extended_selftest_model_t *self, extend
 
     for (uint32_t k = 0u; k < 8u; ++k) {
         const uint32_t *row = extended_selftest_commit_rows[k];
-        uint32_t answer = EXTENDED_COMMIT_BUSY;
+        extended_commit_t answer = EXTENDED_COMMIT_BUSY;
         uint32_t calls;
         uint32_t hash;
 
@@ -154,7 +154,7 @@ static uint32_t extended_selftest_commit(extended_selftest_model_t *self, extend
         }
         hash = extended_selftest_hash(0x811c9dc5u, self->words, EXTENDED_SELFTEST_WORDS(*self));
         hash = extended_selftest_hash(hash, learner->words, EXTENDED_SELFTEST_WORDS(*learner));
-        mismatches += (uint32_t)(calls != row[1]) + (uint32_t)(answer != row[2]) + (uint32_t)(hash != row[3]);
+        mismatches += (uint32_t)(calls != row[1]) + (uint32_t)((uint32_t)answer != row[2]) + (uint32_t)(hash != row[3]);
     }
     return mismatches;
 }

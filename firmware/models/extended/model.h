@@ -28,8 +28,8 @@
 /* Of the model file: a parameter image may name the build that it is for. */
 #define MODEL_BUILD    0x4ec8c2bbu
 
-#define MODEL_BUSY       EXTENDED_COMMIT_BUSY
-#define MODEL_COMMITTED  EXTENDED_COMMIT_COMMITTED
+#define MODEL_BUSY       ((uint32_t)EXTENDED_COMMIT_BUSY)
+#define MODEL_COMMITTED  ((uint32_t)EXTENDED_COMMIT_COMMITTED)
 
 typedef extended_t model_t;
 typedef extended_bank_t model_bank_t;

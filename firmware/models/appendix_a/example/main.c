@@ -23,7 +23,7 @@ int main(void)
     static appendix_a_t feedforward;
     static appendix_a_t observer;
     static appendix_a_learner_t learner;
-    uint32_t answer = APPENDIX_A_COMMIT_BUSY;
+    appendix_a_commit_t answer = APPENDIX_A_COMMIT_BUSY;
     const uint32_t mismatches = appendix_a_selftest();
     const float middle_V = 0.5f * (APPENDIX_A_U_MIN_V + APPENDIX_A_U_MAX_V);
 

@@ -23,7 +23,7 @@ int main(void)
     static extended_t feedforward;
     static extended_t observer;
     static extended_learner_t learner;
-    uint32_t answer = EXTENDED_COMMIT_BUSY;
+    extended_commit_t answer = EXTENDED_COMMIT_BUSY;
     const uint32_t mismatches = extended_selftest();
     const float middle_V = 0.5f * (EXTENDED_U_MIN_V + EXTENDED_U_MAX_V);
 
