@@ -13,9 +13,9 @@ import numpy as np
 
 from hysgen.display import table
 from hysgen.fitting import FitSettings, Method, PathSize, fit
+from hysgen.model.disturbances import Drive
 from hysgen.model.file import load_model
 from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive
 from hysgen.record import Record, Segment
 
 LENGTHS = (10_000, 100_000, 1_000_000, 10_000_000)

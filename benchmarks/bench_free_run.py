@@ -13,10 +13,10 @@ import time
 import numpy as np
 
 from hysgen.display import table
+from hysgen.model.disturbances import Drive
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive
 
 LENGTHS = (10_000, 100_000, 1_000_000, 10_000_000)
 RULES = (3, 4, 6, 10, 15, 19, 20, 30, 40, 50)

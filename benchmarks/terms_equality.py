@@ -19,6 +19,10 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.codegen import generate
 from hysgen.display import table
+from hysgen.model.disturbances import Term
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.drift import Drift
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
@@ -28,10 +32,6 @@ from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
-from hysgen.model.terms import Term
-from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.periodic import Periodic
 
 TERMS: tuple[Term, ...] = (
     Periodic((50.0,)),

@@ -47,7 +47,7 @@ def test_the_two_files_of_the_page_are_all_that_a_new_block_takes(tmp_path: Path
     shutil.copytree(ROOT / "generator" / "hysgen", tmp_path / "generator" / "hysgen")
     shutil.copytree(ROOT / "templates", tmp_path / "templates")
     (tmp_path / "generator" / "hysgen" / "model" / "path" / "kick.py").write_text(blocks[0])
-    (tmp_path / "templates" / "inputs" / "kick.c.j2").write_text(blocks[1])
+    (tmp_path / "templates" / "path" / "kick.c.j2").write_text(blocks[1])
     done = subprocess.run(
         [sys.executable, "-c", USE],
         cwd=tmp_path,

@@ -18,6 +18,7 @@ from hysgen.certify.enclosure import gain, gain_extrema, slope, slope_extremum
 from hysgen.certify.path_inverse import POINTS, sampled_slopes, slopes_along
 from hysgen.codegen import generate
 from hysgen.errors import CertificateError
+from hysgen.model.disturbances import Drive
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
 from hysgen.model.membership import rule_regressors
@@ -26,7 +27,6 @@ from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.modes import Modes
 from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive
 
 seeds = st.integers(0, 2**31)
 sizes = st.integers(2, 40)

@@ -20,12 +20,12 @@ from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.float32.reference.accuracy import accuracy
 from hysgen.float32.reference.instance import Instance
+from hysgen.model.disturbances import Drive
 from hysgen.model.file import dump_model, load_model, parse_model, save_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.simulate import simulate
 from hysgen.model.status import Status
-from hysgen.model.terms import Drive
 
 
 def singular(rules: int = 6) -> Model:

@@ -25,8 +25,11 @@ from hysgen.checking.proof.eva.learn import learn_step
 from hysgen.checking.proof.eva.learner_box import WILD, learner_box
 from hysgen.codegen.interface import Interface, interface_of
 from hysgen.errors import ModelError
+from hysgen.model import disturbances
 from hysgen.model import path as inputs
-from hysgen.model import terms
+from hysgen.model.disturbances import Term, TermBox
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
@@ -35,9 +38,6 @@ from hysgen.model.path.base import BlockBox
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.saturation import Saturation
-from hysgen.model.terms import Term, TermBox
-from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.periodic import Periodic
 
 SAMPLES = 8000
 CHAINS: list[list[InputBlock]] = [
@@ -102,7 +102,7 @@ def test_the_state_of_each_block_and_of_a_term_behind_it_stays_in_its_box(
 
 
 def test_every_kind_that_is_installed_is_among_them() -> None:
-    assert {term.kind for term in TERMS} == set(terms.kinds())
+    assert {term.kind for term in TERMS} == set(disturbances.kinds())
     assert {block.kind for chain in CHAINS for block in chain} == set(inputs.kinds())
 
 
@@ -117,7 +117,7 @@ def test_the_regressors_stay_below_what_their_box_says() -> None:
             largest = [float(np.abs(phi).max()) for phi in mirror.regressors()]
             seen = np.maximum(seen, largest)
             mirror.advance()
-        bounds = np.array(terms.box_of(term, 2e-5).regressors)
+        bounds = np.array(disturbances.box_of(term, 2e-5).regressors)
         assert (seen <= bounds).all(), term.kind
         assert (seen > 0.9 * bounds).all(), term.kind
 

@@ -23,11 +23,11 @@ from hysgen.float32.learner_numbers import learned_model
 from hysgen.float32.learner_status import Commit
 from hysgen.float32.reference.commit import Committer
 from hysgen.machine.native import Toolchain
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.creep import Creep
-from hysgen.model.terms.periodic import Periodic
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]

@@ -22,12 +22,12 @@ from hysgen.codegen import generate, write
 from hysgen.errors import HysgenError
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.model.disturbances import kinds as term_kinds
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import kinds as block_kinds
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.slew import Slew
-from hysgen.model.terms import kinds as term_kinds
 
 SAMPLES = 9000
 

@@ -14,14 +14,14 @@ from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.float32.reference.instance import Instance
+from hysgen.model.disturbances import Term, channels_of
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.drift import Drift
 from hysgen.model.file import load_model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes
-from hysgen.model.terms import Term, channels_of
-from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.drift import Drift
 
 SAMPLES = 8000
 """Four times through what `hard_inputs` repeats every 2000 samples."""

@@ -63,7 +63,7 @@ def test_a_new_cause_requires_four_files(tmp_path: Path) -> None:
     files = {path: text for path, _, text in TARGET.findall((ROOT / "docs" / "extend.md").read_text())}
     assert list(files) == [
         "generator/hysgen/model/path/kick.py",
-        "templates/inputs/kick.c.j2",
+        "templates/path/kick.c.j2",
         "generator/hysgen/diagnosis/causes/kick.py",
         "generator/hysgen/stage/effects/kick.py",
     ]

@@ -17,8 +17,8 @@ from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_
 from hysgen.fitting.identify import linear_gain, structure_for
 from hysgen.fitting.least_squares import Information, information
 from hysgen.fitting.regularisation import disagreement
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.membership import memberships
-from hysgen.model.terms.periodic import Periodic
 from hysgen.record import Record, Segment
 
 

@@ -13,8 +13,8 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.fitting.identify import partition, structure_for
 from hysgen.fitting.least_squares import Weighting, information, recursive_least_squares
 from hysgen.machine.kernels import triangularise
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.regression import Structure, regression_rows
-from hysgen.model.terms.periodic import Periodic
 from hysgen.record import Record, Segment
 
 WITH_HUM = FitSettings(terms=(Periodic((130.0, 310.0)),))

@@ -15,15 +15,15 @@ from fixtures.random_models import TS_S, lag_record, random_drive, random_model
 from hysgen.certify.certificates import certify
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.free_run import free_run_error
+from hysgen.model.disturbances import Drive
+from hysgen.model.disturbances.drift import Drift
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.regression import structure_of
 from hysgen.model.rivals import fit_prandtl_ishlinskii, score_rivals
 from hysgen.model.scores import score
 from hysgen.model.simulate import free_run, simulate
-from hysgen.model.terms import Drive
-from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.periodic import Periodic
 from hysgen.record import Record, Segment, load_record
 from hysgen.stage import Stage, run
 

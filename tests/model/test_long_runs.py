@@ -11,11 +11,11 @@ import pytest
 from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
 from hysgen.machine.kernels import lag_states, mode_states
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.modes import Modes
-from hysgen.model.terms.periodic import Periodic
 
 TS_S = 2e-5
 CHUNK = 1_000_000

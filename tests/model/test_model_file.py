@@ -17,12 +17,12 @@ from fixtures.printed_models import PRINTED_CENTRES_UM, appendix
 from fixtures.random_models import random_model
 from hysgen.certify.certificates import certify
 from hysgen.errors import ModelError
+from hysgen.model.disturbances.drift import Drift
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import dump_model, load_model, parse_model, save_model, shipped_models
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.saturation import Saturation
-from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.periodic import Periodic
 
 TERMS = (Periodic((50.0, 101.7)), Drift(0.1, 0.05))
 

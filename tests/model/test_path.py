@@ -14,6 +14,8 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.errors import ModelError
+from hysgen.model.disturbances import Drive
+from hysgen.model.disturbances.drift import Drift
 from hysgen.model.file import dump_model, load_model, parse_model
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
@@ -25,8 +27,6 @@ from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
 from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive
-from hysgen.model.terms.drift import Drift
 
 TS_S = 2e-5
 LAST_BIT = 2.0**-24

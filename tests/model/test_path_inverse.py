@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from fixtures.generated_models import path
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.reference.instance import Instance
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model
 from hysgen.model.path import InputBlock, preview
 from hysgen.model.path.chain import ChainMirror, PathLimits
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay, DelayMirror
 from hysgen.model.path.modes import Modes
-from hysgen.model.terms.periodic import Periodic
 
 F32 = NDArray[np.float32]
 TS_S = 2e-5

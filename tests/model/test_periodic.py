@@ -7,9 +7,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
-from hysgen.model.terms import Drive
-from hysgen.model.terms.periodic import Periodic
-from hysgen.model.terms.sine import COSINE, SINE, cosine_sine
+from hysgen.model.disturbances import Drive
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.disturbances.sine import COSINE, SINE, cosine_sine
 
 TS_S = 2e-5
 CLAIM = 1.9e-7

@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from fixtures.random_models import TS_S, lag_record, random_drive, random_model
 from hysgen.errors import RecordError
 from hysgen.machine.kernels import rule_rows
+from hysgen.model.disturbances import Drive
+from hysgen.model.disturbances.drift import Drift
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.membership import memberships, rule_regressors
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.regression import regression_rows, structure_of
 from hysgen.model.simulate import default_horizons, free_run, horizon_curve, one_step, simulate
-from hysgen.model.terms import Drive
-from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.periodic import Periodic
 from hysgen.record import Record, Segment
 
 DISTURBED = (Periodic((50.0,)),)

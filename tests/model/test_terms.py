@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from hysgen.errors import ModelError
-from hysgen.model.terms import Drive, Term, kinds, term_from_json
-from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.drift import Drift
-from hysgen.model.terms.periodic import Periodic
+from hysgen.model.disturbances import Drive, Term, kinds, term_from_json
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.drift import Drift
+from hysgen.model.disturbances.periodic import Periodic
 
 TS_S = 2e-5
 LAST_BIT = 2.0**-24

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hysgen.errors import ModelError
-from hysgen.model.terms import Drive
-from hysgen.model.terms.coupling import Coupling
-from hysgen.model.terms.drift import Drift
+from hysgen.model.disturbances import Drive
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.drift import Drift
 
 TS_S = 2e-5
 

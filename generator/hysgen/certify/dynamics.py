@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from hysgen.certify.enclosure import slope
 from hysgen.errors import ModelError
+from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
 from hysgen.model.path import applied
 from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive
 
 Floats = NDArray[np.float64]
 

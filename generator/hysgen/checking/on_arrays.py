@@ -15,8 +15,8 @@ from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
 from hysgen.errors import CertificateError, ModelError
 from hysgen.model import simulate as simulation
+from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
-from hysgen.model.terms import Drive
 from hysgen.record.data import Record, Segment
 
 Floats = NDArray[np.float64]

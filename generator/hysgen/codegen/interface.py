@@ -13,10 +13,10 @@ from hysgen.codegen.manifest import MANIFEST
 from hysgen.codegen.structs import structs
 from hysgen.errors import HysgenError
 from hysgen.float32.learner_status import Commit
+from hysgen.model.disturbances import channels_of
 from hysgen.model.file import parse_model
 from hysgen.model.model import Model
 from hysgen.model.structs import Struct
-from hysgen.model.terms import channels_of
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from hysgen.float32.coefficients import WINDOW_REACH, Coefficients
 from hysgen.float32.reference.accuracy import Accuracy
 from hysgen.machine.files import digest
 from hysgen.machine.reproducible import rounded_up
+from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.structs import Axis, Quantity
-from hysgen.model.terms import Term
 
 PER_ROW: Final = 8
 """Numbers in a row of a table."""

@@ -18,12 +18,12 @@ from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.installed import data_folder, version
 from hysgen.model import float32_constants as arithmetic
 from hysgen.model import twofloat
+from hysgen.model.disturbances import Term, channels_of, part_facts
+from hysgen.model.disturbances.base import Mirror
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
 from hysgen.model.status import COUNTERS, MEANINGS, Status
 from hysgen.model.structs import Struct
-from hysgen.model.terms import Term, channels_of, part_facts
-from hysgen.model.terms.base import Mirror
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class TermText(StateText):
 
     @property
     def template(self) -> str:
-        return f"terms/{self.kind}.c.j2"
+        return f"disturbances/{self.kind}.c.j2"
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class PartText:
 
     @property
     def template(self) -> str:
-        return f"terms/{self.name}.c.j2"
+        return f"disturbances/{self.name}.c.j2"
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class BlockText(StateText):
 
     @property
     def template(self) -> str:
-        return f"inputs/{self.kind}.c.j2"
+        return f"path/{self.kind}.c.j2"
 
 
 def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:

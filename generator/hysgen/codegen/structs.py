@@ -13,10 +13,10 @@ from hysgen.float32.instance_words import InstanceWords
 from hysgen.float32.learner_numbers import factors, learner_numbers
 from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.struct_words import Holds, StructWords
+from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.structs import INPUT_UNIT, Axis, Member, Quantity, Struct
-from hysgen.model.terms import Term
 
 
 def structs(model: Model) -> tuple[Struct, ...]:

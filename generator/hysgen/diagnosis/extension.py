@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.fitting.operator import PathSize
+from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
-from hysgen.model.terms import Term
 
 Floats = NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from hysgen.export.component import MODES, Mode, modes_of
 from hysgen.export.fmu import Variable, fmu_variables
 from hysgen.float32.coefficients import coefficients
 from hysgen.machine.native import Library, build
+from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
-from hysgen.model.terms import channels_of
 
 Words = NDArray[np.uint32]
 Progress = Callable[[float, str], None]

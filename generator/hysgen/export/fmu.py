@@ -24,9 +24,9 @@ from hysgen.export.component import component_facts
 from hysgen.machine.files import digest
 from hysgen.machine.installed import data_folder
 from hysgen.machine.native import default_toolchain
+from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
 from hysgen.model.status import MEANINGS, Status
-from hysgen.model.terms import channels_of
 
 HEADERS: Final = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),

@@ -18,10 +18,10 @@ from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers
 from hysgen.machine.files import digest
 from hysgen.machine.installed import version
+from hysgen.model.disturbances import channels_of
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 from hysgen.model.path import preview
-from hysgen.model.terms import channels_of
 
 BINDING: Final = "model.h"
 TYPES: Final = ("t", "bank_t", "learner_t")

@@ -21,9 +21,9 @@ from hysgen.fitting.regularisation import Penalties, penalties_at
 from hysgen.fitting.windows import windows
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import FreeRunSums, Rules, free_run_sums
+from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
 from hysgen.model.regression import Starts, Structure, Trust, drives_of, full_trust, structure_of, term_regressors
-from hysgen.model.terms import Drive
 from hysgen.record import Record
 
 Floats = NDArray[np.float64]

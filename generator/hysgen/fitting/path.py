@@ -29,13 +29,13 @@ from hysgen.fitting.operator import Operator, PathSize
 from hysgen.fitting.windows import windows
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import exp
+from hysgen.model.disturbances import Drive, Term
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.modes import Modes
 from hysgen.model.regression import Trust, drives_of, structure_of
-from hysgen.model.terms import Drive, Term
 from hysgen.record import Record, Segment
 from hysgen.record.series import first_covering
 

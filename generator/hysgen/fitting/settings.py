@@ -9,9 +9,9 @@ from typing import Any, Literal, get_args
 from hysgen.errors import FitError
 from hysgen.fitting.least_squares import Weighting
 from hysgen.fitting.operator import PathSize
+from hysgen.model.disturbances import Term
 from hysgen.model.path import InputBlock
 from hysgen.model.regression import Starts, Trust
-from hysgen.model.terms import Term
 
 Method = Literal["rls", "batch", "refined"]
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
 from hysgen.float32.struct_words import COUNTERS_OF, INPUTS_OF, TERMS_OF, Floats32, StructWords, Words, integer, number
+from hysgen.model.disturbances import Mirror
 from hysgen.model.path.chain import ChainMirror
 from hysgen.model.status import COUNTERS
 from hysgen.model.structs import Counter
-from hysgen.model.terms import Mirror
 
 
 class InstanceWords(StructWords):

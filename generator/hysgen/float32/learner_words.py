@@ -25,9 +25,9 @@ from hysgen.float32.struct_words import (
     number,
     vector,
 )
+from hysgen.model.disturbances import Mirror
 from hysgen.model.path.chain import ChainMirror
 from hysgen.model.structs import Counter
-from hysgen.model.terms import Mirror
 
 
 class LearnerWords(StructWords):

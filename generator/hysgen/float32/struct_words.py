@@ -17,9 +17,9 @@ from typing import ClassVar, Final, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.model.disturbances import Mirror
 from hysgen.model.path.chain import ChainMirror
 from hysgen.model.structs import Counter, Scalar
-from hysgen.model.terms import Mirror
 
 Floats32 = NDArray[np.float32]
 Words = NDArray[np.uint32]

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.machine.files import write_whole
+from hysgen.model.disturbances import Term, term_from_json
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, block_from_json
-from hysgen.model.terms import Term, term_from_json
 
 SCHEMA = "hysgen-model"
 VERSION = 1

@@ -21,10 +21,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
+from hysgen.model.disturbances import Term
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.path import InputBlock, check_chain, path_range
-from hysgen.model.terms import Term
 
 Floats = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.machine.kernels import rule_rows
+from hysgen.model.disturbances import Drive, Term
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, applied, path_range
-from hysgen.model.terms import Drive, Term
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from hysgen.errors import RecordError
 from hysgen.machine import kernels
 from hysgen.machine.kernels import Rules
+from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
 from hysgen.model.path import applied
 from hysgen.model.regression import Starts, drives_of, structure_of, term_output
-from hysgen.model.terms import Drive
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]

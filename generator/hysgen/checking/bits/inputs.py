@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.instance import Instance
+from hysgen.model.disturbances import Drive, channels_of
 from hysgen.model.model import Model
 from hysgen.model.path import applied
 from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive, channels_of
 
 Words = NDArray[np.uint32]
 Floats32 = NDArray[np.float32]

@@ -12,11 +12,11 @@ from hysgen.certify.certificates import certify
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.model.disturbances import Term
+from hysgen.model.disturbances import kinds as term_kinds
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path import kinds as block_kinds
-from hysgen.model.terms import Term
-from hysgen.model.terms import kinds as term_kinds
 
 T = TypeVar("T", Term, InputBlock)
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from hysgen.checking.endurance.compiled_learner import CompiledLearner
 from hysgen.checking.endurance.excitations import SECOND, TS_S, Excitation, measured, persistent_excitation
 from hysgen.fitting import FitSettings, fit
+from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
 from hysgen.model.simulate import simulate
-from hysgen.model.terms import Drive
 from hysgen.record import Record
 from hysgen.stage import Stage
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, standard_errors
-from hysgen.model.terms.coupling import Coupling
+from hysgen.model.disturbances.coupling import Coupling
 
 Floats = NDArray[np.float64]
 

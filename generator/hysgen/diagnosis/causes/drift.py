@@ -26,8 +26,8 @@ from hysgen.diagnosis.probe import (
     standard_errors,
     whitened_fit,
 )
+from hysgen.model.disturbances.drift import Drift
 from hysgen.model.model import Model
-from hysgen.model.terms.drift import Drift
 
 Floats = NDArray[np.float64]
 

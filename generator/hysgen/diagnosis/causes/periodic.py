@@ -14,7 +14,7 @@ from scipy.fft import rfft
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, ShapeParameter, standard_errors
-from hysgen.model.terms.periodic import Periodic
+from hysgen.model.disturbances.periodic import Periodic
 
 Floats = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """Input blocks: models of amplifier and delay between the command and the stage.
 
 Each kind is one module `<kind>.py` here, which defines `BLOCK`, a class that satisfies `InputBlock`, and one template
-`inputs/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
+`path/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
 """
 
 from __future__ import annotations

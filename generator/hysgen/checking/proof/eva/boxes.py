@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from hysgen.float32.coefficients import coefficients
-from hysgen.model import terms
+from hysgen.model import disturbances
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.twofloat import LIMIT
@@ -85,7 +85,7 @@ def parts_box(model: Model) -> PartsBox:
         applied = Interval(float(numbers.w_min), float(numbers.w_max))
     regressors: list[tuple[float, ...]] = []
     for term in model.terms:
-        box = terms.box_of(term, model.Ts_s)
+        box = disturbances.box_of(term, model.Ts_s)
         floats |= {f"terms.{term.kind}.{path}": interval for path, interval in box.floats.items()}
         integers |= {f"terms.{term.kind}.{path}": largest for path, largest in box.integers.items()}
         regressors.append(box.regressors)

@@ -13,9 +13,9 @@ from hysgen.checking.proof.eva.states import ANY_WORD, bank_words, between, inst
 from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
+from hysgen.model.disturbances import channels_of
 from hysgen.model.intervals import ANY
 from hysgen.model.model import Model
-from hysgen.model.terms import channels_of
 
 ENTRY: Final = "step.c"
 

@@ -31,8 +31,8 @@ from hysgen.checking.proof.hooked import hooked
 from hysgen.codegen.interface import interface_of
 from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
+from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
-from hysgen.model.terms import channels_of
 
 
 def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[dict[str, str], int]:

@@ -1,7 +1,7 @@
 """Additive terms: disturbances, which do not depend on the input.
 
 Each kind is one module `<kind>.py` here, which defines `TERM`, a class that satisfies `Term`, and one template
-`terms/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
+`disturbances/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.errors import ModelError
-from hysgen.model.terms.base import Drive, Mirror, Term, TermBox, box_of
+from hysgen.model.disturbances.base import Drive, Mirror, Term, TermBox, box_of
 
 __all__ = [
     "Drive",
@@ -43,7 +43,7 @@ def kinds() -> Mapping[str, type[Term]]:
 
 
 def part_facts(part: str) -> Mapping[str, Any]:
-    """Constants of the template `terms/<part>.c.j2`: FACTS of the module `part`, which also contains the mirror."""
+    """Constants of the template `disturbances/<part>.c.j2`: FACTS of the module `part`, which contains the mirror."""
     facts: Mapping[str, Any] = importlib.import_module(f"{__name__}.{part}").FACTS
     return facts
 

@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
+from hysgen.model.disturbances.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
+from hysgen.model.disturbances.sine import cosine_sine
 from hysgen.model.structs import Member, Quantity
-from hysgen.model.terms.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
-from hysgen.model.terms.sine import cosine_sine
 
 BLOCK = 512
 

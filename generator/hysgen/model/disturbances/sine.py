@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from hysgen.model.terms.base import Bits, Floats32
+from hysgen.model.disturbances.base import Bits, Floats32
 
 SINE: Final = tuple(np.float32(s) for s in (1.57079637, -0.64596349, 0.0796802193, -0.00460214913))
 COSINE: Final = tuple(np.float32(c) for c in (-1.23370051, 0.253669411, -0.0208615288, 0.000906739908))

@@ -100,7 +100,7 @@ class Term(ModelPart):
     """
 
     parts: ClassVar[tuple[str, ...]] = ()
-    """Templates of C that the kind shares with others, `terms/<part>.c.j2`."""
+    """Templates of C that the kind shares with others, `disturbances/<part>.c.j2`."""
 
     @property
     def size(self) -> int:
