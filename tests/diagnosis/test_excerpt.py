@@ -17,7 +17,7 @@ from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_f
 from hysgen.machine.kernels import play_operators
 from hysgen.studies.bank.excitation import good
 
-SAMPLES, TS_S = 60_000, 1e-3
+SAMPLES, TS_S = 120_000, 1e-3
 
 COARSE = 3e-3
 """Largest rms error of a column in a coarse run: a limit begins to act between two of its samples."""
@@ -36,13 +36,13 @@ def whole() -> Scene:
 @pytest.mark.parametrize(
     ("parts", "share"),
     [
-        # The plays and Duhem states of a block start exactly.
-        ((), 1e-9),
-        ((SaturationPart(high_V=90.0),), 1e-9),
+        # The plays of a block start exactly; the Duhem states forget what the latest turning points do not hold.
+        ((), 1e-6),
+        ((SaturationPart(high_V=90.0),), 1e-6),
         # Creep of the past is an average over 1500 intervals.
         ((CreepPart(0.02, 0.05),), 6e-4),
-        ((AgingPart(1e-3), DriftPart(), PeriodicPart((50.3,))), 1e-9),
-        ((SlewPart(4000.0),), 1e-9),
+        ((AgingPart(1e-3), DriftPart(), PeriodicPart((50.3,))), 1e-6),
+        ((SlewPart(4000.0),), 1e-6),
     ],
 )
 def test_columns_of_a_block_are_those_of_the_whole_record(whole: Scene, parts: tuple[Part, ...], share: float) -> None:

@@ -246,7 +246,11 @@ class _Execution:
                 condition = self._word(node.cond, scope)
                 if condition.kind == "const":
                     return self._value(node.iftrue if condition.number else node.iffalse, scope)
-                return self._either(condition, self._value(node.iftrue, scope), self._value(node.iffalse, scope))
+                return self._either(
+                    condition,
+                    self._evaluated_if(condition, True, node.iftrue, scope),
+                    self._evaluated_if(condition, False, node.iffalse, scope),
+                )
             case c_ast.ExprList():
                 return [self._value(each, scope) for each in node.exprs][-1]
         raise KernelRefusalError(f"{node.coord}: {type(node).__name__} is not supported")
@@ -327,9 +331,25 @@ class _Execution:
         raise KernelRefusalError(f"{node.coord}: operator {node.op}")
 
     def _binary(self, node: c_ast.BinaryOp, scope: dict[str, Place]) -> Value:
-        a, b = self._word(node.left, scope), self._word(node.right, scope)
+        a = self._word(node.left, scope)
+        if node.op in ("&&", "||"):
+            b = self._evaluated_if(a, node.op == "&&", node.right, scope)
+            assert isinstance(b, Op), f"{node.coord}: a truth is a word"
+            return self._operation(node, node.op, a, b, False)
+        b = self._word(node.right, scope)
         floating = self._floating(node.left, scope) or self._floating(node.right, scope)
         return self._operation(node, node.op, a, b, floating)
+
+    def _evaluated_if(self, condition: Op, holds: bool, node: c_ast.Node, scope: dict[str, Place]) -> Value:
+        """The value of `node`, whose side effects happen only if the condition holds (or, `holds` false, fails)."""
+        before = self.memory.state
+        self.memory.state = before.copy()
+        self.memory.conditional += 1
+        value = self._value(node, scope)
+        self.memory.conditional -= 1
+        after = self.memory.state
+        self.memory.state = self._merged(condition, *((after, before) if holds else (before, after)))
+        return value
 
     def _operation(self, node: c_ast.Node, op: str, a: Op, b: Op, floating: bool) -> Op:
         graph = self.graph
