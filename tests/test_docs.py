@@ -112,7 +112,7 @@ def test_every_path_and_module_that_a_page_names_exists(page: Path) -> None:
 
 
 def test_a_path_or_module_that_is_not_there_would_be_found() -> None:
-    text = "`fit/spread.py`, `hysgen/emit`, `generator/hysgen/fitting`, `codegen/pipeline.py`; df/dy; `c/stage.h`"
+    text = "`fit/spread.py`, `hysgen/emit`, `generator/hysgen/fitting`, `codegen/manifest.py`; df/dy; `c/stage.h`"
     assert unknown_paths(text) == ["fit/spread.py", "hysgen/emit"]
     text = "`hysgen.diagnose.FitSettings`, `hysgen.fitting.FitSettings`, `hysgen.fit`, `hysgen.emit.render`"
     assert unknown_modules(text) == ["hysgen.diagnose.FitSettings", "hysgen.emit.render"]

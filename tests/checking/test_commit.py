@@ -84,13 +84,19 @@ def test_commit_equals_its_reference_in_every_word_after_every_call(model: Model
     ("intact", "planted"),
     [
         ("+ candidate->gain_remainder_um_per_V;", ";"),
-        ("near + rest)", "near)"),
+        ("(change + remainder)", "change"),
         ("gain - away <=", "gain - 0.99f * away <="),
         ("= 1u - self->active;", "= 1u;"),
-        ("learner->reference[3] = candidate->theta[3];", ""),
+        (
+            "learner->reference[j] = candidate->theta[j];",
+            "if (j != 3u) { learner->reference[j] = candidate->theta[j]; }",
+        ),
         ("(candidate->point >= SMOOTH_2", "(candidate->point + 1u >= SMOOTH_2"),
-        ("beyond |= smooth_2_beyond(candidate->theta[5]);", ""),
-        ("candidate->bank.gain[1] = candidate->theta[4]", "candidate->bank.gain[1] = learner->base.gain[1]"),
+        (
+            "beyond |= smooth_2_beyond(learner->theta[j]);",
+            "if (j != 5u) { beyond |= smooth_2_beyond(learner->theta[j]); }",
+        ),
+        ("bank->gain[l] = learner->", "bank->gain[l] = (l == 1u) ? learner->base.gain[l] : learner->"),
     ],
 )
 @pytest.mark.slow

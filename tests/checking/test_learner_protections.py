@@ -197,7 +197,11 @@ PROTECTIONS: list[Protection] = [
         ("(uint32_t)(self->error > SMOOTH_2_LEARN_WORSE * self->reference_error)", "0u"),
     ),
     (a_parameter_beyond_its_limit_starts_again, {}, ("    return beyond;\n", "    return 0u * beyond;\n")),
-    (variances_stay_below_their_ceiling, {}, ("(uint32_t)(v3 > c3)", "0u")),
+    (
+        variances_stay_below_their_ceiling,
+        {},
+        ("learn_ceiling[j], &limited", "learn_ceiling[j] * ((j == 3u) ? 1e6f : 1.0f), &limited"),
+    ),
 ]
 
 
