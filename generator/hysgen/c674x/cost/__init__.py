@@ -116,7 +116,7 @@ class Cost(Displayed):
 
     def _formula_lines(self) -> list[str]:
         lines = [f"  {f.function} = {f} = {value} (+-{100 * f.error:.0f} %)" for f, value in self.formulas]
-        about = "C674x cycles as formulas in rules L, plays m and parameters n:"
+        about = "C674x cycles of the C by gcc as formulas in rules L, plays m and parameters n:"
         return [about, *lines] if lines else []
 
 
