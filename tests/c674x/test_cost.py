@@ -221,7 +221,7 @@ def test_the_largest_path_leaves_the_period_that_it_must() -> None:
 
 @pytest.mark.slow
 def test_formulas_give_the_measured_cycles_within_the_error_that_they_state() -> None:
-    """Of sizes that the formulas were not fitted to: 5 rules with 15 parameters, and 12 plays that share coefficients."""
+    """Of sizes that were not fitted: 5 rules with 15 parameters, 12 plays that share coefficients."""
     need_compiler()
     small = dataclasses.replace(smooth(5), name="smooth", learner=LearnerSettings())
     plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:], learner=None)
