@@ -78,7 +78,7 @@ class _Block:
 
 
 def excerpt(scene: Scene, lag: float) -> Scene:
-    """The scene on parts of its samples; the scene itself if it has at most MOST_SAMPLES. lag: in samples.
+    """The scene on parts of its samples; the scene itself if it has at most LONG. lag: in samples.
 
     The first and the last block are those of the first and last fitted rows; each further one has the fastest classes
     of level and rate that the blocks before it lack, and of several such blocks it is the farthest from them.

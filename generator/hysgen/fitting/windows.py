@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 MOST_SAMPLES = 100_000
-"""Samples of a record above which a fit looks at windows of as many samples in all: the parameters of a model, at most
-some 80, are then known ten times better than its structure deserves."""
+"""Samples of a record above which a fit looks at windows of as many samples in all: with at most some 80 parameters,
+the standard error from the noise is then far below the error of the model's structure."""
 
 WINDOWS = 40
 """Windows at equal distances: 2500 samples each, many time constants of the lag of a stage."""

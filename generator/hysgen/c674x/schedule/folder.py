@@ -121,7 +121,7 @@ def _left_out(name: str, source: str, function: str) -> str:
         raise TargetError(f"{name}.c: the definition of {function} is expected once, found {len(found)} times")
     (match,) = found
     local = match["static"] or match[0].startswith(f"{upper}_INLINE")
-    head = re.sub(rf"{upper}_(STRAIGHT|ALONE) ", "", match["head"])
+    head = re.sub(rf"{upper}_ALONE ", "", match["head"])
     instead = f"#ifdef {upper}_KERNELS\nextern {head};\n#else\n" if local else f"#ifndef {upper}_KERNELS\n"
     return source[: match.start()] + instead + match[0] + "#endif\n" + source[match.end() :]
 
@@ -131,7 +131,7 @@ def _header(name: str, found: Kernels) -> str:
     return "\n".join(
         [
             f"; {assembly_file(name)}: functions of {name}.c scheduled for the C674x, equal in every bit.",
-            "; Interrupts may occur at every packet. No stack, no register that a callee preserves.",
+            "; Interrupts may occur at every packet. Registers that a callee preserves are saved on the stack.",
             "; Stall-free cycles of a call, until the return takes effect:",
             *rows,
             "",

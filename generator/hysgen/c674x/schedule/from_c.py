@@ -10,9 +10,9 @@ an address that depends on data inside an `if`) is refused with KernelRefusalErr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeVar
 
 from pycparser import c_ast
 
@@ -20,6 +20,8 @@ from hysgen.c674x.schedule.c_memory import Place, State, SymbolicMemory, Value, 
 from hysgen.c674x.schedule.c_source import KernelRefusalError, Source, literal
 from hysgen.c674x.schedule.dataflow import Graph, Kernel, Op
 from hysgen.codegen.operations.types import FLOAT, INTEGER, Array, Pointer, Scalar, StructType, Type
+
+Result = TypeVar("Result")
 
 MOST_OPERATIONS: Final = 12_000
 """Operations of a kernel, bounded because a schedule's time and code grow with them."""
@@ -131,21 +133,24 @@ class _Execution:
             returned, value = self._block(sides[condition.number == 0], dict(scope))
             return returned, value, returned
         before = self.memory.state
-        self.memory.conditional += 1
-        ends: list[tuple[State, bool, Value]] = []
         returns = any(_returns(side) for side in sides)
-        for side in sides:
-            self.memory.state = before.copy()
-            returned, value = self._block([*side, *rest] if returns else side, dict(scope))
-            ends.append((self.memory.state, returned, value))
-        self.memory.conditional -= 1
-        self.memory.state = self._merged(condition, ends[0][0], ends[1][0])
+        executed = [[*side, *rest] if returns else side for side in sides]
+        taken, (one, yes) = self._from(before, lambda: self._block(executed[0], dict(scope)))
+        passed, (other, no) = self._from(before, lambda: self._block(executed[1], dict(scope)))
+        self.memory.state = self._merged(condition, taken, passed)
         if not returns:
             return False, None, False
-        (_, one, yes), (_, other, no) = ends
         if one != other:
             raise KernelRefusalError(f"{node.coord}: only one side returns")
         return one, self._either(condition, yes, no), True
+
+    def _from(self, before: State, execute: Callable[[], Result]) -> tuple[State, Result]:
+        """Execute code that runs under a condition, from a copy of the state; the state behind it and the result."""
+        self.memory.state = before.copy()
+        self.memory.conditional += 1
+        result = execute()
+        self.memory.conditional -= 1
+        return self.memory.state, result
 
     def _merged(self, condition: Op, yes: State, no: State) -> State:
         merged = State({}, yes.dirty | no.dirty)
@@ -343,11 +348,7 @@ class _Execution:
     def _evaluated_if(self, condition: Op, holds: bool, node: c_ast.Node, scope: dict[str, Place]) -> Value:
         """The value of `node`, whose side effects happen only if the condition holds (or, `holds` false, fails)."""
         before = self.memory.state
-        self.memory.state = before.copy()
-        self.memory.conditional += 1
-        value = self._value(node, scope)
-        self.memory.conditional -= 1
-        after = self.memory.state
+        after, value = self._from(before, lambda: self._value(node, scope))
         self.memory.state = self._merged(condition, *((after, before) if holds else (before, after)))
         return value
 
