@@ -123,13 +123,17 @@ def slopes_along(block: Hysteresis, turns: Floats) -> Floats:
     half = 0.5 * (block.high_V - block.low_V)
     state = block.start(0.5 * (block.low_V + block.high_V) + half * float(turns[0]))
     z, d = state[: block.plays], state[block.plays : block.plays + block.states]
-    found = []
+    paths, plays, states = [], [], []
     for stroke in strokes(turns):
         path = stroke[:, None]
         z_on, d_on = _moved(block, path, z, d)
-        found += [_slope(block, path, z_on, d_on, sign) for sign in (1.0, -1.0)]
         z, d = z_on[-1], d_on[-1]
-    return np.concatenate(found)
+        paths.append(path)
+        plays.append(z_on)
+        states.append(d_on)
+    x, z_all, d_all = np.concatenate(paths), np.concatenate(plays), np.concatenate(states)
+    rising, falling = (_slope(block, x, z_all, d_all, sign).reshape(-1, POINTS) for sign in (1.0, -1.0))
+    return np.hstack([rising, falling]).ravel()
 
 
 def strokes(turns: Floats) -> list[Floats]:

@@ -40,7 +40,7 @@ from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 
-__all__ = ["Options", "generate", "marked_source", "tables", "write"]
+__all__ = ["Options", "cost_figures", "generate", "marked_source", "tables", "write"]
 
 ERROR_SAMPLES: Final = 20_000
 ERROR_DIGITS: Final = 6
@@ -76,29 +76,21 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
     certificates = certify(model)
     if chosen.inverse:
         _require_inverse(model, certificates)
-    numbers = coefficients(model)
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
-    facts = _algorithm_facts(model, numbers, certificates, inverse=chosen.inverse)
-    sections = _sections(model, numbers, facts["features"])
-    sections.append(error_section(errors, inverse=chosen.inverse, responds=model.responds))
-    facts |= {
-        "prototypes": interface(model, inverse=chosen.inverse).prototypes,
-        "structs": structs(model),
-        "learns": model.learner is not None,
-        "sections": sections,
-        "numbers_digest": numbers_digest(sections),
-        "chains": chains(model, inverse=chosen.inverse),
-        "learning": learning(model, certificates),
-        "hash_start": f"0x{HASH_START:08x}",
-        "hash_factor": f"0x{HASH_FACTOR:08x}",
-    }
+    facts = _facts(model, certificates, errors, inverse=chosen.inverse)
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
-    counted = figures(model.name, _firmware(model.name, facts, {}, {}))
+    counted = figures(model.name, _counted_texts(model.name, facts))
     unknown = sorted(set(chosen.cycles) - set(counted.operations))
     if unknown:
         raise HysgenError(f"{', '.join(unknown)}: not a function of {model.name}: {', '.join(counted.operations)}")
     cycles = cycles_of(counted.operations, chosen.cycles)
     require_budget(model, cycles, chosen.clock_Hz, chosen.budget_cycles)
+    facts |= {
+        "chains": chains(model, inverse=chosen.inverse),
+        "learning": learning(model, certificates),
+        "hash_start": f"0x{HASH_START:08x}",
+        "hash_factor": f"0x{HASH_FACTOR:08x}",
+    }
     costs = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in counted.operations.items()}
     texts = _firmware(model.name, facts, costs, counted.struct_bytes)
     texts[model_file(model)] = dump_model(model)
@@ -113,6 +105,22 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
         "cost": _cost(model, counted, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}
+
+
+def cost_figures(model: Model, options: Options | None = None) -> Figures:
+    """Operations and bytes of the C that `generate` returns for these options, without its errors and self-test.
+
+    Raises CertificateError and BudgetError as `generate` does.
+    """
+    chosen = options or Options()
+    certificates = certify(model)
+    if chosen.inverse:
+        _require_inverse(model, certificates)
+    # The errors stand in comments and in macros of the parameter file; neither is an operation or a byte.
+    facts = _facts(model, certificates, Accuracy(0, 0.0, 0.0, 0.0, 0.0), inverse=chosen.inverse)
+    counted = figures(model.name, _counted_texts(model.name, facts))
+    require_budget(model, cycles_of(counted.operations, chosen.cycles), chosen.clock_Hz, chosen.budget_cycles)
+    return counted
 
 
 def tables(model: Model) -> list[Table]:
@@ -173,6 +181,28 @@ def _algorithm_facts(
     for feature in features:
         facts |= feature.facts
     return facts
+
+
+def _facts(model: Model, certificates: Certificates, errors: Accuracy, *, inverse: bool) -> dict[str, Any]:
+    """The variables of all templates except the cost of the functions."""
+    numbers = coefficients(model)
+    facts = _algorithm_facts(model, numbers, certificates, inverse=inverse)
+    sections = _sections(model, numbers, facts["features"])
+    sections.append(error_section(errors, inverse=inverse, responds=model.responds))
+    return facts | {
+        "prototypes": interface(model, inverse=inverse).prototypes,
+        "structs": structs(model),
+        "learns": model.learner is not None,
+        "sections": sections,
+        "numbers_digest": numbers_digest(sections),
+    }
+
+
+def _counted_texts(name: str, facts: Mapping[str, Any]) -> dict[str, str]:
+    """The C files whose operations and bytes are counted, without costs in their comments."""
+    complete = {**facts, "figures": defaultdict(str), "bytes": defaultdict(int), "algorithm": ""}
+    files = {f"{name}.h": "header.h.j2", f"{name}_params.h": "params.h.j2", f"{name}.c": "source.c.j2"}
+    return {file: render(template, complete) for file, template in files.items()}
 
 
 def _require_inverse(model: Model, certificates: Certificates) -> None:

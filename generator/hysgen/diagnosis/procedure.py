@@ -343,7 +343,8 @@ def _scored(naming: Naming, ladder: Pruned, settings: DiagnoseSettings) -> Diagn
         add_online_parts(rung.model, [naming.extensions[name] for name in rung.causes], span_s, noise.rms_um)
         for rung in rungs
     ]
-    prices = [settings.price(model) if settings.price is not None else None for model in running]
+    price = settings.price
+    prices = in_threads(price, running) if price is not None else [None] * len(running)
     named = []
     for name in agreed:
         # A cause without extension adds no rung.

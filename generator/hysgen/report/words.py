@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 
 from hysgen.certify.certificates import certify
-from hysgen.codegen import Options, generate
-from hysgen.codegen.operations import figures
+from hysgen.codegen import Options, cost_figures
 from hysgen.codegen.operations.cycles import cycles_of, per_sample
 from hysgen.diagnosis.answer import Price
 from hysgen.diagnosis.causes import Estimate
@@ -81,10 +80,9 @@ def price_of(model: Model) -> Price | None:
     generated: a sample exceeds its period, or no commit could be accepted.
     """
     try:
-        texts = generate(model, Options(inverse=certify(model).inverse_holds))
+        counted = cost_figures(model, Options(inverse=certify(model).inverse_holds))
     except (BudgetError, CertificateError):
         return None
-    counted = figures(model.name, texts)
     cycles = per_sample(cycles_of(counted.operations))
     held = sum(counted.struct_bytes.get(f"{model.name}_{struct}", 0) for struct in ("t", "learner_t"))
     return Price(cycles.value, held + counted.constant_bytes)

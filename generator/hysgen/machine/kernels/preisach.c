@@ -3,60 +3,92 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Loops over the samples of one block have no recurrence: gcc selects wider vectors where the processor has them. */
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__)
+#define WIDEST __attribute__((target_clones("avx2", "default")))
+#else
+#define WIDEST
+#endif
+
+enum { MOST = 64, BLOCK = 64 };
+
 /* out[m][k] for k < samples: T_1(v) .. T_curve(v), then for each power p = 1 .. degree and each hat b
  *
  *     sum_i hat[i][b] T_p(z_i(k)),    z_i(k) = max(v - r_i, min(v + r_i, z_i(k-1)))
+ *
+ * Block by block of samples: only the plays z_i are a recurrence in k. Each sum adds the plays in the order of i.
  */
-void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state, size_t hats,
-                     const double *hat, size_t curve, size_t degree, double *out)
+WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state,
+                            size_t hats, const double *hat, size_t curve, size_t degree, double *out)
 {
+    double sum[MOST][BLOCK], z[BLOCK], before[BLOCK], now[BLOCK];
     /* A hat is zero outside the few neighbouring plays first .. last - 1. */
-    size_t first[64], last[64];
-    double weight[64][64];
+    size_t first[MOST], last[MOST];
     for (size_t b = 0; b < hats; b++) {
         first[b] = plays;
         last[b] = 0;
         for (size_t i = 0; i < plays; i++) {
-            weight[b][i] = hat[i * hats + b];
-            if (weight[b][i] != 0.0) {
+            if (hat[i * hats + b] != 0.0) {
                 first[b] = i < first[b] ? i : first[b];
                 last[b] = i + 1;
             }
         }
     }
-    for (size_t k = 0; k < samples; k++) {
-        double *column = out + k, chebyshev[64][64], before = 1.0, now = v[k];
-        for (size_t m = 0; m < curve; m++) {
-            *column = now;
-            column += samples;
-            const double next = 2.0 * v[k] * now - before;
-            before = now;
-            now = next;
+    for (size_t start = 0; start < samples; start += BLOCK) {
+        const size_t n = samples - start < BLOCK ? samples - start : BLOCK;
+        const double *u = v + start;
+        double *column = out + start;
+        for (size_t k = 0; k < n; k++) {
+            before[k] = 1.0;
+            now[k] = u[k];
         }
-        for (size_t i = 0; i < plays; i++) {
-            const double low = v[k] - radius[i], high = v[k] + radius[i];
-            double z = state[i];
-            z = z > high ? high : z;
-            z = z < low ? low : z;
-            state[i] = z;
-        }
-        for (size_t i = 0; i < plays; i++) {
-            double t0 = 1.0, t1 = state[i];
-            for (size_t p = 0; p < degree; p++) {
-                chebyshev[p][i] = t1;
-                const double t2 = 2.0 * state[i] * t1 - t0;
-                t0 = t1;
-                t1 = t2;
+        for (size_t m = 0; m < curve; m++, column += samples) {
+            for (size_t k = 0; k < n; k++) {
+                column[k] = now[k];
+                const double next = 2.0 * u[k] * now[k] - before[k];
+                before[k] = now[k];
+                now[k] = next;
             }
         }
-        for (size_t p = 0; p < degree; p++) {
-            for (size_t b = 0; b < hats; b++) {
-                double sum = 0.0;
-                for (size_t i = first[b]; i < last[b]; i++) {
-                    sum += weight[b][i] * chebyshev[p][i];
+        for (size_t m = 0; m < degree * hats; m++) {
+            for (size_t k = 0; k < BLOCK; k++) {
+                sum[m][k] = 0.0;
+            }
+        }
+        for (size_t i = 0; i < plays; i++) {
+            double last_z = state[i];
+            for (size_t k = 0; k < n; k++) {
+                const double low = u[k] - radius[i], high = u[k] + radius[i];
+                last_z = last_z > high ? high : last_z;
+                last_z = last_z < low ? low : last_z;
+                z[k] = last_z;
+            }
+            state[i] = last_z;
+            for (size_t k = 0; k < n; k++) {
+                before[k] = 1.0;
+                now[k] = z[k];
+            }
+            for (size_t p = 0; p < degree; p++) {
+                for (size_t b = 0; b < hats; b++) {
+                    const double weight = hat[i * hats + b];
+                    double *total = sum[p * hats + b];
+                    if (i < first[b] || i >= last[b]) {
+                        continue;
+                    }
+                    for (size_t k = 0; k < n; k++) {
+                        total[k] += weight * now[k];
+                    }
                 }
-                *column = sum;
-                column += samples;
+                for (size_t k = 0; k < n; k++) {
+                    const double next = 2.0 * z[k] * now[k] - before[k];
+                    before[k] = now[k];
+                    now[k] = next;
+                }
+            }
+        }
+        for (size_t m = 0; m < degree * hats; m++, column += samples) {
+            for (size_t k = 0; k < n; k++) {
+                column[k] = sum[m][k];
             }
         }
     }
