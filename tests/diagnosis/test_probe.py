@@ -23,7 +23,7 @@ from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.probe import Chain, Mode, Operator, Scene, Trace, refine, standard_errors
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
-from hysgen.machine.kernels import Branch, LinearPart, linear_response, rate_limited
+from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows, rate_limited
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3
@@ -74,6 +74,34 @@ def test_the_response_of_many_columns_equals_that_of_each_column(columns: int, l
     linear_response(h, LinearPart(0.1, keep, [lag, mode], late), out, first=6)
     np.testing.assert_allclose(out[:, 6:206], expected, rtol=1e-12, atol=1e-12)
     assert np.isnan(out[:, [*range(6), *range(206, 210)]]).all()
+
+
+@pytest.mark.parametrize("late", [0, 3, -2])
+def test_some_rows_of_a_response_are_those_of_the_whole_response_bit_for_bit(late: int) -> None:
+    rng = np.random.default_rng(2)
+    h = np.cumsum(rng.normal(size=(7, 200)), axis=1)
+    linear = LinearPart(
+        0.1, np.array([0.9, 0.99]), [Branch(0.7, np.array([0.0, 0.3, 0.1]), np.array([1.0, -0.7, 0.1]))], late
+    )
+    whole = np.empty(h.shape)
+    linear_response(h, linear, whole)
+    for rows in ([0, 1, 2, 77, 199], [5], list(range(200)), []):
+        chosen = np.array(rows, dtype=np.int64)
+        assert linear_response_rows(h, linear, chosen).tobytes() == whole[:, chosen].tobytes()
+    with pytest.raises(ValueError, match="rise"):
+        linear_response_rows(h, linear, np.array([3, 3]))
+    with pytest.raises(ValueError, match="rise"):
+        linear_response_rows(h, linear, np.array([200]))
+
+
+@pytest.mark.parametrize("aging", [0.0, 0.3])
+def test_training_columns_are_rows_of_all_columns_bit_for_bit(aging: float) -> None:
+    rng = np.random.default_rng(3)
+    runs = tuple(Trace(u, u, {}) for u in (staircase(rng, 300), staircase(rng, 200)))
+    rows = np.flatnonzero(rng.random(500) < 0.3)
+    parts = (CreepPart(0.02, 0.01), DelayPart(1.4), *((AgingPart(aging),) if aging else ()))
+    scene, chain = Scene(runs, TS_S, rows, Operator(0.0, 10.0)), Chain(0.004, parts)
+    assert scene.training_columns(chain).tobytes() == scene.columns(chain)[:, rows].tobytes()
 
 
 def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes
-from hysgen.diagnosis.probe import Chain, Fit, Scene, linear_fit, refine, rms
+from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, refine, rms, training_fit
 from hysgen.machine.threads import in_threads
 from hysgen.record.series import residual_noise
 
@@ -38,9 +38,9 @@ STABLE_BELOW = 0.25
 """A block is not omitted if the chain with more parts has less than this share of the other chain's error on it."""
 
 
-def fitted(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
-    """Linear least-squares fits of the chains, sorted by rms error."""
-    return sorted(in_threads(lambda chain: linear_fit(part, chain), chains), key=lambda candidate: candidate.rms_um)
+def fitted(part: Scene, chains: Sequence[Chain]) -> list[TrainingFit]:
+    """Linear least-squares fits of the chains to the training rows, sorted by rms error."""
+    return sorted(in_threads(lambda chain: training_fit(part, chain), chains), key=lambda candidate: candidate.rms_um)
 
 
 def refined(part: Scene, chains: Sequence[Chain], rounds: int = 8) -> list[Fit]:

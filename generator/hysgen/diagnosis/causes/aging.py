@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Correction, Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors, whitened_fit
+from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, TrainingFit, standard_errors, whitened_fit
 from hysgen.diagnosis.probe.part import STEP
 
 Floats = NDArray[np.float64]
@@ -77,7 +77,7 @@ class AgingCause(Cause):
         rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in STARTING_CHANGES))
         return [chain.having(AgingPart(rate)) for rate in rates]
 
-    def select_starts(self, candidates: list[Fit]) -> list[Fit]:
+    def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start of each sign, because a refinement may not change the sign (STARTING_CHANGES)."""
         return list({candidate.chain.gain_per_s > 0.0: candidate for candidate in reversed(candidates)}.values())
 

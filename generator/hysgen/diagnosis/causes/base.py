@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene
+from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit
 
 Floats = NDArray[np.float64]
 
@@ -181,7 +181,7 @@ class Cause(abc.ABC):
         """Candidate chains with this cause, or one more part of it, at starting values; empty if none is possible."""
         return []
 
-    def select_starts(self, candidates: list[Fit]) -> list[Fit]:
+    def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The linear fits that are refined. candidates: linear fits of the proposals, sorted by rms error."""
         return candidates[: self.starts]
 

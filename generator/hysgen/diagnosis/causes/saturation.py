@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.causes.slew import FEWEST_LIMITED
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors
 from hysgen.model.path.saturation import Saturation
 
 Floats = NDArray[np.float64]
@@ -86,7 +86,7 @@ class SaturationCause(Cause):
                 candidates.append(chain.having(SaturationPart(middle - low * half, middle + high * half)))
         return candidates
 
-    def select_starts(self, candidates: list[Fit]) -> list[Fit]:
+    def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best starts, and the next levels further in, because a refinement moves a level outward more easily."""
         if not candidates:
             return []

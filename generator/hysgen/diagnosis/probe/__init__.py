@@ -7,7 +7,7 @@ followed by a linear chain. If the residual is only noise, every needed part of 
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.part import Extent, Mode, Part, RunSignals, ShapeParameter, SlowStates
 from hysgen.diagnosis.probe.scene import NO_HISTORY, History, Scene, Trace
-from hysgen.diagnosis.probe.solve import Fit, Projector, linear_fit, refine, rms
+from hysgen.diagnosis.probe.solve import Fit, Projector, TrainingFit, linear_fit, refine, rms, training_fit
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
 from hysgen.diagnosis.probe.whitened import WhitenedScene, schwarz, whitened_fit
 from hysgen.fitting.operator import Operator
@@ -28,11 +28,13 @@ __all__ = [
     "SlowStates",
     "StandardErrors",
     "Trace",
+    "TrainingFit",
     "WhitenedScene",
     "linear_fit",
     "refine",
     "rms",
     "schwarz",
     "standard_errors",
+    "training_fit",
     "whitened_fit",
 ]

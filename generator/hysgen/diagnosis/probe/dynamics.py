@@ -12,7 +12,7 @@ from scipy.linalg import expm
 
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.part import Mode
-from hysgen.machine.kernels import Branch, LinearPart, linear_response
+from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows
 
 Floats = NDArray[np.float64]
 
@@ -32,9 +32,19 @@ def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float, 
 
     whole_run: samples of the segment of h, on which the slowest of the slow states depends; 0 for n.
     """
-    slow = chain.slow_states(whole_run or float(h.shape[-1]), Ts_s)
+    linear_response(h, _linear_part(chain, Ts_s, whole_run or float(h.shape[-1])), out, first)
+
+
+def respond_on_rows(h: Floats, chain: Chain, Ts_s: float, rows: NDArray[np.intp]) -> Floats:
+    """(m, r) the samples `rows`, (r,) rising, of `respond` of h, (m, n); in Fortran order."""
+    return linear_response_rows(h, _linear_part(chain, Ts_s, float(h.shape[-1])), rows)
+
+
+def _linear_part(chain: Chain, Ts_s: float, samples: float) -> LinearPart:
+    """Slow states, modes, lag and delay of the chain. samples: length of the segment."""
+    slow = chain.slow_states(samples, Ts_s)
     branches, whole = _branches(chain.lag_s, chain.delay, chain.modes, Ts_s)
-    linear_response(h, LinearPart(slow.share, slow.keep, branches, whole), out, first)
+    return LinearPart(slow.share, slow.keep, branches, whole)
 
 
 def lagged(signal: Floats, lag_s: float, delay: float, Ts_s: float) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.chain import Chain, Thinned
-from hysgen.diagnosis.probe.dynamics import lagged, respond_into
+from hysgen.diagnosis.probe.dynamics import lagged, respond_into, respond_on_rows
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
@@ -19,6 +19,9 @@ from hysgen.machine.kernels import lag_states
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Samples = NDArray[np.int64]
+
+HYSTERESES, ADDED = 6, 16
+"""Entries of the caches of a scene: four threads that refine one chain each, with the chain and a changed parameter."""
 
 CURVE_ALONE = 7
 """Degree of the curve of a chain without plays."""
@@ -103,7 +106,7 @@ class Scene:
     thinned_from: the rows before thinning, None if the rows are not thinned (`dense`).
     known_ranges: lowest and highest value of auxiliary channels over all rows that will be simulated; for a channel
     without an entry, the range in the runs is used.
-    The columns of the last 3 settings of the amplifier and of the last 6 sets of added columns are cached.
+    The columns of the last HYSTERESES settings of the amplifier and of the last ADDED sets of added columns are cached.
     """
 
     runs: tuple[Trace, ...]
@@ -113,8 +116,8 @@ class Scene:
     known_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     thinned_from: Rows | None = None
-    _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(3), repr=False)
-    _added: LruCache[Floats] = field(default_factory=lambda: LruCache(6), repr=False)
+    _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(HYSTERESES), repr=False)
+    _added: LruCache[Floats] = field(default_factory=lambda: LruCache(ADDED), repr=False)
 
     @property
     def samples(self) -> int:
@@ -158,8 +161,8 @@ class Scene:
 
     def bare(self) -> Scene:
         """The scene with empty caches."""
-        empty: LruCache[list[Floats]] = LruCache(3)
-        return dataclasses.replace(self, _hysteresis=empty, _added=LruCache(6))
+        empty: LruCache[list[Floats]] = LruCache(HYSTERESES)
+        return dataclasses.replace(self, _hysteresis=empty, _added=LruCache(ADDED))
 
     @property
     def dense(self) -> Rows:
@@ -208,7 +211,26 @@ class Scene:
         first = 0
         for run, h in zip(self.runs, self.hysteresis(chain), strict=True):
             self._respond_into(out[:size], first, run, h, chain)
-            self._age(out[:size, first : first + len(run.u_V)], run, chain)
+            self._age(out[:size, first : first + len(run.u_V)], run.time_s(self.Ts_s), chain)
+            first += len(run.u_V)
+        return out
+
+    def training_columns(self, chain: Chain) -> Floats:
+        """(p, r) the training rows of `columns`, computed without the other rows where no run has a history.
+
+        In Fortran order, as an array indexed by rows is: sums over the rows depend on the order in their last bits.
+        """
+        if any(run.stride != 1 or len(run.history) or run.segment not in (0, len(run.u_V)) for run in self.runs):
+            return self.columns(chain)[:, self.rows]
+        size, below = self.hysteresis_size(chain), self.added_columns(chain)
+        out = np.empty((len(self.rows), size + len(below))).T
+        out[size:] = below[:, self.rows]
+        first = 0
+        for run, h in zip(self.runs, self.hysteresis(chain), strict=True):
+            low, high = np.searchsorted(self.rows, (first, first + len(run.u_V)))
+            inside = self.rows[low:high] - first
+            out[:size, low:high] = respond_on_rows(h, chain, self.Ts_s, inside)
+            self._age(out[:size, low:high], run.time_s(self.Ts_s)[inside], chain)
             first += len(run.u_V)
         return out
 
@@ -254,7 +276,7 @@ class Scene:
         size = self.hysteresis_size(chain)
         parts = self.responses(paths, chain)
         for run, part in zip(self.runs, parts, strict=True):
-            self._age(part, run, chain, weights[:size])
+            self._age(part, run.time_s(self.Ts_s), chain, weights[:size])
         return np.concatenate(parts) + weights[size:] @ self.added_columns(chain)
 
     def zero_um(self, chain: Chain, weights: Floats) -> float:
@@ -262,13 +284,13 @@ class Scene:
         size = self.hysteresis_size(chain)
         return float(weights[:size] @ self._operator(chain).at(0.0) + weights[size])
 
-    def _age(self, seen: Floats, run: Trace, chain: Chain, weights: Floats | None = None) -> None:
-        """Applies the gain 1 + gain_per_s t about the displacement at 0 V to `seen`, in place; t: `Trace.time_s`."""
+    def _age(self, seen: Floats, t_s: Floats, chain: Chain, weights: Floats | None = None) -> None:
+        """Applies the gain 1 + gain_per_s t about the displacement at 0 V to `seen`, (m, n), in place; t_s: (n,)."""
         if chain.gain_per_s == 0.0:
             return
         rest = self._operator(chain).at(0.0)
         zero = rest[:, None] if weights is None else weights @ rest
-        seen += chain.gain_per_s * run.time_s(self.Ts_s) * (seen - zero)
+        seen += chain.gain_per_s * t_s * (seen - zero)
 
     def column_of(self, chain: Chain, kind: type[Part]) -> int:
         """Place of a part's first added column among all columns, and of its weight among the weights of a fit."""

@@ -63,18 +63,30 @@ class Projector:
         return np.asarray(signal - cho_solve(self.factor, self.columns @ signal.T).T @ self.columns)
 
 
+@dataclass(frozen=True, eq=False)
+class TrainingFit:
+    """A chain with its linear weights and the rms error on the training rows; `projector`: off its columns there."""
+
+    chain: Chain
+    weights: Floats
+    rms_um: float
+    projector: Projector
+
+
 def linear_fit(scene: Scene, chain: Chain) -> Fit:
     """Least squares over the linear weights with the shape parameters of the chain."""
-    return _solved(scene, chain)[0]
-
-
-def _solved(scene: Scene, chain: Chain) -> tuple[Fit, Projector]:
-    """`linear_fit`, and the projector off its columns."""
     columns, y_um = scene.columns(chain), scene.y_um
-    projector = Projector.of(columns[:, scene.rows])
-    weights = projector.weights(y_um[scene.rows])
+    weights = Projector.of(columns[:, scene.rows]).weights(y_um[scene.rows])
     error = y_um - weights @ columns
-    return Fit(chain, weights, error, rms(error[scene.rows])), projector
+    return Fit(chain, weights, error, rms(error[scene.rows]))
+
+
+def training_fit(scene: Scene, chain: Chain) -> TrainingFit:
+    """`linear_fit` without the error outside the training rows."""
+    columns, y_um = scene.training_columns(chain), scene.y_um[scene.rows]
+    projector = Projector.of(columns)
+    weights = projector.weights(y_um)
+    return TrainingFit(chain, weights, rms(y_um - weights @ np.ascontiguousarray(columns)), projector)
 
 
 def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
@@ -82,29 +94,29 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
 
     Stops after `rounds` rounds, or if a round lowers the rms by less than the share 1e-4.
     """
-    best, projector = _solved(scene, chain)
+    best = training_fit(scene, chain)
     y_um = scene.y_um[scene.rows]
     damping = 1e-3
     for _ in range(rounds):
-        jacobian = sensitivities(scene, best, projector)
-        error = projector.orthogonal_part(y_um)
+        jacobian = sensitivities(scene, best, best.projector)
+        error = best.projector.orthogonal_part(y_um)
         norm = np.sqrt((jacobian**2).sum(axis=1)) + 1e-300
         scaled = jacobian / norm[:, None]
         gram, slope = scaled @ scaled.T, scaled @ error
         before = best.rms_um
         for _ in range(5):
             step = np.linalg.solve(gram + damping * np.eye(len(norm)), slope) / norm
-            trial, trial_projector = _solved(scene, best.chain.bounded(best.chain.coordinates() + step, scene.extent))
+            trial = training_fit(scene, best.chain.bounded(best.chain.coordinates() + step, scene.extent))
             if trial.rms_um < best.rms_um:
-                best, projector, damping = trial, trial_projector, damping * 0.2
+                best, damping = trial, damping * 0.2
                 break
             damping *= 10.0
         if best.rms_um > before * (1.0 - 1e-4):
             break
-    return best
+    return linear_fit(scene, best.chain)
 
 
-def sensitivities(scene: Scene, fit: Fit, projector: Projector) -> Floats:
+def sensitivities(scene: Scene, fit: Fit | TrainingFit, projector: Projector) -> Floats:
     """(c, rows) d(prediction)/d(coordinates) on the training rows, projected off the columns.
 
     projector: off the columns of the fit's chain. The derivatives are forward differences; the chain is smooth except

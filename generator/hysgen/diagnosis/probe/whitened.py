@@ -63,6 +63,9 @@ class WhitenedScene(Scene):
     def columns(self, chain: Chain) -> Floats:
         return self.whitening.of(super().columns(chain))
 
+    def training_columns(self, chain: Chain) -> Floats:
+        return self.columns(chain)[:, self.rows]
+
     def seen(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
         return self.whitening.of(super().seen(paths, chain, weights))
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.machine.kernels.compiled import doubles, kernel
+from hysgen.machine.native import Library
 
 Floats = NDArray[np.float64]
 
@@ -31,6 +33,10 @@ _RESPONSE = """
 void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double creep, const double *decay,
                     const double *intake, size_t branches, const double *share, const size_t *order,
                     const double *numerator, const double *denominator, long delay, size_t row, double *out);
+void hysgen_respond_rows(size_t columns, size_t samples, const double *h, size_t states, double creep,
+                         const double *decay, const double *intake, size_t branches, const double *share,
+                         const size_t *order, const double *numerator, const double *denominator, long delay,
+                         size_t count, const long long *rows, size_t row, size_t sample, double *out);
 """
 MOST_STATES, MOST_BRANCHES, MOST_ORDER = 64, 8, 4
 
@@ -246,19 +252,40 @@ def linear_response(h: Floats, linear: LinearPart, out: Floats, first: int = 0) 
 
     Before the record the input rested at h(0). Raises ValueError if `out` has the wrong shape.
     """
-    branches = linear.branches
-    orders = np.array([len(branch.numerator) - 1 for branch in branches], dtype=np.uintp)
     columns, samples = h.shape
     if out.ndim != 2 or len(out) != columns or not 0 <= first <= out.shape[1] - samples:
         raise ValueError("the result needs a row for each row of h, and room for its samples")
+    library = kernel("response.c", _RESPONSE)
+    with_h = _response_arguments(library, h, linear)
+    library.lib.hysgen_respond(*with_h, out.shape[1], doubles(library, out) + first)
+
+
+def linear_response_rows(h: Floats, linear: LinearPart, rows: NDArray[np.int64]) -> Floats:
+    """(m, r) the samples `rows`, (r,) rising, of the response of `linear` to each row of h, (m, n): `linear_response`.
+
+    The result is in Fortran order, as h[:, rows] is. Raises ValueError for rows outside h.
+    """
+    columns, samples = h.shape
+    if len(rows) and not (rows[0] >= 0 and rows[-1] < samples and bool((np.diff(rows) > 0).all())):
+        raise ValueError("the rows must rise within the samples of h")
+    out = np.empty((len(rows), columns))
+    library = kernel("response.c", _RESPONSE)
+    with_h = _response_arguments(library, h, linear)
+    chosen = library.ffi.from_buffer("long long *", np.ascontiguousarray(rows, dtype=np.longlong))
+    library.lib.hysgen_respond_rows(*with_h, len(rows), chosen, 1, columns, doubles(library, out))
+    return out.T
+
+
+def _response_arguments(library: Library, h: Floats, linear: LinearPart) -> tuple[Any, ...]:
+    """The C arguments that describe h and `linear`."""
+    branches = linear.branches
+    orders = np.array([len(branch.numerator) - 1 for branch in branches], dtype=np.uintp)
     coefficients = np.zeros((2, len(branches), MOST_ORDER + 1))
     for j, branch in enumerate(branches):
         coefficients[0, j, : orders[j] + 1] = branch.numerator
         coefficients[1, j, : orders[j] + 1] = branch.denominator
-    library = kernel("response.c", _RESPONSE)
-    library.lib.hysgen_respond(
-        columns,
-        samples,
+    return (
+        *h.shape,
         doubles(library, np.ascontiguousarray(h)),
         len(linear.decay),
         linear.creep,
@@ -270,6 +297,4 @@ def linear_response(h: Floats, linear: LinearPart, out: Floats, first: int = 0) 
         doubles(library, coefficients[0]),
         doubles(library, coefficients[1]),
         linear.delay,
-        out.shape[1],
-        doubles(library, out) + first,
     )
