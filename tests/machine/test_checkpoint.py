@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from hysgen.diagnosis import DiagnoseSettings, procedure
+from hysgen.diagnosis import DiagnoseSettings, Diagnosis, procedure
+from hysgen.diagnosis.probe import solve
 from hysgen.machine import native
-from hysgen.machine.checkpoint import forget, resumed
+from hysgen.machine.checkpoint import forget, resumed, steps
 from hysgen.record import Record
 from hysgen.stage import Stage, run
 from hysgen.stage.signals import nested_amplitudes
@@ -39,23 +41,52 @@ def test_a_step_is_computed_once_for_its_inputs_and_code(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-def test_an_interrupted_diagnosis_goes_on_after_its_search(monkeypatch: pytest.MonkeyPatch, cache: Path) -> None:
+def test_an_interrupted_diagnosis_goes_on_with_the_fits_that_it_had(
+    monkeypatch: pytest.MonkeyPatch, cache: Path
+) -> None:
     u_V = nested_amplitudes(1e-3, (5.0,), 40.0, 25.0, 3)
-    record = Record.from_arrays(u_V, run(Stage.nominal(), u_V, 1e-3, seed=7).displacement_um, 1e-3)
-    searches: list[int] = []
-    found = procedure.search
-    monkeypatch.setattr(procedure, "search", lambda *given: (searches.append(1), found(*given))[1])
+    stage = Stage.nominal().with_effects(periodic=(50.3, 0.05, 0.0))
+    record = Record.from_arrays(u_V, run(stage, u_V, 1e-3, seed=7).displacement_um, 1e-3)
+    computed: list[int] = []
+    refined = solve._refined
+    monkeypatch.setattr(solve, "_refined", lambda *given: (computed.append(1), refined(*given))[1])
 
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
+    def fits(interrupted_at: float = 2.0) -> tuple[int, Diagnosis | None]:
+        """Number of computed fits, and the diagnosis, None if it was interrupted when this fraction was done."""
 
-    forms = procedure.with_best_forms
-    monkeypatch.setattr(procedure, "with_best_forms", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        procedure.diagnose(record, settings=DiagnoseSettings(resume=True))
-    assert len(list(cache.glob("step-*"))) == 1
-    monkeypatch.setattr(procedure, "with_best_forms", forms)
-    resumed_one = procedure.diagnose(record, settings=DiagnoseSettings(resume=True))
-    assert len(searches) == 1
-    assert not list(cache.glob("step-*"))
+        def progress(fraction: float, line: str) -> None:
+            if fraction > interrupted_at:
+                raise KeyboardInterrupt
+
+        computed.clear()
+        try:
+            answer = procedure.diagnose(record, settings=DiagnoseSettings(resume=True), progress=progress)
+        except KeyboardInterrupt:
+            answer = None
+        return len(computed), answer
+
+    in_search, _ = fits(0.04)
+    assert len(list(cache.glob("steps-*/*"))) == in_search > 0
+    rest_of_search, _ = fits(0.69)
+    resumed_count, resumed_one = fits()
+    assert resumed_count == 0  # the whole search is kept
+    assert not list(cache.glob("step*"))
+    computed.clear()
+    assert resumed_one is not None
     assert resumed_one.to_json() == procedure.diagnose(record).to_json()
+    assert 0 < rest_of_search <= len(computed) - in_search  # no fit was computed again
+
+
+def test_steps_are_kept_by_the_content_of_their_inputs(tmp_path: Path) -> None:
+    kept, made = steps(("x",), tmp_path), []
+
+    def compute() -> int:
+        made.append(1)
+        return len(made)
+
+    a, b = {"a": np.arange(3.0), "b": (1, "x")}, {"b": (1, "x"), "a": np.arange(3.0)}
+    assert [kept.get(a, compute), kept.get(b, compute)] == [1, 1]
+    assert kept.get({**a, "a": np.arange(3.0) + 1e-15}, compute) == 2
+    assert steps(("y",), tmp_path).get(a, compute) == 3
+    forget(("x",), tmp_path)
+    assert kept.get(a, compute) == 4

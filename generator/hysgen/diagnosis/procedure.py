@@ -24,7 +24,7 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.pruning import Pruned, prune
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search, without
 from hysgen.fitting import FitSettings
-from hysgen.machine.checkpoint import forget, resumed
+from hysgen.machine.checkpoint import forget, resumed, steps
 from hysgen.machine.threads import in_threads, one_blas_thread
 from hysgen.model.model import Model
 from hysgen.record import Record
@@ -53,7 +53,7 @@ class DiagnoseSettings:
 
     fit: settings of the Takagi-Sugeno fits; their terms and blocks are replaced by those of the extensions.
     identify: share of a single record that is used for identification.
-    resume: keep the result of the search, which takes most of the time, until the diagnosis is done, so that an
+    resume: keep the fits of the search, which takes most of the time, until the diagnosis is done, so that an
     interrupted one goes on there.
     keep_all: keep extensions that do not lower the error on the held-out rows for certain (`pruning`).
     price: function for the cycles and bytes of a model, None if unknown (`hysgen.report.words.price_of`).
@@ -165,7 +165,10 @@ def name_causes(
         report(fraction, line)
 
     def searched() -> SearchResult:
-        return search(prepared.excerpt(), found_so_far)
+        scene = prepared.excerpt()
+        return search(
+            dataclasses.replace(scene, kept=steps(_inputs(prepared), SOURCES)) if chosen.resume else scene, found_so_far
+        )
 
     found = resumed(_inputs(prepared), SOURCES, searched) if chosen.resume else searched()
     report(SEARCHED, "weighing the evidence")

@@ -1,16 +1,22 @@
-"""A long computation that goes on where it was interrupted: the result of a step, kept until the whole is done.
+"""A long computation that goes on where it was interrupted: results of its steps, kept until the whole is done.
 
-The file stands in the cache folder, which holds libraries of this user too. Its name is the digest of the inputs and of
-the package's sources, so another record, other settings or other code never find it.
+The files stand in the cache folder, which holds libraries of this user too. Their names are digests of the inputs and
+of the package's sources, so another record, other settings or other code never find them.
 """
 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import hashlib
 import pickle
-from collections.abc import Callable, Sequence
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
+
+import numpy as np
 
 from hysgen.errors import HysgenError
 from hysgen.machine.files import digest, write_whole
@@ -24,7 +30,49 @@ def resumed(inputs: Sequence[str], sources: Path, compute: Callable[[], Result])
 
     sources: folder of the Python files that the result depends on. A result that cannot be kept is returned too.
     """
-    path = _path(inputs, sources)
+    return _kept(_path("step", inputs, sources).with_suffix(".pickle"), compute)
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Results of many steps of one computation, each in its own file of `folder` under the digest of its inputs."""
+
+    folder: Path
+
+    def get(self, inputs: Any, compute: Callable[[], Result]) -> Result:
+        """The kept result of `compute` for these inputs, or else compute(), which is then kept."""
+        return _kept(self.folder / f"{content_digest(inputs)}.pickle", compute)
+
+
+def steps(inputs: Sequence[str], sources: Path) -> Steps:
+    """The kept steps of a computation with these inputs; arguments as of `resumed`."""
+    return Steps(_path("steps", inputs, sources))
+
+
+def content_digest(value: Any) -> str:
+    """Digest of a value from arrays, mappings, sequences, dataclasses (their fields with a repr) and plain values."""
+    found = hashlib.sha256()
+
+    def add(part: Any) -> None:
+        found.update(f"{type(part).__name__}(".encode())
+        if isinstance(part, np.ndarray):
+            found.update(f"{part.dtype}{part.shape}".encode() + np.ascontiguousarray(part).tobytes())
+        elif isinstance(part, Mapping):
+            add([item for key in sorted(part) for item in (key, part[key])])
+        elif isinstance(part, list | tuple):
+            for one in part:
+                add(one)
+        elif dataclasses.is_dataclass(part):
+            add([getattr(part, one.name) for one in dataclasses.fields(part) if one.repr])
+        else:
+            found.update(repr(part).encode())
+        found.update(b")")
+
+    add(value)
+    return found.hexdigest()[:32]
+
+
+def _kept(path: Path, compute: Callable[[], Result]) -> Result:
     with contextlib.suppress(OSError, pickle.PickleError, EOFError, AttributeError, ImportError):
         kept: Result = pickle.loads(path.read_bytes())
         return kept
@@ -35,11 +83,12 @@ def resumed(inputs: Sequence[str], sources: Path, compute: Callable[[], Result])
 
 
 def forget(inputs: Sequence[str], sources: Path) -> None:
-    """Remove the kept result for these inputs, if there is one."""
+    """Remove the kept result and the kept steps for these inputs, if there are any."""
     with contextlib.suppress(OSError):
-        _path(inputs, sources).unlink()
+        _path("step", inputs, sources).with_suffix(".pickle").unlink()
+    shutil.rmtree(_path("steps", inputs, sources), ignore_errors=True)
 
 
-def _path(inputs: Sequence[str], sources: Path) -> Path:
-    code = [digest(path.read_bytes()) for path in sorted(sources.rglob("*.py"))]
-    return cache_folder() / f"step-{digest(chr(0).join([*inputs, *code]).encode())[:32]}.pickle"
+def _path(kind: str, inputs: Sequence[str], sources: Path) -> Path:
+    code = [digest(path.read_bytes()) for path in sorted(sources.rglob("*")) if path.suffix in (".py", ".c", ".h")]
+    return cache_folder() / f"{kind}-{digest(chr(0).join([*inputs, *code]).encode())[:32]}"

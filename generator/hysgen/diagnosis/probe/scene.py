@@ -14,6 +14,7 @@ from hysgen.diagnosis.probe.dynamics import lagged, respond_into, respond_on_row
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
+from hysgen.machine.checkpoint import Steps
 from hysgen.machine.kernels import lag_states
 
 Floats = NDArray[np.float64]
@@ -106,6 +107,7 @@ class Scene:
     thinned_from: the rows before thinning, None if the rows are not thinned (`dense`).
     known_ranges: lowest and highest value of auxiliary channels over all rows that will be simulated; for a channel
     without an entry, the range in the runs is used.
+    kept: fits of an interrupted search (`solve.refine`); None: no fit is kept.
     The columns of the last HYSTERESES settings of the amplifier and of the last ADDED sets of added columns are cached.
     """
 
@@ -116,6 +118,7 @@ class Scene:
     known_ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     thinned_from: Rows | None = None
+    kept: Steps | None = field(default=None, repr=False)
     _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(HYSTERESES), repr=False)
     _added: LruCache[Floats] = field(default_factory=lambda: LruCache(ADDED), repr=False)
 

@@ -93,7 +93,19 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
     """Least squares over weights and shape parameters, from `chain`.
 
     Stops after `rounds` rounds, or if a round lowers the rms by less than the share 1e-4.
+    If the scene keeps fits, the refined chain is kept on the disk for these inputs: an interrupted search that starts
+    again takes it from there. The weights follow from the chain, so both give the same bits.
     """
+    kept = scene.kept
+    return linear_fit(
+        scene,
+        _refined(scene, chain, rounds)
+        if kept is None
+        else kept.get((scene, chain, rounds), lambda: _refined(scene, chain, rounds)),
+    )
+
+
+def _refined(scene: Scene, chain: Chain, rounds: int) -> Chain:
     best = training_fit(scene, chain)
     y_um = scene.y_um[scene.rows]
     damping = 1e-3
@@ -113,7 +125,7 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
             damping *= 10.0
         if best.rms_um > before * (1.0 - 1e-4):
             break
-    return linear_fit(scene, best.chain)
+    return best.chain
 
 
 def sensitivities(scene: Scene, fit: Fit | TrainingFit, projector: Projector) -> Floats:
