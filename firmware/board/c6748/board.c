@@ -84,12 +84,12 @@ float board_displacement_um(board_t *board)
     float reading_um = number_of(NUMBER_NAN);
 
     (void)board;
-    while (((*chip_register(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_ADC_BUSY) != 0u) && (polls < BOARD_ADC_POLLS)) {
+    while (((chip_read(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_ADC_BUSY) != 0u) && (polls < BOARD_ADC_POLLS)) {
         polls += 1u;
     }
     if (polls < BOARD_ADC_POLLS) {
         /* Two's complement of 16 bits: as offset binary, less the offset. */
-        const uint16_t word = *chip_bus(BOARD_ADC_ADDRESS);
+        const uint16_t word = chip_bus_read(BOARD_ADC_ADDRESS);
         const uint32_t code = (uint32_t)word ^ 0x8000u;
         const int32_t steps = (int32_t)code - 0x8000;
 
@@ -109,7 +109,7 @@ float board_reference_um(board_t *board)
 uint32_t board_amplifier(board_t *board)
 {
     (void)board;
-    return ~*chip_register(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_AMPLIFIER_PINS;
+    return ~chip_read(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_AMPLIFIER_PINS;
 }
 
 void board_voltage(board_t *board, float u_V)
@@ -117,7 +117,7 @@ void board_voltage(board_t *board, float u_V)
     const float code = number_limited((u_V - BOARD_DAC_LOW_V) * BOARD_DAC_PER_V + 0.5f, 0.0f, BOARD_DAC_CODES);
 
     (void)board;
-    *chip_bus(BOARD_DAC_ADDRESS) = (uint16_t)(int32_t)code;
+    chip_bus_write(BOARD_DAC_ADDRESS, (uint16_t)(int32_t)code);
 }
 
 uint32_t board_cycles(board_t *board)
@@ -159,28 +159,28 @@ static uint32_t ring_take(board_ring_t *ring, uint8_t *byte)
 
 void board_line_serve(board_t *board)
 {
-    const uint32_t line = *chip_register(CHIP_UART2 + CHIP_UART_LSR);
+    const uint32_t line = chip_read(CHIP_UART2 + CHIP_UART_LSR);
     uint8_t byte = 0u;
 
     if ((line & CHIP_UART_RECEIVED) != 0u) {
-        (void)ring_put(&board->received, (uint8_t)(*chip_register(CHIP_UART2 + CHIP_UART_DATA) & 0xFFu));
+        (void)ring_put(&board->received, (uint8_t)(chip_read(CHIP_UART2 + CHIP_UART_DATA) & 0xFFu));
     }
     if (((line & CHIP_UART_EMPTY) != 0u) && (ring_take(&board->sent, &byte) != 0u)) {
-        *chip_register(CHIP_UART2 + CHIP_UART_DATA) = byte;
+        chip_write(CHIP_UART2 + CHIP_UART_DATA, byte);
     }
 }
 
 void board_amplifier_enable(board_t *board, uint32_t on)
 {
     (void)board;
-    *chip_register(CHIP_GPIO + ((on != 0u) ? CHIP_GPIO_SET : CHIP_GPIO_CLEAR)) = BOARD_AMPLIFIER_ENABLE;
+    chip_write(CHIP_GPIO + ((on != 0u) ? CHIP_GPIO_SET : CHIP_GPIO_CLEAR), BOARD_AMPLIFIER_ENABLE);
 }
 
 void board_alive(board_t *board)
 {
     (void)board;
-    *chip_register(CHIP_TIMER1 + CHIP_TIMER_WDTCR) = CHIP_WATCHDOG_FIRST;
-    *chip_register(CHIP_TIMER1 + CHIP_TIMER_WDTCR) = CHIP_WATCHDOG_SECOND;
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_WDTCR, CHIP_WATCHDOG_FIRST);
+    chip_write(CHIP_TIMER1 + CHIP_TIMER_WDTCR, CHIP_WATCHDOG_SECOND);
 }
 
 uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)

@@ -24,6 +24,7 @@
 #define PLL0             0x01C11000u
 #define PLL_CTL          0x100u
 #define PLL_MULTIPLIER   0x110u
+#define PLL_PREDIVIDER   0x114u
 #define PLL_DIVIDER1     0x118u
 #define PLL_DIVIDER2     0x11Cu
 #define PLL_DIVIDER3     0x120u
@@ -78,14 +79,9 @@ static const chip_pins_t chip_pins[] = {
     { 9u, 0xFFFFFFFFu, 0x11111111u },  /* EMA_D0 .. EMA_D7 */
 };
 
-static void chip_write(uint32_t address, uint32_t value)
-{
-    *chip_register(address) = value;
-}
-
 static void chip_change(uint32_t address, uint32_t clear, uint32_t set)
 {
-    *chip_register(address) = (*chip_register(address) & ~clear) | set;
+    chip_write(address, (chip_read(address) & ~clear) | set);
 }
 
 /* 1 once the bits of `mask` are `value`, 0 if that takes too long. */
@@ -93,7 +89,7 @@ static uint32_t chip_waited(uint32_t address, uint32_t mask, uint32_t value)
 {
     uint32_t waits = 0u;
 
-    while (((*chip_register(address) & mask) != value) && (waits < CHIP_WAITS)) {
+    while (((chip_read(address) & mask) != value) && (waits < CHIP_WAITS)) {
         waits += 1u;
     }
     return (uint32_t)(waits < CHIP_WAITS);
@@ -103,7 +99,7 @@ static uint32_t chip_waited(uint32_t address, uint32_t mask, uint32_t value)
 static void chip_rest(uint32_t count)
 {
     for (uint32_t i = 0u; i < count; ++i) {
-        (void)*chip_register(PLL0 + PLL_STATUS);
+        (void)chip_read(PLL0 + PLL_STATUS);
     }
 }
 
@@ -120,6 +116,7 @@ static uint32_t chip_start_clock(void)
     chip_change(PLL0 + PLL_CTL, PLL_POWER_DOWN, 0u);
     chip_change(PLL0 + PLL_CTL, PLL_DISABLE, 0u);
     chip_write(PLL0 + PLL_MULTIPLIER, CHIP_MULTIPLIER - 1u);
+    chip_write(PLL0 + PLL_PREDIVIDER, PLL_DIVIDES | 0u);
     chip_write(PLL0 + PLL_POSTDIV, PLL_DIVIDES | 0u);
     done = chip_waited(PLL0 + PLL_STATUS, 1u, 0u);
     chip_write(PLL0 + PLL_DIVIDER1, PLL_DIVIDES | 0u);

@@ -62,20 +62,32 @@
 #define CHIP_GPIO_CLEAR      0x1Cu
 #define CHIP_GPIO_IN         0x20u
 
+/* The only accesses of the drivers: registers of 32 bits, words on the 16-bit bus. */
 #if defined(CHIP_MODEL)
-/* A test's model of the registers in place of the chip. */
-volatile uint32_t *chip_register(uint32_t address);
-volatile uint16_t *chip_bus(uint32_t address);
+/* A test's model of chip and parts in place of them. */
+uint32_t chip_read(uint32_t address);
+void chip_write(uint32_t address, uint32_t value);
+uint16_t chip_bus_read(uint32_t address);
+void chip_bus_write(uint32_t address, uint16_t value);
 #else
-static inline volatile uint32_t *chip_register(uint32_t address)
+static inline uint32_t chip_read(uint32_t address)
 {
-    return (volatile uint32_t *)(uintptr_t)address;
+    return *(const volatile uint32_t *)(uintptr_t)address;
 }
 
-/* A word on the 16-bit bus. */
-static inline volatile uint16_t *chip_bus(uint32_t address)
+static inline void chip_write(uint32_t address, uint32_t value)
 {
-    return (volatile uint16_t *)(uintptr_t)address;
+    *(volatile uint32_t *)(uintptr_t)address = value;
+}
+
+static inline uint16_t chip_bus_read(uint32_t address)
+{
+    return *(const volatile uint16_t *)(uintptr_t)address;
+}
+
+static inline void chip_bus_write(uint32_t address, uint16_t value)
+{
+    *(volatile uint16_t *)(uintptr_t)address = value;
 }
 #endif
 

@@ -29,14 +29,14 @@ static uint8_t flash_exchange(uint8_t byte, uint32_t hold)
     uint32_t waits = 0u;
     uint32_t received;
 
-    while (((*chip_register(CHIP_SPI1 + CHIP_SPI_BUF) & CHIP_SPI_FULL) != 0u) && (waits < FLASH_WAITS)) {
+    while (((chip_read(CHIP_SPI1 + CHIP_SPI_BUF) & CHIP_SPI_FULL) != 0u) && (waits < FLASH_WAITS)) {
         waits += 1u;
     }
-    *chip_register(CHIP_SPI1 + CHIP_SPI_DAT1) = (uint32_t)byte | hold;
-    received = *chip_register(CHIP_SPI1 + CHIP_SPI_BUF);
+    chip_write(CHIP_SPI1 + CHIP_SPI_DAT1, (uint32_t)byte | hold);
+    received = chip_read(CHIP_SPI1 + CHIP_SPI_BUF);
     while (((received & CHIP_SPI_EMPTY) != 0u) && (waits < FLASH_WAITS)) {
         waits += 1u;
-        received = *chip_register(CHIP_SPI1 + CHIP_SPI_BUF);
+        received = chip_read(CHIP_SPI1 + CHIP_SPI_BUF);
     }
     return (waits < FLASH_WAITS) ? (uint8_t)(received & 0xFFu) : 0xFFu;
 }

@@ -1,8 +1,13 @@
 /* main.c: owns the one instance of everything. Interrupt 4 comes to main_tick: from start.s, or, with TI's tools, from the
  * vector table of your project. */
 
+#include <stddef.h>
+
 #include "chip.h"
+#include "console.h"
 #include "firmware.h"
+#include "flash.h"
+#include "model.h"
 
 static firmware_t main_firmware;
 static board_t main_board;
@@ -84,14 +89,61 @@ void main_panic(void)
     }
 }
 
+/* What was built, before anything else can fail. */
+static void main_print_build(void)
+{
+    console_text("\r\nhysgen firmware: model " MODEL_NAME ", build ");
+    console_word(MODEL_BUILD);
+    console_text("\r\ncore ");
+    console_number(CHIP_CORE_HZ / 1000000u);
+    console_text(" MHz, period ");
+    console_number(BOARD_PERIOD_NS);
+    console_text(" ns\r\nflash W25Q64JV: ");
+    console_text((flash_present() != 0u) ? "found\r\n" : "NOT FOUND, no parameter image can be kept\r\n");
+    console_text("self-test: ");
+}
+
+/* What the boot has found. */
+static void main_print_boot(const firmware_t *firmware)
+{
+    console_number(firmware->selftest);
+    console_text((firmware->selftest == 0u) ? " words differ\r\n" : " WORDS DIFFER: do not start\r\n");
+    console_text("settings: ");
+    if (firmware->settings_wrong == NULL) {
+        console_text("good\r\n");
+    } else {
+        console_text("REFUSED: ");
+        console_text(firmware->settings_wrong);
+        console_text("\r\n");
+    }
+    console_text("parameters: ");
+    if (firmware->store.counter == 0u) {
+        console_text("built in\r\n");
+    } else {
+        console_text("image ");
+        console_number(firmware->store.counter);
+        console_text("\r\n");
+    }
+    if ((firmware->image_status & STATUS_IMAGE_FALLBACK) != 0u) {
+        console_text("parameters: THE NEWEST IMAGE IS DAMAGED, these are older\r\n");
+    }
+    console_text("frames from here on\r\n");
+    console_end();
+}
+
 int main(void)
 {
-    if (chip_start(BOARD_AMPLIFIER_ENABLE) != 0u) {
+    const uint32_t failed = chip_start(BOARD_AMPLIFIER_ENABLE);
+
+    if (failed != 0u) {
+        console_text((failed == 1u) ? "\r\nPLL0 DOES NOT START\r\n" : "\r\nNO POWER FOR A DEVICE\r\n");
         for (;;) {
             /* Without clock or power of the devices nothing can be driven: the amplifier stays off. */
         }
     }
+    main_print_build();
     firmware_boot(&main_firmware, &main_board, &main_settings, &main_owner);
+    main_print_boot(&main_firmware);
     board_start(&main_board);
     for (;;) {
         firmware_idle(&main_firmware, &main_board);

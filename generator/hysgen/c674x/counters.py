@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from hysgen.c674x.assembly import Instruction, MemoryOperand, Register
-from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source
+from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, ReadControl, Source
 from hysgen.c674x.packets import Packet
 from hysgen.c674x.semantics import INTEGER, MASK, signed
 from hysgen.errors import TargetError
@@ -136,6 +136,8 @@ def writes(action: Action, before: Sequence[CounterValue | None]) -> list[tuple[
         results.append((action.destination.index, CounterValue(action.address), 0))
     elif isinstance(action, Jump) and action.link is not None:
         results.append((action.link.index, None, 0))
+    elif isinstance(action, ReadControl):
+        results.append((action.destination.index, None, 0))
     elif isinstance(action, Access):
         if action.memory.step:
             results.append((action.memory.base.index, _moved(action.memory, action.size, before), 0))

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from hysgen.c674x import counters
 from hysgen.c674x.assembly import Register
-from hysgen.c674x.decode import Jump, LoadAddress
+from hysgen.c674x.decode import Jump, LoadAddress, Return
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
@@ -183,6 +183,8 @@ class _Walk:
         for instruction, action in zip(packet.instructions, packet.actions, strict=True):
             if isinstance(action, LoadAddress) and action.destination == _LINK:
                 link = action.address
+            if isinstance(action, Return):
+                raise TargetError(f"{instruction}: a return from an interrupt, whose target only a run tells")
             if not isinstance(action, Jump):
                 continue
             if action.link is not None:

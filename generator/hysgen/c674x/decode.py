@@ -1,4 +1,4 @@
-"""Decoding of an instruction to one of six actions.
+"""Decoding of an instruction to one of nine actions.
 
 Interpreter, compiled engine and static cycle counts use the same actions.
 """
@@ -80,7 +80,33 @@ class Idle:
     cycles: int
 
 
-Action = Compute | Load | Store | Jump | LoadAddress | Idle
+@dataclass(frozen=True)
+class ReadControl:
+    """destination := a control register, by its number in CONTROL."""
+
+    control: int
+    destination: Register
+
+
+@dataclass(frozen=True)
+class WriteControl:
+    """A control register, by its number in CONTROL, := source."""
+
+    control: int
+    source: Register
+
+
+@dataclass(frozen=True)
+class Return:
+    """Return from an interrupt to the address in IRP or NRP, by its number in CONTROL, after the delay slots."""
+
+    control: int
+
+
+Action = Compute | Load | Store | Jump | LoadAddress | Idle | ReadControl | WriteControl | Return
+
+CONTROL = ("amr", "csr", "ifr", "isr", "icr", "ier", "istp", "irp", "nrp", "tscl", "fadcr", "fmcr", "tsr")
+"""Control registers that are modelled; numbers as in engine/state.h."""
 
 # mnemonic -> bytes, alignment, sign extension
 _LOADS = {
@@ -161,20 +187,34 @@ def _label(operand: Operand) -> int:
     return operand.address
 
 
+def _branch(operand: Operand) -> Jump | Return:
+    return Return(CONTROL.index(operand)) if operand in ("irp", "nrp") else Jump(_target(operand), None, 0)
+
+
+def _control(source: Operand, destination: Operand) -> ReadControl | WriteControl:
+    if isinstance(source, str):
+        return ReadControl(CONTROL.index(source), _register(destination))
+    if not isinstance(destination, str):
+        raise ValueError(destination)
+    return WriteControl(CONTROL.index(destination), _register(source))
+
+
 def _target(operand: Operand) -> Register | int:
     return operand if isinstance(operand, Register) else _label(operand)
 
 
 _CONTROL: Mapping[str, Callable[[tuple[Operand, ...]], Action]] = {
-    "b": lambda operands: Jump(_target(operands[0]), None, 0),
+    "b": lambda operands: _branch(operands[0]),
+    "mvc": lambda operands: _control(*operands),
     "bnop": lambda operands: Jump(_target(operands[0]), None, _constant(operands[1])),
     "callp": lambda operands: Jump(_target(operands[0]), _register(operands[1]), 5),
     "addkpc": lambda operands: LoadAddress(_register(operands[1]), _label(operands[0]), _constant(operands[2])),
     "nop": lambda operands: Idle((_constant(operands[0]) if operands else 1) - 1),
 }
 
-MODELLED = frozenset({*INTEGER, *FLOAT, *_LOADS, *_STORES, *_CONTROL})
-"""Mnemonics of all modelled instructions; every other instruction is refused."""
+MODELLED = frozenset({*INTEGER, *FLOAT, *_LOADS, *_STORES, *_CONTROL} - {"mvc"})
+"""Mnemonics of all modelled instructions of functions. Code that owns the processor may use `mvc` with the registers of
+CONTROL, too; every other instruction is refused."""
 
 
 def _memory(operand: Operand) -> MemoryOperand:

@@ -5,7 +5,9 @@ The rules, each a few lines below (source: SPRUFE8, sections 3 and 4):
 - a result is written `delay + 1` cycles after issue; until then reads give the old value;
 - memory is read and written in the order of issue, the loads of a packet before its stores;
 - a taken branch takes effect 6 cycles after issue and ends a multi-cycle NOP in progress;
-- two writes to one register, or from one unit's write port, in one cycle are undefined and refused.
+- two writes to one register, or from one unit's write port, in one cycle are undefined and refused;
+- an interrupt is taken before a packet that is in no branch's delay slots, the first of a vector INTERRUPT_OVERHEAD
+  cycles later; results on their way arrive meanwhile.
 Stalls (caches, memory banks, cross paths) are not part of `cycles`; those of the cross paths are counted separately.
 """
 
@@ -14,12 +16,27 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from hysgen.c674x.assembly import Instruction, Register
-from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source, Store
+from hysgen.c674x.decode import (
+    CONTROL,
+    Access,
+    Action,
+    Compute,
+    Jump,
+    Load,
+    LoadAddress,
+    ReadControl,
+    Return,
+    Source,
+    Store,
+    WriteControl,
+)
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
 from hysgen.c674x.processor import (
+    INTERRUPT_OVERHEAD,
     MEMORY_BASE,
     MEMORY_SIZE,
+    NEVER,
     RETURN_ADDRESS,
     STACK_POINTER,
     AccessKind,
@@ -28,6 +45,10 @@ from hysgen.c674x.processor import (
     RunCounts,
 )
 from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, FloatUnit, signed
+
+
+_AMR, _CSR, _IFR, _ISR, _ICR, _IER, _ISTP, _IRP, _NRP, _TSCL, _FADCR, _FMCR, _TSR = range(len(CONTROL))
+_GIE, _PGIE, _NMI, _MASKABLE = 1, 2, 2, 0xFFF0
 
 
 @dataclass(frozen=True)
@@ -57,6 +78,11 @@ class PipelineState:
     branches: dict[int, int] = field(default_factory=dict)
     unit: FloatUnit = field(default_factory=FloatUnit)
     lowest_stack_pointer: int = MASK
+    next_event: int = 0
+
+    def __post_init__(self) -> None:
+        if self.processor.devices is None:
+            self.next_event = NEVER
 
 
 def run(processor: Processor, cycle_limit: int) -> RunCounts:
@@ -75,8 +101,12 @@ def run(processor: Processor, cycle_limit: int) -> RunCounts:
             break
         if state.cycle >= cycle_limit:
             raise processor.fault(ProcessorFault.CYCLE_LIMIT, here, cycle_limit)
+        _events(state)
+        vector = None if idle else interrupt(state)
         if idle:
             idle -= 1
+        elif vector is not None:
+            processor.program_counter, idle = vector, INTERRUPT_OVERHEAD - 1
         else:
             here = processor.program_counter
             packet = processor.packet(here)
@@ -103,6 +133,41 @@ def land(state: PipelineState) -> set[Register]:
         if write.register.index == STACK_POINTER:
             state.lowest_stack_pointer = min(state.lowest_stack_pointer, write.value)
     return {write.register for write in landing if not write.load}
+
+
+def _events(state: PipelineState) -> None:
+    """Set the interrupt flags that devices raise in this cycle; raises TargetError if one resets the chip."""
+    processor, devices = state.processor, state.processor.devices
+    if devices is not None and state.cycle >= state.next_event:
+        ahead = devices.library.ffi.new("uint64_t *")
+        flags = devices.library.lib.device_events(devices.handle, state.cycle, ahead)
+        state.next_event = ahead[0]
+        if flags & 1:
+            raise processor.fault(ProcessorFault.RESET, processor.program_counter, 0)
+        processor.control[_IFR] |= flags
+
+
+def interrupt(state: PipelineState) -> int | None:
+    """Take the interrupt that is due, the lowest number first, and return its vector; None if none is due.
+
+    Source: SPRUFE8, chapter 5. NMI needs NMIE, the others GIE, NMIE and their bit of IER.
+    """
+    control = state.processor.control
+    pending = control[_IFR] & control[_IER]
+    if not pending or state.branches or not control[_IER] & _NMI:
+        return None
+    if pending & _NMI:
+        number = 1
+        control[_IER] &= ~_NMI
+        control[_NRP] = state.processor.program_counter
+    elif pending & _MASKABLE and control[_CSR] & _GIE:
+        number = (pending & _MASKABLE & -(pending & _MASKABLE)).bit_length() - 1
+        control[_CSR] = control[_CSR] & ~(_GIE | _PGIE) | _PGIE
+        control[_IRP] = state.processor.program_counter
+    else:
+        return None
+    control[_IFR] &= ~(1 << number)
+    return (control[_ISTP] & ~0x3FF) + 32 * number
 
 
 def issue(packet: Packet, state: PipelineState) -> None:
@@ -135,14 +200,14 @@ def _start(
         case Load():
             address = _address(action, registers, state)
             state.processor.trace.add(state.cycle, AccessKind.LOAD, address)
-            value = _read(state.processor, address, action)
+            value = _read(state, address, action)
             for word, register in enumerate(action.registers):
                 _later(state, action.delay, _Write(register, value >> 32 * word & MASK, None, True))
         case Store():
             address = _address(action, registers, state)
             state.processor.trace.add(state.cycle, AccessKind.STORE, address)
             value = sum(registers[register.index] << 32 * word for word, register in enumerate(action.registers))
-            _store(state.processor, address, action.size, value)
+            _store(state, address, action.size, value)
         case Jump(target=target, link=link):
             lands = state.cycle + BRANCH_DELAY + 1
             if lands in state.branches:
@@ -152,6 +217,46 @@ def _start(
                 _later(state, 0, _Write(link, packet.next, None, False))
         case LoadAddress(destination=destination, address=address):
             _later(state, 0, _Write(destination, address, None, False))
+        case ReadControl(control=number, destination=destination):
+            _later(state, 0, _Write(destination, _control(state, number), _port(instruction), False))
+        case WriteControl(control=number, source=source):
+            _set_control(state, number, registers[source.index])
+        case Return(control=number):
+            _return(state, number)
+
+
+def _control(state: PipelineState, number: int) -> int:
+    processor = state.processor
+    if number == _TSCL:
+        return 0 if processor.counter_from is None else state.cycle - processor.counter_from & MASK
+    return processor.control[number]
+
+
+def _set_control(state: PipelineState, number: int, value: int) -> None:
+    control = state.processor.control
+    if number in (_AMR, _FADCR, _FMCR) and value:
+        raise _FaultError(ProcessorFault.MODE, number)
+    if number == _ISR:
+        control[_IFR] |= value & _MASKABLE
+    elif number == _ICR:
+        control[_IFR] &= ~(value & _MASKABLE)
+    elif number == _TSCL:
+        if state.processor.counter_from is None:
+            state.processor.counter_from = state.cycle
+    elif number != _IFR:
+        control[number] = value
+
+
+def _return(state: PipelineState, number: int) -> None:
+    """Return from an interrupt: GIE becomes PGIE; from an NMI: NMIE is set."""
+    control, lands = state.processor.control, state.cycle + BRANCH_DELAY + 1
+    if lands in state.branches:
+        raise _FaultError(ProcessorFault.BRANCH_CLASH)
+    state.branches[lands] = control[number]
+    if number == _IRP:
+        control[_CSR] = control[_CSR] & ~_GIE | control[_CSR] >> 1 & _GIE
+    else:
+        control[_IER] |= _NMI
 
 
 def _computed(action: Compute, registers: tuple[int, ...], unit: FloatUnit) -> int:
@@ -195,18 +300,30 @@ def _address(action: Access, registers: tuple[int, ...], state: PipelineState) -
     address = base if memory.step == "after" else moved
     if address % action.alignment:
         raise _FaultError(ProcessorFault.MISALIGNED, address)
-    if not MEMORY_BASE <= address <= MEMORY_BASE + MEMORY_SIZE - action.size:
+    if state.processor.devices is None and not _inside(address, action.size):
         raise _FaultError(ProcessorFault.OUTSIDE, address)
     return address
 
 
-def _read(processor: Processor, address: int, action: Load) -> int:
-    start = address - MEMORY_BASE
-    value = int.from_bytes(processor.memory[start : start + action.size], "little")
+def _inside(address: int, size: int) -> bool:
+    return MEMORY_BASE <= address <= MEMORY_BASE + MEMORY_SIZE - size
+
+
+def _read(state: PipelineState, address: int, action: Load) -> int:
+    processor, devices, start = state.processor, state.processor.devices, address - MEMORY_BASE
+    if devices is not None and not _inside(address, action.size):
+        value = devices.library.lib.device_load(devices.handle, state.cycle, address, action.size)
+    else:
+        value = int.from_bytes(processor.memory[start : start + action.size], "little")
     return signed(value, 8 * action.size) & MASK if action.signed else value
 
 
-def _store(processor: Processor, address: int, size: int, value: int) -> None:
+def _store(state: PipelineState, address: int, size: int, value: int) -> None:
+    processor, devices = state.processor, state.processor.devices
+    if devices is not None and not _inside(address, size):
+        devices.library.lib.device_store(devices.handle, state.cycle, address, size, value & (1 << 8 * size) - 1)
+        state.next_event = 0  # a store may start a timer
+        return
     if address < processor.read_only_end:
         raise _FaultError(ProcessorFault.READ_ONLY, address)
     start = address - MEMORY_BASE

@@ -11,7 +11,18 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from hysgen.c674x.assembly import Instruction, Register
-from hysgen.c674x.decode import Access, Action, Compute, Idle, Jump, LoadAddress, Store, action
+from hysgen.c674x.decode import (
+    Access,
+    Action,
+    Compute,
+    Idle,
+    Jump,
+    LoadAddress,
+    ReadControl,
+    Store,
+    WriteControl,
+    action,
+)
 from hysgen.c674x.semantics import READS_DESTINATION
 from hysgen.errors import TargetError
 
@@ -129,6 +140,8 @@ def _reads(each: Action) -> Iterator[Register]:
                 yield from each.registers
         case Jump(target=Register() as target):
             yield target
+        case WriteControl(source=source):
+            yield source
 
 
 def _cross_reads(instruction: Instruction, each: Action) -> Iterator[Register]:
@@ -164,6 +177,8 @@ def _check_sides(instruction: Instruction, each: Action) -> None:
             for register in each.registers:
                 if register.side != unit.path:
                     raise TargetError(f"{instruction}: data path T{unit.path} does not reach {register}")
+        case ReadControl(destination=destination):
+            own = [destination]
         case _:
             own = []
     for register in own:

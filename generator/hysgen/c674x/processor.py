@@ -5,18 +5,26 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.c674x.decode import CONTROL
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.packets import Packet
 from hysgen.errors import TargetError
+from hysgen.machine.native import Library
 
 MEMORY_BASE = 0x1180_0000
 MEMORY_SIZE = 0x4_0000  # the C6748's 256 KiB of L2 RAM, as the linker file says
 RETURN_ADDRESS = 0xFFFF_FF00  # return address of the called function, outside any program
 STACK_POINTER = 32 + 15
+
+INTERRUPT_OVERHEAD: Final = 9
+"""Cycles without instructions between the interrupted packet and the first of the vector (SPRU733A, 5.5.1, of the C67x;
+the C674x's manual was not read)."""
+NEVER: Final = (1 << 64) - 1
 
 
 class ProcessorFault(enum.IntEnum):
@@ -33,6 +41,8 @@ class ProcessorFault(enum.IntEnum):
     NO_PACKET = 8
     REFUSED = 9
     CYCLE_LIMIT = 10
+    MODE = 11
+    RESET = 12
 
 
 _TEXTS = {
@@ -43,6 +53,8 @@ _TEXTS = {
     ProcessorFault.PORT_CLASH: "two results leave one functional unit in one cycle",
     ProcessorFault.BRANCH_CLASH: "two branches land in one cycle",
     ProcessorFault.NAN_TO_INTEGER: "a NaN becomes an integer, which is not modelled; keep NaN out",
+    ProcessorFault.MODE: "control register {control} selects a mode that is not modelled",
+    ProcessorFault.RESET: "a device resets the chip",
     ProcessorFault.CYCLE_LIMIT: "still running after {detail} cycles; an endless loop, or raise the limit",
 }
 
@@ -93,11 +105,33 @@ class Trace:
         self.count += 1
 
 
+@dataclass(frozen=True)
+class Devices:
+    """Registers of devices outside the memory, which loads, stores and interrupts reach.
+
+    library: C with device_load, device_store and device_events (engine/state.h). handle: their first argument.
+    """
+
+    library: Library
+    handle: Any
+
+    @property
+    def handle_address(self) -> int:
+        """The handle as a number."""
+        return int(self.library.ffi.cast("uintptr_t", self.handle))
+
+    def address(self, function: str) -> int:
+        """Address of a function of the library."""
+        ffi = self.library.ffi
+        return int(ffi.cast("uintptr_t", ffi.addressof(self.library.lib, function)))
+
+
 @dataclass
 class Processor:
     """Registers, memory and program. read_only_end: end of code and constants. free: first unused address.
 
-    trace: filled by the next run.
+    control: control registers, by their number in CONTROL. counter_from: cycle at which TSCL was 0, None while it
+    does not count. devices: None for a program alone in its memory. trace: filled by the next run.
     """
 
     packets: Mapping[int, Packet]
@@ -106,6 +140,9 @@ class Processor:
     free: int
     registers: list[int]
     program_counter: int = RETURN_ADDRESS
+    control: list[int] = field(default_factory=lambda: [0] * len(CONTROL))
+    counter_from: int | None = None
+    devices: Devices | None = None
     trace: Trace = field(default_factory=Trace)
 
     def packet(self, address: int) -> Packet:
@@ -125,7 +162,8 @@ class Processor:
             except TargetError as refusal:
                 return refusal
         register = f"{'ab'[detail // 32 % 2]}{detail % 32}"
-        text = _TEXTS[kind].format(detail=detail, register=register)
+        control = CONTROL[detail] if kind is ProcessorFault.MODE else ""
+        text = _TEXTS[kind].format(detail=detail, register=register, control=control)
         return TargetError(f"{address:08x} {self.packets[address]}: {text}")
 
 

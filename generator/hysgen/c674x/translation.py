@@ -8,14 +8,35 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from importlib import resources
+from typing import Any
 
 from hysgen.c674x.assembly import Instruction, Register
-from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Source, Store
+from hysgen.c674x.decode import (
+    Access,
+    Action,
+    Compute,
+    Jump,
+    Load,
+    LoadAddress,
+    ReadControl,
+    Return,
+    Source,
+    Store,
+    WriteControl,
+)
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
-from hysgen.c674x.processor import MEMORY_BASE, MEMORY_SIZE, RETURN_ADDRESS, Processor, ProcessorFault, RunCounts
+from hysgen.c674x.processor import (
+    INTERRUPT_OVERHEAD,
+    MEMORY_BASE,
+    MEMORY_SIZE,
+    RETURN_ADDRESS,
+    Processor,
+    ProcessorFault,
+    RunCounts,
+)
 from hysgen.c674x.semantics import FLOAT, MASK
-from hysgen.machine.native import Toolchain, build, default_toolchain
+from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 
 Engine = Callable[[Processor, int], RunCounts]
 
@@ -29,29 +50,45 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
 
     Raises BuildError if there is no C compiler on the host.
     """
-    texts = runtime()
-    host = Toolchain(default_toolchain().command, ("-O1",))
-    library = build([*texts.items(), ("program.c", program(packets))], texts["state.h"], host)
+    library = compiled(packets)
 
     def run(processor: Processor, cycle_limit: int) -> RunCounts:
-        state, trace = library.ffi.new("c674x_t *"), processor.trace
-        state.reg = processor.registers
-        state.memory = library.ffi.from_buffer("uint8_t[]", processor.memory)
-        state.memory_base, state.memory_size = MEMORY_BASE, MEMORY_SIZE
-        state.read_only_end = processor.read_only_end
-        state.program_counter, state.return_address = processor.program_counter, RETURN_ADDRESS
+        state, trace = initial(library, processor), processor.trace
         state.cycle_limit = cycle_limit
-        state.lowest_stack_pointer = MASK
         state.trace, state.trace_room = library.ffi.from_buffer("uint64_t[]", trace.words), trace.room
         library.lib.c674x_run(state)
         if state.fault:
             raise processor.fault(ProcessorFault(state.fault), state.fault_address, state.fault_detail)
         processor.registers, trace.count = list(state.reg), state.traced
-        processor.program_counter = state.program_counter
+        processor.program_counter, processor.control = state.program_counter, list(state.control)
         lowest = state.lowest_stack_pointer
         return RunCounts(state.cycle, state.stalls, state.packets, state.denormals, state.nans, lowest)
 
     return run
+
+
+def compiled(packets: Mapping[int, Packet]) -> Library:
+    """The engine of a program. Raises BuildError if there is no C compiler on the host."""
+    texts = runtime()
+    host = Toolchain(default_toolchain().command, ("-O1",))
+    return build([*texts.items(), ("program.c", program(packets))], texts["state.h"], host)
+
+
+def initial(library: Library, processor: Processor) -> Any:
+    """The c674x_t of a run that begins with the state of `processor`, whose memory it shares."""
+    state = library.ffi.new("c674x_t *")
+    state.reg, state.control = processor.registers, processor.control
+    state.memory = library.ffi.from_buffer("uint8_t[]", processor.memory)
+    state.memory_base, state.memory_size = MEMORY_BASE, MEMORY_SIZE
+    state.read_only_end = processor.read_only_end
+    state.program_counter, state.return_address = processor.program_counter, RETURN_ADDRESS
+    state.lowest_stack_pointer, state.interrupt_overhead = MASK, INTERRUPT_OVERHEAD
+    if processor.devices is not None:
+        state.devices = library.ffi.cast("void *", processor.devices.handle_address)
+        for name in ("device_load", "device_store", "device_events"):
+            kind = library.ffi.typeof(getattr(state, name))
+            setattr(state, name, library.ffi.cast(kind, processor.devices.address(name)))
+    return state
 
 
 def runtime() -> dict[str, str]:
@@ -120,6 +157,12 @@ def _statements(instruction: Instruction, action: Action, packet: Packet) -> Ite
                 yield _later(0, link, _value(packet.next))
         case LoadAddress(destination=destination, address=address):
             yield _later(0, destination, _value(address))
+        case ReadControl(control=number, destination=destination):
+            yield _later(0, destination, f"read_control(m, {number})", _port(instruction))
+        case WriteControl(control=number, source=source):
+            yield f"write_control(m, {number}, {_value(source)});"
+        case Return(control=number):
+            yield f"return_from(m, {BRANCH_DELAY}, {number});"
 
 
 def _computed(action: Compute) -> str:

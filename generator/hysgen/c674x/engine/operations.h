@@ -22,7 +22,9 @@ enum {
     FAULT_NAN_TO_INTEGER,
     FAULT_NO_PACKET,
     FAULT_REFUSED,
-    FAULT_CYCLE_LIMIT
+    FAULT_CYCLE_LIMIT,
+    FAULT_MODE,
+    FAULT_RESET
 };
 
 /* Ends the run; the first fault is kept. */

@@ -79,7 +79,44 @@ void branch(c674x_t *m, uint32_t delay, uint32_t target)
     if (m->branch_due[slot])
         stop(m, FAULT_BRANCH_CLASH, 0);
     m->branch_due[slot] = 1;
+    m->branches++;
     m->branch_target[slot] = target;
+}
+
+uint32_t read_control(const c674x_t *m, uint32_t number)
+{
+    if (number == TSCL)
+        return m->counts ? (uint32_t)(m->cycle - m->counter_from) : 0;
+    return m->control[number];
+}
+
+void write_control(c674x_t *m, uint32_t number, uint32_t value)
+{
+    if ((number == AMR || number == FADCR || number == FMCR) && value != 0) {
+        stop(m, FAULT_MODE, number);
+        return;
+    }
+    switch (number) {
+    case ISR: m->control[IFR] |= value & MASKABLE; break;
+    case ICR: m->control[IFR] &= ~(value & MASKABLE); break;
+    case IFR: break;
+    case TSCL:
+        if (!m->counts) {
+            m->counts = 1;
+            m->counter_from = m->cycle;
+        }
+        break;
+    default: m->control[number] = value; break;
+    }
+}
+
+void return_from(c674x_t *m, uint32_t delay, uint32_t number)
+{
+    branch(m, delay, m->control[number]);
+    if (number == IRP)
+        m->control[CSR] = (m->control[CSR] & ~(uint32_t)GIE) | (m->control[CSR] >> 1 & GIE);
+    else
+        m->control[IER] |= NMI;
 }
 
 /* Offset of `address` in the memory; a fault, and 0, if it may not be accessed. */
@@ -97,8 +134,17 @@ static uint32_t place(c674x_t *m, uint32_t address, uint32_t size, uint32_t alig
     return offset;
 }
 
+static int outside(const c674x_t *m, uint32_t address, uint32_t size)
+{
+    return m->devices != 0 && address - m->memory_base > m->memory_size - size;
+}
+
 uint64_t load(c674x_t *m, uint32_t address, uint32_t size, uint32_t alignment)
 {
+    if (outside(m, address, size) && address % alignment == 0) {
+        trace(m, TRACE_LOAD, address);
+        return m->device_load(m->devices, m->cycle, address, size);
+    }
     const uint8_t *from = m->memory + place(m, address, size, alignment);
     uint64_t value = 0;
     trace(m, TRACE_LOAD, address);
@@ -109,6 +155,12 @@ uint64_t load(c674x_t *m, uint32_t address, uint32_t size, uint32_t alignment)
 
 void store(c674x_t *m, uint32_t address, uint32_t size, uint32_t alignment, uint64_t value)
 {
+    if (outside(m, address, size) && address % alignment == 0) {
+        trace(m, TRACE_STORE, address);
+        m->device_store(m->devices, m->cycle, address, size, size < 8 ? value & ~(~(uint64_t)0 << 8 * size) : value);
+        m->next_event = 0; /* a store may start a timer */
+        return;
+    }
     uint8_t *to = m->memory + place(m, address, size, alignment);
     trace(m, TRACE_STORE, address);
     if (m->fault == 0 && address < m->read_only_end)

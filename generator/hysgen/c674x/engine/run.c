@@ -31,16 +31,39 @@ static const packet_t *packet_at(uint32_t address)
     return &program[word];
 }
 
+/* Takes the interrupt that is due, the lowest number first; whether there is one. */
+static int interrupted(c674x_t *m)
+{
+    uint32_t *control = m->control, pending = control[IFR] & control[IER], number;
+    if (pending == 0 || m->branches || !(control[IER] & NMI))
+        return 0;
+    if (pending & NMI) {
+        number = 1;
+        control[IER] &= ~(uint32_t)NMI;
+        control[NRP] = m->program_counter;
+    } else if (pending & MASKABLE && control[CSR] & GIE) {
+        number = (uint32_t)__builtin_ctz(pending & MASKABLE);
+        control[CSR] = (control[CSR] & ~(uint32_t)(GIE | PGIE)) | PGIE;
+        control[IRP] = m->program_counter;
+    } else {
+        return 0;
+    }
+    control[IFR] &= ~(1u << number);
+    m->program_counter = (control[ISTP] & ~0x3FFu) + 32 * number;
+    m->idle = m->interrupt_overhead - 1;
+    return 1;
+}
+
 void c674x_run(c674x_t *m)
 {
-    uint32_t idle = 0;
     for (;;) {
         uint64_t just_written = land(m);
         uint32_t slot = (uint32_t)m->cycle & 7;
         if (m->branch_due[slot]) {
             m->branch_due[slot] = 0;
+            m->branches--;
             m->program_counter = m->branch_target[slot];
-            idle = 0;
+            m->idle = 0;
         }
         if (m->program_counter == m->return_address)
             break;
@@ -48,9 +71,18 @@ void c674x_run(c674x_t *m)
             stop(m, FAULT_CYCLE_LIMIT, (uint32_t)m->cycle_limit);
             return;
         }
-        if (idle) {
-            idle--;
-        } else {
+        if (m->cycle >= m->next_event && m->devices) {
+            uint32_t flags = m->device_events(m->devices, m->cycle, &m->next_event);
+            if (flags & 1) {
+                m->fault_address = m->program_counter;
+                stop(m, FAULT_RESET, 0);
+                return;
+            }
+            m->control[IFR] |= flags;
+        }
+        if (m->idle) {
+            m->idle--;
+        } else if (!interrupted(m)) {
             const packet_t *packet = packet_at(m->program_counter);
             m->fault_address = m->program_counter;
             if (packet == 0) {
@@ -64,7 +96,7 @@ void c674x_run(c674x_t *m)
             m->packets++;
             m->stalls += (packet->cross_reads & just_written) != 0;
             m->program_counter = packet->next;
-            idle = packet->idle;
+            m->idle = packet->idle;
         }
         m->cycle++;
     }

@@ -8,6 +8,18 @@ typedef struct {
     uint32_t program_counter, return_address;
     uint64_t cycle_limit;
 
+    /* Devices outside the memory; 0 if there are none. device_events: bits that devices set in IFR, bit 0 for a reset of the chip, and
+     * the cycle in which to ask again. */
+    void *devices;
+    uint64_t (*device_load)(void *devices, uint64_t cycle, uint32_t address, uint32_t size);
+    void (*device_store)(void *devices, uint64_t cycle, uint32_t address, uint32_t size, uint64_t value);
+    uint32_t (*device_events)(void *devices, uint64_t cycle, uint64_t *next);
+    uint64_t next_event, interrupt_overhead;
+
+    uint32_t control[13]; /* numbers of hysgen.c674x.decode.CONTROL */
+    uint32_t counts;      /* TSCL counts, */
+    uint64_t counter_from; /* since this cycle */
+
     uint64_t *trace; /* record of the accesses to memory, see hysgen.c674x.processor.Trace */
     uint64_t trace_room;
 
@@ -18,6 +30,8 @@ typedef struct {
     uint32_t ports[8];         /* unit write ports in use */
     uint32_t branch_target[8];
     uint8_t branch_due[8];
+    uint32_t branches; /* how many are due */
+    uint64_t idle;     /* cycles without instructions to come */
 
     /* Counted. */
     uint64_t cycle, stalls, packets, denormals, nans;

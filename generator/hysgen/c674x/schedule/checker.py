@@ -13,7 +13,18 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from hysgen.c674x.assembly import Instruction, Register
-from hysgen.c674x.decode import Access, Action, Compute, Jump, Load, LoadAddress, Store
+from hysgen.c674x.decode import (
+    Access,
+    Action,
+    Compute,
+    Jump,
+    Load,
+    LoadAddress,
+    ReadControl,
+    Return,
+    Store,
+    WriteControl,
+)
 from hysgen.c674x.elf import ProgramImage
 from hysgen.c674x.latency import BRANCH_DELAY
 from hysgen.c674x.packets import Packet
@@ -179,6 +190,8 @@ class _Inspection:
                 self.returns = cycle + BRANCH_DELAY + 1
             case LoadAddress():
                 self._found("return", "a call")
+            case ReadControl() | WriteControl() | Return():
+                self._found("convention", "a control register in a function")
 
     def _port(self, unit: str, cycle: int, guard: tuple[int, bool] | None) -> None:
         key = unit, cycle
