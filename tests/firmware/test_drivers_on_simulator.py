@@ -33,14 +33,34 @@ PLANTED = {
     "power": ("chip.c", "psc + PSC_COMMAND, 1u", "psc + (PLANT ? PSC_PENDING : PSC_COMMAND), 1u", "used without power"),
     "pins": ("chip.c", "chip_pins[i].function)", "PLANT ? 0u : chip_pins[i].function)", "does not convert"),
     "bus": ("chip.c", "0x00420319u ", "(PLANT ? 0x00420318u : 0x00420319u) ", "the bus is not 16 bits wide"),
-    "strobe": ("chip.c", "EMIFA_CE2CFG, EMIFA_BUS", "EMIFA_CE2CFG, PLANT ? 1u : EMIFA_BUS", "a strobe of the bus is too short"),
+    "strobe": (
+        "chip.c",
+        "EMIFA_CE2CFG, EMIFA_BUS",
+        "EMIFA_CE2CFG, PLANT ? 1u : EMIFA_BUS",
+        "a strobe of the bus is too short",
+    ),
     "pulse": ("chip.c", "0xB0u);", "PLANT ? 0xB8u : 0xB0u);", "the A/D does not convert at every period"),
     "code": ("board.c", "(uint32_t)word ^ 0x8000u", "(uint32_t)word ^ (PLANT ? 0u : 0x8000u)", "not the last sample's"),
     "BUSY": ("board.c", "& BOARD_ADC_BUSY) != 0u", "& (PLANT ? 0u : BOARD_ADC_BUSY)) != 0u", "read while it converts"),
-    "flash busy": ("flash.c", "        good = flash_ready();", "        good = PLANT ? 1u : flash_ready();", "while it is busy"),
+    "flash busy": (
+        "flash.c",
+        "        good = flash_ready();",
+        "        good = PLANT ? 1u : flash_ready();",
+        "while it is busy",
+    ),
     "baud": ("chip.c", "(16u * CHIP_LINE_HZ)", "((PLANT ? 13u : 16u) * CHIP_LINE_HZ)", "text is unreadable"),
-    "dog": ("board.c", "CHIP_WATCHDOG_SECOND);", "PLANT ? CHIP_WATCHDOG_FIRST : CHIP_WATCHDOG_SECOND);", "reset by the watchdog"),
-    "NMI": ("drivers.c", "board_voltage(&board, 0.0f);", "board_voltage(&board, PLANT ? 9.0f : 0.0f);", "NMI does not bring"),
+    "dog": (
+        "board.c",
+        "CHIP_WATCHDOG_SECOND);",
+        "PLANT ? CHIP_WATCHDOG_FIRST : CHIP_WATCHDOG_SECOND);",
+        "reset by the watchdog",
+    ),
+    "NMI": (
+        "drivers.c",
+        "board_voltage(&board, 0.0f);",
+        "board_voltage(&board, PLANT ? 9.0f : 0.0f);",
+        "NMI does not bring",
+    ),
 }
 
 

@@ -46,7 +46,6 @@ from hysgen.c674x.processor import (
 )
 from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, FloatUnit, signed
 
-
 _AMR, _CSR, _IFR, _ISR, _ICR, _IER, _ISTP, _IRP, _NRP, _TSCL, _FADCR, _FMCR, _TSR = range(len(CONTROL))
 _GIE, _PGIE, _NMI, _MASKABLE = 1, 2, 2, 0xFFF0
 

@@ -49,7 +49,9 @@ class System:
     def function(self) -> str:
         """The function that holds the program counter."""
         here = self._state.program_counter
-        below = [each for each in self.image.symbols.values() if each.address <= here and not each.name.startswith("__")]
+        below = [
+            each for each in self.image.symbols.values() if each.address <= here and not each.name.startswith("__")
+        ]
         return max(below, key=lambda each: (each.address, each.function)).name
 
     def control(self, name: str) -> int:
