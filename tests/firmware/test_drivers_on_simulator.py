@@ -1,7 +1,7 @@
-"""Start-up, converters, flash, line and watchdog of the C6748's board on the simulated C674x, over a model of the parts.
+"""Drivers of the C6748's board on the simulated C674x: start-up, converters, flash, line, watchdog, NMI.
 
-The drivers, `start.s` and a short main run from reset. `complaints` compares what the parts got with what they should
-get; every planted fault must raise one.
+They, `start.s` and a short main run from reset over a model of chip and parts. `complaints` compares what the parts
+got with what they should get; every planted fault must raise one.
 """
 
 from __future__ import annotations

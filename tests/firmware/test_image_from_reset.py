@@ -1,6 +1,6 @@
-"""The image of main.c on the simulated C6748 from reset: boot from the flash, start by the link, tracking, NMI, watchdog.
+"""The image of main.c on the simulated C6748 from reset: boot, start by the link, tracking, NMI, watchdog.
 
-Nothing of it is replaced: `make` links the same sources. The stage behind the converters is the model itself with noise.
+Nothing of it is replaced: `make` links the same sources. The stage behind the converters is the model with noise.
 Every word that the D/A gets is compared with the host's firmware on the same readings.
 """
 

@@ -21,8 +21,8 @@ JUNK: Final = 0xCD
 class System:
     """The compiled engine at a reset, in front of the first packet of `_c_int00`.
 
-    image, packets: the linked program, which the boot has loaded; memory beside it holds JUNK. devices: registers outside
-    the memory, and sources of interrupts.
+    image, packets: the linked program, which the boot has loaded; memory beside it holds JUNK.
+    devices: registers outside the memory, and sources of interrupts.
     """
 
     def __init__(self, image: ProgramImage, packets: Mapping[int, Packet], devices: Devices) -> None:
@@ -49,10 +49,8 @@ class System:
     def function(self) -> str:
         """The function that holds the program counter."""
         here = self._state.program_counter
-        below = [
-            each for each in self.image.symbols.values() if each.address <= here and not each.name.startswith("__")
-        ]
-        return max(below, key=lambda each: (each.address, each.function)).name
+        below = [each for each in self.image.symbols.values() if each.address <= here and each.function]
+        return max(below, key=lambda each: each.address).name
 
     def control(self, name: str) -> int:
         """A control register."""

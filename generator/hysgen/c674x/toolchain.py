@@ -27,7 +27,7 @@ from hysgen.machine.native import cached_object, compiler_version
 # service routines do not save. -fsched-pressure, -fno-tree-forwprop: fewest cycles for the generated code.
 # -fdbg-cnt=sched_breakdep:0: the scheduler does not move loads across changes of their base register; gcc 12 sometimes
 # corrects the offset twice when it does, and the code is wrong.
-# -fno-ipa-modref: gcc 12.2 keeps a struct member in a register across a call that changes the member; SipHash is then wrong.
+# -fno-ipa-modref: gcc 12.2 keeps a struct member in a register across a call that changes it (SipHash is wrong).
 FLAGS = (
     "-std=c99",
     "-O2",

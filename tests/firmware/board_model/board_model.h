@@ -13,7 +13,7 @@ typedef struct {
     void *plant_state;
     double adc_zero_um, adc_step_um, dac_low_V, dac_per_V; /* scales of sensor and amplifier */
     uint32_t input_pins;                        /* levels of GP0[0..15] from outside; the A/D's BUSY is added */
-    uint32_t flash_absent;
+    uint32_t flash_absent, pll_fails, power_fails; /* 1: no flash, GO of PLL0 does not end, modules do not follow their command */
 
     /* Time. */
     uint64_t cycle;             /* of the core */

@@ -14,6 +14,13 @@ double seconds(const board_model_t *model, double duration_s);  /* in periods of
 double sysclk2_ratio(const board_model_t *model);               /* periods of SYSCLK2 per period of the crystal */
 void pass_time(board_model_t *model, uint64_t cycle);
 
+void clock_reset(board_model_t *model);
+uint32_t pll_load(const board_model_t *model, uint32_t offset);
+void pll_store(board_model_t *model, uint32_t offset, uint32_t value);
+uint32_t psc_load(board_model_t *model, uint32_t psc, uint32_t offset);
+void psc_store(board_model_t *model, uint32_t psc, uint32_t offset, uint32_t value);
+uint32_t powered(board_model_t *model, uint32_t psc, uint32_t module);
+
 void uart_reset(board_model_t *model);
 uint32_t uart_load(board_model_t *model, uint32_t offset);
 void uart_store(board_model_t *model, uint32_t offset, uint32_t value);

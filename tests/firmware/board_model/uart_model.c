@@ -1,7 +1,7 @@
-/* uart.c: UART2 with its FIFOs of 16 bytes, and an adapter of 115200 bit/s at the other end. A line whose rates differ by more than 3 %
+/* uart_model.c: UART2 with its FIFOs of 16 bytes, and an adapter of 115200 bit/s at the other end. A line whose rates differ by more than 3 %
  * damages every byte. */
 
-#include "model.h"
+#include "parts.h"
 
 #define LINE_HZ 115200.0
 

@@ -1,7 +1,7 @@
-/* flash.c: SPI1 as the drivers use it, and a W25Q64JV on its chip select 0: 24-bit addresses, pages that wrap, bits that only fall, nothing
+/* flash_model.c: SPI1 as the drivers use it, and a W25Q64JV on its chip select 0: 24-bit addresses, pages that wrap, bits that only fall, nothing
  * but the status while it is busy. */
 
-#include "model.h"
+#include "parts.h"
 
 #define SIZE 0x800000u
 #define EMPTY 0x80000000u

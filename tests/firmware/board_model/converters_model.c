@@ -1,8 +1,8 @@
-/* converters.c: the EMIFA bus, an AD7606C-16 on chip select 2 and an AD5547 on chip select 3, and the stage between them. */
+/* converters_model.c: the EMIFA bus, an AD7606C-16 on chip select 2 and an AD5547 on chip select 3, and the stage between them. */
 
 #include <math.h>
 
-#include "model.h"
+#include "parts.h"
 
 /* Shortest strobes that this model lets pass, in seconds: assumptions on the slow side, not of the parts' data sheets. */
 #define READ_STROBE_S 40e-9
