@@ -12,7 +12,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from hysgen.c674x import toolchain
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.toolchain import Firmware
@@ -20,7 +19,8 @@ from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.errors import TargetError
 from hysgen.firmware.host import State
-from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, read_sources
+from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, Sources, read_sources
+from hysgen.firmware.target import compile_placed
 from hysgen.machine.native import build
 from hysgen.model.model import Model
 
@@ -68,7 +68,7 @@ def compile_image(texts: Mapping[str, str]) -> Firmware:
 
     Raises BuildError without the compiler.
     """
-    return toolchain.compile(_sources(texts))
+    return compile_placed(_sources(texts))
 
 
 def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples: int = SAMPLES) -> SimulatedRun:
@@ -130,6 +130,6 @@ def virtual_stage(model: Model) -> tuple[Host, Any]:
     return stage, stage.instance(model.grid.y_min_um, model.u_min_V)
 
 
-def _sources(texts: Mapping[str, str]) -> list[tuple[str, str]]:
+def _sources(texts: Mapping[str, str]) -> Sources:
     generated = c_texts(texts)
     return [*read_sources(CONTROLLER), *read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *generated]

@@ -9,7 +9,7 @@ from typing import Any, Final
 from hysgen.c674x import toolchain
 from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.toolchain import Firmware
-from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
+from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, Sources, read_sources
 
 MEMORIES: Final = {"L2 RAM": (0x11800000, 256 * 1024), "shared RAM": (0x80000000, 128 * 1024)}
 """Memories of the C6748 by name: first address, bytes."""
@@ -59,10 +59,8 @@ def link_image(name: str, texts: Mapping[str, str]) -> LinkedImage:
 
     texts: generated C and model.h by file name. Raises BuildError if there is no compiler or it reports an error.
     """
-    generated = c_texts(texts)
-    script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
-    sources = [*read_sources(CONTROLLER), *read_sources(TARGET_BOARD, "*.[chs]"), *generated]
-    firmware = toolchain.compile(sources, script=script)
+    sources = [*read_sources(CONTROLLER), *read_sources(TARGET_BOARD, "*.[chs]"), *c_texts(texts)]
+    firmware = compile_placed(sources)
     sections = tuple(
         PlacedSection(each.name, each.address, each.size, _memory(each.address))
         for each in firmware.image.sections
@@ -70,6 +68,15 @@ def link_image(name: str, texts: Mapping[str, str]) -> LinkedImage:
     )
     functions = {s.name: s.size for s in firmware.image.symbols.values() if s.function and not s.name.startswith("__")}
     return LinkedImage(name, toolchain.version(), firmware, sections, functions)
+
+
+def compile_placed(sources: Sources) -> Firmware:
+    """Compile for the target and link by the firmware's script, which puts what runs in every period together.
+
+    Raises BuildError as `toolchain.compile`.
+    """
+    script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
+    return toolchain.compile(sources, ("-ffunction-sections",), script)
 
 
 def _memory(address: int) -> str:

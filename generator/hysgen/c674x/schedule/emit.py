@@ -40,7 +40,8 @@ def table_text(name: str, words: tuple[int, ...]) -> str:
 
 def file_text(header: str, functions: Mapping[str, Schedule], tables: Mapping[str, tuple[int, ...]]) -> str:
     """The assembly file of several functions and their tables."""
-    parts = [header, "\t.text\n", *(function_text(name, each) + "\n" for name, each in functions.items())]
+    parts = [header]
+    parts += [f'\t.section .text.{name}, "ax"\n{function_text(name, each)}\n' for name, each in functions.items()]
     if tables:
         parts += ["\t.section .rodata\n", *(table_text(name, words) for name, words in tables.items())]
     return "".join(parts)

@@ -9,6 +9,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs.generate import add_kernels, scheduled
 from hysgen.codegen import write
 from hysgen.display import table
 from hysgen.errors import BuildError, ModelError, TargetError
@@ -37,6 +38,7 @@ BUDGET = 7500
 def firmware_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser, "appendix_a, extended")
     parser.add_argument("-o", "--output", metavar="DIR", help="folder for its C and model.h")
+    add_kernels(parser)
     parser.add_argument(
         "--samples", type=int, default=SAMPLES, metavar="N", help="on the simulator (default %(default)s)"
     )
@@ -48,6 +50,8 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
         model = with_learner(model)
         console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
     texts = firmware_model(model)
+    if arguments.kernels:
+        texts = scheduled(model.name, texts, console)
     if arguments.output:
         check_files(Path(arguments.output), list(texts), "-o", arguments.force)
         write(texts, Path(arguments.output))

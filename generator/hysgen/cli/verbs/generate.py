@@ -43,13 +43,26 @@ def generate_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     add_code_options(parser)
+    add_kernels(parser)
+    parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
+    add_learner_options(parser)
+
+
+def add_kernels(parser: argparse.ArgumentParser) -> None:
+    """The processor whose scheduled kernels take the place of functions."""
     parser.add_argument(
         "--kernels",
         choices=("c674x",),
         help="also write NAME_c674x.s: the functions scheduled for this processor, equal to the C in every bit",
     )
-    parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
-    add_learner_options(parser)
+
+
+def scheduled(name: str, texts: Mapping[str, str], console: Console) -> dict[str, str]:
+    """The generated `texts` with the kernels; warns of each function that stays in C."""
+    found = kernels(name, texts)
+    for function, reason in found.refused.items():
+        console.warn(f"{function} stays in C: {reason}")
+    return with_kernels(name, texts, found)
 
 
 def add_code_options(parser: argparse.ArgumentParser) -> None:
@@ -94,10 +107,7 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
     texts = generate(model, code_options(arguments))
     if arguments.kernels:
-        found = kernels(model.name, texts)
-        texts = with_kernels(model.name, texts, found)
-        for function, reason in found.refused.items():
-            console.warn(f"{function} stays in C: {reason}")
+        texts = scheduled(model.name, texts, console)
     folder = Path(arguments.output)
     if arguments.check:
         return check(texts, folder, console)
