@@ -31,7 +31,10 @@ LEARNER: Final[Mapping[str, Floats]] = {
 
 @dataclass(frozen=True)
 class Proof:
-    """Eva's result of one call; expected: number of checks that an analysis of the whole call reaches."""
+    """Eva's result of one call; expected: number of checks that an analysis of the whole call reaches.
+
+    operations: places of its C where an operation may be undefined (`Verdict`).
+    """
 
     function: str
     inputs: Floats
@@ -40,6 +43,7 @@ class Proof:
     checks: int
     expected: int
     seconds: float
+    operations: int
 
     @property
     def holds(self) -> bool:
@@ -76,10 +80,18 @@ class Proofs:
     def lines(self) -> list[str]:
         """The report as text."""
         rows = [
-            [p.function, p.inputs, str(len(p.alarms)), f"{p.held} of {p.checks}", f"{p.seconds:.1f}"]
+            [p.function, p.inputs, str(p.operations), str(len(p.alarms)), f"{p.held} of {p.checks}", f"{p.seconds:.1f}"]
             for p in self.proofs
         ]
-        text = [self.tool, table(["call", "inputs", "alarms", "checks hold", "s"], rows, left=2)]
+        text = [self.tool, table(["call", "inputs", "operations", "alarms", "checks hold", "s"], rows, left=2)]
+        alarms, operations = (
+            sum(each) for each in zip(*((len(p.alarms), p.operations) for p in self.proofs), strict=True)
+        )
+        held, checks = sum(p.held for p in self.proofs), sum(p.checks for p in self.proofs)
+        text += [
+            f"{len(self.proofs)} analyses: {alarms} alarms at {operations} operations that might be undefined; "
+            f"{held} of {checks} checks hold"
+        ]
         text += [f"ALARM: {p.function}, {p.inputs} inputs: {alarm}" for p in self.proofs for alarm in p.alarms]
         if self.taken_out:
             taken = [[out.about, out.function, str(out.alarms)] for out in self.taken_out]
@@ -118,7 +130,8 @@ def prove(
     for function, inputs in tasks:
         _tell(progress, done / total, f"proving {model.name}_{function}, {inputs} inputs")
         verdict, expected = proved(model, texts, function, inputs)
-        proofs.append(Proof(function, inputs, verdict.alarms, verdict.held, verdict.checks, expected, verdict.seconds))
+        held = verdict.held, verdict.checks, expected
+        proofs.append(Proof(function, inputs, verdict.alarms, *held, verdict.seconds, verdict.operations))
         done += 1
     for guard in outs:
         _tell(progress, done / total, f"without: that {guard.about}")
