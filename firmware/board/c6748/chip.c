@@ -1,12 +1,16 @@
 /* chip.c: start-up of the C6748.
  *
- * Where the values come from. TI's SPRUH79 (technical reference manual) has one chapter per device; pages differ between its revisions,
- * so each block below names the chapter and the register. Pins and modules were compared with two other users of the same numbers:
- * Linux (arch/arm/mach-davinci/da850.c) and U-Boot (da850_pinmux.c, davinci_spi.h). None of it ran on silicon.
+ * Where the values come from. TI's SPRUH79 (technical reference manual) has one chapter per device. The manual itself was not seen;
+ * sections and pages below are those of SPRUH79C (September 2016) as the hardware notes of the public project c6748-hearing-aid cite
+ * them. Where none stands, only the chapter is known. Pins and modules were compared with two other users of the same numbers: Linux
+ * (arch/arm/mach-davinci/da850.c) and U-Boot (da850_pinmux.c, davinci_spi.h). None of it ran on silicon.
  *
- *   SYSCFG  "System Configuration (SYSCFG) Module": KICK0R, KICK1R, PINMUX0 .. 19, CFGCHIP0
- *   PLL0    "Phase-Locked Loop Controller (PLLC)": PLLCTL, PLLM, POSTDIV, PLLDIV1 .. 7, PLLCMD, PLLSTAT
- *   PSC     "Power and Sleep Controller (PSC)": PTCMD, PTSTAT, MDSTATn, MDCTLn; module numbers in the chapter's first table
+ *   SYSCFG  "System Configuration (SYSCFG) Module": KICK0R, KICK1R (10.2.2, p. 204: without effect from silicon revision 2 on),
+ *           register table p. 207, PINMUX1 p. 223, PINMUX4 p. 229, PINMUX5 Table 10-27, p. 230; CFGCHIP0
+ *   PLL0    "Phase-Locked Loop Controller (PLLC)": sequence 7.2.2.2, p. 136; registers 7.3, p. 137; PLLCTL Table 7-8, p. 141; PLLM
+ *           Table 7-12, p. 145; PREDIV p. 145; PLLDIVn, POSTDIV p. 151-152; clock domains Table 6-1, p. 118; PLLCMD, PLLSTAT
+ *   PSC     "Power and Sleep Controller (PSC)": PTCMD, PTSTAT, MDSTATn, MDCTLn; module numbers Table 8-2, p. 166
+ *   GPIO    "General-Purpose Input/Output (GPIO)": register table p. 902, 19.3.3 to 19.3.5, p. 904-908
  *   EMIFA   "External Memory Interface A (EMIFA)": CE2CFG, CE3CFG
  *   UART2   "Universal Asynchronous Receiver/Transmitter (UART)": IER, FCR, LCR, MCR, DLL, DLH, PWREMU_MGMT, MDR
  *   SPI1    "Serial Peripheral Interface (SPI)": SPIGCR0, SPIGCR1, SPIPC0, SPIFMT0, SPIDELAY, SPIDEF
