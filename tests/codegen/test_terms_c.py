@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from fixtures.generated_models import hysteresis
+from fixtures.generated_models import hysteresis, relaxing
 from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, compiled_with, hard_inputs, model_with
 from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.host import Host
@@ -76,6 +76,8 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
         [hysteresis(0)],
         [hysteresis(3)],
         [hysteresis(0, 1)],
+        [relaxing()],
+        [*BLOCKS, relaxing(), *RESPONSES[1:]],
         [Modes((730.0,), (0.05,), (1.0,), 4e-4)],
         [Delay(0.7), Modes((50.0, 730.0), (0.01, 0.3), (0.2, 0.9), 4e-4)],
     ],

@@ -85,6 +85,8 @@ BLOCKS = {
     "states without plays": operator(0, 2),
     "curve": operator(0, 0),
     "falling": falling(),
+    "relaxing": dataclasses.replace(operator(6, 2), relaxation=0.03),
+    "relaxing plays alone": dataclasses.replace(operator(3, 0), relaxation=0.0625),
     "symmetric range": dataclasses.replace(operator(), low_V=-70.0, high_V=70.0),
 }
 by_block = pytest.mark.parametrize("block", BLOCKS.values(), ids=BLOCKS.keys())
@@ -187,6 +189,12 @@ class Plainly:
         x = (2.0 * v_V - self.block.high_V - self.block.low_V) / (self.block.high_V - self.block.low_V)
         return min(max(x, -1.0), 1.0)
 
+    def relaxed(self, z: float, x: float, r: float, s: float) -> float:
+        a = max((r - abs(x - z)) / s, 0.0)
+        end = min(1.0, 1.0 - r + 8.0 * s)
+        step = s * math.exp(-a * (1.0 + a / 32.0)) if a <= 15.0 else 0.0
+        return min(max(z + math.copysign(step, x - z), -end), end)
+
     def apply(self, v_V: float) -> float:
         block, x = self.block, self.normalised(v_V)
         h = sum(a * math.cos(m * math.acos(x)) for m, a in enumerate(block.curve_um))
@@ -194,6 +202,8 @@ class Plainly:
             self.z[j] = max(x - r, min(x + r, self.z[j]))
             row = block.plays_um[j * block.degree : (j + 1) * block.degree]
             h += sum(a * math.cos(m * math.acos(self.z[j])) for m, a in enumerate(row, 1))
+            if block.relaxation:
+                self.z[j] = self.relaxed(self.z[j], x, r, block.relaxation * r)
         for i in range(block.states):
             end = math.copysign(1.0, x - self.last) if x != self.last else self.d[i]
             self.d[i] = end + (self.d[i] - end) * math.exp(-abs(x - self.last) * 2.0**i / block.reach)
@@ -393,7 +403,9 @@ def test_the_state_stays_in_its_box_and_has_no_denormal_number(block: Hysteresis
     for column, path in zip(states.T, paths, strict=True):
         assert box.floats[path].low <= column.min() <= column.max() <= box.floats[path].high
     assert box.through.low <= h.min() <= h.max() <= box.through.high
-    assert (np.abs(states[states != 0.0]) >= LEAST / 2).all()
+    # The steps of plays that relax are multiples of 2^-61 (`twofloat`).
+    least = 2.0**-63 if block.relaxes else LEAST / 2
+    assert (np.abs(states[states != 0.0]) >= least).all()
 
 
 @pytest.mark.parametrize(("function", "inputs"), [("init", "finite"), ("predict", "any"), ("inverse", "any")])
@@ -428,6 +440,8 @@ def test_a_box_that_is_too_small_is_not_proved(path: str, monkeypatch: pytest.Mo
 @by_block
 def test_rest_is_the_output_under_the_same_input(block: Hysteresis) -> None:
     v = np.array([block.low_V, 0.0, 7.25, block.high_V], np.float32)
+    if block.relaxes:  # A play near the end of the range relaxes.
+        v = np.array([50.0, 55.0], np.float32)
     mirror = block.mirror(v, TS_S)
     rest = mirror.rest()
     assert all(mirror.apply(v).tobytes() == rest.tobytes() for _ in range(3))
@@ -453,6 +467,31 @@ def test_constants_are_the_exact_ones_rounded(block: Hysteresis) -> None:
                     a + b
                     for a, b in zip(row, shifted(taken, -side * Fraction(block.half_widths[n]), len(row)), strict=True)
                 ]
+
+
+def test_relaxing_plays_creep_with_the_logarithm_of_time_in_float32_too() -> None:
+    """A play of half-width 0.3 and s = 0.009, held for 1e7 samples: its last steps are far below the last bit of z."""
+    block = Hysteresis(-20.0, 120.0, (5.0, 4.0), (0.3,), (1.0,), relaxation=0.03)
+    v = np.full(10_000_000, 106.0, np.float32)  # x = 0.8: the play rests at 0.7, and is pulled from 0
+    v[0] = 50.0
+    h, _ = Compiled(block, 50.0).apply(v)
+    exact = block.apply(v.astype(np.float64), TS_S)
+    assert np.abs(h - exact).max() < ERROR_UM
+    decades = np.diff(exact[10 ** np.arange(1, 8) - 1])
+    # Without the curvature of the barrier, s ln 10 = 0.0207 per decade; with it 1 + a/16 times less.
+    assert (decades > 0.01).all()
+    assert (decades < 0.0208).all()
+
+
+def test_the_threshold_of_relaxing_plays_grows_with_the_rate() -> None:
+    """The opening of a loop at 1e4 and 1e6 samples a period differs by s ln 100, less the curvature of the barrier."""
+    block = Hysteresis(-20.0, 120.0, (0.0, 1e-9), (0.3,), (1.0,), relaxation=0.03)
+    opening = {}
+    for samples in (10_000, 1_000_000):
+        v = 50.0 + 63.0 * np.sin(2 * np.pi * np.arange(2 * samples) / samples)
+        play = block.apply(v, TS_S)[samples:]
+        opening[samples] = float(np.abs(play[np.abs(v[samples:] - 50.0) < 2.0]).mean())
+    assert 0.6 < (opening[10_000] - opening[1_000_000]) / (0.009 * math.log(100)) < 1.0
 
 
 def powers(series: list[Fraction]) -> list[Fraction]:

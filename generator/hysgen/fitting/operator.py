@@ -36,7 +36,8 @@ class Operator:
 
     plays: number of half-widths r_i of the quadrature; hats: hat functions of r, 0 for a single-valued curve g(u).
     curve, degree: degree of the Chebyshev polynomials of the input and of the plays. reaches: decay lengths of the
-    Duhem states along the path, in half ranges of the input.
+    Duhem states along the path, in half ranges of the input. relaxation: s_j / r_j of plays that relax by thermal
+    activation (`model.path.hysteresis`), 0 for plays that do not.
     """
 
     low_V: float
@@ -46,6 +47,7 @@ class Operator:
     curve: int = 7
     degree: int = 5
     reaches: tuple[float, ...] = (0.06, 0.12, 0.25, 0.5, 1.0)
+    relaxation: float = 0.0
 
     @property
     def size(self) -> int:
@@ -80,7 +82,7 @@ class Operator:
         begin = np.clip(v[0] + start * r, -1.0 + r, 1.0 - r)
         out = np.empty((self.size, len(v)))
         duhem = self.size - 2 * len(self.reaches)
-        basis = PreisachBasis(r, self.hat_weights, self.curve, self.degree if self.hats else 0)
+        basis = PreisachBasis(r, self.hat_weights, self.curve, self.degree if self.hats else 0, self.relaxation)
         preisach_columns(out[:duhem], v, begin, basis)
         duhem_columns(out[duhem:], v, np.array(self.reaches))
         return out
@@ -124,6 +126,7 @@ class Operator:
             tuple(per_play.ravel().tolist()) if plays else (),
             longest,
             tuple(duhem.tolist()),
+            self.relaxation,
         )
 
     def at(self, u_V: float) -> Floats:
@@ -138,7 +141,7 @@ class Operator:
 class PathSize:
     """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states.
 
-    hats: at most `plays` of them are used.
+    hats: at most `plays` of them are used. relaxation: s_j / r_j of plays that relax, 0 for plays that do not.
     """
 
     plays: int = 8
@@ -146,17 +149,19 @@ class PathSize:
     states: int = 5
     hats: int = 4
     curve: int = 7
+    relaxation: float = 0.0
 
-    def to_json(self) -> dict[str, int]:
-        """Plain JSON values."""
-        return dataclasses.asdict(self)
+    def to_json(self) -> dict[str, float]:
+        """Plain JSON values; `relaxation` only of plays that relax."""
+        return {name: value for name, value in dataclasses.asdict(self).items() if name != "relaxation" or value}
 
     def operator(self, low_V: float, high_V: float) -> Operator:
         """The operator of this size over an input range."""
         reaches = tuple(0.5**i for i in range(self.states))
         if not self.plays:
             return Operator(low_V, high_V, hats=0, curve=self.curve, reaches=reaches)
-        return Operator(low_V, high_V, self.plays, min(self.hats, self.plays), self.curve, self.degree, reaches)
+        hats = min(self.hats, self.plays)
+        return Operator(low_V, high_V, self.plays, hats, self.curve, self.degree, reaches, self.relaxation)
 
 
 CURVE = PathSize(plays=0, states=0)

@@ -1,9 +1,9 @@
 """Cycles on the C674x as formulas in rules L, plays m and learned parameters n, fitted to cycles of gcc's code.
 
 Measured with `python benchmarks/target_cycles.py`, stall-free, longest way; least squares of the relative deviation.
-Valid for 2 to 12 rules and 6 to 24 parameters. The formulas behind a path hold for six rules and 4 to 24 plays, 2 Duhem
-states, 4 creep states and one mode; those of the steps lie between plays with coefficients of their own and plays that
-share them (least largest deviation).
+Valid for 2 to 12 rules and 6 to 24 parameters. The formulas behind a path hold for six rules and 4 to 24 plays that do
+not relax, 2 Duhem states, 4 creep states and one mode; those of the steps lie between plays with coefficients of their
+own and plays that share them (least largest deviation).
 """
 
 from __future__ import annotations
@@ -61,6 +61,8 @@ def formulas(model: Model) -> list[tuple[Formula, int]]:
     """The formulas that hold for the structure of `model`, each with its value."""
     rules, kinds = model.grid.rules, [block.kind for block in model.blocks]
     if model.terms or not 2 <= rules <= 12 or (kinds and (kinds != PATH or rules != 6)):
+        return []
+    if any(isinstance(block, Hysteresis) and block.relaxes for block in model.blocks):
         return []
     plays = sum(block.plays for block in model.blocks if isinstance(block, Hysteresis))
     n = learner_numbers(model, coefficients(model)).size if model.learner else 0

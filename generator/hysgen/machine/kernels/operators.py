@@ -21,11 +21,11 @@ void hysgen_modes(size_t samples, size_t modes, const double *u, const double *q
 void hysgen_slew(size_t samples, const double *u, double rise, double fall, double start, double *out);
 """
 _PREISACH = """
-void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state, size_t hats,
-                     const double *hat, size_t curve, size_t degree, double *out);
+void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double share, double *state,
+                     size_t hats, const double *hat, size_t curve, size_t degree, double *out);
 void hysgen_duhem(size_t samples, const double *v, size_t states, const double *reach, double *out);
 void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
-                       const double *radius, const double *play, size_t states, const double *reach,
+                       const double *radius, double share, const double *play, size_t states, const double *reach,
                        const double *duhem, double *state, double *out);
 void hysgen_rate_limit(size_t samples, const double *u, double step, double *out);
 """
@@ -103,13 +103,15 @@ class PreisachBasis:
     """Functions that a Preisach operator is expanded in.
 
     half_width: (m,) of the plays. hat: (m, b) weights of the plays in each of b hat functions of the half-width.
-    curve, degree: highest Chebyshev polynomial of the input and of the plays.
+    curve, degree: highest Chebyshev polynomial of the input and of the plays. relaxation: s_j / r_j of plays that relax
+    by thermal activation (`model.path.hysteresis`), 0 for plays that do not.
     """
 
     half_width: Floats
     hat: Floats
     curve: int
     degree: int
+    relaxation: float = 0.0
 
 
 def preisach_columns(out: Floats, v: Floats, start: Floats, basis: PreisachBasis) -> None:
@@ -131,6 +133,7 @@ def preisach_columns(out: Floats, v: Floats, start: Floats, basis: PreisachBasis
         doubles(library, np.ascontiguousarray(v)),
         plays,
         doubles(library, np.ascontiguousarray(basis.half_width)),
+        basis.relaxation,
         doubles(library, np.array(start, dtype=np.float64)),
         hats,
         doubles(library, np.ascontiguousarray(basis.hat)),
@@ -163,7 +166,7 @@ class HysteresisSeries:
     """Coefficients of a hysteresis operator, all for inputs in [-1, 1].
 
     curve: (C + 1,) of T_0(v) .. T_C(v). half_width: (m,) of the plays. plays: (m, degree) of T_1(z_j) .. T_degree(z_j).
-    reach: (s,) of the Duhem states. duhem: (s, 2) of d_i and d_i |d_i|.
+    reach: (s,) of the Duhem states. duhem: (s, 2) of d_i and d_i |d_i|. relaxation: s_j / r_j of plays that relax.
     """
 
     curve: Floats
@@ -171,6 +174,7 @@ class HysteresisSeries:
     plays: Floats
     reach: Floats
     duhem: Floats
+    relaxation: float = 0.0
 
 
 def hysteresis_path(series: HysteresisSeries, v: Floats, state: Floats) -> tuple[Floats, Floats]:
@@ -190,6 +194,7 @@ def hysteresis_path(series: HysteresisSeries, v: Floats, state: Floats) -> tuple
         half_width.size,
         plays.shape[1] if plays.ndim == 2 else 0,
         doubles(library, half_width),
+        series.relaxation,
         doubles(library, plays),
         reach.size,
         doubles(library, reach),

@@ -12,14 +12,33 @@
 
 enum { MOST = 64, BLOCK = 64 };
 
+#define BEND (1.0 / 32.0) /* curvature of the barrier: 4 ln(attempts per sample) = 32 */
+#define FROZEN 15.0       /* distance from the threshold, in units of s, from which on a play rests */
+#define RELAXED 8.0       /* a play relaxes by this many s beyond 1 - r at most */
+
+/* Relaxation of a play over one sample by thermal activation, v being held; s = share r:
+ *
+ *     z <- z + s exp(-a (1 + a/32)) sign(v - z),   a = (r - |v - z|) / s,   |z| <= min(1, 1 - r + 8 s)
+ */
+static double relaxed(double z, double v, double r, double share)
+{
+    const double s = share * r, way = v - z, a = fmax((r - fabs(way)) / s, 0.0);
+    const double end = fmin(1.0, 1.0 - r + RELAXED * s);
+    if (a > FROZEN) {
+        return z;
+    }
+    return fmax(-end, fmin(end, z + copysign(s * exp(-a * (1.0 + BEND * a)), way)));
+}
+
 /* out[m][k] for k < samples: T_1(v) .. T_curve(v), then for each power p = 1 .. degree and each hat b
  *
  *     sum_i hat[i][b] T_p(z_i(k)),    z_i(k) = max(v - r_i, min(v + r_i, z_i(k-1)))
  *
  * Block by block of samples: only the plays z_i are a recurrence in k. Each sum adds the plays in the order of i.
+ * share > 0: every play relaxes after each sample (`relaxed`).
  */
-WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double *state,
-                            size_t hats, const double *hat, size_t curve, size_t degree, double *out)
+WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double share,
+                            double *state, size_t hats, const double *hat, size_t curve, size_t degree, double *out)
 {
     double sum[MOST][BLOCK], z[BLOCK], before[BLOCK], now[BLOCK];
     /* A hat is zero outside the few neighbouring plays first .. last - 1. */
@@ -62,6 +81,7 @@ WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const
                 last_z = last_z > high ? high : last_z;
                 last_z = last_z < low ? low : last_z;
                 z[k] = last_z;
+                last_z = share > 0.0 ? relaxed(last_z, u[k], radius[i], share) : last_z;
             }
             state[i] = last_z;
             for (size_t k = 0; k < n; k++) {
@@ -117,10 +137,11 @@ void hysgen_duhem(size_t samples, const double *v, size_t states, const double *
  *
  *     h = sum_m curve[m] T_m(v) + sum_j sum_p play[j][p] T_(p+1)(z_j) + sum_i (duhem[2 i] d_i + duhem[2 i + 1] d_i |d_i|)
  *
- * state: z_j, then d_i, then the input before the first sample; on return those of the last sample.
+ * state: z_j, then d_i, then the input before the first sample; on return those of the last sample. share > 0: every
+ * play relaxes after each sample (`relaxed`).
  */
 void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
-                       const double *radius, const double *play, size_t states, const double *reach,
+                       const double *radius, double share, const double *play, size_t states, const double *reach,
                        const double *duhem, double *state, double *out)
 {
     double *z = state, *d = state + plays, *last = d + states;
@@ -144,6 +165,7 @@ void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const doub
                 before = now;
                 now = next;
             }
+            z[j] = share > 0.0 ? relaxed(z[j], v[k], radius[j], share) : z[j];
         }
         const double dv = v[k] - *last;
         for (size_t i = 0; i < states; i++) {

@@ -1,4 +1,4 @@
-"""Hysteresis: the quasi-static displacement, a rate-independent functional of the voltage.
+"""Hysteresis: the displacement as a functional of the past voltages, rate-independent unless the plays relax.
 
     h(k) = g0(x) + sum_j g_j(z_j) + sum_i (b_i d_i + c_i d_i |d_i|)                              [um]
     x = (v - middle) / half range, limited to -1 .. 1
@@ -10,6 +10,15 @@ operator (Brokate and Sprekels, 1996, chapter 2.4). The Duhem states decay along
 and add operators such as Dahl's and Bouc-Wen's; their decay lengths halve from state to state, so that all of them cost
 one exponential, e_(i+1) = e_i^2. Without plays and Duhem states the block is a single-valued curve.
 
+With relaxation > 0 the domains switch by thermal activation: after each sample every play moves on, the input held,
+
+    z_j <- z_j + s_j exp(-a_j (1 + a_j / 32)) sign(x - z_j),   a_j = (r_j - |x - z_j|) / s_j,   s_j = relaxation r_j
+
+where a_j <= 15 and |z_j| <= min(1, 1 - r_j + 8 s_j). The exponent is a barrier that falls with the square of the field
+(Neel, 1949; Sharrock, 1994), with exp(8) attempts per sample. At rest z_j moves by s_j per factor e of time (creep);
+under drive the threshold grows by s_j per factor e of the rate, both less the curvature of the barrier. Within a sample
+dh/dv is that of plays that do not relax.
+
 `fitting` requires dh/dv > 0 along the record's path and sampled paths over the range, not of every g_j alone. There h
 rises with v, and the inverse is a root of a rising, piecewise smooth function.
 """
@@ -19,7 +28,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -28,14 +37,19 @@ from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock
 from hysgen.model.path.hysteresis_mirror import (
+    BARRIER,
+    FROZEN,
+    RELAXED,
     RESIDUAL,
     RESIDUAL_UM,
     SLACK,
     HysteresisMirror,
     Numbers,
+    RelaxingMirror,
     newton_steps,
 )
 from hysgen.model.structs import Member, Quantity
+from hysgen.model.twofloat import KEPT
 
 LEAST_HALF_WIDTH = 2.0**-12
 """Smallest half-width of a play: the state x - r or x + r of a play is then 0 or at least 2^-40 in magnitude."""
@@ -43,6 +57,9 @@ LEAST_HALF_WIDTH = 2.0**-12
 LEAST_REACH, LEAST_LAST_REACH = 0.3607, 0.0451
 """Smallest decay lengths of the first and of the last Duhem state, in half ranges. Over the whole range the first
 state decays by 2^(-2 log2(e) / reach) >= 2^-8, the limit of the float32 power of two, the last by 2^-64 or more."""
+
+LEAST_RELAXATION, MOST_RELAXATION = 2.0**-9, 2.0**-4
+"""Limits of s_j / r_j. Above 1/16 a play would move at |x - z| = 0, below 1/512 the last bit of z exceeds s/1000."""
 
 GROUP = 6
 """Plays that the C computes side by side: of 12 plays on the C674x, groups of 3, 4 and 6 take 277, 274, 271 cycles."""
@@ -58,9 +75,10 @@ class Hysteresis(InputBlock):
 
     curve_um: of T_0(x) .. T_C(x) in g0. half_widths: r_j in half ranges, rising, below 1. plays_um: of T_1(z_j) ..
     T_D(z_j) in g_j, play after play. reach: the longest decay length of the Duhem states in half ranges. duhem_um: b_0,
-    c_0, b_0, c_0, ..., from the longest decay length on.
-    Raises ValueError if sizes disagree, or if a half-width or a decay length has no float32 form (LEAST_HALF_WIDTH,
-    LEAST_REACH, LEAST_LAST_REACH).
+    c_0, b_0, c_0, ..., from the longest decay length on. relaxation: s_j / r_j, 0 for plays that do not relax; it
+    belongs to the sampling period of the model.
+    Raises ValueError if sizes disagree, or if a half-width, a decay length or the relaxation has no float32 form
+    (LEAST_HALF_WIDTH, LEAST_REACH, LEAST_LAST_REACH, LEAST_RELAXATION, MOST_RELAXATION).
     """
 
     kind: ClassVar[str] = "hysteresis"
@@ -70,6 +88,7 @@ class Hysteresis(InputBlock):
         ),
         "curve": Quantity("coefficients of g0 with the first n plays, for either direction", "um"),
         "play": Quantity("half-width [half ranges] and coefficients [um] of each play"),
+        "relax": Quantity("s [half ranges], 1 / s and largest magnitude [half ranges] of each play that relaxes"),
         "rate": Quantity("exponent of the first Duhem state per half range"),
         "duhem": Quantity("b and c [um], 1 / reach of each Duhem state"),
     }
@@ -85,6 +104,7 @@ class Hysteresis(InputBlock):
     plays_um: tuple[float, ...] = ()
     reach: float = 1.0
     duhem_um: tuple[float, ...] = ()
+    relaxation: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.low_V < self.high_V:
@@ -103,8 +123,31 @@ class Hysteresis(InputBlock):
                 f"reach must be at least {LEAST_REACH} half ranges, and that of the last Duhem state "
                 f"{LEAST_LAST_REACH}: over the whole range a state decays by a float32 power of two"
             )
+        if self.relaxation and not (self.plays and LEAST_RELAXATION <= self.relaxation <= MOST_RELAXATION):
+            raise ValueError("relaxation must be 0, or lie between 1/512 and 1/16 in a block with plays")
         if not np.isfinite([*self.curve_um, *self.plays_um, *self.duhem_um]).all():
             raise ValueError("the coefficients must be finite")
+
+    def to_json(self) -> dict[str, Any]:
+        plain = super().to_json()
+        if not self.relaxation:
+            del plain["relaxation"]
+        return plain
+
+    @property
+    def two_words(self) -> bool:  # type: ignore[override]
+        """Whether the plays are sums of two words: increments at rest are below the last bit of one."""
+        return self.relaxes
+
+    @property
+    def relaxes(self) -> bool:
+        """Whether the plays relax."""
+        return self.relaxation > 0.0
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """Largest magnitude of every play, in half ranges."""
+        return tuple(min(1.0, 1.0 - r + RELAXED * self.relaxation * r) for r in self.half_widths)
 
     @property
     def plays(self) -> int:
@@ -135,6 +178,7 @@ class Hysteresis(InputBlock):
             np.array(self.plays_um).reshape(self.plays, self.degree),
             np.array(self.reaches),
             np.array(self.duhem_um).reshape(self.states, 2),
+            self.relaxation,
         )
 
     @property
@@ -145,8 +189,9 @@ class Hysteresis(InputBlock):
     def describe(self) -> str:
         if not self.plays and not self.states:
             return f"curve of degree {len(self.curve_um) - 1}"
+        relaxing = f", relaxing by {self.relaxation:.3g} of their half-widths" if self.relaxes else ""
         return (
-            f"{self.plays} plays of degree {self.degree}, {self.states} Duhem states, "
+            f"{self.plays} plays of degree {self.degree}{relaxing}, {self.states} Duhem states, "
             f"curve of degree {len(self.curve_um) - 1}"
         )
 
@@ -169,8 +214,8 @@ class Hysteresis(InputBlock):
         """Range of h for inputs in u_V, whatever the past: the sum of the ranges of its parts."""
         x = self.normalised(np.array([u_V.low, u_V.high]))
         low, high = _range(np.array(self.curve_um), float(x[0]), float(x[1]))
-        for r, row in zip(self.half_widths, self.series.plays, strict=True):
-            less, more = _range(np.array([0.0, *row]), r - 1.0, 1.0 - r)
+        for end, row in zip(self.ends, self.series.plays, strict=True):
+            less, more = _range(np.array([0.0, *row]), -end, end)
             low, high = low + less, high + more
         for b, c in self.series.duhem:
             d = np.linspace(-1.0, 1.0, PLACES)
@@ -183,8 +228,8 @@ class Hysteresis(InputBlock):
         x = np.linspace(-1.0, 1.0, PLACES)
         slopes = chebyshev.chebval(x, chebyshev.chebder(np.array(self.curve_um)))
         low, high = float(slopes.min()), float(slopes.max())
-        for r, row in zip(self.half_widths, self.series.plays, strict=True):
-            z = np.linspace(r - 1.0, 1.0 - r, PLACES)
+        for end, row in zip(self.ends, self.series.plays, strict=True):
+            z = np.linspace(-end, end, PLACES)
             moved = chebyshev.chebval(z, chebyshev.chebder(np.array([0.0, *row])))
             low, high = low + min(float(moved.min()), 0.0), high + max(float(moved.max()), 0.0)
         for (b, c), reach in zip(self.series.duhem, self.reaches, strict=True):
@@ -220,6 +265,16 @@ class Hysteresis(InputBlock):
         return [last_first[i : i + size] for i in range(0, self.plays, size)]
 
     @property
+    def frozen(self) -> np.float32:
+        """Distance from the threshold, in units of s, from which on a play does not relax."""
+        return FROZEN
+
+    @property
+    def barrier(self) -> tuple[np.float32, np.float32]:
+        """Coefficients of the exponent of a play's step (`hysteresis_mirror.BARRIER`)."""
+        return BARRIER
+
+    @property
     def slack(self) -> np.float32:
         """Distance in half ranges from which on the inverse takes a play along."""
         return SLACK
@@ -233,18 +288,26 @@ class Hysteresis(InputBlock):
 
             |h - c_0| <= sum_m |c_m| + sum_j sum_m |c_jm| (1 - r_j)^m + sum_i (|b_i| + |c_i|)
 
-        times 1.001 for rounding errors. `solve` finds voltages within the input range.
+        times 1.001 for rounding errors. Plays that relax lie in [-1, 1] after a sample and in [-2, 2] while x - r and
+        x + r bound them, which intervals do not relate to x; their lower words are those of `twofloat`. `solve` finds
+        voltages within the input range.
         """
         number = self.numbers
         ways = [symmetric(float(np.float32(1.0) - row[0])) for row in number.play]
+        moving = [
+            symmetric(1.0 + float(row[0])) if self.relaxes else way for way, row in zip(ways, number.play, strict=True)
+        ]
         sizes = [
             sum(abs(float(c)) * way.high ** (m + 1) for m, c in enumerate(row[1:]))
-            for way, row in zip(ways, number.play, strict=True)
+            for way, row in zip(moving, number.play, strict=True)
         ]
         size = float(np.abs(number.curve[0, 0, 1:]).sum()) + sum(sizes) + float(np.abs(number.duhem[:, :2]).sum())
         middle = float(number.curve[0, 0, 0])
         h = Interval(middle, middle).outwards(1.001 * size + 1e-6 * abs(middle))
         floats = {f"play[{j}]": way for j, way in enumerate(ways)}
+        if self.relaxes:
+            floats |= {f"play[{j}]": symmetric(float(row[2])) for j, row in enumerate(number.relax)}
+            floats |= {f"play_low[{j}]": KEPT for j in range(self.plays)}
         if self.plays:
             floats |= {f"sum_um[{j}]": symmetric(1.001 * sum(sizes[j:])).outwards() for j in range(self.plays + 1)}
         if self.states:
@@ -259,6 +322,9 @@ class Hysteresis(InputBlock):
             Member("play", "float", "positions z_j of the plays", (self.plays,), unit="half ranges"),
             Member("sum_um", "float", "sum of the outputs of the plays from j on", (self.plays + 1,), unit="um"),
         )
+        low = Member(
+            "play_low", "float", "rounding errors of `play`, added to the next steps", (self.plays,), unit="half ranges"
+        )
         duhem = (
             Member("left", "float", "Duhem states as 1 - d_i at the last turn of the input", (self.states,)),
             Member("back", "float", "Duhem states as 1 - d_i after a turn at the present input", (self.states,)),
@@ -268,10 +334,12 @@ class Hysteresis(InputBlock):
             Member("last", "float", "last input of the block", unit="half ranges"),
             Member("h_um", "float", "last output of the block", unit="um"),
         )
-        return (*(plays if self.plays else ()), *(duhem if self.states else ()), *last)
+        play, sums = plays
+        moving = (play, low, sums) if self.relaxes else plays
+        return (*(moving if self.plays else ()), *(duhem if self.states else ()), *last)
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> HysteresisMirror:
-        return HysteresisMirror(self.numbers, self.members(), self.steps, u_V)
+        return (RelaxingMirror if self.relaxes else HysteresisMirror)(self.numbers, self.members(), self.steps, u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         number = self.numbers
@@ -281,6 +349,8 @@ class Hysteresis(InputBlock):
         }
         if self.plays:
             found["play"] = number.play.ravel()
+        if self.relaxes:
+            found["relax"] = number.relax.ravel()
         if self.states:
             found["rate"] = np.array([number.rate])
             found["duhem"] = number.duhem.ravel()
@@ -296,6 +366,7 @@ class Hysteresis(InputBlock):
         return (
             cls(-20.0, 120.0, curve, r, tuple(plays.ravel().tolist()), 0.8, duhem),
             cls(-20.0, 120.0, curve),
+            cls(-20.0, 120.0, curve, r, tuple(plays.ravel().tolist()), 0.8, duhem, 0.03),
         )
 
 

@@ -42,6 +42,7 @@ from hysgen.model.float32_constants import LEAST, RECIPROCAL_SEED
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member
+from hysgen.model.twofloat import accumulate
 
 SLACK: Final = np.float32(2.0**-22)
 """Distance in half ranges from which on `solve` takes a play along; larger than the rounding error of z + r."""
@@ -54,6 +55,14 @@ RESIDUAL_UM: Final = 5e-6
 RESIDUAL: Final = 2.0**-21
 """Residual of `solve` up to which no further step is taken, in um, or as a part of a range of h above 10 um: half of
 the largest that the inverse of the model may leave, and three times the rounding error of a range of 10 um."""
+
+RELAXED: Final = 8.0
+FROZEN: Final = np.float32(15.0)
+"""A play relaxes by RELAXED s beyond 1 - r at most, and not at all FROZEN s or more from its threshold."""
+
+BARRIER: Final = (np.float32(0.25 * 1.4426950408889634), np.float32(0.25 * 1.4426950408889634 / 32.0))
+"""Coefficients of a and a^2 in the exponent -log2(e) a (1 + a/32) / 4 of the fourth root of a play's relative step; the
+fourth root, because the argument of the float32 power of two is at most 8 in magnitude."""
 
 LANES: Final = 4096
 JUMPS: Final = 16
@@ -81,7 +90,7 @@ class Numbers:
         side [g0(side x) + sum_(j < n) g_j(side (x - r_j))],   first for side = 1, then for side = -1
 
     rate: exponent of the first Duhem state, -log2(e) / reach. duhem: (s, 3) b, c, 1 / reach. slope: least and largest
-    dh/dx of a Newton step, and 1 / mean dh/dx.
+    dh/dx of a Newton step, and 1 / mean dh/dx. relax: (m, 3) s, 1 / s and largest |z| of plays that relax, else (0, 3).
     """
 
     middle: np.float32
@@ -92,6 +101,7 @@ class Numbers:
     rate: np.float32
     duhem: Floats32
     slope: Floats32
+    relax: Floats32
 
     @classmethod
     def of(cls, series: HysteresisSeries, range_V: Interval, slopes: Interval, mean_slope: float) -> Numbers:
@@ -123,7 +133,17 @@ class Numbers:
             np.float32(-LOG2_E / series.reach[0]) if series.reach.size else ZERO,
             duhem,
             _newton_slopes(slopes, mean_slope),
+            _relaxations(series),
         )
+
+
+def _relaxations(series: HysteresisSeries) -> Floats32:
+    """(m, 3) s, 1 / s and largest |z| of plays that relax; (0, 3) of others."""
+    if not series.relaxation:
+        return np.zeros((0, 3), np.float32)
+    s = series.relaxation * series.half_width
+    ends = np.minimum(1.0, 1.0 - series.half_width + RELAXED * s)
+    return np.column_stack([s, 1.0 / s, ends]).astype(np.float32)
 
 
 def _powers(series: Floats) -> Floats:
@@ -263,6 +283,41 @@ class HysteresisMirror(BlockMirror):
         return found
 
 
+class RelaxingMirror(HysteresisMirror):
+    """The same operator with plays that relax after each sample; play_low: lower words of the plays.
+
+    `apply` returns the output before the relaxation. sum_um and h_um are those of the relaxed plays, from which `solve`
+    starts.
+    """
+
+    def __init__(self, numbers: Numbers, members: tuple[Member, ...], steps: int, v_V: Floats32) -> None:
+        self.play_low = [np.zeros_like(v_V) for _ in numbers.play]
+        self._rest = v_V
+        super().__init__(numbers, members, steps, v_V)
+
+    def rest(self) -> Floats32:
+        return self._rest
+
+    def apply(self, u_V: Floats32) -> Floats32:
+        h = super().apply(u_V)
+        x, before = self.last, self.sum_um[0]
+        for j, (row, (s, per_s, end)) in enumerate(zip(self._numbers.play, self._numbers.relax, strict=True)):
+            z = self.play[j]
+            way = x - z
+            far = (row[0] - np.abs(way)) * per_s
+            near = limited(far, ZERO, FROZEN)
+            root = power_of_two(-(near * (BARRIER[0] + BARRIER[1] * near)))
+            square = root * root
+            step = np.where(far > FROZEN, ZERO, s * (square * square))
+            z, self.play_low[j] = accumulate(z, self.play_low[j], np.where(way < ZERO, -step, step))
+            self.play[j] = limited(z, -end, end)
+        for j in reversed(range(len(self.play))):
+            self.sum_um[j] = self.sum_um[j + 1] + _play(self.play[j], self._numbers.play[j])
+        self._rest = h
+        self.h_um = h + (self.sum_um[0] - before)
+        return h
+
+
 def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest: float) -> int:
     """Fewest Newton steps with which `solve` leaves at most `largest` um of random jumps, MOST_STEPS at most.
 
@@ -273,7 +328,8 @@ def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest
     ends = drawn(rng, range_V.low, range_V.high, (JUMPS + 1) * LANES).reshape(JUMPS + 1, LANES).astype(np.float32)
     sizes = np.repeat(np.array([1.0, 0.3, 0.1, 0.03], np.float32), LANES // 4)
     v_V = ends[0]
-    mirror = HysteresisMirror(numbers, block.members(), MOST_STEPS, v_V)
+    kind = RelaxingMirror if numbers.relax.size else HysteresisMirror
+    mirror = kind(numbers, block.members(), MOST_STEPS, v_V)
     states, jumps, residuals = [], [], []
     for end in ends[1:]:
         v_V = v_V + sizes * (end - v_V)
