@@ -26,6 +26,9 @@ from hysgen.model.path.hysteresis import Hysteresis
 
 Floats = NDArray[np.float64]
 
+SEARCHED = -1.0
+"""Relaxation of a `PathSize` that the fit finds."""
+
 TOUCHING = 1e-9
 """Distance from the end of its play, in half ranges, up to which the input takes the play along."""
 
@@ -141,7 +144,8 @@ class Operator:
 class PathSize:
     """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states.
 
-    hats: at most `plays` of them are used. relaxation: s_j / r_j of plays that relax, 0 for plays that do not.
+    hats: at most `plays` of them are used. relaxation: s_j / r_j of plays that relax, SEARCHED for the value of least
+    error, 0 for plays that do not relax.
     """
 
     plays: int = 8

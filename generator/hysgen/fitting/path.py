@@ -25,7 +25,7 @@ from scipy.optimize import minimize_scalar
 from hysgen.certify.path_inverse import strokes, turning_points
 from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
-from hysgen.fitting.operator import Operator, PathSize
+from hysgen.fitting.operator import SEARCHED, Operator, PathSize
 from hysgen.fitting.windows import windows
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import exp
@@ -63,6 +63,10 @@ ROUNDS, ADDED = 200, 30
 
 LATEST_COVERED = 0.3
 """Largest share of a segment that is left out until the input has covered its range."""
+
+RELAXATIONS = (0.008, 0.0625)
+"""Range in which the relaxation is searched: barriers of 45 to 150 kT with 1e3 to 1e6 attempts a sample have 0.01 to
+0.05."""
 
 CREPT = (1 / 30, 1 / 8)
 """Time constants of the creep that the motion before a record has caused, as shares of its length."""
@@ -120,19 +124,63 @@ class PathColumns:
 
 
 def path_columns(task: PathTask, trust: Trust) -> PathColumns:
-    """The columns of a path, with the lag of least error on the rows of `trust`; with modes, the lag is theirs."""
-    held, rows, first = [], [], 0
+    """The columns of a path, with lag and relaxation of least error on the rows of `trust`.
+
+    A path with modes has their lag; the relaxation is searched if the size requires it (`SEARCHED`).
+    """
+    rows, first = [], 0
+    for segment in task.record.segments:
+        rows += [first + np.arange(at.start, at.stop) for at in windows(segment.samples, task.record.samples)]
+        first += segment.samples
+    problem = PathColumns(task, 0.0, np.zeros((0, 0)), np.concatenate(rows))
+    kept = _Kept.of(problem, trust)
+    if task.size.relaxation == SEARCHED:
+        task = _relaxing(task, _searched_relaxation(problem, kept))
+        problem = dataclasses.replace(problem, task=task)
+    held = _held(task)
+    lag_s = _lag(problem, kept, held)
+    return dataclasses.replace(problem, lag_s=lag_s, columns=np.hstack([_lagged(task, one, lag_s) for one in held]))
+
+
+def _relaxing(task: PathTask, relaxation: float) -> PathTask:
+    """The task with plays of this relaxation."""
+    return dataclasses.replace(task, size=dataclasses.replace(task.size, relaxation=relaxation))
+
+
+def _held(task: PathTask) -> list[_Held]:
+    """The columns of `_behind` on every window of the record."""
+    held = []
     for segment in task.record.segments:
         behind = _behind(task, segment)
         share = np.arange(segment.samples) / segment.samples
         for at in windows(segment.samples, task.record.samples):
             held.append(_Held(behind[0][:, at].copy(), behind[1][:, at].copy(), share[at]))
-            rows.append(first + np.arange(at.start, at.stop))
-        first += segment.samples
-    problem = PathColumns(task, 0.0, np.zeros((0, 0)), np.concatenate(rows))
-    modes = next((block for block in task.blocks if isinstance(block, Modes)), None)
-    lag_s = _searched_lag(problem, _Kept.of(problem, trust), held) if modes is None else modes.lag_s
-    return dataclasses.replace(problem, lag_s=lag_s, columns=np.hstack([_lagged(task, one, lag_s) for one in held]))
+    return held
+
+
+def _lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> float:
+    modes = next((block for block in problem.task.blocks if isinstance(block, Modes)), None)
+    return _searched_lag(problem, kept, held) if modes is None else modes.lag_s
+
+
+def _searched_relaxation(problem: PathColumns, kept: _Kept) -> float:
+    """The relaxation of least error without constraints within RELAXATIONS, with the lag that fits their middle."""
+    low, high = np.log(RELAXATIONS)
+    middle = _relaxing(problem.task, float(np.exp(0.5 * (low + high))))
+    lag_s = _lag(dataclasses.replace(problem, task=middle), kept, _held(middle))
+
+    def error(log_relaxation: float) -> float:
+        task = _relaxing(problem.task, float(np.exp(log_relaxation)))
+        return _error(problem, kept.fewer, np.hstack([_lagged(task, one, lag_s) for one in _held(task)]))
+
+    best = minimize_scalar(error, bounds=(low, high), method="bounded", options={"xatol": 0.03})
+    return float(np.exp(best.x))
+
+
+def _error(problem: PathColumns, kept: _Kept, columns: Floats) -> float:
+    """||A x - b||^2 of the least-squares solution x without constraints, less the constant ||b||^2."""
+    _, d, _ = _triangular(dataclasses.replace(problem, columns=columns).of(kept.rows), kept)
+    return -float(d @ d)
 
 
 def path_model(problem: PathColumns, trust: Trust) -> Model:
@@ -194,6 +242,11 @@ class _Kept:
         y_um = np.concatenate([segment.y_um for segment in task.record.segments])
         return cls(rows, np.sqrt(weight[rows]), y_um[rows])
 
+    @property
+    def fewer(self) -> _Kept:
+        """Every fourth row."""
+        return _Kept(self.rows[::4], self.weight[::4], self.y_um[::4])
+
 
 def _passed_V(task: PathTask) -> tuple[float, float]:
     """Range of the voltage behind limits, slew and delay."""
@@ -245,13 +298,9 @@ def _lagged(task: PathTask, held: _Held, lag_s: float) -> Floats:
 def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> float:
     """The lag of least error without constraints, between a fifth and five times the best of the task's."""
     task = problem.task
-    few = dataclasses.replace(kept, rows=kept.rows[::4], weight=kept.weight[::4], y_um=kept.y_um[::4])
 
     def error(log_lag: float) -> float:
-        lagged = np.hstack([_lagged(task, one, float(np.exp(log_lag))) for one in held])
-        _, d, _ = _triangular(dataclasses.replace(problem, columns=lagged).of(few.rows), few)
-        # ||A x - b||^2 = ||b||^2 - ||d||^2 at the least-squares solution.
-        return -float(d @ d)
+        return _error(problem, kept.fewer, np.hstack([_lagged(task, one, float(np.exp(log_lag))) for one in held]))
 
     middle = min((float(np.log(lag_s)) for lag_s in task.lags_s), key=error)
     low = max(middle - np.log(5.0), float(np.log(0.02 * task.record.Ts_s)))
