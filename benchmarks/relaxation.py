@@ -4,8 +4,8 @@ Run:  python benchmarks/relaxation.py [--seeds 500:510]
 
 Each stage is that of the family `thermal` without other effects (`stage/families/plants.py`): 32 000 rows to fit,
 16 000 rows of another command to score, both after a movement that the records do not contain. `before`: the best, on
-the scored rows, of the plays and Duhem states in the sizes of the cause `memory`, alone and with creep; `after`: plays that
-relax, in one size. The noise is subtracted from the powers of both in the last column.
+the scored rows, of the plays and Duhem states in the sizes of the cause `memory`, alone and with creep; `after`: plays
+that relax, in one size. The noise is subtracted from the powers of both in the last column.
 """
 
 from __future__ import annotations
