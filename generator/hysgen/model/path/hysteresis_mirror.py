@@ -206,14 +206,17 @@ class HysteresisMirror(BlockMirror):
 
     def apply(self, u_V: Floats32) -> Floats32:
         x = self._normalised(u_V)
-        for j, row in enumerate(self._numbers.play):
-            z, low, high = self.play[j], x - row[0], x + row[0]
-            pulled = np.where(z > high, high, z)
-            self.play[j] = np.where(pulled < low, low, pulled)
         h = _series(x, self._numbers.curve[0, 0])
         if self.play:
+            # All plays in one call, (plays, lanes): each operation rounds as for one play.
+            rows = self._numbers.play.T[:, :, None]
+            z, low, high = np.array(self.play), x - rows[0], x + rows[0]
+            pulled = np.where(z > high, high, z)
+            z = np.where(pulled < low, low, pulled)
+            self.play = list(z)
+            parts_um = z * _horner(z, rows[1:])
             for j in reversed(range(len(self.play))):
-                self.sum_um[j] = self.sum_um[j + 1] + _play(self.play[j], self._numbers.play[j])
+                self.sum_um[j] = self.sum_um[j + 1] + parts_um[j]
             h = h + self.sum_um[0]
         if len(self._numbers.duhem):
             falls = (x < self.last) | ((self.last < self.turn) & (x <= self.last))
@@ -242,7 +245,7 @@ class HysteresisMirror(BlockMirror):
         falls = way < 0.0
         side: Floats32 = np.where(falls, -ONE, ONE)
         start, aim = side * self.last, side * wanted
-        taken = [side * z + (row[0] - SLACK) for z, row in zip(self.play, self._numbers.play, strict=True)]
+        taken = side * np.array(self.play) + (self._numbers.play[:, :1] - SLACK) if self.play else []
         turn, left = self._turned(falls)
         turn = side * turn
         sums, lane = np.array(self.sum_um), np.arange(wanted.size)
@@ -250,9 +253,9 @@ class HysteresisMirror(BlockMirror):
         found = [x]
         for _ in range(self._steps):
             e = self._decays(x - turn)
-            n = sum(((x > begin).astype(np.int64) for begin in taken), np.zeros(wanted.size, np.int64))
+            n = np.count_nonzero(x > taken, axis=0) if self.play else np.zeros(wanted.size, np.int64)
             missed, slope = _polynomial(x, self._numbers.curve[falls.astype(np.int64), n].T)
-            missed = missed + (side * sums[n, lane] - aim if taken else -aim)
+            missed = missed + (side * sums[n, lane] - aim if self.play else -aim)
             if left:
                 parts = [_duhem(a * decay, row) for a, decay, row in zip(left, e, self._numbers.duhem, strict=True)]
                 missed = missed + _total([part for part, _ in parts])
@@ -382,16 +385,11 @@ def _series(x: Floats32, coefficients: Floats32) -> Floats32:
 
 
 def _horner(x: Floats32, coefficients: Floats32) -> Floats32:
-    """c_0 + x (c_1 + x (c_2 + ...))"""
+    """c_0 + x (c_1 + x (c_2 + ...)); coefficients: (C + 1,), or (C + 1, m, 1) for x, (m, lanes)."""
     value = np.full_like(x, coefficients[-1])
     for coefficient in coefficients[-2::-1]:
         value = coefficient + x * value
     return value
-
-
-def _play(z: Floats32, row: Floats32) -> Floats32:
-    """g(z) = z (c_1 + z (c_2 + z (c_3 + ...))),  row: half-width, c_1, c_2, ..."""
-    return z * _horner(z, row[1:])
 
 
 def _polynomial(x: Floats32, coefficients: Floats32) -> tuple[Floats32, Floats32]:
