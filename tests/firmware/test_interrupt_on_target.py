@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
+from fixtures.c674x_kernels import scheduled_model
 from fixtures.firmware_bench import ModelStage, model
 from hysgen.c674x import interpreter, toolchain
 from hysgen.c674x.footprint import c_texts
@@ -24,6 +25,7 @@ from hysgen.c674x.schedule.folder import kernels, with_kernels
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import State
 from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, read_sources
+from hysgen.model.model import Model
 
 CONTROL = ("amr", "fadcr", "fmcr", "istp", "tsr")
 LINK = 32 + 3
@@ -62,16 +64,21 @@ def changing() -> str:
     return "\n".join(["        .nocmp", "        .text", "        .global main_tick", "main_tick:", *lines, ""])
 
 
+def plant(scheduled: bool) -> Model:
+    """The paper's model, or one of two rules, whose kernels are scheduled five times faster; both learn."""
+    return scheduled_model("small_learning") if scheduled else model()
+
+
 @functools.cache
 def machine(scheduled: bool = False) -> Machine:
     """Controller, model, simulator's board, start.s and the functions above, in the memories of the C6748.
 
-    scheduled: with the model's functions as kernels.
+    scheduled: with the functions of a model of two rules as kernels; every function with a kernel has one.
     """
     need_compiler()
-    texts = firmware_model(model())
+    texts = firmware_model(plant(scheduled))
     if scheduled:
-        texts = with_kernels(model().name, texts, kernels(model().name, texts))
+        texts = with_kernels(plant(scheduled).name, texts, kernels(plant(scheduled).name, texts))
     generated = c_texts(texts)
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
     board = [*read_sources(SIMULATOR_BOARD), *read_sources(*EMPTY_STORE), *read_sources(TARGET_BOARD, "*.s")]
@@ -207,7 +214,7 @@ def test_an_interrupt_before_any_packet_of_the_idle_loop_changes_no_word(
     """The idle loop of a firmware that tracks and learns, in three phases of a commit; inverse and learn interrupt."""
     if scheduled:
         monkeypatch.setattr(sys.modules[__name__], "machine", functools.partial(machine, scheduled=True))
-    target, stage = machine(), ModelStage(model())
+    target, stage = machine(), ModelStage(plant(scheduled))
     target.call("simulated_boot")
     taken, y_um, phases = 0, stage.y_um, 0
     for k in range(1500):
