@@ -34,11 +34,13 @@ def library_name(folder: Path) -> str:
 def build_kernels(folder: Path, compiler: str, target: Path) -> Path:
     """Compile all C files in `folder` to the library in the folder `target`. Returns its path.
 
+    The environment variable ARCHFLAGS names the processor of a wheel for another one than this (macOS).
     Raises subprocess.CalledProcessError with the compiler's messages.
     """
     library = target / library_name(folder)
     target.mkdir(parents=True, exist_ok=True)
     sources = [str(path) for path in sorted(folder.glob("*.c"))]
-    command = [compiler, *STRICT_FLAGS, *OPTIMISATION, "-shared", "-o", str(library), *sources, "-lm"]
+    architecture = os.environ.get("ARCHFLAGS", "").split()
+    command = [compiler, *architecture, *STRICT_FLAGS, *OPTIMISATION, "-shared", "-o", str(library), *sources, "-lm"]
     subprocess.run(command, check=True, capture_output=True, text=True)
     return library
