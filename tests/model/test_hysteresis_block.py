@@ -6,6 +6,7 @@ import dataclasses
 import functools
 import math
 import shutil
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -408,12 +409,18 @@ def test_the_state_stays_in_its_box_and_has_no_denormal_number(block: Hysteresis
     assert (np.abs(states[states != 0.0]) >= least).all()
 
 
+@functools.cache
+def small() -> tuple[Model, Mapping[str, str]]:
+    """A model with three plays, and its C; a box is no part of the C."""
+    model = model_of(operator(3, 2), rules=2)
+    return model, generate(model)
+
+
 @pytest.mark.parametrize(("function", "inputs"), [("init", "finite"), ("predict", "any"), ("inverse", "any")])
 @pytest.mark.slow
 def test_the_box_is_proved(function: str, inputs: Any) -> None:
     need("frama-c")
-    model = model_of(operator(3, 2), rules=2)
-    verdict, expected = prove_call(model, generate(model), function, inputs)
+    verdict, expected = prove_call(*small(), function, inputs)
     assert not verdict.alarms
     assert verdict.held == verdict.checks >= expected > 15
 
@@ -432,8 +439,8 @@ def test_a_box_that_is_too_small_is_not_proved(path: str, monkeypatch: pytest.Mo
         )
 
     monkeypatch.setattr(Hysteresis, "box", narrow)
-    model = model_of(operator(3, 2), rules=2)
-    verdict, _ = prove_call(model, generate(model), "predict", "finite")
+    model, texts = small()
+    verdict, _ = prove_call(model, texts, "predict", "finite")
     assert [alarm for alarm in verdict.alarms if path.split("[")[0] in alarm]
 
 
