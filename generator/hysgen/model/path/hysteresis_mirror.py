@@ -212,11 +212,8 @@ class HysteresisMirror(BlockMirror):
             rows = self._numbers.play.T[:, :, None]
             z, low, high = np.array(self.play), x - rows[0], x + rows[0]
             pulled = np.where(z > high, high, z)
-            z = np.where(pulled < low, low, pulled)
-            self.play = list(z)
-            parts_um = z * _horner(z, rows[1:])
-            for j in reversed(range(len(self.play))):
-                self.sum_um[j] = self.sum_um[j + 1] + parts_um[j]
+            self.play = list(np.where(pulled < low, low, pulled))
+            self._sum_plays()
             h = h + self.sum_um[0]
         if len(self._numbers.duhem):
             falls = (x < self.last) | ((self.last < self.turn) & (x <= self.last))
@@ -228,6 +225,13 @@ class HysteresisMirror(BlockMirror):
             h = np.asarray(h + np.where(falls, -ONE, ONE) * _total(parts))
         self.last, self.h_um = x, h
         return h
+
+    def _sum_plays(self) -> None:
+        """sum_um[j] = sum_um[j + 1] + g_j(z_j),    g(z) = z (c_1 + z (c_2 + z (c_3 + ...)))"""
+        z = np.array(self.play)
+        parts_um = z * _horner(z, self._numbers.play.T[1:, :, None])
+        for j in reversed(range(len(self.play))):
+            self.sum_um[j] = self.sum_um[j + 1] + parts_um[j]
 
     def solve(self, wanted: Floats32) -> Floats32:
         """Voltages, (lanes,), for which `apply` would return `wanted`: the last of `iterates`."""
@@ -314,8 +318,7 @@ class RelaxingMirror(HysteresisMirror):
             step = np.where(far > FROZEN, ZERO, s * (square * square))
             z, self.play_low[j] = accumulate(z, self.play_low[j], np.where(way < ZERO, -step, step))
             self.play[j] = limited(z, -end, end)
-        for j in reversed(range(len(self.play))):
-            self.sum_um[j] = self.sum_um[j + 1] + _play(self.play[j], self._numbers.play[j])
+        self._sum_plays()
         self._rest = h
         self.h_um = h + (self.sum_um[0] - before)
         return h
