@@ -249,7 +249,11 @@ class HysteresisMirror(BlockMirror):
         falls = way < 0.0
         side: Floats32 = np.where(falls, -ONE, ONE)
         start, aim = side * self.last, side * wanted
-        taken = side * np.array(self.play) + (self._numbers.play[:, :1] - SLACK) if self.play else []
+        taken = (
+            side * np.array(self.play) + (self._numbers.play[:, :1] - SLACK)
+            if self.play
+            else np.zeros((0, 1), np.float32)
+        )
         turn, left = self._turned(falls)
         turn = side * turn
         sums, lane = np.array(self.sum_um), np.arange(wanted.size)
@@ -257,7 +261,7 @@ class HysteresisMirror(BlockMirror):
         found = [x]
         for _ in range(self._steps):
             e = self._decays(x - turn)
-            n = np.count_nonzero(x > taken, axis=0) if self.play else np.zeros(wanted.size, np.int64)
+            n = (x > taken).sum(axis=0, dtype=np.int64)
             missed, slope = _polynomial(x, self._numbers.curve[falls.astype(np.int64), n].T)
             missed = missed + (side * sums[n, lane] - aim if self.play else -aim)
             if left:
