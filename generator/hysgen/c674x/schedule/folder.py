@@ -20,7 +20,7 @@ from hysgen.c674x.schedule.emit import file_text
 from hysgen.c674x.schedule.from_c import kernel
 from hysgen.c674x.schedule.plans import shortest
 from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Schedule
-from hysgen.codegen.manifest import MANIFEST
+from hysgen.codegen.manifest import CMAKE, MANIFEST
 from hysgen.errors import TargetError
 from hysgen.machine.files import digest
 
@@ -78,9 +78,10 @@ def with_kernels(name: str, texts: Mapping[str, str], found: Kernels) -> dict[st
     changed = dict(texts) | {
         f"{name}.c": _choice(name, source),
         assembly_file(name): file_text(_header(name, found), found.schedules, found.tables),
+        CMAKE: _with_assembly(name, texts[CMAKE]),
     }
     facts = json.loads(texts[MANIFEST])
-    for file in (f"{name}.c", assembly_file(name)):
+    for file in (f"{name}.c", assembly_file(name), CMAKE):
         facts["files"][file] = digest(changed[file].encode())
     facts["files"] = dict(sorted(facts["files"].items()))
     facts["kernels"] = {
@@ -108,6 +109,28 @@ def _choice(name: str, source: str) -> str:
     if source.count(include) != 1:
         raise TargetError(f"{name}.c: {include.strip()} is expected once")
     return source.replace(include, "\n".join(lines) + "\n")
+
+
+def _with_assembly(name: str, project: str) -> str:
+    """CMakeLists.txt with the file of the kernels in the library, under the same condition as in the C."""
+    upper = name.upper()
+    example = "\nif(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR)\n    add_executable("
+    lines = [
+        "",
+        f"# The kernels, on the C674x only and without {upper}_PORTABLE, as in the C; this compiler has no -fPIC.",
+        "include(CheckCSourceCompiles)",
+        "set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)",
+        "check_c_source_compiles(",
+        f'    "#if !defined(_TMS320C6X) || defined({upper}_PORTABLE)\\n#error\\n#endif\\nint x;" {upper}_KERNELS)',
+        f"if({upper}_KERNELS)",
+        "    enable_language(ASM)",
+        f"    target_sources({name} PRIVATE {assembly_file(name)})",
+        f"    set_target_properties({name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)",
+        "endif()",
+    ]
+    if project.count(example) != 1:
+        raise TargetError(f"{CMAKE}: the example is expected once")
+    return project.replace(example, "\n".join(lines) + "\n" + example)
 
 
 def _left_out(name: str, source: str, function: str) -> str:

@@ -12,6 +12,7 @@ from hysgen.c674x.cost.budget_file import FigureChange, changes, read, update
 from hysgen.c674x.footprint import footprint
 from hysgen.c674x.schedule.folder import kernels, with_kernels
 from hysgen.c674x.schedule.limits import kernel_costs, kernel_table
+from hysgen.c674x.schedule.ti import with_ti_assembly
 from hysgen.c674x.toolchain import version
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
@@ -44,6 +45,12 @@ def generate_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     add_code_options(parser)
     add_kernels(parser)
+    parser.add_argument(
+        "--assembler",
+        choices=("gnu", "ti"),
+        default="gnu",
+        help="with --kernels; ti: also write NAME_c674x.asm, the same instructions in the syntax of TI's assembler",
+    )
     parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
     add_learner_options(parser)
 
@@ -105,9 +112,13 @@ def code_options(arguments: argparse.Namespace) -> Options:
 
 def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
+    if arguments.assembler == "ti" and not arguments.kernels:
+        raise HysgenError("--assembler ti is the syntax of the kernels' file; add --kernels c674x")
     texts = generate(model, code_options(arguments))
     if arguments.kernels:
         texts = scheduled(model.name, texts, console)
+        if arguments.assembler == "ti":
+            texts = with_ti_assembly(model.name, texts)
     folder = Path(arguments.output)
     if arguments.check:
         return check(texts, folder, console)
