@@ -1,6 +1,6 @@
 """Free run before and after plays that relax, on stages of thermally activated hysterons: rows that the fit never saw.
 
-Run:  python benchmarks/relaxation.py [--seeds 500:510]
+Run:  python benchmarks/relaxation.py [--seeds 500:510] [--hysterons 1024]
 
 Each stage is that of the family `thermal` without other effects (`stage/families/plants.py`): 32 000 rows to fit,
 16 000 rows of another command to score, both after a movement that the records do not contain. `before`: the best, on
@@ -22,6 +22,7 @@ from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import score
 from hysgen.record import Record
+from hysgen.stage.families import thermal
 from hysgen.stage.families.plants import IDENTIFY, plant, records
 
 RELAXING = PathSize(plays=24, degree=5, states=0, hats=8, relaxation=SEARCHED)
@@ -31,8 +32,10 @@ def main() -> None:
     """Print one line for each stage, and the median and the worst ratio."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--seeds", default="500:510")
+    parser.add_argument("--hysterons", type=int, default=thermal.HYSTERONS, help="of each stage; more are smoother")
     parser.add_argument("--method", default="batch", choices=("batch", "refined"))
     chosen = parser.parse_args()
+    thermal.HYSTERONS = chosen.hysterons
     first, last = (int(number) for number in chosen.seeds.split(":"))
     rows, ratios = [], []
     for seed in range(first, last):

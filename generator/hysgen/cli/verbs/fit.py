@@ -24,6 +24,7 @@ from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.compare import Comparison, compare
+from hysgen.fitting.operator import SEARCHED
 from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, model_to_json, save_model
 from hysgen.model.model import MOST_RULES, Model
@@ -99,10 +100,24 @@ def fit_arguments(parser: argparse.ArgumentParser) -> None:
         help="a hysteresis before the rules, of PLAYS play operators (default %(const)s) and Duhem states",
     )
     parser.add_argument(
+        "--relaxation",
+        action="store_true",
+        help="with --memory: play operators that relax by thermal activation (creep, loops that depend on the rate)",
+    )
+    parser.add_argument(
         "--uncertified", action="store_true", help="do not keep the fit inside the models whose certificates hold"
     )
     add_learner_options(parser)
     add_record_options(parser)
+
+
+def _size(arguments: argparse.Namespace) -> PathSize | None:
+    """The size of the hysteresis that the options ask for, None without one."""
+    if arguments.memory is None:
+        if arguments.relaxation:
+            raise HysgenError("--relaxation: is a property of the hysteresis; give --memory too")
+        return None
+    return PathSize(plays=arguments.memory, relaxation=SEARCHED if arguments.relaxation else 0.0)
 
 
 def run_fit(arguments: argparse.Namespace, console: Console) -> int:
@@ -118,7 +133,7 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
         epsilon=arguments.epsilon,
         margin=arguments.margin,
         input_range_V=tuple(arguments.input_range) if arguments.input_range else None,
-        memory=None if arguments.memory is None else PathSize(plays=arguments.memory),
+        memory=_size(arguments),
         certified=not arguments.uncertified,
     )
     if not 2 <= settings.rules <= MOST_RULES:
