@@ -101,7 +101,7 @@ static void controller_take_request(controller_t *self)
         self->state = CONTROLLER_FALL;
     }
     if (request == CONTROLLER_CLEAR) {
-        /* A processor that fails its self-test stays where it is, and so do impossible settings. The watchdog forgets its counts
+        /* A processor that fails its self-test stays where it is, and so do impossible settings. The watchdog restarts its counts
          * only where the output rests: a sensor that repeats its reading must not pass because of a CLEAR on the way. */
         self->status &= STATUS_LASTING;
         self->clears += 1u;
@@ -114,13 +114,13 @@ static void controller_take_request(controller_t *self)
     }
 }
 
-/* What the model's range leaves of a displacement of the stage. */
+/* A displacement of the stage, limited to the model's range behind the offset. */
 static float controller_in_range(const controller_t *self, float y_um)
 {
     return number_limited(y_um, MODEL_Y_MIN_UM + self->offset_um, MODEL_Y_MAX_UM + self->offset_um);
 }
 
-/* The reference of this call as the inverse is to have it: a number, in range, no faster than `step`. */
+/* Reference for the inverse: finite (else the last one), inside the range, changed by at most `step`. */
 static float controller_reference(controller_t *self, float reference_um, float step)
 {
     float within;
@@ -187,7 +187,7 @@ static float controller_follow(controller_t *self, float reference_um)
     return u_V;
 }
 
-/* The model is at rest behind the loop: from here on the inverse drives. */
+/* End of HOLD: reference and delay lines start at the displacement of the model; from here on the inverse gives the voltage. */
 static void controller_take_over(controller_t *self)
 {
     self->reference_um = self->model.y_um + self->offset_um;
@@ -200,7 +200,7 @@ static void controller_take_over(controller_t *self)
     self->state = CONTROLLER_APPROACH;
 }
 
-/* Voltage of the states in which the firmware itself chooses it, the model following. */
+/* Voltage of LOOP; the model follows by simulation. At the end the strokes of stage and model are compared. */
 static float controller_loop(controller_t *self)
 {
     const settings_t *settings = self->settings;
@@ -216,7 +216,7 @@ static float controller_loop(controller_t *self)
             const float stroke_um = self->top_um - self->watchdog.reading_um;
             const float model_um = self->top_model_um - self->model.y_um;
 
-            /* Whatever stroke_um allows, a stage at rest is not one that follows. */
+            /* A stage at rest is a fault for any stroke_um. */
             if ((number_size(stroke_um - model_um) > settings->stroke_um)
                 || (number_size(stroke_um - model_um) > CONTROLLER_STROKE_SHARE * number_size(model_um))) {
                 self->status |= STATUS_FAULT_STROKE;
@@ -228,8 +228,8 @@ static float controller_loop(controller_t *self)
     return u_V;
 }
 
-/* The voltage that the present state asks for; moves on to the next state where it is due. */
-static float controller_wish(controller_t *self, float reference_um)
+/* Voltage of the present state, before the limits of the output; changes to the next state where it is due. */
+static float controller_voltage(controller_t *self, float reference_um)
 {
     const settings_t *settings = self->settings;
     float u_V = settings->off_V;
@@ -317,7 +317,7 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
 {
     const settings_t *settings = self->settings;
     controller_state_t before;
-    float wish_V;
+    float state_V;
     float within_V;
 
     self->samples += 1u;
@@ -335,16 +335,16 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
     if (((self->status & STATUS_FAULTS) != 0u) && (self->state != CONTROLLER_TRIPPED)) {
         self->state = CONTROLLER_TRIP;
     }
-    wish_V = controller_wish(self, reference_um);
+    state_V = controller_voltage(self, reference_um);
     controller_limit_time(self, before);
-    /* Each state keeps to the limits by itself, so that the model is told the voltage that is put out. These lines hold whatever was
-     * wished, even if it is no number: the voltage stays inside its range and below its rate. */
-    if (number_finite(wish_V) == 0u) {
-        wish_V = self->output_V;
+    /* Each state keeps to the limits by itself, so that model and output get the same voltage. These lines hold for any
+     * voltage of a state, even for NaN: the output stays inside its range and below its rate. */
+    if (number_finite(state_V) == 0u) {
+        state_V = self->output_V;
         self->status |= STATUS_OUTPUT_LIMITED;
     }
-    within_V = number_limited(wish_V, settings->low_V, settings->high_V);
-    if (within_V != wish_V) {
+    within_V = number_limited(state_V, settings->low_V, settings->high_V);
+    if (within_V != state_V) {
         self->status |= STATUS_OUTPUT_LIMITED;
     }
     self->output_V = number_limited(controller_towards(self->output_V, within_V, settings->step_V), settings->low_V, settings->high_V);

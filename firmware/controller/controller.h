@@ -5,11 +5,11 @@
  *     any of these but OFF -> FALL -> OFF                     stop
  *     any of them -> TRIP -> TRIPPED -> OFF                   fault; back to OFF by `clear` only
  *
- * RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the plays of model
- * and stage forget what was before, and the stage must move as far on the way back as the model does, within stroke_um and within half
+ * RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the hysteresis of
+ * model and stage no longer depends on earlier voltages, and the stage must move as far on the way back as the model does, within stroke_um and within half
  * of the model's stroke.
- * HOLD waits until the lag has decayed and takes the offset between stage and model (the sensor's zero, what crept
- * before), which must lie within +-offset_um: the only reading that the feed-forward ever uses. APPROACH
+ * HOLD waits until the lag has decayed and takes the offset between stage and model (the sensor's zero, and earlier
+ * creep), which must lie within +-offset_um: the only reading that the feed-forward ever uses. APPROACH
  * brings the reference from where the model is to where the caller wants it, TRACK follows it. */
 
 #ifndef CONTROLLER_H
@@ -66,7 +66,7 @@ typedef struct {
     float reference_um;      /* reference that the inverse was asked for last, without trim */
     float wanted_um;         /* last reference of the caller that was one */
     float asked_um[CONTROLLER_LINE];     /* references on their way to the present, oldest at `oldest` */
-    float expected_um[CONTROLLER_LINE];  /* what the model says of the samples in between */
+    float expected_um[CONTROLLER_LINE];  /* displacements of the model for the samples in between */
     uint32_t oldest;
     watchdog_t watchdog;
     trim_t trim;

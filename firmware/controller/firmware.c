@@ -163,7 +163,7 @@ static uint8_t firmware_reference(firmware_t *self, const uint8_t *data, uint32_
     return code;
 }
 
-/* A piece of an image. Offset 0 begins one and forgets what came before; any other piece has to follow the one before, or to
+/* A piece of an image. Offset 0 begins one and discards the pieces before; any other piece has to follow the one before, or to
  * repeat a piece whose answer was lost. A complete image waits for the stage to be off. */
 static uint8_t firmware_piece(firmware_t *self, const uint8_t *data, uint32_t count)
 {

@@ -45,10 +45,10 @@ void firmware_interrupt(firmware_t *self, board_t *board);
 /* STATUS_ bits of the controller and of the parameter images. */
 uint32_t firmware_status(const firmware_t *self);
 
-/* Again and again in between: obeys the link, takes parameter images, commits what was learnt. */
+/* One pass of the idle loop: executes commands of the link, takes parameter images, calls the model's commit. */
 void firmware_idle(firmware_t *self, board_t *board);
 
-/* The last thing that a failing processor does, in its exception handler: output to off_V at once, amplifier off. */
+/* For the handler of exceptions and NMI: output to off_V at once, amplifier off. */
 void firmware_panic(const firmware_t *self, board_t *board);
 
 #endif

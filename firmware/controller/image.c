@@ -89,8 +89,8 @@ uint32_t image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *
     return answer;
 }
 
-/* The model's own commit is the judge: a learner on the bench is told that the image's numbers are what it learnt, old
- * enough to be committed, and commits them to the bench's model, never to the one that drives the stage. */
+/* The generated commit certifies the image: its numbers become the learnt bank of a separate learner, of the age that commit
+ * requires, and are committed to a separate model, never to the one that drives the stage. */
 uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank)
 {
     model_bank_t *offered;

@@ -14,7 +14,7 @@
 typedef struct {
     uint32_t options;
 
-    /* Output. It never leaves low_V .. high_V and never moves faster than step_V, whatever happens elsewhere. */
+    /* Output. It never leaves low_V .. high_V and never moves faster than step_V, in any state. */
     float off_V;    /* when off */
     float low_V;
     float high_V;

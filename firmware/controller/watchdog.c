@@ -21,7 +21,7 @@ static uint32_t watchdog_count(watchdog_count_t *count, uint32_t bad, uint32_t m
     return (uint32_t)(count->bad >= most);
 }
 
-static void watchdog_forget(watchdog_count_t *count)
+static void watchdog_restart(watchdog_count_t *count)
 {
     count->bad = 0u;
     count->good = 0u;
@@ -31,12 +31,12 @@ void watchdog_init(watchdog_t *self, const settings_t *settings)
 {
     self->reading_um = number_limited(0.0f, settings->low_um, settings->high_um);
     self->sample_um = self->reading_um;
-    watchdog_forget(&self->unread);
+    watchdog_restart(&self->unread);
     self->same_V = settings->off_V;
     self->same = 0u;
-    watchdog_forget(&self->astray);
-    watchdog_forget(&self->limits);
-    watchdog_forget(&self->late);
+    watchdog_restart(&self->astray);
+    watchdog_restart(&self->limits);
+    watchdog_restart(&self->late);
 }
 
 uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V)

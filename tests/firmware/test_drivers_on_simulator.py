@@ -16,6 +16,7 @@ import pytest
 from fixtures.board_model import SLOTS, BoardModel, library
 from fixtures.c674x_compiler import need_compiler
 from hysgen.c674x import toolchain
+from hysgen.c674x.processor import Devices
 from hysgen.c674x.toolchain import Firmware
 from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, read_sources
 
@@ -136,3 +137,16 @@ def test_every_driver_does_on_the_simulated_chip_what_its_part_needs() -> None:
 def test_a_fault_of_a_driver_is_seen_on_the_simulated_chip(number: int, name: str) -> None:
     found = complaints(number)
     assert any(PLANTED[name][3] in each for each in found), found
+
+
+def test_interpreter_and_engine_reach_the_devices_alike() -> None:
+    """Start-up as a call: the same cycles, registers and time of the devices."""
+    found = []
+    for interpreted in (False, True):
+        board, machine = BoardModel(library()), firmware().machine(interpreted)
+        machine.processor.devices = Devices(library(), board.state)
+        outcome = machine.call("chip_start", 4)
+        state = board.state
+        found.append((outcome.bits, outcome.cycles, state.ticks, list(state.pinmux), state.uart_divisor, board.core_Hz))
+        assert board.violations == []
+    assert found[0] == found[1]

@@ -126,7 +126,7 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
             "range",
             "controller.c",
             r"self->output_V = number_limited\([^;]*;",
-            "self->output_V = controller_towards(self->output_V, wish_V + 99.0f, settings->step_V);",
+            "self->output_V = controller_towards(self->output_V, state_V + 99.0f, settings->step_V);",
         ),
         ("rate", "controller.c", r"number_size\(way\) <= step", "number_size(way) <= 9.0f * step"),
         ("apart", "watchdog.c", r"far = \(uint32_t\)", "far = 0u * (uint32_t)"),
