@@ -14,6 +14,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fixtures.bank_records import hum_study
@@ -30,6 +31,7 @@ from hysgen.report.diagnosis import diagnosis_page
 from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable
 from hysgen.report.plots.diagnosis import pictures
+from hysgen.report.plots.shares import error_shares
 from hysgen.report.plots.style import png_bytes
 from hysgen.report.sections import uncertainty_section
 from hysgen.report.words import diagnosis_text, verdict
@@ -54,7 +56,7 @@ SECTIONS = (
     "Glossary",
     "Provenance",
 )
-PICTURES = 17
+PICTURES = 18
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 
 
@@ -292,3 +294,12 @@ def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
     assert "Not compared: no C was generated" in shown
     assert all(f"{s.free_run.e_rms_um:.5f}" in shown for s in scores.values())
     assert "Equal in every bit" in read(pages["folder"]).text
+
+
+def test_shares_of_the_error_are_those_of_each_window_and_sum_to_one() -> None:
+    """Rung 1 removes 3/4 of the power in the first window and nothing in the second, where rung 2 raises it."""
+    base, first = np.array([2.0, -2.0, 2.0, 2.0]), np.array([1.0, 1.0, 2.0, -2.0])
+    shares = error_shares([base, first, np.array([1.0, 0.0, 3.0, 3.0])], 0.5, np.array([0, 2, 4]))
+    noise, left = [0.0625, 0.0625], [0.0625, 0.9375]
+    assert shares == pytest.approx(np.array([noise, left, [0.75, 0.0], [0.125, 0.0]]))
+    assert shares.sum(axis=0) == pytest.approx(np.ones(2))

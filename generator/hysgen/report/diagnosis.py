@@ -27,6 +27,11 @@ from hysgen.uncertainty.simulated import Characterisation
 SAMPLES = 100_000
 """Samples per build in the comparison of the generated C with its reference."""
 
+SHARES = (
+    "Shares in the picture: fall of the mean square from one rung of the ladder to the next, in windows of the "
+    "free run over the whole record."
+)
+
 
 def diagnosis_page(
     study: Study,
@@ -49,7 +54,7 @@ def diagnosis_page(
             _record(drawn, study),
             _loops(drawn),
             _error(drawn, study),
-            _causes(study),
+            _causes(drawn, study),
             _ladder(drawn, study),
             *([uncertainty_section(characterisation)] if characterisation else []),
             model_section(study.diagnosis.model),
@@ -145,7 +150,7 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
     )
 
 
-def _causes(study: Study) -> PageSection:
+def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
     diagnosis = study.diagnosis
     ranked = sorted(diagnosis.causes, key=lambda cause: -cause.share)
     rows = [
@@ -170,8 +175,10 @@ def _causes(study: Study) -> PageSection:
     return PageSection(
         "Causes and their evidence",
         text=[] if rows else ["None: the error of the paper's model is not above that of hysteresis and noise."],
+        pictures=[drawn["shares"]] if "shares" in drawn else [],
         tables=tables if rows else tables[1:],
         notes=[
+            *([SHARES] if "shares" in drawn else []),
             *(
                 [f"{cause.why_not_extended}." for cause in diagnosis.causes if cause.why_not_extended]
                 if left_out

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.error_map import ErrorMap, range_in_words
 from hysgen.diagnosis.evaluation import Study
 from hysgen.report.plots import style
+from hysgen.report.plots.shares import shares_picture
 from hysgen.report.plots.style import Picture
 from hysgen.report.plots.system import system_pictures
 from hysgen.report.plots.traces import envelope
@@ -32,7 +33,7 @@ LOOP_POINTS = 4000
 
 
 def pictures(study: Study) -> list[Picture]:
-    """All pictures of a diagnosis in reading order: loops, horizon, time, spectrum, profiles, ladder."""
+    """All pictures of a diagnosis in reading order: loops, horizon, time, spectrum, profiles, shares, ladder."""
     shown = [(BASE, study.before), *([(EXTENDED, study.after)] if study.improved else [])]
     return [
         *system_pictures(study),
@@ -41,6 +42,7 @@ def pictures(study: Study) -> list[Picture]:
         time_picture(study),
         spectrum_picture(shown),
         *(profile_picture(shown, number) for number in range(len(study.before.profiles))),
+        *([shares_picture(study)] if study.improved else []),
         ladder_picture(study),
     ]
 
