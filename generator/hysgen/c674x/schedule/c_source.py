@@ -50,6 +50,66 @@ class Source:
             self.constants[each.name] = following
             following += 1
 
+    def pointers_are_separate(self, function: str) -> bool:
+        """Whether the objects behind the pointer parameters of a static function never overlap.
+
+        True if every call passes at most one pointer of the caller's own parameters and, for each other pointer, the
+        address of a local variable or a local array of its own.
+        """
+        node = self.functions[function]
+        if "static" not in node.decl.storage:
+            return False
+        pointers = [isinstance(parameter.type, c_ast.PtrDecl) for parameter in node.decl.type.args.params]
+        calls = 0
+        for caller in self.functions.values():
+            own = {parameter.name for parameter in caller.decl.type.args.params} if caller.decl.type.args else set()
+            finder = _Uses(function)
+            finder.visit(caller.body)
+            if finder.named != len(finder.calls):
+                return False  # the address of the function is taken
+            calls += len(finder.calls)
+            for call in finder.calls:
+                passed = [each for each, pointer in zip(call.args.exprs, pointers, strict=True) if pointer]
+                objects = [_object(each) for each in passed]
+                if None in objects or len(set(objects)) < len(objects):
+                    return False
+                given = [each for each in passed if isinstance(each, c_ast.ID) and each.name in own]
+                local = [each for each in passed if _object(each) in finder.local]
+                if len(given) > 1 or len(given) + len(local) != len(passed):
+                    return False
+        return calls > 0
+
+
+class _Uses(c_ast.NodeVisitor):  # type: ignore[misc]
+    """Calls of a function, the number of times that it is named, and the variables and arrays declared around them."""
+
+    def __init__(self, function: str) -> None:
+        self.function = function
+        self.calls: list[c_ast.FuncCall] = []
+        self.named = 0
+        self.local: set[str] = set()
+
+    def visit_FuncCall(self, node: c_ast.FuncCall) -> None:  # noqa: N802 (the name is pycparser's)
+        if node.name.name == self.function:
+            self.calls.append(node)
+        self.generic_visit(node)
+
+    def visit_ID(self, node: c_ast.ID) -> None:  # noqa: N802 (the name is pycparser's)
+        self.named += node.name == self.function
+
+    def visit_Decl(self, node: c_ast.Decl) -> None:  # noqa: N802 (the name is pycparser's)
+        if not isinstance(node.type, c_ast.PtrDecl):
+            self.local.add(node.name)
+        self.generic_visit(node)
+
+
+def _object(argument: c_ast.Node) -> str | None:
+    """Name of the variable whose address, or the pointer or array which, is passed."""
+    match argument:
+        case c_ast.UnaryOp(op="&", expr=c_ast.ID(name=str(name))) | c_ast.ID(name=str(name)):
+            return name
+    return None
+
 
 def _table_words(node: c_ast.Node) -> list[int]:
     if isinstance(node, c_ast.InitList):

@@ -28,10 +28,12 @@ FUNCTIONS: Final = (
     "predict",
     "simulate",
     "inverse",
+    "evaluate_reading",
     "project",
     "update_diagonal",
     "factor",
     "step",
+    "restart",
     "store_regressors",
 )
 """Functions that become kernels if they can, without the model's prefix."""

@@ -65,7 +65,8 @@ class _Execution:
                 arguments.append(Place(memory, 0, kind.to))
             else:
                 arguments.append(word)
-        if sum(isinstance(argument, Place) for argument in arguments) > 1:
+        several = sum(isinstance(argument, Place) for argument in arguments) > 1
+        if several and not self.source.pointers_are_separate(function):
             raise KernelRefusalError(f"{function}: two pointers, whose memory may overlap")
         result = self._call(function, arguments)
         stores = self.memory.finish()

@@ -306,8 +306,8 @@ class _List:
         return carried is None or (carried == register and self.crossed[cycle, side] < 2)
 
     def _readable(self, cycle: int, registers: Iterable[tuple[int, int] | int]) -> bool:
-        wanted = Counter(register for register in registers if not isinstance(register, int))
-        return all(self.reads[cycle, *register] + count <= _READS for register, count in wanted.items())
+        wanted = [register for register in registers if not isinstance(register, int)]
+        return all(self.reads[cycle, *register] + wanted.count(register) <= _READS for register in wanted)
 
     def _unit(self, node: Node, kinds: str, cycle: int, side: int, taken: Iterable[str] = ()) -> str | None:
         for kind in kinds:
