@@ -25,6 +25,21 @@ from hysgen.checking.host import Host
 from hysgen.errors import BuildError
 from hysgen.float32.reference.instance import Instance
 
+SEVERAL_POINTERS = """
+static uint32_t appendix_a_two(const appendix_a_t *self, float *a, float *b)
+{
+    *a = self->u_V;
+    *b = *a + *a;
+    return 1u;
+}
+float appendix_a_caller(const appendix_a_t *self)
+{
+    float a;
+    float b;
+    (void)appendix_a_two(self, &a, &b);
+    return a + b;
+}
+"""
 ENDLESS = """
 float appendix_a_sum(float x)
 {
@@ -60,6 +75,28 @@ def test_what_depends_on_data_is_refused() -> None:
     source["appendix_a.c"] += ENDLESS
     with pytest.raises(KernelRefusalError, match="length of a loop depends on data"):
         kernel(Source("appendix_a", source), "appendix_a_sum")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("&a, &b", "&a, &a"),
+        ("&a, &b", "(float *)&self->u_V, &b"),
+        ("const appendix_a_t *self, float *a, float *b", "float *self_, float *a, float *b"),
+        ("static uint32_t", "uint32_t"),
+    ],
+)
+def test_pointers_that_may_overlap_are_refused(old: str, new: str) -> None:
+    source = dict(texts("appendix_a"))
+    separate = source["appendix_a.c"] + SEVERAL_POINTERS
+    assert kernel(Source("appendix_a", source | {"appendix_a.c": separate}), "appendix_a_two").stores
+    changed = SEVERAL_POINTERS.replace(old, new)
+    if "self_" in new:
+        changed = changed.replace("self->u_V", "*self_").replace("const appendix_a_t *self", "float *self, float *a_")
+        changed = changed.replace("(self, &a, &b)", "(self, a_, &b)")
+    source["appendix_a.c"] += changed
+    with pytest.raises(KernelRefusalError, match="two pointers"):
+        kernel(Source("appendix_a", source), "appendix_a_two")
 
 
 @pytest.mark.slow

@@ -89,15 +89,15 @@ class _Uses(c_ast.NodeVisitor):  # type: ignore[misc]
         self.named = 0
         self.local: set[str] = set()
 
-    def visit_FuncCall(self, node: c_ast.FuncCall) -> None:  # noqa: N802 (the name is pycparser's)
+    def visit_FuncCall(self, node: c_ast.FuncCall) -> None:
         if node.name.name == self.function:
             self.calls.append(node)
         self.generic_visit(node)
 
-    def visit_ID(self, node: c_ast.ID) -> None:  # noqa: N802 (the name is pycparser's)
+    def visit_ID(self, node: c_ast.ID) -> None:
         self.named += node.name == self.function
 
-    def visit_Decl(self, node: c_ast.Decl) -> None:  # noqa: N802 (the name is pycparser's)
+    def visit_Decl(self, node: c_ast.Decl) -> None:
         if not isinstance(node.type, c_ast.PtrDecl):
             self.local.add(node.name)
         self.generic_visit(node)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Final
 
 from hysgen.c674x.schedule.dataflow import Kernel
-from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Plan, Schedule, planned, unlimited
+from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Plan, Schedule, TooLongError, planned, unlimited
 from hysgen.c674x.schedule.selection import select
 
 LONG: Final = 700
@@ -35,11 +35,11 @@ _SHORT_PLANS: Final = tuple(
     )
 )
 _LONG_PLANS: Final = (
-    Plan(_ALL, 2, 2, 0.0, 0.0, saved=True),
     Plan(_ALL, 8, 2, 2.0, 1.0, saved=True),
     Plan(200, 8, 2, 0.5, 1.0, saved=True),
     Plan(200, 8, 2, 0.0, 1.0, saved=True),
     Plan(80, 8, 2, 0.1, 1.0, saved=True),
+    Plan(_ALL, 2, 2, 0.0, 0.0, saved=True),
 )
 FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
 """Plans with a stack frame."""
@@ -48,14 +48,18 @@ FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
 def shortest(kernel: Kernel) -> Schedule:
     """The shortest schedule found. Raises OutOfRegistersError if no plan has enough registers."""
     best: Schedule | None = None
+    instructions = 0
     for near in (_FOREVER, 40):
         selected = select(kernel, near)
+        if len(selected.nodes) == instructions:
+            break  # no constant is made anew: the same instructions
+        instructions = len(selected.nodes)
         issue = unlimited(selected)
         enough = _GOOD_ENOUGH * max(issue.values())
         for plan in _LONG_PLANS if len(selected.nodes) > LONG else _SHORT_PLANS:
             try:
-                found = planned(selected, plan, issue)
-            except OutOfRegistersError:
+                found = planned(selected, plan, issue, best.cycles if best else _FOREVER)
+            except (OutOfRegistersError, TooLongError):
                 continue
             if best is None or found.cycles < best.cycles:
                 best = found

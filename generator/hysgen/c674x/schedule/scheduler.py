@@ -32,12 +32,19 @@ _READS: Final = 4
 _URGENT: Final = 8
 """Oldest instructions, in the order of the C text, for which registers are reserved."""
 
+_CHECKED: Final = 4
+"""Cycles between two comparisons of an attempt with the shortest schedule known, which take time."""
+
 _PATIENCE: Final = 16
 """Cycles without an instruction after which a schedule has run out of registers."""
 
 
 class OutOfRegistersError(TargetError):
     """No instruction can be placed, for want of registers."""
+
+
+class TooLongError(TargetError):
+    """A shorter schedule is known already."""
 
 
 @dataclass(frozen=True)
@@ -92,9 +99,12 @@ def unlimited(selected: Selected) -> dict[int, int]:
     return {key: placement.cycle for key, placement in attempt.placed.items()}
 
 
-def planned(selected: Selected, plan: Plan, issue: Mapping[int, int]) -> Schedule:
-    """The schedule of one plan; issue: the cycles of `unlimited`. Raises OutOfRegistersError."""
-    return _List(selected, plan, issue).run()
+def planned(selected: Selected, plan: Plan, issue: Mapping[int, int], below: int = 1 << 30) -> Schedule:
+    """The schedule of one plan; issue: the cycles of `unlimited`.
+
+    Raises OutOfRegistersError, and TooLongError if the schedule would take `below` cycles or more.
+    """
+    return _List(selected, plan, issue, below=below).run()
 
 
 def heights(nodes: Sequence[Node]) -> dict[int, int]:
@@ -122,6 +132,7 @@ class _List:
     plan: Plan
     issue: Mapping[int, int] | None
     unlimited: bool = False
+    below: int = 1 << 30
     placed: dict[int, Placement] = field(default_factory=dict)
     result: list[Placement] = field(default_factory=list)
     uses: Counter[int] = field(default_factory=Counter)
@@ -182,6 +193,8 @@ class _List:
         slope = self.plan.slope
         ready: list[Node] = []
         while left:
+            if cycle + 1 >= self.below:
+                raise TooLongError("a shorter schedule is known")
             if self.plan.saved:
                 self._saved(cycle)
             while pending and pending[0][0] <= cycle:
@@ -190,6 +203,8 @@ class _List:
                 oldest += 1
             limit = oldest + self.plan.window
             self.urgent = {id(node) for node in by_order[oldest : oldest + _URGENT]}
+            if cycle % _CHECKED == 0 and any(cycle + height[id(node)] >= self.below for node in ready):
+                raise TooLongError("a shorter schedule is known")
             ready.sort(key=lambda node: (slope * position[id(node)] - height[id(node)], position[id(node)]))
             kept, issued = [], sum(each.cycle == cycle for each in self.frame)
             for k, node in enumerate(ready):

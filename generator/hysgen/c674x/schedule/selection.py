@@ -192,7 +192,11 @@ class _Selection:
         return Selected(self.nodes, parameters, result)
 
     def _guarded(self, operations: list[Op]) -> list[Op]:
-        """Stores of a choice between a new value and the word that is there become stores under a condition."""
+        """Stores of a choice between a new value and the word that is there become stores under a condition.
+
+        Such a store stands behind its new value and its condition, not behind the end of the `if`: the new value leaves
+        its register early.
+        """
         self.guards: dict[int, tuple[Op, Op]] = {}
         for op in operations:
             if op.kind == "store" and op.args[1].kind == "select":
@@ -205,7 +209,17 @@ class _Selection:
                 needed.add(id(op))
                 inputs = (op.args[0], *self.guards[id(op)]) if id(op) in self.guards else op.args
                 needed |= {id(arg) for arg in inputs}
-        return [op for op in operations if id(op) in needed]
+        place = {id(op): float(k) for k, op in enumerate(operations)}
+        for op in operations:
+            if id(op) in self.guards:
+                behind = (
+                    op.args[0],
+                    *self.guards[id(op)],
+                    *op.after,
+                    *(load for load in op.beside if id(load) in needed),
+                )
+                place[id(op)] = max(place[id(each)] for each in behind) + 0.5
+        return sorted((op for op in operations if id(op) in needed), key=lambda op: place[id(op)])
 
     def _add(self, node: Node) -> Node:
         self.nodes.append(node)
