@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from fixtures.boot_rom import BootRom
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import model
 from hysgen.c674x import toolchain
@@ -16,58 +17,6 @@ from hysgen.errors import TargetError
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.boot_image import boot_image, main
 from hysgen.firmware.target import link_image
-
-ROM = range(0x1180_0000, 0x1180_4000)
-
-
-class BootRom:
-    """Runs a script as SPRAB41 describes: loads sections, checks CRCs, ends at a jump. Its own memory stays its own."""
-
-    def __init__(self, script: bytes) -> None:
-        self.words = [int.from_bytes(script[at : at + 4], "little") for at in range(0, len(script), 4)]
-        self.memory: dict[int, int] = {}
-        self.at, self.checks, self.crc_on = 0, 0, False
-        self.entry: int | None = None
-
-    def take(self) -> int:
-        self.at += 1
-        return self.words[self.at - 1]
-
-    def run(self) -> None:
-        assert self.take() == 0x41504954
-        begun, loaded = 0, b""
-        while self.entry is None:
-            opcode = self.take()
-            if opcode == 0x58535903:
-                self.crc_on = True
-            elif opcode == 0x58535901:
-                begun = self.at - 1
-                address, size = self.take(), self.take()
-                content = b"".join(self.take().to_bytes(4, "little") for _ in range(-(-size // 4)))[:size]
-                assert not any(at in ROM for at in (address, address + size - 1)), "overwrites the boot ROM's memory"
-                self.memory |= {address + i: byte for i, byte in enumerate(content)}
-                loaded = address.to_bytes(4, "little") + size.to_bytes(4, "little") + content
-            elif opcode == 0x58535902:
-                crc, seek = self.take(), self.take() - (1 << 32)
-                assert self.crc_on
-                assert 4 * self.at + seek == 4 * begun, "seek does not lead back to the section"
-                assert crc == bitwise_crc(loaded), "CRC"
-                self.checks += 1
-            elif opcode == 0x58535906:
-                self.entry = self.take()
-            else:
-                raise AssertionError(f"{opcode:08x}")
-        assert self.at == len(self.words)
-
-
-def bitwise_crc(data: bytes) -> int:
-    """CRC-32 bit by bit: polynomial 0x04C11DB7 reflected, all ones before and after."""
-    crc = 0xFFFF_FFFF
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0xEDB8_8320 if crc & 1 else 0)
-    return crc ^ 0xFFFF_FFFF
 
 
 @pytest.mark.slow

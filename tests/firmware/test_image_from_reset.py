@@ -11,8 +11,8 @@ import functools
 import numpy as np
 import pytest
 
-from firmware.test_boot_image import BootRom
 from fixtures.board_model import BoardModel, SimulatedLine, library
+from fixtures.boot_rom import BootRom
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import ModelStage, image, model
 from hysgen.c674x.system import System

@@ -42,6 +42,7 @@ from hysgen.diagnosis.swaps import (
     swap_similar_causes,
     swap_slow_causes,
 )
+from hysgen.machine.threads import in_threads
 from hysgen.record.series import residual_noise, resolution_um
 
 Progress = Callable[[str], None]
@@ -156,12 +157,10 @@ def forward_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
     """One step of forward selection: the refined candidate with the smallest error, None if it is not accepted."""
     residual = Residual(part, fit)
     # Poor starting values are refined too: the refinement of a mode that was fitted in place of a delay changes much.
-    starts = [
-        candidate
-        for cause in causes().values()
-        for candidate in cause.select_starts(fitted(part, cause.proposals(residual)))
-    ]
-    steps = refined(part, [start.chain for start in starts])
+    starts = in_threads(
+        lambda cause: cause.select_starts(fitted(part, cause.proposals(residual))), list(causes().values())
+    )
+    steps = refined(part, [start.chain for of_cause in starts for start in of_cause])
     steps = [step for step in steps if admissible(part, step.chain) or not admissible(part, fit.chain)]
     if not steps:
         return None
