@@ -96,16 +96,16 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
     If the scene keeps fits, the refined chain is kept on the disk for these inputs: an interrupted search that starts
     again takes it from there. The weights follow from the chain, so both give the same bits.
     """
-    kept = scene.kept
-    return linear_fit(
-        scene,
-        _refined(scene, chain, rounds)
-        if kept is None
-        else kept.get((scene, chain, rounds), lambda: _refined(scene, chain, rounds)),
-    )
+
+    def refined() -> Chain:
+        return _refined(scene, chain, rounds)
+
+    best = refined() if scene.kept is None else scene.kept.get((scene, chain, rounds), refined)
+    return linear_fit(scene, best)
 
 
 def _refined(scene: Scene, chain: Chain, rounds: int) -> Chain:
+    """The chain of `refine`, by Gauss-Newton on the training rows."""
     best = training_fit(scene, chain)
     y_um = scene.y_um[scene.rows]
     damping = 1e-3

@@ -14,8 +14,8 @@ Floats = NDArray[np.float64]
 WINDOWS = 60
 """Windows over the record, each with the mean square of the error."""
 
-COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#f0e442", "#d55e00")
-"""Okabe and Ito (2008)."""
+COLOURS = (style.EXTENDED, "#e69f00", style.BASELINE, "#cc79a7", "#56b4e9", "#f0e442", style.SIMULATED)
+"""Of the extensions, in ladder order: Okabe and Ito (2008), as in `style`."""
 
 
 def error_shares(errors_um: list[Floats], noise_um: float, edges: NDArray[np.intp]) -> Floats:
