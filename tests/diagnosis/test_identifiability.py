@@ -11,9 +11,9 @@ from fixtures.linear_stage import AXIS2_V, LAG, SPAN_S, T_S, scene
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.comparison import ratio_above_noise
 from hysgen.diagnosis.identifiability import Ability, abilities
 from hysgen.diagnosis.probe import Scene, refine
+from hysgen.diagnosis.search import search
 
 
 def told(seen: Scene, chain: object = LAG) -> dict[str, Ability]:
@@ -25,12 +25,8 @@ def told(seen: Scene, chain: object = LAG) -> dict[str, Ability]:
 def test_a_drift_shows_from_the_least_size_on(times: float, holds: bool) -> None:
     least = told(scene(LAG))["drift"].least
     assert least is not None
-    drifting = LAG.having(DriftPart())
-    seen = scene(LAG, times * least * T_S)
-    fit = refine(seen, drifting)
-    signature = causes()["drift"].signature(Residual(seen, fit), refine(seen, LAG))
-    growth = 1.0 / ratio_above_noise(fit, refine(seen, LAG), seen.rows)
-    assert (signature.holds and growth > causes()["drift"].needed) == holds
+    found = search(scene(LAG, times * least * T_S))
+    assert causes()["drift"].present(found.fit.chain) == holds
 
 
 def test_a_drift_beside_a_gain_about_an_unknown_zero_is_less_certain() -> None:

@@ -14,18 +14,15 @@ import numpy as np
 import pytest
 
 from fixtures.bank_records import QUICK, record_of
-from fixtures.linear_stage import COMMAND_V, LAG, LINEAR, SPAN_S, T_S, TS_S, scene
+from fixtures.linear_stage import LAG, LINEAR
 from hysgen.cli import main
-from hysgen.diagnosis import Diagnosis, diagnose, procedure, search
-from hysgen.diagnosis.causes import Estimate, Residual, Signature, causes
-from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis import Diagnosis, diagnose, search
+from hysgen.diagnosis.causes import Estimate, Residual, causes
 from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.error_map import spectrum
 from hysgen.diagnosis.evaluation import Study, evaluate
-from hysgen.diagnosis.prepare import prepare
-from hysgen.diagnosis.probe import Fit, Scene, Trace, linear_fit, refine
+from hysgen.diagnosis.probe import Fit, Scene, Trace, linear_fit
 from hysgen.diagnosis.probe.dynamics import respond
-from hysgen.diagnosis.search import SearchResult
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
 from hysgen.report.words import parameter_text
@@ -73,10 +70,11 @@ def test_command_line_writes_json_of_a_record_with_corrupted_samples(
     assert memory["gain"]["alone"]["fall_um"] > 0.0
 
 
-def test_confidence_is_the_share_of_draws_and_nothing_else(found: Diagnosis) -> None:
+def test_confidence_is_the_posterior_probability_and_none_for_corrupted_samples(found: Diagnosis) -> None:
     outliers, memory = found.causes
-    assert memory.alone is not None
-    assert memory.to_json()["confidence"] == memory.alone.confidence
+    assert memory.bayes is not None
+    assert memory.to_json()["log_bayes_factor"] == 0.5 * memory.bayes
+    assert memory.to_json()["confidence"] == memory.confidence
     assert outliers.to_json()["confidence"] is None
 
 
@@ -97,53 +95,6 @@ def test_the_unit_of_a_parameter_is_printed_behind_its_value(found: Diagnosis) -
     assert parameter_text(study, "memory") == "rate 800 ± 3 V/s, ramp 0.5 um/s, per s 0.1 ± 0.01"
 
 
-def test_error_growth_is_as_measured_if_the_likelihood_separates_the_causes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    seen = scene(LAG, 2e-3 * T_S / SPAN_S)
-    measured = search.search(seen).error_growth
-    monkeypatch.setattr(causes()["drift"], "needed", 2.0 * measured["drift"])
-    monkeypatch.setattr(search, "compare_likelihood", lambda *_: ["drift"])
-    separated = search.search(seen)
-    assert separated.error_growth == measured
-    assert separated.separated_by_likelihood == ("drift",)
-
-
-@pytest.fixture(scope="module")
-def drift() -> tuple[Record, SearchResult]:
-    """The record of a linear stage that drifts, and what the search finds in it."""
-    y_um = scene(LAG, 0.1 * T_S / SPAN_S).y_um
-    record = Record.from_arrays(COMMAND_V, y_um, TS_S)
-    return record, search.search(prepare(record).scene())
-
-
-@pytest.mark.parametrize(
-    ("part", "apart", "why"),
-    [
-        (DriftPart(), ("drift",), None),
-        (DriftPart(), (), "the error grows only 1.05 times without it"),
-        # A drift that slows down requires a growth of 3; the likelihood replaces only the growth that a ramp requires.
-        (DriftPart(1.0), ("drift",), "the error grows only 1.05 times without it"),
-    ],
-)
-def test_a_cause_that_the_likelihood_separates_is_needed_at_any_error_growth(
-    drift: tuple[Record, SearchResult],
-    monkeypatch: pytest.MonkeyPatch,
-    part: DriftPart,
-    apart: tuple[str, ...],
-    why: str | None,
-) -> None:
-    record, found = drift
-    assert found.fit.chain.get(DriftPart) == DriftPart()
-    fit = refine(search.thinned(found.scene), found.fit.chain.having(part))
-    grown = dataclasses.replace(found, fit=fit, error_growth={"drift": 1.05}, separated_by_likelihood=apart)
-    monkeypatch.setattr(procedure, "search", lambda *_: grown)
-    monkeypatch.setattr(causes()["drift"], "signature", lambda *_: Signature(True, 9.0, "drifts"))
-    naming = procedure.name_causes(record, settings=QUICK)
-    assert naming.names == (() if why else ("drift",))
-    assert {one.name: one.why for one in naming.refused} == ({"drift": why} if why else {})
-
-
 def planted(samples: int) -> tuple[Scene, Fit]:
     """A fit that leaves 0.5 nm of white noise and 5 nm of misfit with a period of 400 samples."""
     wave = 5.0 * np.sin(2.0 * np.pi * np.arange(samples) / 400.0)
@@ -153,12 +104,11 @@ def planted(samples: int) -> tuple[Scene, Fit]:
 
 
 def test_noise_is_estimated_from_neighbours_at_any_length_of_record() -> None:
-    """On the rows that are compared, and on the rows of a fit, which looks at one row in twenty-five."""
+    """On all rows, and not on the rows of a fit, which contain one row in forty."""
     seen, fit = planted(300_000)
-    part, checked = search.split_rows(seen)
+    part = search.thinned(seen)
     assert len(part.rows) == search.MOST_ROWS
-    for rows in (part.dense, checked):
-        assert 1e3 * residual_noise(fit.error[rows]) == pytest.approx(NOISE_NM, rel=0.02)
+    assert 1e3 * residual_noise(fit.error[part.dense]) == pytest.approx(NOISE_NM, rel=0.02)
     assert 1e3 * residual_noise(fit.error[part.rows]) > 1.2 * NOISE_NM, "the record shows no difference"
 
 

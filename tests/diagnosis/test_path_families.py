@@ -11,7 +11,8 @@ import pytest
 
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, refine, rms
-from hysgen.diagnosis.search import present, thinned
+from hysgen.diagnosis.score import present
+from hysgen.diagnosis.search import thinned
 from hysgen.stage.families import SCENARIOS, plant, records
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "path_families.py"

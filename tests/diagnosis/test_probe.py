@@ -16,6 +16,7 @@ from hysgen.diagnosis.causes.creep import CreepPart, crept_step
 from hysgen.diagnosis.causes.delay import DelayPart
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.periodic import PeriodicPart
+from hysgen.diagnosis.causes.relaxation import RelaxationPart
 from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
@@ -124,6 +125,7 @@ def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
         DelayPart(1.4),
         SaturationPart(-3.0, 80.0),
         SlewPart(5e3),
+        RelaxationPart(0.02),
         CreepPart(0.02, 0.1),
         ResonancePart((Mode(100.0, 0.03, 0.5),)),
         AgingPart(-0.01),

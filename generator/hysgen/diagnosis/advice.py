@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import detrend
 
 from hysgen.diagnosis.causes import Residual
 from hysgen.diagnosis.error_map import turning_points
@@ -30,16 +33,33 @@ ALIKE = 0.7
 JUMP = 8.0
 """Size of a jump in robust standard deviations of the residual's steps."""
 
+WINDOW = 256
+"""Samples of one spectrum of the residual."""
+
 
 def unexplained_structure(prepared: Prepared, result: Residual, noise: NoiseFloor) -> str | None:
     """The structure in the residual of the probe's fit, in words; None if the residual is noise or negligible."""
     rows = result.scene.rows
     residual = result.fit.error[rows]
     level, span = rms(residual), float(np.ptp(prepared.y_um[: prepared.cut]))
-    if level < UNKNOWN_ABOVE * span or level < OVER_NOISE * noise.rms_um:
+    noise_um = min(noise.rms_um, unpredictable_um(residual))
+    if level < UNKNOWN_ABOVE * span or level < OVER_NOISE * noise_um:
         return None
     words = residual_in_words(residual, prepared, rows)
     return f"{1e3 * level:.3g} nm are left ({100 * level / span:.2g} % of the span), {words}"
+
+
+def unpredictable_um(residual: Floats) -> float:
+    """Standard deviation of the part of a residual, (m,), that its past does not predict, median over windows.
+
+    exp(mean over the frequencies of ln S + Euler's constant), with S the periodogram: a vibration of changing frequency
+    raises S at few frequencies of each window (Kolmogorov, 1941). inf for a residual shorter than a window.
+    """
+    taper = np.hanning(WINDOW)
+    starts = range(0, len(residual) - WINDOW + 1, WINDOW // 2)
+    spectra = [np.abs(np.fft.rfft(detrend(residual[at : at + WINDOW]) * taper))[3:-1] ** 2 for at in starts]
+    levels = [float(np.mean(np.log(one + 1e-300))) + np.euler_gamma for one in spectra]
+    return math.sqrt(math.exp(float(np.median(levels))) / float(taper @ taper)) if levels else math.inf
 
 
 def residual_in_words(residual: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:

@@ -29,16 +29,15 @@ class Price:
 
 @dataclass(frozen=True)
 class NamedCause:
-    """A cause with physical evidence, needed by the probe, whose extension lowers the error of the model.
+    """A cause of the probe's chain with the least score.
 
     evidence: in words. statistic: strength of the evidence in standard errors or their equivalent (`Signature.z`).
     step: held-out rms on the ladder before and after its extension.
     alone: gain of its extension beside all others, on cross-validation blocks; None for corrupted samples, on which the
     error has no meaning.
-    probe_gain: ratio of the probe's rms beyond the white noise, on the checking blocks, without and with the cause, as
-    measured (`SearchResult.error_growth`); None for corrupted samples, which are no part of the probe.
-    separated_by_likelihood: whether the cause is one of several slow causes and Schwarz's criterion strongly favours
-    the probe's chain with it. The cause is then named even if its probe_gain is below `Cause.needed`.
+    confidence: posterior probability of the cause over the chains that the search scored. bayes: rise of the score
+    without the cause, 2 ln of the Bayes factor. probe_gain: ratio of the probe's rms beyond the white noise without and
+    with the cause. All three are None for corrupted samples, which are no part of the probe's chain.
     share: part of the base error's power above the noise floor that its extension removes; 0 if no power is above it.
     extended: whether its extension is in the model; one that does not lower the held-out error for certain is not.
     beside: held-out gain of the extension beside all others, where its step left it in doubt (`pruning`), else None.
@@ -50,27 +49,23 @@ class NamedCause:
     statistic: float
     step: Gain
     alone: Gain | None
+    confidence: float | None
+    bayes: float | None
     probe_gain: float | None
-    separated_by_likelihood: bool
     share: float
     price: Price | None = None
     extended: bool = True
     beside: Gain | None = None
 
     @property
-    def confidence(self) -> float | None:
-        """Share of bootstrap draws, on cross-validation blocks, in which its extension lowers the error by over 2 %.
-
-        In the geometric mean over blocks or in the rms (`bootstrap.combined_confidence`). The evidence has no part in
-        it. None for corrupted samples, for which no gain is measured.
-        """
-        return None if self.alone is None else self.alone.confidence
-
-    @property
     def why_not_extended(self) -> str:
         """The reason why its extension is not in the model, "" if it is."""
-        if self.extended or self.beside is None:
+        if self.extended:
             return ""
+        if self.beside is None:
+            return (
+                f"{self.name} is named and not extended: its extension gains less than 2 % on rows left out of the fit"
+            )
         low, high = self.beside.low_um, self.beside.high_um
         return (
             f"{self.name} is named and not extended: with its extension the held-out error falls by "
@@ -102,7 +97,8 @@ class NamedCause:
             if self.beside is None
             else {"fall_um": self.beside.fall_um, "ci95": [self.beside.low_um, self.beside.high_um]},
             "probe_gain": self.probe_gain,
-            "separated_by_likelihood": self.separated_by_likelihood,
+            "log_bayes_factor": None if self.bayes is None else 0.5 * self.bayes,
+            "separated_by_likelihood": self.bayes is not None,
             "cost": None if self.price is None else {"cycles": self.price.cycles, "bytes": self.price.bytes},
         }
 

@@ -33,7 +33,8 @@ class Correction(abc.ABC):
 class Extension:
     """Extension for one cause: a term, a block of the path, a correction, or settings of the fit and the learner.
 
-    size: size of the hysteresis, None for a cause without memory. lag_s: lag of the chain that the block belongs to.
+    size: size of the hysteresis, None for a cause without memory. relaxation: s_j / r_j of the plays, 0 for plays that
+    do not relax. lag_s: lag of the chain that the block belongs to.
     trust: (m,) weight of each row in the fit, for the first m rows of the record, or None for 1 throughout.
     correction: slow change that is removed from the displacement before the fit.
     forgetting_s: time constant of the learner, by which it follows a change of the gain; None for no forgetting.
@@ -43,6 +44,7 @@ class Extension:
     term: Term | None = None
     block: InputBlock | None = None
     size: PathSize | None = None
+    relaxation: float = 0.0
     lag_s: float | None = None
     trust: Floats | None = None
     correction: Correction | None = None
@@ -53,7 +55,7 @@ class Extension:
     def content(self) -> Hashable:
         """Key for a cache of fits; extensions with equal keys give equal models."""
         trust = None if self.trust is None else self.trust.tobytes()
-        return (self.term, self.block, self.size, self.lag_s, trust, self.correction, self.learns)
+        return (self.term, self.block, self.size, self.relaxation, self.lag_s, trust, self.correction, self.learns)
 
     @property
     def on_path(self) -> bool:

@@ -1,18 +1,16 @@
 """What a record can tell: for every cause, the least effect that the diagnosis would name in this record.
 
 An effect of amount a and derivative d of the prediction is fitted beside all parameters of the final chain, which leave
-P d of it, P the projector off their derivatives. Two criteria of the diagnosis bound a from below:
+P d of it, P the projector off their derivatives. It is named if the rms error grows enough without it:
 
-    evidence   a > LEAST_Z s,   s^2 = sum over blocks of (P d . e)_b^2 / |P d|^4      e: residual, `uncertainty`
-    need       a |P d| / sqrt(N) > sqrt(needed^2 - 1) times the error above the white noise     `Cause.needed`
+    a |P d| / sqrt(n) > sqrt(g^2 - 1) R        g: `score.least_growth` of one parameter; R: rms of the residual
 
 If P leaves less than LEAST_SHARE of |d|^2, a part of the chain hides the cause: the one without whose derivatives most
-of d is left. The third criterion, the gain of the extension in the delivered model, is not foreseen here.
+of d is left.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,16 +21,12 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import Residual, causes, in_ladder_order
 from hysgen.diagnosis.causes.base import Effect
-from hysgen.diagnosis.comparison import LEAST_ABOVE_NOISE
 from hysgen.diagnosis.probe import Projector
 from hysgen.diagnosis.probe.solve import sensitivities
-from hysgen.diagnosis.probe.uncertainty import block_edges, block_left_out_error
-from hysgen.record.series import residual_noise
+from hysgen.diagnosis.score import Scored, dispersion, least_growth
 
 Floats = NDArray[np.float64]
 
-LEAST_Z = 5.0
-"""Standard errors that the signatures of the causes require: 4 for slow ones, 5 for others."""
 
 LEAST_SHARE = 0.01
 """Share of the power of an effect beside the final chain below which a part of the chain hides it: its amount is known
@@ -101,7 +95,7 @@ def _ability(name: str, effect: Effect, information: _Information) -> Ability:
     cause = causes()[name]
     if effect.column is None:
         return Ability(name, "above", effect.least, effect.unit, experiment=cause.experiment)
-    least, share, hidden_by = information.least(name, effect.column, cause.needed)
+    least, share, hidden_by = information.least(name, effect.column)
     if not least < effect.most:
         return Ability(name, "not excited", experiment=cause.experiment)
     if hidden_by and share < LEAST_SHARE:
@@ -113,13 +107,11 @@ def _ability(name: str, effect: Effect, information: _Information) -> Ability:
 class _Information:
     """Derivatives of the prediction by the parameters of each part on the fitted rows, (p, n), "memory" for h.
 
-    error: (n,) residual of a fit without the row's block. beyond_um: error above the white noise.
+    scored: the final chain.
     """
 
-    rows: NDArray[np.intp]
     parts: Mapping[str, Floats]
-    error: Floats
-    beyond_um: float
+    scored: Scored
 
     @classmethod
     def of(cls, residual: Residual) -> _Information:
@@ -133,27 +125,24 @@ class _Information:
             own = [i for i, name in enumerate(fit.chain.names()) if name.startswith(f"{part.cause}.")]
             first = scene.column_of(fit.chain, type(part))
             parts[part.cause] = np.vstack([shape[own], columns[first : first + part.added]])
-        noise_um = residual_noise(fit.error[scene.dense])
-        beyond_um = math.sqrt(max(fit.rms_um**2 - noise_um**2, (LEAST_ABOVE_NOISE * noise_um) ** 2))
-        error = block_left_out_error(np.vstack([columns, shape]), fit.error[scene.rows])
-        return cls(scene.rows, parts, error, beyond_um)
+        return cls(parts, Scored.of(scene, fit))
 
-    def least(self, name: str, column: Floats, needed: float) -> tuple[float, float, str]:
+    def least(self, name: str, column: Floats) -> tuple[float, float, str]:
         """Least amount of an effect, (n,) per unit; share of its power beside the chain; the part that hides most."""
-        direction = column[self.rows] - column[self.rows].mean()
+        fit, rows = self.scored.fit, self.scored.scene.rows
+        direction = column[rows] - column[rows].mean()
         kept = [part for part in self.parts if part != name]
         left = self._beside(direction, kept)
         power, whole = float(left @ left), float(direction @ direction)
         if power <= 1e-12 * whole or whole == 0.0:
             return math.inf, 0.0, ""
-        scores = [float(left[a:b] @ self.error[a:b]) for a, b in itertools.pairwise(block_edges(len(left)))]
-        evident = LEAST_Z * math.sqrt(math.fsum(score**2 for score in scores)) / power
-        growing = math.sqrt(needed**2 - 1.0) * self.beyond_um / math.sqrt(power / len(left))
+        growth = least_growth(self.scored.independent_samples(dispersion(fit.error[rows], left)))
+        least = math.sqrt(growth**2 - 1.0) * fit.rms_um / math.sqrt(power / len(left))
         share, hidden_by = power / whole, ""
         if share < LEAST_SHARE:
             without = {part: self._beside(direction, [one for one in kept if one != part]) for part in kept if part}
             hidden_by = max(without, key=lambda part: float(without[part] @ without[part]))
-        return max(evident, growing), share, hidden_by
+        return least, share, hidden_by
 
     def _beside(self, direction: Floats, parts: list[str]) -> Floats:
         return Projector.of(np.vstack([self.parts[part] for part in parts])).orthogonal_part(direction)

@@ -106,6 +106,9 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     lags_s = [extension.lag_s for extension in chosen if extension.lag_s is not None]
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
     size = next((extension.size for extension in chosen if extension.size is not None), None)
+    relaxation = max(extension.relaxation for extension in chosen)
+    if size is not None and relaxation:
+        size = dataclasses.replace(size, relaxation=relaxation)
     task = path_task(part, dataclasses.replace(settings, memory=size, lag_s=lags_s[0] if lags_s else None), level)
     content = tuple(extension.content for extension in chosen)
     trust = _by_segment(prepared.trust, [s.samples for s in part.segments])

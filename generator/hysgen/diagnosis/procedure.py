@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.advice import next_experiment, unexplained_structure
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
-from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order, slow_causes
+from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.identifiability import Ability, abilities
@@ -22,7 +22,8 @@ from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.pruning import Pruned, prune
-from hysgen.diagnosis.search import SearchResult, over_all_rows, search, without
+from hysgen.diagnosis.score import LEAST_EVIDENCE
+from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings
 from hysgen.machine.checkpoint import forget, resumed, steps
 from hysgen.machine.threads import in_threads, one_blas_thread
@@ -34,10 +35,11 @@ Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
 LEAST_CONFIDENCE = 0.7
-"""Least share of bootstrap draws in which an extension lowers the error on blocks left out of the fit by LEAST_FALL."""
+"""Least share of bootstrap draws in which an extension that is made lowers the error on blocks left out of the fit by
+LEAST_FALL. It decides what is worth its cycles; what is named does not depend on it."""
 
 LEAST_FALL = 0.02
-"""A cause whose extension lowers the rms error by less than this share is not named."""
+"""An extension that lowers the rms error by less than this share is not made: it does not pay for its cycles."""
 
 
 SEARCHED = 0.7
@@ -71,9 +73,8 @@ class Naming:
     """The named causes, before the models of the ladder are fitted.
 
     whole: residual of the probe over all rows of the identification part.
-    agreed: named causes in ladder order: evidence, need and gain hold. alone: gain of each extension beside all others.
-    refused: the other causes of the chain, with the reason. unknown: description of structure that is left, or None.
-    abilities: what the record can tell about every cause.
+    agreed: named causes in ladder order: those of the chain with the least score, and `outliers`.
+    unknown: description of structure that is left, or None. abilities: what the record can tell about every cause.
     """
 
     prepared: Prepared
@@ -82,8 +83,6 @@ class Naming:
     signatures: dict[str, Signature]
     extensions: dict[str, Extension]
     agreed: list[str]
-    alone: dict[str, Gain]
-    refused: list[Refused]
     noise: NoiseFloor
     unknown: str | None
     abilities: tuple[Ability, ...]
@@ -120,10 +119,11 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     report = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
-    report(0.7, "choosing the forms of the extensions")
-    best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
+    report(0.7, "measuring what each extension gains")
+    made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
+    report(0.8, "choosing the forms of the extensions")
+    best = with_best_forms(naming.prepared, naming.extensions, made, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
-    made = list(naming.agreed)
     report(0.85, "fitting rules, " + ", ".join(made))
     steps = [made[:count] for count in range(len(made) + 1)]
 
@@ -137,7 +137,7 @@ def diagnose(
     report(1.0, "done")
     if chosen.resume:
         forget(_inputs(naming.prepared), SOURCES)
-    return _scored(naming, ladder, chosen)
+    return _scored(naming, alone, ladder, chosen)
 
 
 @one_blas_thread()
@@ -174,20 +174,15 @@ def name_causes(
     report(SEARCHED, "weighing the evidence")
     whole = over_all_rows(found, prepared.scene())
     signatures = _signatures(found, whole)
-    weak = [name for name, signature in signatures.items() if not signature.holds]
-    extensions = _extensions(found, whole, signatures, weak)
-    agreed, alone, refused = _agreement(prepared, found, whole, signatures, extensions, chosen)
-    extensions = _extensions(found, whole, signatures, [name for name in signatures if name not in agreed])
+    agreed = in_ladder_order(signatures)
     noise = residual_noise_floor(prepared.identification(), _usable_error(whole), found.fit.chain.lag_s)
     return Naming(
         prepared,
         found,
         whole,
         signatures,
-        extensions,
+        _extensions(found, whole, agreed),
         agreed,
-        alone,
-        refused,
         noise,
         unexplained_structure(prepared, whole, noise),
         abilities(Residual(found.scene, found.fit), whole, dict.fromkeys(agreed)),
@@ -218,86 +213,27 @@ def _signatures(found: SearchResult, whole: Residual) -> dict[str, Signature]:
     }
 
 
-def _extensions(
-    found: SearchResult, whole: Residual, signatures: dict[str, Signature], left: Sequence[str]
-) -> dict[str, Extension]:
-    """The extension of each cause. left: causes that are not named.
+def _extensions(found: SearchResult, whole: Residual, names: Sequence[str]) -> dict[str, Extension]:
+    """The extension of each cause with the parameters of the final chain."""
+    searched = Residual(found.scene, found.fit)
+    return {name: causes()[name].extension(whole if causes()[name].on_all_rows else searched) for name in names}
 
-    Slow causes share one slow movement, so the parameters of the named slow causes are fitted in a chain without the
-    slow causes of `left`.
+
+def _worth_extending(naming: Naming, settings: FitSettings) -> tuple[list[str], dict[str, Gain]]:
+    """The named causes whose extensions lower the error of the model, and the gain of each extension beside the others.
+
+    Each round leaves out the extension with the least confidence until all have at least LEAST_CONFIDENCE. Among equal
+    confidences, the extension is left out without which the error is smallest. The gain of such an extension is the one
+    beside the extensions of its round.
     """
-    left = [name for name in slow_causes() if name in left]
-    alone = without(found, left)
-    fits = {name: found.fit if name in left else alone for name in signatures}
-    return {
-        name: causes()[name].extension(whole if causes()[name].on_all_rows else Residual(found.scene, fit))
-        for name, fit in fits.items()
-    }
-
-
-def _agreement(
-    prepared: Prepared,
-    found: SearchResult,
-    whole: Residual,
-    signatures: dict[str, Signature],
-    extensions: dict[str, Extension],
-    settings: DiagnoseSettings,
-) -> tuple[list[str], dict[str, Gain], list[Refused]]:
-    """Named causes, gain of each extension beside the others, and the refused causes with the reason.
-
-    A cause is named if its signature holds, the error of the probe grows enough without it, and its extension lowers
-    the free-run error of the model.
-    """
-    refused, candidates = [], []
-    for name in in_ladder_order(list(signatures)):
-        if not signatures[name].holds:
-            refused.append(Refused(name, f"the evidence is too weak: {signatures[name].text}"))
-        elif name in found.error_growth and not _needed(found, name):
-            refused.append(Refused(name, f"the error grows only {found.error_growth[name]:.2f} times without it"))
-        else:
-            candidates.append(name)
-    # Whether a cause is named does not depend on the wish for certificates of the delivered model.
-    simulating = dataclasses.replace(settings.fit, certified=True)
-    agreed, alone, without_gain = _eliminate_by_gain(prepared, whole, extensions, candidates, simulating)
-    refused += [
-        Refused(name, "its extension does not lower the model's free-run error for certain") for name in without_gain
-    ]
-    return agreed, alone, refused
-
-
-def _needed(found: SearchResult, name: str) -> bool:
-    """Whether the error of the probe grows by `Cause.needed_in` without the cause.
-
-    A very strong difference of Schwarz's criterion replaces the growth `Cause.needed`; it does not replace a larger
-    growth that a form of the cause requires.
-    """
-    cause = causes()[name]
-    least = cause.needed_in(found.fit.chain)
-    return found.error_growth[name] >= least or (name in found.separated_by_likelihood and cause.needed >= least)
-
-
-def _eliminate_by_gain(
-    prepared: Prepared,
-    whole: Residual,
-    extensions: dict[str, Extension],
-    names: Sequence[str],
-    settings: FitSettings,
-    sure: float = LEAST_CONFIDENCE,
-) -> tuple[list[str], dict[str, Gain], list[str]]:
-    """Backward elimination by gain: the kept causes, the gain of each, and the removed causes in order of removal.
-
-    Each round removes the cause with the least confidence until all have at least the confidence `sure`. Among equal
-    confidences, the cause is removed without which the error is smallest.
-    """
-    kept = list(names)
-    left: list[str] = []
+    kept, gains = list(naming.agreed), dict[str, Gain]()
     while True:
-        alone = _gains_beside_others(prepared, whole, extensions, kept, settings)
+        alone = _gains_beside_others(naming.prepared, naming.whole, naming.extensions, kept, settings)
+        gains |= alone
         worst = min(alone, key=lambda name: (alone[name].confidence, alone[name].before_um), default=None)
-        if worst is None or alone[worst].confidence >= sure:
-            return kept, alone, left
+        if worst is None or alone[worst].confidence >= LEAST_CONFIDENCE:
+            return kept, gains
         kept.remove(worst)
-        left.append(worst)
 
 
 def _gains_beside_others(
@@ -332,8 +268,8 @@ def _clean_held_rows(naming: Naming, made: Sequence[str], last: Rung) -> NDArray
     return held[~outlier_flags(last.error_um)[held]] if gated else held
 
 
-def _scored(naming: Naming, ladder: Pruned, settings: DiagnoseSettings) -> Diagnosis:
-    """The diagnosis with all scores on held-out rows."""
+def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: DiagnoseSettings) -> Diagnosis:
+    """The diagnosis with all scores on held-out rows. alone: of `_worth_extending`."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
     made, rungs = ladder.kept, ladder.rungs
     held = prepared.held_rows
@@ -362,10 +298,11 @@ def _scored(naming: Naming, ladder: Pruned, settings: DiagnoseSettings) -> Diagn
                 evidence=naming.signatures[name].text,
                 statistic=naming.signatures[name].z,
                 step=step,
-                alone=naming.alone.get(name),
+                alone=alone.get(name),
                 beside=ladder.beside.get(name),
+                confidence=naming.found.confidence.get(name) if name in naming.found.bayes else None,
+                bayes=naming.found.bayes.get(name),
                 probe_gain=naming.found.error_growth.get(name),
-                separated_by_likelihood=name in naming.found.separated_by_likelihood,
                 share=(levels[i] ** 2 - levels[j] ** 2) / above if above > 0.0 else 0.0,
                 price=_difference(prices[i], prices[j]) if name in made else None,
                 extended=name in made,
@@ -374,7 +311,10 @@ def _scored(naming: Naming, ladder: Pruned, settings: DiagnoseSettings) -> Diagn
     steps = np.concatenate([np.diff(s.y_um, prepend=s.y_um[0]) for s in prepared.record.segments])
     return Diagnosis(
         causes=tuple(named),
-        refused=tuple(naming.refused),
+        refused=tuple(
+            Refused(name, f"the score falls by {fall:.1f} with it, and {LEAST_EVIDENCE:.1f} are required")
+            for name, fall in naming.found.refused.items()
+        ),
         unknown=naming.unknown,
         base=rungs[0].model,
         model=running[-1],

@@ -1,11 +1,11 @@
-"""Search for the probe's chain by forward selection and backward elimination.
+"""Search for the chain with the least score (`score`): parts are added, dropped and exchanged while the score falls.
 
-Forward selection: every cause proposes candidate chains with starting values, the best candidates of each cause are
-refined, and the candidate with the smallest error is kept. Each step fits all parameters of the chain jointly, so an
-effect that was first attributed to the wrong cause moves to the right one.
-Backward elimination: each cause is removed and the others are fitted again; a cause is dropped if the error does not
-grow without it. Between the two, a cause is swapped for a similar one if the error falls (`swaps`). All errors are
-compared on checking rows: blocks of the identification part that are not fitted (`comparison`).
+    add       every cause proposes chains with one more part at starting values; the best few are fitted and scored
+    drop      a part, a form of a part, or all slow causes, if the score rises by less than LEAST_EVIDENCE a cause
+    exchange  a part for a similar one (`Cause.mistaken_for`, slow causes for each other), if the score falls
+
+A part is added if the score falls by LEAST_EVIDENCE. Each step fits all parameters of the chain jointly, so an effect
+that was first attributed to the wrong cause moves to the right one. Every scored chain counts in the confidences.
 """
 
 from __future__ import annotations
@@ -13,94 +13,101 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import Residual, causes, slow_causes
-from hysgen.diagnosis.comparison import (
-    BLOCKS,
-    FINAL_ROUNDS,
-    HELPS_BELOW,
-    KEEP_ABOVE,
-    LEAST_ABOVE_NOISE,
-    STEP_BELOW,
-    Rows,
-    admissible,
-    chain_without,
-    fitted,
-    ratio,
-    ratio_above_noise,
-    refined,
-)
 from hysgen.diagnosis.outlier_detection import outlier_flags
-from hysgen.diagnosis.probe import Chain, Fit, Scene, linear_fit, refine, rms
-from hysgen.diagnosis.swaps import (
-    compare_likelihood,
-    likeliest_slow_causes,
-    swap_similar_causes,
-    swap_slow_causes,
+from hysgen.diagnosis.probe import (
+    Chain,
+    Fit,
+    Scene,
+    TrainingFit,
+    WhitenedScene,
+    linear_fit,
+    refine,
+    rms,
+    schwarz,
+    training_fit,
 )
+from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, confidences, present
 from hysgen.machine.threads import in_threads
-from hysgen.record.series import residual_noise, resolution_um
+from hysgen.record.series import resolution_um
 
 Progress = Callable[[str], None]
 
-MOST_STEPS = 9
-"""Largest number of steps of forward selection."""
+MOST_STEPS = 20
+"""Largest number of steps; the score falls in each, so the search also ends without this limit."""
 
 MOST_ROWS = 8000
 """Rows above which a scene is thinned out for a fit."""
+
+LAGS = (0.3, 3.0, 30.0)
+"""Starting values of the lag in samples: a lag that a limit or a delay has taken over lies at the end of its range."""
+
+ROUNDS = 8
+"""Gauss-Newton rounds for a candidate."""
 
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
     """Result of `search`.
 
-    fit: of the final chain to all usable rows of the identification part. rivals: the best fit without each cause of
-    the chain. corrupted: (n,) flags of the corrupted samples. error_growth: for each cause of the chain, the ratio of
-    the errors above the white noise on the checking rows without and with the cause (`comparison.ratio_above_noise`).
-    separated_by_likelihood: slow causes whose removal raises Schwarz's criterion by more than `swaps.VERY_STRONG`. Such
-    a cause may be named although `error_growth` is below `Cause.needed_in`.
+    fit: of the final chain to all usable rows of the identification part. rivals: the fit without each cause of the
+    chain. corrupted: (n,) flags of the corrupted samples. bayes: rise of the score without each cause; refused: fall of
+    the score by each cause not in the chain, at most LEAST_EVIDENCE. error_growth: ratio of the rms errors without and
+    with each cause. confidence: posterior probability of each.
     """
 
     scene: Scene
     fit: Fit
     rivals: dict[str, Fit]
-    error_growth: dict[str, float]
     corrupted: NDArray[np.bool_]
-    separated_by_likelihood: tuple[str, ...] = ()
+    bayes: dict[str, float]
+    refused: dict[str, float]
+    error_growth: dict[str, float]
+    confidence: dict[str, float]
+
+
+@dataclass(eq=False)
+class _State:
+    """The chain of a search on its rows, and every chain scored on these rows."""
+
+    scene: Scene
+    current: Scored
+    visited: list[Scored] = field(default_factory=list)
+
+    def scored(self, fits: Sequence[Fit], bounded: bool = True) -> list[Scored]:
+        """The fits with their scores, the least score first. bounded: only the admissible ones."""
+        found = [Scored.of(self.scene, fit) for fit in fits if not bounded or admissible(self.scene, fit)]
+        self.visited += found
+        return sorted(found, key=lambda one: one.score(self.current.independent))
 
 
 def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult:
-    """The chain of the needed causes, by forward selection, swaps, restarts and backward elimination."""
-    scene, corrupted = _without_outliers(scene, _start(scene))
-    part, checked = split_rows(scene)
-    fit = _start(part)
+    """The chain with the least score, from the hysteresis and one lag on."""
+    fit = _start(scene)
+    usable, corrupted = _without_outliers(scene, fit)
+    part = thinned(usable)
+    state = _begin(part, refine(part, fit.chain))
+    added: dict[str, Scored] = {}
     for _ in range(MOST_STEPS):
-        step = forward_step(part, fit, checked)
+        added = _best_additions(state)
+        step = next((one for one in added.values() if one.fall_from(state.current) > LEAST_EVIDENCE), None)
+        step = step or _dropped_or_exchanged(state)
         if step is None:
             break
-        progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.error[checked]):.3g} nm")
-        fit = step
-        usable, corrupted = _without_outliers(scene, fit)
-        part, checked = split_rows(usable)
-    fit = eliminate_backward(part, swap_similar_causes(part, fit, checked), checked)
-    fit = eliminate_backward(part, swap_slow_causes(part, fit, checked), checked)
-    fit = drop_unsupported_parts(part, restart(part, fit, checked), checked)
-    usable, corrupted = _without_outliers(scene, fit)
-    part, checked = split_rows(usable)
-    chain = likeliest_slow_causes(usable, fit)
-    fit = fit if chain == fit.chain else refine(part, chain)
-    names = present(fit.chain)
-    rivals = dict(zip(names, refined(part, [causes()[name].without(fit.chain) for name in names]), strict=True))
-    error_growth = {name: 1.0 / ratio_above_noise(fit, rivals[name], checked) for name in names}
-    error_growth |= _slow_error_growth(part, fit, rivals, checked)
-    final = refine(thinned(usable), fit.chain)
-    return SearchResult(
-        usable, final, rivals, error_growth, corrupted, tuple(compare_likelihood(usable, final, rivals))
-    )
+        progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.fit.error[part.rows]):.3g} nm")
+        state.current = step
+        before = len(usable.rows)
+        usable, corrupted = _without_outliers(scene, step.fit)
+        if len(usable.rows) != before:
+            # Scores of different rows do not compare.
+            part = thinned(usable)
+            state = _begin(part, refine(part, step.chain, ROUNDS))
+    return _result(usable, corrupted, state, added)
 
 
 def over_all_rows(found: SearchResult, whole: Scene) -> Residual:
@@ -117,116 +124,126 @@ def over_all_rows(found: SearchResult, whole: Scene) -> Residual:
     return Residual(usable.bare(), dataclasses.replace(fit, rms_um=rms(fit.error[usable.rows])), corrupted)
 
 
-def _slow_error_growth(part: Scene, fit: Fit, rivals: dict[str, Fit], checked: Rows) -> dict[str, float]:
-    """`error_growth` of the slow causes with evidence, in a chain without the slow causes that have none.
+def _begin(part: Scene, fit: Fit) -> _State:
+    current = Scored.of(part, fit)
+    return _State(part, current, [current])
 
-    Empty if all slow causes have evidence. A slow cause without evidence may only compensate the excess of another one.
+
+def _result(usable: Scene, corrupted: NDArray[np.bool_], state: _State, added: dict[str, Scored]) -> SearchResult:
+    """The final fit with what the scores around it say."""
+    current, names = state.current, present(state.current.chain)
+    less = [_with_best_lag(state.scene, causes()[name].without(current.chain)) for name in names]
+    without = state.scored(_refined(state.scene, less), bounded=False)
+    rivals = {name: one for one in without for name in names if name not in present(one.chain)}
+    falls = {name: one.fall_from(current) for name, one in added.items() if name not in names}
+    return SearchResult(
+        scene=usable,
+        fit=refine(thinned(usable), current.chain),
+        rivals={name: one.fit for name, one in rivals.items()},
+        corrupted=corrupted,
+        bayes={name: current.fall_from(one) for name, one in rivals.items()},
+        refused={name: fall for name, fall in falls.items() if fall > 0.0},
+        error_growth={name: one.fit.rms_um / current.fit.rms_um for name, one in rivals.items()},
+        confidence=confidences(state.visited, current),
+    )
+
+
+def _best_additions(state: _State) -> dict[str, Scored]:
+    """By cause, the chain of least score with one more part of it; the largest fall of the score first."""
+    part, current = state.scene, state.current
+    residual = Residual(part, current.fit)
+    of_causes = in_threads(
+        lambda cause: cause.select_starts(_fitted(part, cause.proposals(residual))), list(causes().values())
+    )
+    starts = [
+        (name, candidate.chain) for name, of_cause in zip(causes(), of_causes, strict=True) for candidate in of_cause
+    ]
+    fits = _refined(part, [chain for _, chain in starts])
+    cause_of = {id(fit): name for (name, _), fit in zip(starts, fits, strict=True)}
+    best: dict[str, Scored] = {}
+    for one in state.scored(fits):
+        best.setdefault(cause_of[id(one.fit)], one)
+    falls = {name: one.fall_from(current) for name, one in best.items()}
+    return {name: best[name] for name in sorted(falls, key=lambda name: -falls[name])}
+
+
+def _dropped_or_exchanged(state: _State) -> Scored | None:
+    """The chain with one part less or exchanged, None if no such chain is accepted."""
+    part, chain = state.scene, state.current.chain
+    names = present(chain)
+    slow = [name for name in slow_causes() if name in names]
+    less = [one for name in names for one in causes()[name].simpler_forms(chain)]
+    less += [one for name in names for one in causes()[name].without_one_part(chain)]
+    if len(slow) > 1:
+        less.append(_without(chain, slow))
+    dropped = state.scored(_refined(part, [_with_best_lag(part, one) for one in less]))
+    for one in dropped:
+        fewer = max(1, len(names) - len(present(one.chain)))
+        if state.current.fall_from(one) < fewer * LEAST_EVIDENCE:
+            return one
+    pairs = [(old, new) for old in names for new in causes() if new not in names and similar(old, new)]
+    for old, new in pairs:
+        bare = next((one for one in dropped if old not in present(one.chain)), None)
+        other = None if bare is None else _best_with(state, bare, new)
+        if other is not None and _likelier(state, other, by_plateaus=old in slow and new in slow_causes()):
+            return other
+    return None
+
+
+def _without(chain: Chain, names: Sequence[str]) -> Chain:
+    """The chain without the named causes."""
+    for name in names:
+        chain = causes()[name].without(chain)
+    return chain
+
+
+def _best_with(state: _State, bare: Scored, name: str) -> Scored | None:
+    """The chain with the least score that adds the cause `name` to `bare`."""
+    cause = causes()[name]
+    starts = cause.select_starts(_fitted(state.scene, cause.proposals(Residual(state.scene, bare.fit))))
+    return next(iter(state.scored(_refined(state.scene, [start.chain for start in starts]))), None)
+
+
+def _likelier(state: _State, other: Scored, by_plateaus: bool) -> bool:
+    """Whether a chain is likelier than the current one, which has as many causes.
+
+    by_plateaus: whether the residuals are whitened for this comparison (`probe.whitened`): slow causes differ most on
+    plateaus, where the misfit of the hysteresis is constant.
     """
-    slow = [name for name in slow_causes() if name in rivals]
-    residual = Residual(part, fit)
-    supported = [name for name in slow if causes()[name].signature(residual, rivals[name]).holds]
-    if supported == slow:
-        return {}
-    chain = chain_without(fit.chain, [name for name in slow if name not in supported])
-    reduced = refine(part, chain, rounds=8)
-    others = refined(part, [causes()[name].without(chain) for name in supported])
-    return {
-        name: 1.0 / ratio_above_noise(reduced, other, checked) for name, other in zip(supported, others, strict=True)
-    }
+    current = state.current
+    if not by_plateaus:
+        return other.score(current.independent) < current.score(current.independent)
+    white = WhitenedScene.of(state.scene, min(current.fit, other.fit, key=lambda fit: fit.rms_um))
+    before, after = (schwarz(white, refine(white, one.chain, ROUNDS)) for one in (current, other))
+    return after < before
 
 
-def without(result: SearchResult, names: Sequence[str]) -> Fit:
-    """The fit of the chain without the named causes to all usable rows, with all other parameters refined again."""
-    if not names:
-        return result.fit
-    return refine(thinned(result.scene), chain_without(result.fit.chain, names), rounds=8)
-
-
-def present(chain: Chain) -> list[str]:
-    """Names of the causes that the chain holds."""
-    return [name for name, cause in causes().items() if cause.present(chain)]
+def similar(name: str, other: str) -> bool:
+    """Whether two causes have a similar effect, so that the search exchanges them."""
+    both_slow = name in slow_causes() and other in slow_causes()
+    return both_slow or other in causes()[name].mistaken_for or name in causes()[other].mistaken_for
 
 
 def _start(scene: Scene) -> Fit:
-    """The fit of hysteresis and one lag, from the best of three starting values of the lag."""
-    lags = [scale * scene.Ts_s for scale in (0.3, 3.0, 30.0)]
-    return refine(scene, fitted(scene, [Chain(lag_s) for lag_s in lags])[0].chain)
+    """The fit of hysteresis and one lag."""
+    part = thinned(scene)
+    return refine(part, _with_best_lag(part, Chain(LAGS[0] * scene.Ts_s)))
 
 
-def forward_step(part: Scene, fit: Fit, checked: Rows) -> Fit | None:
-    """One step of forward selection: the refined candidate with the smallest error, None if it is not accepted."""
-    residual = Residual(part, fit)
-    # Poor starting values are refined too: the refinement of a mode that was fitted in place of a delay changes much.
-    starts = in_threads(
-        lambda cause: cause.select_starts(fitted(part, cause.proposals(residual))), list(causes().values())
-    )
-    steps = refined(part, [start.chain for of_cause in starts for start in of_cause])
-    steps = [step for step in steps if admissible(part, step.chain) or not admissible(part, fit.chain)]
-    if not steps:
-        return None
-    best = min(steps, key=lambda candidate: ratio(candidate, fit, checked) + candidate.rms_um / fit.rms_um)
-    helped = ratio(best, fit, checked) < HELPS_BELOW and ratio_above_noise(best, fit, checked) < STEP_BELOW
-    # If the training residual is only noise, the fit has absorbed the missing effect: the checking rows alone decide.
-    only_noise = fit.rms_um < (1.0 + LEAST_ABOVE_NOISE**2) * residual_noise(fit.error[part.dense])
-    return best if helped and (only_noise or best.rms_um < HELPS_BELOW * fit.rms_um) else None
+def _with_best_lag(part: Scene, chain: Chain) -> Chain:
+    """The chain with its own lag or one of LAGS, whichever leaves the least error before a refinement."""
+    lags = [chain.lag_s, *(scale * part.Ts_s for scale in LAGS)]
+    return _fitted(part, [dataclasses.replace(chain, lag_s=lag_s) for lag_s in lags])[0].chain
 
 
-def restart(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The best fit from other starting values (`Cause.restarts`), if both the training and the checking error fall."""
-    for name in present(fit.chain):
-        candidates = fitted(part, causes()[name].restarts(part, fit.chain))[:2]
-        for other in refined(part, [candidate.chain for candidate in candidates], rounds=FINAL_ROUNDS):
-            if other.rms_um < fit.rms_um and rms(other.error[checked]) < rms(fit.error[checked]):
-                fit = other
-    return fit
+def _fitted(part: Scene, chains: Sequence[Chain]) -> list[TrainingFit]:
+    """Linear least-squares fits of the chains to the rows of the scene, sorted by rms error."""
+    return sorted(in_threads(lambda chain: training_fit(part, chain), chains), key=lambda candidate: candidate.rms_um)
 
 
-def eliminate_backward(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """Backward elimination: removes the part with the smallest growth of the error until every part is needed.
-
-    A part is a cause, or one of several modes, lines or channels. First, a cause is replaced by a simpler form
-    (`Cause.simpler_forms`) if the error does not grow by more than a factor of
-    1/HELPS_BELOW.
-    """
-    for name in present(fit.chain):
-        for chain in causes()[name].simpler_forms(fit.chain):
-            plain = refine(part, chain, rounds=8)
-            if ratio(fit, plain, checked) >= HELPS_BELOW:
-                fit = plain
-    while True:
-        names = present(fit.chain)
-        candidates = refined(part, [less for name in names for less in causes()[name].without_one_part(fit.chain)])
-        if not candidates:
-            return fit
-        best = max(candidates, key=lambda candidate: ratio(fit, candidate, checked))
-        if ratio_above_noise(fit, best, checked) < KEEP_ABOVE:
-            return fit
-        fit = best
-
-
-def drop_unsupported_parts(part: Scene, fit: Fit, checked: Rows) -> Fit:
-    """The fit without those of several modes, lines and channels that have no evidence.
-
-    One part without evidence would invalidate the signature of the whole cause, and it may model the effect of another
-    cause.
-    """
-    residual = Residual(part, fit)
-    for name in present(fit.chain):
-        less = causes()[name].supported(residual)
-        if less == fit.chain:
-            continue
-        fit = refine(part, less, rounds=8)
-        step = forward_step(part, fit, checked)
-        if step is not None and _all_supported(part, step, present(less)):
-            fit = step
-        residual = Residual(part, fit)
-    return fit
-
-
-def _all_supported(part: Scene, fit: Fit, names: Sequence[str]) -> bool:
-    """Whether every part of each named cause has evidence (`Cause.supported`)."""
-    residual = Residual(part, fit)
-    return all(causes()[name].supported(residual) == fit.chain for name in names)
+def _refined(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
+    """Fits of the linear and the shape parameters from each chain as the starting value, in the order of the chains."""
+    return in_threads(lambda chain: refine(part, chain, ROUNDS), chains)
 
 
 def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
@@ -240,17 +257,6 @@ def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]
         [outlier_flags(error[a:b], step_um, predicted[a:b]) for a, b in itertools.pairwise(edges)]
     )
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
-
-
-def split_rows(scene: Scene) -> tuple[Scene, Rows]:
-    """The scene on its training rows, and the checking rows: of each three of 24 blocks two train and one checks.
-
-    Training rows are thinned out to MOST_ROWS. Checking rows are not thinned out, because the white noise is estimated
-    from differences between neighbours.
-    """
-    rows = scene.rows
-    block = np.arange(len(rows)) * BLOCKS // len(rows)
-    return thinned(scene.using(rows[block % 3 != 1])), rows[block % 3 == 1]
 
 
 def thinned(scene: Scene) -> Scene:

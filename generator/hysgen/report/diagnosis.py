@@ -184,7 +184,7 @@ def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
                 if left_out
                 else []
             ),
-            "A cause is named only if a signature of its own and the gain on data left out of the fit agree.",
+            "A cause is named if the most probable chain contains it. The ladder shows what its extension gains.",
             *([f"{CONFIDENCE[0].upper()}{CONFIDENCE[1:]}."] if rows else []),
             *([f"Next experiment: {diagnosis.next_experiment}."] if diagnosis.next_experiment else []),
         ],

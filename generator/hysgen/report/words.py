@@ -37,9 +37,7 @@ SMALLEST_SHARE = 0.005
 FAR_ABOVE_NOISE = 5.0
 """Error over noise above which an answer without a cause lists the candidates that were refused."""
 
-CONFIDENCE = (
-    "confidence: share of bootstrap draws on blocks left out in which the extension lowers the error by more than 2 %"
-)
+CONFIDENCE = "confidence: posterior probability of the cause over all chains of causes that were compared"
 """What the column of that name holds."""
 
 

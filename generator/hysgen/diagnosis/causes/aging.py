@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, TrainingFit, standard_errors, whitened_fit
@@ -91,7 +91,6 @@ class AgingCause(Cause):
         error = standard_errors(scene, fit).coordinates["aging.per_s"]
         z = abs(rate) / max(error, 1e-15)
         return Signature(
-            holds=z > SLOW_Z,
             z=z,
             text=f"gain changes by {100 * rate * scene.span_s:+.2f} % +- {100 * error * scene.span_s:.2f} in this time",
             parameters={

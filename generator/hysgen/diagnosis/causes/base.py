@@ -1,7 +1,7 @@
 """Interface of a cause: candidate chains for the search, removal from a chain, evidence, and extension of the model.
 
-A cause is named only if two criteria hold: the error of the probe on the checking rows grows without the cause
-(`search`), and the physical signature that the file of the cause defines holds.
+A cause is named if the chain with the least score contains it (`search`). The file of the cause states the physical
+bounds of its parameters, under which conditions it acts on a record, and the evidence that is reported.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingF
 Floats = NDArray[np.float64]
 
 
-SLOW_Z = 4.0
-"""Least size of a slow cause in standard errors; the errors are uncertain, because few blocks determine them."""
+FEWEST_LIMITED, LEAST_CHANGE = 10, 1e-3
+"""Least number of fitted rows on which a limit acts, by at least this share of the range: fewer show no level."""
 
 ZERO_UNCERTAIN = 0.25
 """Uncertainty of the displacement at 0 V as a share of the span; with a wrong zero, aging also shows as a ramp."""
@@ -68,9 +68,8 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Signature:
-    """Evidence for a cause: whether it holds, its statistic in standard errors or an equivalent, and a sentence."""
+    """Evidence for a named cause: its statistic in standard errors or an equivalent, a sentence, its parameters."""
 
-    holds: bool
     z: float
     text: str
     parameters: Mapping[str, Estimate] = field(default_factory=dict)
@@ -106,6 +105,14 @@ class Effect:
     least: float = math.nan
 
 
+def limited_rows(scene: Scene, chain: Chain, kind: type[Part]) -> int:
+    """Number of fitted rows at which the part of a kind changes the voltage by more than LEAST_CHANGE of its range."""
+    least_V = LEAST_CHANGE * (scene.operator.high_V - scene.operator.low_V)
+    free = chain.without(kind)
+    changes = [np.abs(chain.amplified(*run) - free.amplified(*run)) for run in scene.commands]
+    return int(np.count_nonzero(np.concatenate(changes)[scene.rows] > least_V))
+
+
 class Cause(abc.ABC):
     """One cause of the vocabulary. It has no state: each module has one instance, CAUSE."""
 
@@ -121,22 +128,19 @@ class Cause(abc.ABC):
     """Kind of the block or term of its extension; by default the name of the cause."""
 
     slow: ClassVar[bool] = False
-    """Whether the cause acts over the length of the record; slow causes can be swapped for each other."""
+    """Whether the cause acts over the length of the record; slow causes can be exchanged for each other."""
 
     mistaken_for: ClassVar[tuple[str, ...]] = ()
-    """Similar causes; the search compares this cause with each of them and swaps the two if the error falls."""
+    """Similar causes, for which the search exchanges this cause if the score falls."""
 
     judged_by_gain: ClassVar[bool] = True
-    """Whether the extension must lower the error of the model; False if the measured error itself is corrupted."""
+    """Whether the gain of the extension is measured; False if the measured error itself is corrupted."""
 
     on_all_rows: ClassVar[bool] = False
     """Whether signature and extension are those of all rows of the record, not of the rows of the search."""
 
     experiment: ClassVar[str] = ""
     """What to record so that the cause shows."""
-
-    needed: ClassVar[float] = 1.2
-    """Least growth of the probe's error above the noise on the checking rows without the cause, as a ratio."""
 
     starts: ClassVar[int] = 1
     """Number of proposals that one step of the search refines, the best ones first; see `select_starts`."""
@@ -146,12 +150,8 @@ class Cause(abc.ABC):
         return self.part is not None and chain.get(self.part) is not None
 
     def shown(self, residual: Residual) -> bool:
-        """Whether the final fit contains the cause; only then the signature is computed."""
+        """Whether the cause is named: whether the final chain contains it."""
         return self.present(residual.fit.chain)
-
-    def needed_in(self, chain: Chain) -> float:
-        """Least growth of the error (`needed`) for the form of the cause in this chain."""
-        return self.needed
 
     def without(self, chain: Chain) -> Chain:
         """The chain without the part of this cause."""
@@ -162,20 +162,15 @@ class Cause(abc.ABC):
         return [self.without(chain)]
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
-        """Chains with a simpler form of this cause, which is preferred if the error does not grow."""
+        """Chains with a simpler form of this cause, to replace it if the score rises by less than LEAST_EVIDENCE."""
         return []
 
-    def admissible(self, scene: Scene, chain: Chain) -> bool:
-        """Whether the parameters of this cause are in the range that its signature requires; called in every step."""
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        """Whether the cause acts on the fitted rows as its definition says, beside the bounds of its parameters.
+
+        The causes with more specific conditions state them. A chain that is not admissible has no score.
+        """
         return True
-
-    def supported(self, residual: Residual) -> Chain:
-        """The chain without those of several modes, lines or channels of this cause that have no evidence."""
-        return residual.fit.chain
-
-    def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
-        """The same chain with other starting values of this cause, if the fit is known to have several minima."""
-        return []
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """Candidate chains with this cause, or one more part of it, at starting values; empty if none is possible."""
@@ -185,13 +180,9 @@ class Cause(abc.ABC):
         """The linear fits that are refined. candidates: linear fits of the proposals, sorted by rms error."""
         return candidates[: self.starts]
 
-    def effect(self, residual: Residual) -> Effect | None:
-        """The effect of the cause per unit of its amount beside a chain without it; None if it is not excited."""
-        return None
-
     @abc.abstractmethod
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Evidence for the cause. residual: of the final fit; rival: the best fit without the cause."""
+        """Evidence for the named cause. residual: of the final fit; rival: the fit without the cause."""
 
     @abc.abstractmethod
     def extension(self, residual: Residual) -> Extension:
@@ -200,6 +191,10 @@ class Cause(abc.ABC):
     def forms(self, extension: Extension) -> list[Extension]:
         """Forms of the extension in rising cost, compared by cross-validation (`extension_forms`)."""
         return [extension]
+
+    def effect(self, residual: Residual) -> Effect | None:
+        """The effect of the cause per unit of its amount beside a chain without it; None if it is not excited."""
+        return None
 
     def true_extension(self, known: Known) -> Extension | None:
         """The extension with the true parameters of the plant; None if it changes the record and not the model."""

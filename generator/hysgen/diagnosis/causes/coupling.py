@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, octaves, standard_errors
 from hysgen.model.disturbances.coupling import Coupling
 
 Floats = NDArray[np.float64]
@@ -33,6 +33,13 @@ class CouplingPart(Part):
     @property
     def added(self) -> int:
         return len(self.channels) * self.taps
+
+    @property
+    def weight_orders(self) -> float:
+        return len(self.channels) * octaves(self.taps)
+
+    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+        return True
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         lagged = [seen(run.aux[name]) for name in self.channels]
@@ -55,14 +62,6 @@ class CouplingCause(Cause):
         fewer = [names[:i] + names[i + 1 :] for i in range(len(names))]
         less = [chain.having(CouplingPart(kept, part.taps)) if kept else self.without(chain) for kept in fewer]
         return less if part.taps == 1 else [*less, chain.having(dataclasses.replace(part, taps=1))]
-
-    def supported(self, residual: Residual) -> Chain:
-        """The chain with one tap per channel if the signature with several taps does not hold (slow channels)."""
-        chain = residual.fit.chain
-        part = chain.of(CouplingPart)
-        if part.taps == 1 or self.signature(residual, residual.fit).holds:
-            return chain
-        return chain.having(dataclasses.replace(part, taps=1))
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
@@ -101,7 +100,6 @@ class CouplingCause(Cause):
             for name, gain, error in zip(part.channels, gains, gain_errors, strict=True)
         )
         return Signature(
-            holds=bool((z > 5.0).all()),
             z=float(z.min()),
             text=f"the error follows {listed}" + (f", over {part.taps} samples" if part.taps > 1 else ""),
             parameters={

@@ -11,18 +11,18 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
 from hysgen.model.path.delay import Delay
 
-MOST_SAMPLES = 200.0
-"""Largest delay in samples; a longer one is a shift of the channels of a record."""
+LEAST_SAMPLES, MOST_SAMPLES = 0.05, 200.0
+"""Least and largest delay: below the least, the shape of the held input within a sampling period decides."""
 
 
 @dataclass(frozen=True)
 class DelayPart(Part):
-    """Delay by `samples`, whole or fractional; negative where the channels of the record are not aligned."""
+    """Delay by `samples`, whole or fractional."""
 
     cause: ClassVar[str] = "delay"
     order: ClassVar[int] = 0
     table: ClassVar[tuple[ShapeParameter, ...]] = (
-        ShapeParameter("samples", "samples", lambda e: (-3.0, MOST_SAMPLES), step=lambda e: 1e-3),
+        ShapeParameter("samples", "samples", lambda e: (LEAST_SAMPLES, MOST_SAMPLES), step=lambda e: 1e-3),
     )
     samples: float
 
@@ -46,7 +46,7 @@ class DelayCause(Cause):
         candidates = []
         for share in (0.1, 0.4, 0.8):
             late = share * chain.lag_s / Ts_s
-            if 0.05 < late < MOST_SAMPLES:
+            if LEAST_SAMPLES < late < MOST_SAMPLES:
                 candidates.append(dataclasses.replace(chain.having(DelayPart(late)), lag_s=(1.0 - share) * chain.lag_s))
         candidates.append(chain.having(DelayPart(0.5)))
         return candidates
@@ -61,7 +61,6 @@ class DelayCause(Cause):
         error = standard_errors(residual.scene, residual.fit).coordinates["delay.samples"]
         z = late / max(error, 1e-12)
         return Signature(
-            holds=z > 5.0 and late > 0.05,
             z=z,
             text=f"phase grows with frequency at constant gain: {late:.2f} +- {error:.2f} samples late",
             parameters={"delay_samples": Estimate(late, error)},

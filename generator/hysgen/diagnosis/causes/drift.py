@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import SLOW_Z, ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -33,10 +33,6 @@ Floats = NDArray[np.float64]
 
 SOONEST = 0.003
 """Least time before the record, as a share of it, at which a drift that slows down may have begun."""
-
-NEEDED_SLOWING = 3.0
-"""Least growth of the error without a drift that slows down; large, because the unknown initial state of the memory,
-creep, or an inaccurate limit of the amplifier leaves a residual with a similar course."""
 
 SINCE = (0.01, 0.05, 0.25)
 """Starting values of the time between the start of a drift that slows down and the record, as shares of the record."""
@@ -86,7 +82,7 @@ class DriftPart(Part):
     cause: ClassVar[str] = "drift"
     order: ClassVar[int] = 60
     table: ClassVar[tuple[ShapeParameter, ...]] = (
-        ShapeParameter("since_s", "s", lambda e: (SOONEST * e.span_s, e.span_s), logarithm=True),
+        ShapeParameter("since_s", "s", lambda e: (SOONEST * e.span_s, e.span_s), logarithm=True, closed=True),
     )
     since_s: float | None = None
 
@@ -105,10 +101,22 @@ class DriftCause(Cause):
     slow = True
     mistaken_for = ("aging", "creep")
     part = DriftPart
+    starts = 2
 
-    def needed_in(self, chain: Chain) -> float:
-        """Larger for a drift that slows down, because the memory's unknown initial state has a similar effect."""
-        return self.needed if chain.of(DriftPart).since_s is None else NEEDED_SLOWING
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        """More drift than creep of a move before the record, or a gain that changes about another zero, can leave.
+
+        Creep of a move over the whole range, one record length before the record, leaves
+        per_decade * log10(1 + t/T); a drift that slows down has this course, so beside creep it has no score.
+        """
+        chain, part = fit.chain, fit.chain.get(DriftPart)
+        if part is None:
+            return True
+        creep = abs(chain.slow_states(scene.samples, scene.Ts_s).share)
+        if part.since_s is not None:
+            return creep == 0.0
+        hidden = max(math.log10(2.0) * creep, ZERO_UNCERTAIN * abs(chain.gain_per_s) * scene.span_s)
+        return abs(_drift(scene, fit).size_um) * scene.span_s > hidden * float(np.ptp(scene.y_um))
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """A ramp in place of a drift that slows down."""
@@ -117,6 +125,8 @@ class DriftCause(Cause):
     def proposals(self, residual: Residual) -> list[Chain]:
         """A ramp, and drifts that slow down."""
         chain = residual.fit.chain
+        if chain.slow_states(1, 1.0).share:
+            return [] if self.present(chain) else [chain.having(DriftPart())]
         slowing = [chain.having(DriftPart(share * residual.scene.span_s)) for share in SINCE]
         part = chain.get(DriftPart)
         if part is not None:
@@ -127,10 +137,9 @@ class DriftCause(Cause):
         return Effect("um/s", residual.scene.time_s)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """The drift divided by its standard error, and the drift on rising and on falling input, which must agree.
+        """The drift divided by its standard error, and the drift on rising and on falling input, which should agree.
 
-        The error of a ramp is by the whitened fit. The whitened fit does not distinguish a drift that slows down from
-        the model error, so its growth of the error on the checking rows must be larger (`needed_in`).
+        The error of a ramp is by the whitened fit.
         """
         slowing = residual.fit.chain.of(DriftPart).since_s is not None
         scene, fit = (residual.scene, residual.fit) if slowing else whitened_fit(residual.scene, residual.fit)
@@ -138,7 +147,6 @@ class DriftCause(Cause):
         course = float(trend_course(scene.span_s, drift.since_s))
         error = float(standard_errors(scene, fit).added[chain.first_column(DriftPart)]) / course
         z = abs(drift.size_um) / max(error, 1e-15)
-        hidden = abs(chain.gain_per_s) * ZERO_UNCERTAIN * float(np.ptp(residual.scene.y_um))
         shares = [_seen(residual, sign) for sign in (1.0, -1.0)]
         alike = f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
         size = f"{1e3 * drift.size_um:.3g} nm {{}} +- {1e3 * error:.1g}"
@@ -155,9 +163,6 @@ class DriftCause(Cause):
                 "since_s": Estimate(drift.since_s, math.nan),
             }
         return Signature(
-            holds=z > SLOW_Z
-            and abs(drift.size_um) * course > hidden * scene.span_s
-            and all(0.5 < share < 1.5 for share in shares),
             z=z,
             text=text,
             parameters=parameters,

@@ -6,7 +6,6 @@ import dataclasses
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binom
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
@@ -29,7 +28,6 @@ SIZES = (
 
 FEWEST = 4
 """Least number of samples of a counted swing."""
-CHANCE = 1e-3
 WITNESS = 0.25
 """Half-width, in half ranges of the input, of the play that measures the opening of the loop."""
 
@@ -71,7 +69,6 @@ class MemoryCause(Cause):
         z = (2.0 * wins - tosses) / np.sqrt(max(tosses, 1))
         loop_um = _opening(residual, rival)
         return Signature(
-            holds=tosses > 0 and float(binom.sf(wins - 1, tosses, 0.5)) < CHANCE,
             z=float(z),
             text=f"past extremes explain {wins} of {tosses} swings better than dynamics do; "
             f"at the same input the way up and the way down differ by {1e3 * loop_um:.3g} nm",

@@ -6,6 +6,8 @@ the model has weights of 0 for them, and the learner gets a gate.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +32,11 @@ class OutliersCause(Cause):
     on_all_rows = True
 
     def shown(self, residual: Residual) -> bool:
-        return bool(residual.corrupted.any())
+        """Whether FEWEST samples are corrupted and have more error power than all other samples."""
+        count = int(residual.corrupted.sum())
+        if count < FEWEST:
+            return False
+        return _size_um(residual) * math.sqrt(count / len(residual.corrupted)) > residual.fit.rms_um
 
     def effect(self, residual: Residual) -> Effect:
         """The least deviation of a corrupted sample."""
@@ -38,17 +44,11 @@ class OutliersCause(Cause):
         return Effect("um off the neighbours", least=LEAST_DEVIATION * scatter_um)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Number and size of the corrupted samples, and their size divided by the scatter of all samples.
-
-        The signature holds if the error power of the corrupted samples exceeds that of all other samples.
-        """
-        hit = np.flatnonzero(residual.corrupted)
-        deviation = _deviation(residual)
-        size_um = float(np.sqrt(np.mean(deviation[hit] ** 2)))
+        """Number and size of the corrupted samples, and their size divided by the scatter of all samples."""
+        hit, deviation, size_um = np.flatnonzero(residual.corrupted), _deviation(residual), _size_um(residual)
         rate = len(hit) / len(deviation)
         scatter = MEDIAN_TO_DEVIATION * float(np.median(np.abs(deviation)))
         return Signature(
-            holds=len(hit) >= FEWEST and size_um * np.sqrt(rate) > residual.fit.rms_um,
             z=size_um / max(scatter, 1e-300),
             text=f"{len(hit)} of {len(deviation)} samples stand alone, {1e3 * size_um:.3g} nm off their neighbours "
             f"({size_um / max(scatter, 1e-300):.0f} times the scatter)",
@@ -63,9 +63,14 @@ class OutliersCause(Cause):
 
 
 def _deviation(residual: Residual) -> Floats:
-    """(n,) distance of each sample of the residual from its neighbours in um."""
+    """(n,) deviation of the residual from the median of its neighbours."""
     edges = np.cumsum([len(run.u_V) for run in residual.scene.runs])[:-1]
     return np.concatenate([local_scatter(part) for part in np.split(residual.fit.error, edges)])
+
+
+def _size_um(residual: Residual) -> float:
+    """Rms deviation of the corrupted samples."""
+    return float(np.sqrt(np.mean(_deviation(residual)[residual.corrupted] ** 2)))
 
 
 CAUSE = OutliersCause()

@@ -15,6 +15,7 @@ from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residua
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, ShapeParameter, standard_errors
 from hysgen.model.disturbances.periodic import Periodic
+from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
 
@@ -25,11 +26,19 @@ FEWEST_PERIODS = 12.0
 LEAST_PEAK = 10.0
 """Least ratio of a peak's power to the local background for a candidate line."""
 
-LEAST_RATIO = 30.0
-"""Least ratio of a line's power to the power of the residual around it, for evidence of the line."""
+LINE = ShapeParameter(
+    "lines_Hz",
+    "Hz",
+    lambda e: (FEWEST_PERIODS / e.span_s, 0.5 / e.Ts_s),
+    step=lambda e: 1e-3 / e.span_s,
+    order=3.0,
+)
 
+SMALLEST_SWING = 0.01
+"""Least swing between two turning points of the command, as a share of its range."""
 
-LINE = ShapeParameter("lines_Hz", "Hz", lambda e: (0.5 / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s)
+SAME_PHASE = 0.9
+"""Mean of exp(i phase) for phases that are evenly spread over a quarter of a period: sinc(1/4)."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +64,9 @@ class PeriodicPart(Part):
     def added(self) -> int:
         return 2 * len(self.lines_Hz)
 
+    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+        return not any(_repeats_with_the_command(line_Hz, runs, Ts_s) for line_Hz in self.lines_Hz)
+
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         t_s = run.time_s(extent.Ts_s)
         return [wave(2 * np.pi * line_Hz * t_s) for line_Hz in self.lines_Hz for wave in (np.sin, np.cos)]
@@ -78,12 +90,7 @@ class PeriodicCause(Cause):
             return []
         return [chain.having(PeriodicPart((*lines, line_Hz))) for line_Hz in _peaks(residual, 3)]
 
-    def supported(self, residual: Residual) -> Chain:
-        """The chain without the lines with a power ratio up to LEAST_RATIO or a changing phase, if others remain."""
-        chain = residual.fit.chain
-        evidence = zip(_lines_Hz(chain), _line_evidence(residual), strict=True)
-        kept = tuple(line_Hz for line_Hz, (_, ratio, steady) in evidence if steady and ratio > LEAST_RATIO)
-        return chain.having(PeriodicPart(kept)) if kept else chain
+    experiment = "record at least twelve periods"
 
     def effect(self, residual: Residual) -> Effect:
         """Of a line at a twentieth of the sampling rate."""
@@ -103,13 +110,24 @@ class PeriodicCause(Cause):
             texts.append(f"line at {line_Hz:.5g} Hz, {amplitude_um:.3g} um, {ratio:.2g} times its background")
         least, steady = min(ratio for _, ratio, _ in evidence), all(keeps for _, _, keeps in evidence)
         texts.append("phase kept throughout" if steady else "phase not kept")
-        return Signature(steady and least > LEAST_RATIO, float(np.sqrt(least)), "; ".join(texts), parameters)
+        return Signature(float(np.sqrt(least)), "; ".join(texts), parameters)
 
     def extension(self, residual: Residual) -> Extension:
         return Extension(term=Periodic(tuple(sorted(_lines_Hz(residual.fit.chain)))))
 
     def true_extension(self, known: Known) -> Extension:
         return Extension(term=Periodic((known.parameters["periodic.f_Hz"],)))
+
+
+def _repeats_with_the_command(line_Hz: float, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+    """Whether a line has the same phase at all maxima of the command, as its harmonics have.
+
+    |mean over the maxima of exp(i phase)| > SAME_PHASE
+    """
+    maxima_s = np.concatenate(
+        [run.time_s(Ts_s)[turning_rows(run.u_V, SMALLEST_SWING * float(np.ptp(run.u_V)))[::2]] for run in runs]
+    )
+    return len(maxima_s) > 1 and bool(abs(np.exp(2j * np.pi * line_Hz * maxima_s).mean()) > SAME_PHASE)
 
 
 def _lines_Hz(chain: Chain) -> tuple[float, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, Scene, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, ShapeParameter, standard_errors
 from hysgen.model.path.modes import Modes
 
 PER_DECADE = 45
@@ -19,13 +19,12 @@ PER_DECADE = 45
 
 DAMPINGS = (0.03, 0.12)
 MOST_MODES = 3
-LEAST_DAMPING = 1e-3
-MOST_DAMPING = 0.4
-"""Largest damping ratio of a mode; the fit would use a mode with more damping in place of a delay."""
+LEAST_DAMPING, MOST_DAMPING = 5e-4, 0.4
+"""Damping ratios of a mode: below these a mode is a line, above them its response is that of a delay."""
 
 MODE = (
-    ShapeParameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True),
-    ShapeParameter("zeta", "1", lambda e: (5e-4, MOST_DAMPING), logarithm=True),
+    ShapeParameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True, order=3.0),
+    ShapeParameter("zeta", "1", lambda e: (LEAST_DAMPING, MOST_DAMPING), logarithm=True),
     ShapeParameter("share", "1", lambda e: (-3.0, 3.0)),
 )
 """Parameters of one mode."""
@@ -63,15 +62,6 @@ class ResonanceCause(Cause):
         modes = chain.modes
         fewer = [modes[:i] + modes[i + 1 :] for i in range(len(modes))]
         return [chain.having(ResonancePart(modes_kept)) if modes_kept else self.without(chain) for modes_kept in fewer]
-
-    def admissible(self, scene: Scene, chain: Chain) -> bool:
-        """Damping ratios inside the bounds: a mode at the lower bound is a line, a mode at the upper bound a delay."""
-        return all(LEAST_DAMPING < mode.zeta < 0.99 * MOST_DAMPING for mode in chain.modes)
-
-    def supported(self, residual: Residual) -> Chain:
-        chain = residual.fit.chain
-        kept = tuple(mode for mode, holds, _ in mode_evidence(residual) if holds)
-        return chain.having(ResonancePart(kept)) if kept else chain
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """The six modes of a grid whose responses explain most of the residual, one at a time."""
@@ -115,11 +105,10 @@ class ResonanceCause(Cause):
         return Effect(f"of the motion, for a mode at {f_Hz:.3g} Hz", rings, most=3.0)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Frequency, damping ratio and share of each mode with standard errors; see `mode_evidence` for the limits."""
+        """Frequency, damping ratio and share of each mode with standard errors."""
         chain = residual.fit.chain
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
-        evidence = mode_evidence(residual, errors)
         for i, mode in enumerate(chain.modes):
             suffix = "" if i == 0 else f"_{i + 1}"
             df, dz, ds = (errors[f"resonance.{i}.{one.field}"] for one in MODE)
@@ -127,8 +116,8 @@ class ResonanceCause(Cause):
             parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
             parameters[f"share{suffix}"] = Estimate(mode.share, ds)
             texts.append(f"rings at {mode.f_Hz:.4g} Hz with damping ratio {mode.zeta:.3g}, share {mode.share:.2g}")
-        least = min(z for _, _, z in evidence)
-        return Signature(all(holds for _, holds, _ in evidence), least, "; ".join(texts), parameters)
+        z = min(abs(m.share) / max(errors[f"resonance.{i}.share"], 1e-15) for i, m in enumerate(chain.modes))
+        return Signature(z, "; ".join(texts), parameters)
 
     def extension(self, residual: Residual) -> Extension:
         chain = residual.fit.chain
@@ -143,19 +132,6 @@ def modes_block(modes: Sequence[Mode], lag_s: float) -> Modes:
     """The block of these modes behind a lag, in rising order of their frequencies."""
     rising = sorted(modes, key=lambda mode: mode.f_Hz)
     return Modes(tuple(m.f_Hz for m in rising), tuple(m.zeta for m in rising), tuple(m.share for m in rising), lag_s)
-
-
-def mode_evidence(residual: Residual, errors: Mapping[str, float] | None = None) -> list[tuple[Mode, bool, float]]:
-    """Each mode, whether it has evidence, and its share in standard errors. errors: standard errors by name."""
-    chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
-    errors = errors or standard_errors(residual.scene, residual.fit).coordinates
-    evidence = []
-    for i, mode in enumerate(chain.modes):
-        z = abs(mode.share) / max(errors[f"resonance.{i}.share"], 1e-15)
-        known = errors[f"resonance.{i}.f_Hz"] < 0.05 and errors[f"resonance.{i}.zeta"] < 0.5
-        inside = mode.zeta > LEAST_DAMPING and mode.f_Hz * Ts_s < 0.45
-        evidence.append((mode, bool(known and inside and z > 5.0), z))
-    return evidence
 
 
 CAUSE = ResonanceCause()

@@ -11,10 +11,18 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
-from hysgen.diagnosis.causes.slew import FEWEST_LIMITED
+from hysgen.diagnosis.causes.base import (
+    FEWEST_LIMITED,
+    Cause,
+    Effect,
+    Estimate,
+    Known,
+    Residual,
+    Signature,
+    limited_rows,
+)
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors
 from hysgen.model.path.saturation import Saturation
 
 Floats = NDArray[np.float64]
@@ -28,7 +36,19 @@ FURTHER_IN = 2
 LEAST_BEYOND = 0.01
 """Least share of the command's range beyond a level; at the end of the range every curve resembles saturation."""
 
-RESTARTS = (0.01, 0.02, 0.03, 0.045, 0.06, 0.08)
+
+MOST_SLOPE = 0.5
+"""Largest slope of the output beyond a level, as a share of that inside: nearer to a limit than to none."""
+
+
+def _least_V(extent: Extent) -> float:
+    """Least distance of a level from the end of the command's range."""
+    return 2.0 * LEAST_BEYOND * extent.half_V
+
+
+def _step_V(extent: Extent) -> float:
+    """Step of a forward difference in a level: a smaller one may pass no sample of the command."""
+    return 2e-3 * extent.half_V
 
 
 @dataclass(frozen=True)
@@ -39,8 +59,8 @@ class SaturationPart(Part):
     order: ClassVar[int] = 10
     amplifies: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
-        ShapeParameter("low_V", "V", lambda e: (e.low_V, e.middle_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
-        ShapeParameter("high_V", "V", lambda e: (e.middle_V, e.high_V), step=lambda e: 1e-3 * (e.high_V - e.low_V)),
+        ShapeParameter("low_V", "V", lambda e: (e.low_V + _least_V(e), e.middle_V), step=_step_V),
+        ShapeParameter("high_V", "V", lambda e: (e.middle_V, e.high_V - _least_V(e)), step=_step_V),
     )
     low_V: float | None = None
     high_V: float | None = None
@@ -58,19 +78,7 @@ class SaturationCause(Cause):
     experiment = "drive over the whole range of the amplifier"
     mistaken_for = ("slew",)
     part = SaturationPart
-    needed = 2.0  # a limit has a large effect; a smaller growth is misfit at the end of the range
     starts = 3  # a refinement rarely moves from the level of one stroke to that of another
-
-    def restarts(self, scene: Scene, chain: Chain) -> list[Chain]:
-        """Levels further in, because a fit can have a level too far out and a curve that is flat inside the level."""
-        span_V, part = scene.operator.high_V - scene.operator.low_V, _part(chain)
-        candidates = []
-        for step in RESTARTS:
-            if part.high_V is not None:
-                candidates.append(chain.having(dataclasses.replace(part, high_V=part.high_V - step * span_V)))
-            if part.low_V is not None:
-                candidates.append(chain.having(dataclasses.replace(part, low_V=part.low_V + step * span_V)))
-        return candidates
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, operator = residual.fit.chain, residual.scene.operator
@@ -97,11 +105,13 @@ class SaturationCause(Cause):
             candidate for candidate in inside[:FURTHER_IN] if candidate not in candidates[: self.starts]
         ]
 
-    def supported(self, residual: Residual) -> Chain:
-        """The chain without a level at the end of the range, if the other level is inside."""
-        chain, part = residual.fit.chain, _part(residual.fit.chain)
-        low_V, high_V = (level if _inside(residual.scene, level) else None for level in (part.low_V, part.high_V))
-        return chain if low_V is None and high_V is None else chain.having(SaturationPart(low_V, high_V))
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        part = fit.chain.get(SaturationPart)
+        if part is None:
+            return True
+        levels = [(level_V, sign) for level_V, sign in ((part.low_V, -1.0), (part.high_V, 1.0)) if level_V is not None]
+        flat = all(abs(_slope_beyond(Residual(scene, fit), *level)) < MOST_SLOPE for level in levels)
+        return flat and limited_rows(scene, fit.chain, SaturationPart) >= FEWEST_LIMITED
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Chains in which only one of the two ends clips."""
@@ -127,8 +137,6 @@ class SaturationCause(Cause):
             shares.append(_slope_beyond(residual, level_V, sign))
             texts.append(f"beyond {level_V:.4g} V the slope is {shares[-1]:.2f} of that inside")
         return Signature(
-            holds=all(abs(share) < 0.35 for share in shares)
-            and all(_inside(residual.scene, level.value) for level in parameters.values()),
             z=float(min((1.0 - abs(share)) / 0.1 for share in shares)),
             text="; ".join(texts),
             parameters=parameters,
@@ -157,13 +165,6 @@ class SaturationCause(Cause):
 def _part(chain: Chain) -> SaturationPart:
     """The saturation part of the chain; a part that does not clip if the chain has none."""
     return chain.get(SaturationPart) or SaturationPart()
-
-
-def _inside(scene: Scene, level_V: float | None) -> bool:
-    """Whether the level is inside the command's range by at least LEAST_BEYOND of the range at both ends."""
-    low_V, high_V = scene.operator.low_V, scene.operator.high_V
-    least_V = LEAST_BEYOND * (high_V - low_V)
-    return level_V is not None and low_V + least_V <= level_V <= high_V - least_V
 
 
 def _further_in(part: SaturationPart, other: SaturationPart) -> float:

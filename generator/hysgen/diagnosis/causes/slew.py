@@ -9,16 +9,23 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import (
+    FEWEST_LIMITED,
+    Cause,
+    Effect,
+    Estimate,
+    Known,
+    Residual,
+    Signature,
+    limited_rows,
+)
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
 from hysgen.machine.kernels import rate_limited
 from hysgen.model.path.slew import Slew
 
 Floats = NDArray[np.float64]
 
-FEWEST_LIMITED = 10
-"""Least number of samples that a limit holds back."""
 
 QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.77, 0.83, 0.87, 0.9, 0.925, 0.95, 0.965, 0.98, 0.99)
 """Quantiles of the command's rates that are the starting values of the limit."""
@@ -64,7 +71,9 @@ class SlewCause(Cause):
     rank = 20
     experiment = "drive with steps"
     part = SlewPart
-    needed = 2.0  # a limit has a large effect; a smaller growth is misfit
+
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        return not self.present(fit.chain) or limited_rows(scene, fit.chain, SlewPart) >= FEWEST_LIMITED
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene
@@ -90,12 +99,9 @@ class SlewCause(Cause):
         scene, chain = residual.scene, residual.fit.chain
         rate = chain.of(SlewPart).rate_V_per_s
         error = rate * standard_errors(scene, residual.fit).coordinates["slew.rate_V_per_s"]
-        free = self.without(chain)
-        behind = np.concatenate([np.abs(chain.amplified(*run) - free.amplified(*run)) for run in scene.commands])
-        held = int(np.count_nonzero(behind[scene.rows] > 1e-3 * (scene.operator.high_V - scene.operator.low_V)))
+        held = limited_rows(scene, chain, SlewPart)
         z = rate / max(error, 1e-15)
         return Signature(
-            holds=z > 10.0 and held >= FEWEST_LIMITED,
             z=z,
             text=f"the output never follows faster than {rate:.4g} V/s +- {error:.1g}, "
             f"at any level ({held} samples held back)",

@@ -5,9 +5,18 @@ followed by a linear chain. If the residual is only noise, every needed part of 
 """
 
 from hysgen.diagnosis.probe.chain import Chain
-from hysgen.diagnosis.probe.part import Extent, Mode, Part, RunSignals, ShapeParameter, SlowStates
+from hysgen.diagnosis.probe.part import Extent, Mode, Part, RunSignals, ShapeParameter, SlowStates, octaves
 from hysgen.diagnosis.probe.scene import NO_HISTORY, History, Scene, Trace
-from hysgen.diagnosis.probe.solve import Fit, Projector, TrainingFit, linear_fit, refine, rms, training_fit
+from hysgen.diagnosis.probe.solve import (
+    Fit,
+    Projector,
+    TrainingFit,
+    linear_fit,
+    refine,
+    rms,
+    sensitivities,
+    training_fit,
+)
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
 from hysgen.diagnosis.probe.whitened import WhitenedScene, schwarz, whitened_fit
 from hysgen.fitting.operator import Operator
@@ -31,9 +40,11 @@ __all__ = [
     "TrainingFit",
     "WhitenedScene",
     "linear_fit",
+    "octaves",
     "refine",
     "rms",
     "schwarz",
+    "sensitivities",
     "standard_errors",
     "training_fit",
     "whitened_fit",

@@ -113,6 +113,11 @@ class Chain:
             low_V, high_V = part.passes_V(low_V, high_V)
         return low_V, high_V
 
+    @property
+    def relaxation(self) -> float:
+        """Relaxation of the plays in half-widths, 0 for plays that do not relax."""
+        return max((part.relaxation for part in self.parts), default=0.0)
+
     def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
         """The slow states behind the hysteresis; with no states if no part has them."""
         candidates = [part.slow_states(samples, Ts_s) for part in self.parts]

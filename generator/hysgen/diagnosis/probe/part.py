@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 STEP = 1e-5
 """Step of a forward difference in a parameter of the order of 1, or in a logarithm."""
 
+EDGE = 1e-3
+"""Share of the range of a parameter within which its value lies at the bound: a fit that ends there has no optimum."""
+
 
 @dataclass(frozen=True)
 class Extent:
@@ -48,6 +51,8 @@ class ShapeParameter:
 
     field: attribute of the part; unit: its unit; bounds: lowest and highest value for an extent, in that unit.
     logarithm: whether the coordinate of the fit is ln(value). step: step of the forward difference in this coordinate.
+    order: p where the standard error falls as n^(-p/2) with the number of samples n: 3 for a frequency, else 1.
+    closed: whether a fit may end at the lowest value, because smaller ones have nearly the same effect.
     """
 
     field: str
@@ -55,6 +60,8 @@ class ShapeParameter:
     bounds: Callable[[Extent], tuple[float, float]]
     logarithm: bool = False
     step: Callable[[Extent], float] = lambda extent: STEP
+    order: float = 1.0
+    closed: bool = False
 
     def coordinate(self, value: float) -> float:
         """The coordinate of a value: ln(value) or the value itself."""
@@ -64,10 +71,24 @@ class ShapeParameter:
         """Inverse of `coordinate`."""
         return math.exp(coordinate) if self.logarithm else coordinate
 
+    def inside(self, value: float, extent: Extent) -> bool:
+        """Whether the value lies between its bounds and at neither of them, or at the lowest one if it is `closed`."""
+        low, high = (self.coordinate(bound) for bound in self.bounds(extent))
+        edge = EDGE * (high - low)
+        return (self.closed or low + edge < self.coordinate(value)) and self.coordinate(value) < high - edge
+
     def bounded(self, coordinate: float, extent: Extent) -> float:
         """The coordinate, clamped to its bounds."""
         low, high = (self.coordinate(bound) for bound in self.bounds(extent))
         return min(max(coordinate, low), high)
+
+
+def octaves(count: int) -> float:
+    """Number of parameters that a function counts as which is given by `count` weights: 1 + log2(count).
+
+    The weights of a smooth function decrease from each octave of its detail to the next, so an octave counts as one.
+    """
+    return 1.0 + math.log2(count)
 
 
 @dataclass(frozen=True)
@@ -114,8 +135,8 @@ class Part:
     cause: name of the part's cause; prefix of the parameter names.
     order: sort key of the parts in the chain, and of their coordinates and columns.
     table: the parameters that are fitted; a parameter whose attribute is None is not fitted.
-    amplifies: whether the part overrides `amplify` or `averaged`; a change of such a part requires a new evaluation of
-    the hysteresis.
+    amplifies: whether the part overrides `amplify`, `averaged` or `relaxation`; a change of such a part requires a new
+    evaluation of the hysteresis.
     """
 
     cause: ClassVar[str]
@@ -139,6 +160,11 @@ class Part:
         fields = [one.field for _, one in self.parameters]
         return dataclasses.replace(self, **dict(zip(fields, values, strict=True))) if fields else self  # type: ignore[type-var]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all parameters of the part, of its added columns too: equal for parts of equal structure."""
+        return (self.cause, *(name for name, _ in self.parameters), *(f"column {i}" for i in range(self.added)))
+
     # Before the hysteresis.
 
     def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
@@ -156,6 +182,13 @@ class Part:
     def passes_V(self, low_V: float, high_V: float) -> tuple[float, float]:
         """Range behind this part of the amplifier of commands from low_V to high_V."""
         return low_V, high_V
+
+    # In the hysteresis.
+
+    @property
+    def relaxation(self) -> float:
+        """Relaxation of the plays in half-widths (`fitting.operator.Operator`); 0 for plays that do not relax."""
+        return 0.0
 
     # Behind the hysteresis; linear.
 
@@ -184,6 +217,18 @@ class Part:
     def added(self) -> int:
         """Number of added columns."""
         return 0
+
+    @property
+    def weight_orders(self) -> float:
+        """Number of weights of the added columns that counts in the score (`octaves`)."""
+        return float(self.added)
+
+    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+        """Whether the effect differs from one pass of the stage through the same states to the next.
+
+        The misfit of the hysteresis repeats there, so it averages out along such an effect.
+        """
+        return False
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         """`added` columns of one run, (n,) each. seen: applies the chain's lag and delay to a signal, (n,)."""

@@ -24,7 +24,7 @@ Samples = NDArray[np.int64]
 HYSTERESES, ADDED = 6, 16
 """Entries of the caches of a scene: four threads that refine one chain each, with the chain and a changed parameter."""
 
-CURVE_ALONE = 7
+CURVE_ALONE = 15
 """Degree of the curve of a chain without plays."""
 
 
@@ -197,7 +197,7 @@ class Scene:
 
     def _operator(self, chain: Chain) -> Operator:
         if chain.memory:
-            return self.operator
+            return dataclasses.replace(self.operator, relaxation=chain.relaxation)
         return dataclasses.replace(self.operator, hats=0, reaches=(), curve=CURVE_ALONE)
 
     def hysteresis(self, chain: Chain) -> list[Floats]:

@@ -101,6 +101,7 @@ def judge(hidden: Scenario) -> Judgement:
         over_truth=over_truth,
         family=hidden.family,
         allowed=hidden.allowed,
+        confidence={name: value for name, value in naming.found.confidence.items() if name in naming.names},
     )
 
 

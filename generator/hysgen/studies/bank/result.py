@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from hysgen.diagnosis.causes import VOCABULARY
 from hysgen.stage import Hysteresis
+
+CONFIDENCES = (0.0, 0.9, 0.99, 0.999, 1.0)
+"""Edges of the classes of confidence in the calibration."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,8 @@ class Judgement:
     fall: free-run error of the paper's model over that of the extended one, where only Preisach memory is hidden.
     over_truth: error of the extended model over that of the same family fitted with the truth known, where every
     planted cause is extended. Either is nan elsewhere. family: of the hysteresis, "" for the bank's own stage.
-    allowed: causes that may be named although they were not planted (`Scenario.allowed`).
+    allowed: causes that may be named although they were not planted (`Scenario.allowed`). confidence: of each named
+    cause that has one.
     """
 
     category: str
@@ -39,6 +44,7 @@ class Judgement:
     over_truth: float = math.nan
     family: str = ""
     allowed: tuple[str, ...] = ()
+    confidence: dict[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -143,6 +149,19 @@ class BankResult:
                     gathered.setdefault(key, []).append(abs(error))
         return {key: (float(np.median(v)), float(max(v)), len(v)) for key, v in sorted(gathered.items())}
 
+    def calibration(self) -> list[tuple[float, int, int]]:
+        """Per class of confidence: its lower edge, the named causes in it, and how many of them were planted."""
+        named = [
+            (confidence, name not in judgement.wrong)
+            for judgement in self.judged()
+            for name, confidence in judgement.confidence.items()
+        ]
+        classes = []
+        for low, high in itertools.pairwise(CONFIDENCES):
+            inside = [there for confidence, there in named if low <= confidence < high or confidence == high == 1.0]
+            classes.append((low, len(inside), sum(inside)))
+        return classes
+
     def falls(self) -> list[float]:
         """The factors `fall` of all records that have one, rising."""
         return sorted(judgement.fall for judgement in self.judged() if math.isfinite(judgement.fall))
@@ -165,6 +184,7 @@ class BankResult:
             "parameter_errors": {
                 key: {"median": m, "largest": w, "records": c} for key, (m, w, c) in self.parameter_errors().items()
             },
+            "calibration": [{"from": low, "named": named, "there": there} for low, named, there in self.calibration()],
             "falls_by_memory": self.falls(),
             "over_truth": self.over_truth(),
             "wrong": [
@@ -211,6 +231,8 @@ class BankResult:
         )
         lines.append("parameters, median and largest error:")
         lines.extend(f"  {key:32}{m:10.3g}{w:10.3g}  of {c}" for key, (m, w, c) in self.parameter_errors().items())
+        lines.append("named with a confidence from .. on, and there:")
+        lines.extend(f"  {100 * low:5.1f} %{there:5} of {named}" for low, named, there in self.calibration() if named)
         if falls := self.falls():
             at = np.quantile(falls, [0.0, 0.1, 0.5, 1.0])
             lines.append(

@@ -1,0 +1,170 @@
+"""The score of a chain of causes, by which the search compares chains.
+
+    score = N ln(R^2) + weights + sum over the parameters of order * ln N - sum over the causes of 2 ln(PRIOR_ODDS)
+    N     = R^2 / max(c R^2 / n, (R^2 - r^2) / n + r^2 / REPEATING)
+
+R: rms of the residual on the n fitted rows, of which r repeats: the misfit of the hysteresis and the error of the
+converter are the same whenever the stage passes the same states again, so that more rows do not average them out. They
+count as REPEATING independent values. The rest is noise, of which c samples count as one
+(`dispersion`). So an effect below the noise shows in a long record, and an effect far below the misfit in none. The
+difference of two scores is -2 ln of the odds of the two chains, to the order of Schwarz's approximation; each weight
+also lowers N ln(R^2) by 1 on average if it fits noise. A parameter whose standard error falls as n^(-k/2) has order k;
+the weights of one function count as its octaves.
+
+Sources: Schwarz (1978); Kennedy and O'Hagan (2001) for a misfit that more data do not average out; Djuric (1996) for
+the order 3 of a frequency.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.causes import causes
+from hysgen.diagnosis.probe import Chain, Fit, Scene, octaves
+from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges
+from hysgen.record.series import residual_noise, resolution_um
+
+Floats = NDArray[np.float64]
+
+REPEATING = 37
+"""Independent values of the misfit of the hysteresis: as many as the operator has weights for the same states."""
+
+SLOWEST = 10
+"""Number of slow coefficients in `dispersion`: their mean has a standard deviation of 45 %."""
+
+PRIOR_ODDS = 0.1
+"""Odds of each cause before the record: of the ten causes with a part, a stage has one on average beside memory."""
+
+LEAST_EVIDENCE = 2.0 * math.log(99.0)
+"""Least fall of the score by a named cause: odds of 99, so that one name in 100 is wrong if the odds are right."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """A chain with what its score needs.
+
+    fit: by least squares to `scene`. orders: sum of the orders of its parameters.
+    """
+
+    scene: Scene
+    fit: Fit
+    orders: float
+
+    @classmethod
+    def of(cls, scene: Scene, fit: Fit) -> Self:
+        return cls(scene, fit, orders(scene, fit.chain))
+
+    @property
+    def chain(self) -> Chain:
+        return self.fit.chain
+
+    @cached_property
+    def independent(self) -> float:
+        """N for white noise."""
+        return self.independent_samples(1.0)
+
+    def independent_samples(self, dispersion: float, apart: bool = False) -> float:
+        """N, where `dispersion` samples of the residual count as one. apart: for the effect of a `Part.apart`."""
+        power, rows = self.fit.rms_um**2 + 1e-300, len(self.scene.rows)
+        if apart:
+            return rows / dispersion
+        repeating = self._repeating_um2
+        return power / max(dispersion * power / rows, (power - repeating) / rows + repeating / REPEATING)
+
+    @cached_property
+    def _repeating_um2(self) -> float:
+        """r^2: mean square of the residual beyond the noise, at least that of the sensor's steps."""
+        power = self.fit.rms_um**2 + 1e-300
+        noise = residual_noise(self.fit.error[self.scene.dense]) ** 2
+        steps = resolution_um(self.scene.y_um[self.scene.rows]) ** 2 / 12.0
+        return min(max(power - noise, 0.0) + steps, power)
+
+    def score(self, independent: float) -> float:
+        """The score with a number of independent samples that is common to the compared chains."""
+        prior = -2.0 * math.log(PRIOR_ODDS) * len(present(self.chain))
+        penalty = self.orders * math.log(independent) + len(self.fit.weights)
+        return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty + prior
+
+    def fall_from(self, smaller: Scored) -> float:
+        """Fall of the score from a chain with fewer parts to this one."""
+        rows = self.scene.rows
+        independent = self.independent_samples(
+            dispersion(self.fit.error[rows], (smaller.fit.error - self.fit.error)[rows]),
+            apart=self._adds_apart(smaller.chain),
+        )
+        return smaller.score(independent) - self.score(independent)
+
+    def _adds_apart(self, smaller: Chain) -> bool:
+        """Whether the misfit averages out along all parts that only this chain has (`Part.apart`)."""
+        known = {(type(part), part.names) for part in smaller.parts}
+        added = [part for part in self.chain.parts if (type(part), part.names) not in known]
+        runs, Ts_s = self.scene.runs, self.scene.Ts_s
+        return self.chain.memory == smaller.memory and bool(added) and all(part.apart(runs, Ts_s) for part in added)
+
+
+def least_growth(independent: float) -> float:
+    """Least growth of the rms error without a cause of one parameter that is named."""
+    least = LEAST_EVIDENCE - 2.0 * math.log(PRIOR_ODDS) + math.log(independent) + 1.0
+    return math.exp(0.5 * least / independent)
+
+
+def dispersion(error: Floats, effect: Floats) -> float:
+    """Number of samples of a residual that count as one independent sample where an effect acts, at least 1.
+
+        g_b = sum over block b of error * effect
+        c   = max over G of the mean of G_j^2 for j in G, over that of a white residual;   G = DCT of g
+
+    error, effect: (n,). G: all coefficients, or the SLOWEST ones, which an error slower than a block makes larger.
+    """
+    edges = block_edges(len(error))
+    products = np.add.reduceat(error * effect, edges[:-1])
+    powers = np.add.reduceat(effect * effect, edges[:-1]) * float(np.mean(error * error))
+    waves = np.cos(np.pi * np.outer(np.arange(BLOCKS), np.arange(BLOCKS) + 0.5) / BLOCKS)
+    found, white = (waves @ products) ** 2, waves**2 @ powers + 1e-300
+    return max(1.0, *(float(found[1:last].sum() / white[1:last].sum()) for last in (SLOWEST + 1, BLOCKS)))
+
+
+def orders(scene: Scene, chain: Chain) -> float:
+    """Sum of the orders of all parameters of a chain; the hysteresis counts as one function."""
+    shape = sum(one.order for _, one in chain.parameters)
+    return octaves(scene.hysteresis_size(chain)) + shape + sum(part.weight_orders for part in chain.parts)
+
+
+def present(chain: Chain) -> list[str]:
+    """Names of the causes that the chain holds."""
+    return [name for name, cause in causes().items() if cause.present(chain)]
+
+
+def admissible(scene: Scene, fit: Fit) -> bool:
+    """Whether every parameter of a part lies inside its physical bounds, and every cause acts (`Cause.admissible`)."""
+    inside = all(
+        one.inside(value, scene.extent)
+        for part in fit.chain.parts
+        for (_, one), value in zip(part.parameters, part.values, strict=True)
+    )
+    return inside and all(cause.admissible(scene, fit) for cause in causes().values())
+
+
+def confidences(visited: list[Scored], final: Scored) -> dict[str, float]:
+    """Posterior probability of each cause over the visited chains.
+
+        p(cause) = sum over chains with the cause of exp(-rise/2) / sum over all chains
+
+    rise: of the score from the final chain to another, by the independent samples of what the larger of the two adds.
+    """
+    rises = [(set(present(one.chain)), _rise(final, one)) for one in visited]
+    least = min(rise for _, rise in rises)
+    weights = [(names, math.exp(0.5 * (least - rise))) for names, rise in rises]
+    total = math.fsum(weight for _, weight in weights)
+    return {name: math.fsum(w for names, w in weights if name in names) / total for name in causes()}
+
+
+def _rise(final: Scored, other: Scored) -> float:
+    """Rise of the score from the final chain to another."""
+    return final.fall_from(other) if final.orders >= other.orders else -other.fall_from(final)

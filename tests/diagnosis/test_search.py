@@ -1,0 +1,165 @@
+"""The search on a linear stage: every cause, no cause, and a start with the wrong cause."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fixtures.linear_stage import (
+    AGED_UM,
+    AGING,
+    AXIS2_V,
+    CLIPPED,
+    COMMAND_V,
+    CREEP,
+    LAG,
+    LATE,
+    RINGING,
+    SAMPLES,
+    SLOW_AMPLIFIER,
+    SPAN_S,
+    T_S,
+    TS_S,
+    scene,
+)
+from hysgen.diagnosis import search
+from hysgen.diagnosis.advice import unexplained_structure
+from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes.creep import CreepPart
+from hysgen.diagnosis.causes.delay import DelayPart
+from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis.causes.resonance import ResonancePart
+from hysgen.diagnosis.causes.saturation import SaturationPart
+from hysgen.diagnosis.causes.slew import SlewPart
+from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
+from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.score import LEAST_EVIDENCE, admissible, present
+from hysgen.diagnosis.search import SearchResult
+from hysgen.record.noise import NoiseFloor
+
+WAVE = np.sin(np.arange(SAMPLES) / 40.0)
+WHITE = np.random.default_rng(8).normal(size=SAMPLES)
+
+
+@pytest.mark.parametrize(
+    ("left_um", "noise_um", "said"),
+    [
+        (0.030 * math.sqrt(2.0) * WAVE, 0.001, True),
+        (0.020 * math.sqrt(2.0) * WAVE, 0.001, False),
+        (0.030 * WHITE, 0.015, False),
+        (0.030 * WHITE, 0.001, True),
+        (0.030 * math.sqrt(2.0) * WAVE, 0.030, True),  # predictable, so the floor, which contains it, is no noise
+    ],
+)
+def test_unexplained_structure_requires_a_quarter_per_cent_of_the_span_and_more_than_the_noise(
+    left_um: NDArray[np.float64], noise_um: float, said: bool
+) -> None:
+    prepared: Any = SimpleNamespace(y_um=5.0 * WAVE, u_V=50.0 * WAVE, cut=SAMPLES)  # 10 um of span
+    seen = SimpleNamespace(scene=SimpleNamespace(rows=np.arange(SAMPLES)), fit=SimpleNamespace(error=left_um))
+    result = unexplained_structure(prepared, cast(SearchResult, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
+    assert (result is not None) == said
+
+
+def named(found: SearchResult) -> list[str]:
+    """The causes of the chain beside "memory": the stage's operator has one column, with memory or without."""
+    return [name for name in present(found.fit.chain) if name != "memory"]
+
+
+PLANTED: dict[str, tuple[Chain, NDArray[np.float64] | float]] = {
+    "creep": (CREEP, 0.0),
+    "resonance": (RINGING, 0.0),
+    "delay": (LATE, 0.0),
+    "saturation": (CLIPPED, 0.0),
+    "slew": (SLOW_AMPLIFIER, 0.0),
+    "drift": (LAG, 0.05 * T_S / SPAN_S),
+    "aging": (LAG, AGED_UM),
+    "periodic": (LAG, 0.01 * np.sin(2 * math.pi * 50.3 * T_S)),
+    "coupling": (LAG, 0.001 * respond(AXIS2_V, LAG, TS_S)),
+}
+"""Chain of the stage, and displacement in um beside it, for each cause with a part."""
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_search_finds_the_planted_cause_and_no_other(name: str) -> None:
+    stage, more_um = PLANTED[name]
+    found = search.search(scene(stage, more_um, {"axis2_V": AXIS2_V}))
+    assert named(found) == [name]
+    assert found.bayes[name] > LEAST_EVIDENCE
+    assert found.confidence[name] > 0.99
+
+
+def test_search_names_nothing_when_the_residual_is_noise() -> None:
+    found = search.search(scene(LAG, 0.0, {"axis2_V": AXIS2_V}))
+    assert named(found) == []
+    assert max(found.confidence[name] for name in PLANTED) < 0.5
+
+
+def test_search_adds_a_cause_whose_effect_is_below_the_noise() -> None:
+    found = search.search(scene(LAG, 2e-3 * T_S / SPAN_S))
+    assert named(found) == ["drift"]
+
+
+LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(high_V=60.0))
+
+
+@pytest.mark.parametrize(
+    ("stage", "more_um", "wrong", "right"),
+    [
+        (LATE, 0.0, LAG.having(ResonancePart((Mode(120.0, 0.3, 0.5),))), "delay"),
+        (LAG, AGED_UM, CREEP, "aging"),
+        (CLIPPED_AT_60, 0.0, LIMITED, "saturation"),
+        (LAG, 0.01 * T_S / SPAN_S, CREEP.having(DriftPart()), "drift"),
+    ],
+)
+def test_search_replaces_a_cause_that_was_taken_for_the_planted_one(
+    monkeypatch: pytest.MonkeyPatch, stage: Chain, more_um: NDArray[np.float64] | float, wrong: Chain, right: str
+) -> None:
+    monkeypatch.setattr(search, "_start", lambda seen: refine(seen, wrong))
+    assert named(search.search(scene(stage, more_um))) == [right]
+
+
+def test_creep_and_drift_are_both_named_if_the_drift_exceeds_what_past_creep_can_leave() -> None:
+    """Past creep leaves 0.02 log10(2) of 10 um, 0.06 um, in the course of the record."""
+    for ramp_um, causes_named in ((0.2, ["creep", "drift"]), (0.01, ["creep"])):
+        found = search.search(scene(CREEP, ramp_um * T_S / SPAN_S))
+        assert named(found) == causes_named
+
+
+@pytest.mark.parametrize(("count", "size_um", "shown"), [(6, 0.5, True), (2, 0.5, False), (6, 0.011, False)])
+def test_outliers_are_several_and_have_most_of_the_error_power(count: int, size_um: float, shown: bool) -> None:
+    spikes = np.zeros(SAMPLES)
+    spikes[np.linspace(300, 3700, count).astype(int)] = size_um
+    seen = scene(LAG, spikes)
+    usable, corrupted = search._without_outliers(seen, refine(seen, LAG))
+    fit = refine(usable, LAG)
+    assert causes()["outliers"].shown(Residual(seen, fit, corrupted)) == shown
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [
+        LAG.having(SlewPart(4.5e4)),  # faster than the command, but for its few steps
+        LAG.having(SaturationPart(high_V=99.5)),  # within 1 % of the end of the range
+        LAG.having(ResonancePart((Mode(60.0, 5e-4, 0.4),))),  # at the bound of the damping ratio
+        LAG.having(CreepPart(0.0, 0.05)),
+        LAG.having(CreepPart(0.02, 0.1 * SPAN_S)),  # creep for less than a decade of the record
+        LAG.having(DelayPart(0.05)),
+        CREEP.having(DriftPart(1.0)),  # creep of a move before the record has the course of a drift that slows down
+    ],
+)
+def test_a_chain_outside_the_physical_bounds_of_a_cause_is_not_admissible(chain: Chain) -> None:
+    seen = scene(LAG)
+    assert not admissible(seen, linear_fit(seen, chain))
+    assert admissible(seen, linear_fit(seen, CREEP.having(DelayPart(1.0))))
+
+
+@pytest.mark.parametrize(("zero_um", "holds"), [(2.0, False), (4.0, True)])
+def test_a_ramp_within_the_uncertainty_of_the_zero_of_aging_is_no_drift(zero_um: float, holds: bool) -> None:
+    """y (1 + a t) - zero a t: a gain that changes about `zero`, with a span of 10 um."""
+    seen = scene(LAG, 0.02 * T_S * (0.1 * respond(COMMAND_V, LAG, TS_S) - zero_um))
+    assert admissible(seen, refine(seen, AGING.having(DriftPart()))) == holds
