@@ -47,8 +47,8 @@ MOST_ROWS = 8000
 LAGS = (0.3, 3.0, 30.0)
 """Starting values of the lag in samples: a lag that a limit or a delay has taken over lies at the end of its range."""
 
-ROUNDS = 8
-"""Gauss-Newton rounds for a candidate."""
+FIRST_ROUNDS, ROUNDS = 3, 8
+"""Gauss-Newton rounds for a candidate: before its score is foreseen, and in all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,10 +155,9 @@ def _best_additions(state: _State) -> dict[str, Scored]:
     of_causes = in_threads(
         lambda cause: cause.select_starts(_fitted(part, cause.proposals(residual))), list(causes().values())
     )
-    starts = [
-        (name, candidate.chain) for name, of_cause in zip(causes(), of_causes, strict=True) for candidate in of_cause
-    ]
-    fits = _refined(part, [chain for _, chain in starts])
+    starts = [(name, candidate) for name, of_cause in zip(causes(), of_causes, strict=True) for candidate in of_cause]
+    fits = _refined_if_promising(state, [start for _, start in starts])
+    fits = [_with_acting_causes(part, fit, name) for (name, _), fit in zip(starts, fits, strict=True)]
     cause_of = {id(fit): name for (name, _), fit in zip(starts, fits, strict=True)}
     best: dict[str, Scored] = {}
     for one in state.scored(fits):
@@ -201,18 +200,19 @@ def _best_with(state: _State, bare: Scored, name: str) -> Scored | None:
     """The chain with the least score that adds the cause `name` to `bare`."""
     cause = causes()[name]
     starts = cause.select_starts(_fitted(state.scene, cause.proposals(Residual(state.scene, bare.fit))))
-    return next(iter(state.scored(_refined(state.scene, [start.chain for start in starts]))), None)
+    return next(iter(state.scored(_refined_if_promising(state, starts))), None)
 
 
 def _likelier(state: _State, other: Scored, by_plateaus: bool) -> bool:
     """Whether a chain is likelier than the current one, which has as many causes.
 
-    by_plateaus: whether the residuals are whitened for this comparison (`probe.whitened`): slow causes differ most on
-    plateaus, where the misfit of the hysteresis is constant.
+    by_plateaus: whether the residuals are whitened for this comparison (`probe.whitened`) unless the scores differ by
+    LEAST_EVIDENCE: slow causes differ most on plateaus, where the misfit of the hysteresis is constant.
     """
     current = state.current
-    if not by_plateaus:
-        return other.score(current.independent) < current.score(current.independent)
+    fall = current.score(current.independent) - other.score(current.independent)
+    if not by_plateaus or abs(fall) > LEAST_EVIDENCE:
+        return fall > 0.0
     white = WhitenedScene.of(state.scene, min(current.fit, other.fit, key=lambda fit: fit.rms_um))
     before, after = (schwarz(white, refine(white, one.chain, ROUNDS)) for one in (current, other))
     return after < before
@@ -244,6 +244,28 @@ def _fitted(part: Scene, chains: Sequence[Chain]) -> list[TrainingFit]:
 def _refined(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
     """Fits of the linear and the shape parameters from each chain as the starting value, in the order of the chains."""
     return in_threads(lambda chain: refine(part, chain, ROUNDS), chains)
+
+
+def _refined_if_promising(state: _State, starts: Sequence[TrainingFit]) -> list[Fit]:
+    """Fits from each start, with FIRST_ROUNDS rounds only if the rest could not make them better than the current fit.
+
+    The rest of the rounds is taken to lower the error by the same factor as the first ones, which is optimistic.
+    """
+    part, current = state.scene, state.current
+
+    def refined(start: TrainingFit) -> Fit:
+        first = refine(part, start.chain, FIRST_ROUNDS)
+        hoped_um = first.rms_um * min(first.rms_um / start.rms_um, 1.0)
+        hoped = Scored.of(part, dataclasses.replace(first, rms_um=hoped_um))
+        return refine(part, first.chain, ROUNDS - FIRST_ROUNDS) if hoped.fall_from(current) > 0.0 else first
+
+    return in_threads(refined, starts)
+
+
+def _with_acting_causes(part: Scene, fit: Fit, added: str) -> Fit:
+    """The fit without the causes that an added cause leaves no effect for (`Cause.admissible`)."""
+    idle = [name for name in present(fit.chain) if name != added and not causes()[name].admissible(part, fit)]
+    return refine(part, _without(fit.chain, idle), ROUNDS) if idle else fit
 
 
 def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
