@@ -16,16 +16,14 @@ import numpy as np
 
 from hysgen.diagnosis.causes.memory import SIZES
 from hysgen.display import table
-from hysgen.fitting import FitSettings, PathSize, fit
-from hysgen.fitting.operator import SEARCHED
+from hysgen.fitting import FitSettings, fit
+from hysgen.fitting.operator import RELAXING
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.stage.families import thermal
 from hysgen.stage.families.plants import IDENTIFY, plant, records
-
-RELAXING = PathSize(plays=24, degree=5, states=0, hats=8, relaxation=SEARCHED)
 
 
 def main() -> None:

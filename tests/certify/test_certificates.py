@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.polynomial import chebyshev
 
-from fixtures.generated_models import path
+from fixtures.generated_models import path, relaxing
 from fixtures.random_models import TS_S, random_drive, random_model
 from hysgen.certify.certificates import certify
 from hysgen.certify.enclosure import gain, gain_extrema, slope, slope_extremum
-from hysgen.certify.path_inverse import POINTS, sampled_slopes, slopes_along
+from hysgen.certify.path_inverse import POINTS, bounded_slopes, path_inverse, sampled_slopes, slopes_along
 from hysgen.codegen import generate
 from hysgen.errors import CertificateError
 from hysgen.model.disturbances import Drive
@@ -198,6 +199,33 @@ def test_the_slopes_of_a_stage_that_falls_with_the_voltage_are_those_of_its_mirr
     one, other = (sampled_slopes(block, Interval(-20.0, 120.0)) for block in (HYSTERESIS, turned))
     assert (one.least, one.largest) == (other.least, other.largest)
     assert one.mean_um_per_V == pytest.approx(-other.mean_um_per_V, rel=1e-8)
+
+
+def test_slopes_of_plays_that_relax_are_bounded_for_every_past_while_their_densities_are_not_negative() -> None:
+    block = relaxing()
+    turned = dataclasses.replace(
+        block,
+        curve_um=tuple(-c for c in block.curve_um),
+        plays_um=tuple(-c for c in block.plays_um),
+        duhem_um=tuple(-c for c in block.duhem_um),
+    )
+    x = np.linspace(-1.0, 1.0, 50_001)
+    curve = chebyshev.chebval(x, chebyshev.chebder(np.array(block.curve_um))).min() / block.mean_slope
+    for one in (block, turned):
+        found = bounded_slopes(one)
+        assert curve - 1e-6 < found.least <= curve
+        sampled = sampled_slopes(one, Interval(-20.0, 120.0))
+        assert found.least <= sampled.least
+        assert sampled.largest <= found.largest
+        proved = path_inverse(dataclasses.replace(path(), blocks=(one,))).slopes
+        assert proved == found
+        assert found.proved
+    # One play whose density is negative by more than the slope of the curve: no bound, so the sample is shown.
+    fallen = dataclasses.replace(block, plays_um=(-3.0, *block.plays_um[1:]))
+    assert bounded_slopes(fallen).least < 0.0
+    shown = path_inverse(dataclasses.replace(path(), blocks=(fallen,))).slopes
+    assert shown is not None
+    assert not shown.proved
 
 
 def test_zero_is_the_largest_of_the_blocks_that_the_inverse_solves_and_others_are_left_out() -> None:

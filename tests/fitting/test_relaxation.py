@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from fixtures.generated_models import relaxing
+from hysgen.certify.certificates import certify
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.operator import SEARCHED
 from hysgen.fitting.refit import refit
@@ -19,11 +21,11 @@ from hysgen.stage.families.commands import command
 TS_S, TAU_S = 1e-3, 5e-3
 
 
-def measured(relaxation: float, seed: int) -> Record:
+def measured(relaxation: float, seed: int, plays_um: tuple[float, ...] = relaxing().plays_um) -> Record:
     """4000 samples of five plays behind a lag, with a noise of 0.1 nm."""
     rng = np.random.default_rng(seed)
     u = command(rng, 4000, -20.0, 120.0, 50.0)
-    w = dataclasses.replace(relaxing(), relaxation=relaxation, duhem_um=()).apply(u, TS_S)
+    w = dataclasses.replace(relaxing(), relaxation=relaxation, duhem_um=(), plays_um=plays_um).apply(u, TS_S)
     a, y = np.exp(-TS_S / TAU_S), np.empty_like(w)
     y[0] = w[0]
     for k in range(len(w) - 1):
@@ -44,3 +46,20 @@ def test_the_fit_finds_the_relaxation_and_refit_keeps_its_search() -> None:
     renewed, _ = refit(again, measured(0.045, 3))
     block = next(block for block in renewed.blocks if isinstance(block, Hysteresis))
     assert 0.034 < block.relaxation < 0.06
+
+
+def test_no_fitted_density_is_negative_even_where_that_of_the_stage_is() -> None:
+    plays_um = np.array(relaxing().plays_um).reshape(5, 3)
+    plays_um[2, 0] = -0.3
+    record = measured(0.03, 4, tuple(plays_um.ravel().tolist()))
+    model = fit(record, FitSettings(method="batch", memory=PathSize(plays=5, states=1, hats=5, relaxation=0.03)))
+    block = next(block for block in model.blocks if isinstance(block, Hysteresis))
+    for row, end in zip(block.series.plays, block.ends, strict=True):
+        z = np.linspace(-end, end, 501)
+        slopes = chebyshev.chebval(z, chebyshev.chebder(np.array([0.0, *row])))
+        assert slopes.min() > -1e-3 * block.mean_slope
+    b, c = block.duhem_um
+    assert min(b, b + 2.0 * c) > -1e-3 * block.mean_slope
+    slopes = certify(model).path.slopes
+    assert slopes is not None
+    assert slopes.proved

@@ -4,7 +4,9 @@
     creep and modes  zero = largest |eigenvalue| of the block's inverse, below 1: errors of the state decay
 
 The slope is computed along fixed paths of random turns over the whole input range, for a rising and for a falling input
-at every point. Paths are a sample of all pasts: the smallest and largest slope are no bounds for other pasts.
+at every point. Paths are a sample of all pasts: the smallest and largest slope are no bounds for other pasts. Plays
+that relax have pasts that no path without time shows. Where their densities dg_j/dz are nowhere negative, as `fitting`
+requires, dh/dx >= min dg0/dx is a bound for every past, and the certificate is a proof.
 Source of the Newton steps and of the states: `model.path.hysteresis`.
 """
 
@@ -32,17 +34,24 @@ DIGITS = 9
 TURNS, SMALL_LOOPS, POINTS = 120, 60, 33
 """Turns anywhere in the range, turns of loops of random sizes after them, and points of the path between two turns."""
 
+PLACES = 4097
+"""Places at which the slope of a polynomial is computed for its bounds."""
+
 TOUCHING = 1e-9
 """Distance from the end of its play, in half ranges, up to which the input takes the play along."""
 
 
 @dataclass(frozen=True)
-class SampledSlopes:
-    """Smallest and largest dh/dx along the sampled paths, as parts of the mean slope, in um/V."""
+class HysteresisSlopes:
+    """Smallest and largest dh/dx as parts of the mean slope, and the mean slope in um/V.
+
+    proved: whether both are bounds for every past (`bounded_slopes`), or extremes of sampled paths (`sampled_slopes`).
+    """
 
     least: float
     largest: float
     mean_um_per_V: float
+    proved: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,7 +62,7 @@ class PathInverse:
     one. left_out: kinds of responses without a stable inverse, which the inverse of the model leaves out.
     """
 
-    slopes: SampledSlopes | None
+    slopes: HysteresisSlopes | None
     zero: float
     left_out: tuple[str, ...]
 
@@ -69,7 +78,7 @@ class PathInverse:
             found = self.slopes
             texts.append(
                 f"slope of the hysteresis {found.least:.3g} .. {found.largest:.3g} of its mean "
-                f"{found.mean_um_per_V:.3g} um/V (sampled, not proved)"
+                f"{found.mean_um_per_V:.3g} um/V ({'for every past' if found.proved else 'sampled, not proved'})"
             )
         if self.zero > 0.0:
             texts.append(f"zeros of creep and modes within {self.zero:.6f}")
@@ -83,7 +92,7 @@ class PathInverse:
                 "least_of_mean": self.slopes.least,
                 "largest_of_mean": self.slopes.largest,
                 "mean_um_per_V": self.slopes.mean_um_per_V,
-                "proved": False,
+                "proved": self.slopes.proved,
             }
         return {"hysteresis_slopes": slopes, "zero": self.zero, "left_out": list(self.left_out)}
 
@@ -93,7 +102,9 @@ def path_inverse(model: Model) -> PathInverse:
     u_V, slopes, zero, left_out = Interval(model.u_min_V, model.u_max_V), None, 0.0, []
     for block in model.blocks:
         if isinstance(block, Hysteresis):
-            slopes = sampled_slopes(block, u_V)
+            slopes = bounded_slopes(block) if block.relaxes else None
+            if slopes is None or slopes.least <= 0.0:
+                slopes = sampled_slopes(block, u_V)
         if block.responds and not block.solves(model.Ts_s):
             left_out.append(block.kind)
         elif block.responds:
@@ -103,16 +114,53 @@ def path_inverse(model: Model) -> PathInverse:
 
 
 @functools.lru_cache(maxsize=16)
-def sampled_slopes(block: Hysteresis, v_V: Interval) -> SampledSlopes:
+def sampled_slopes(block: Hysteresis, v_V: Interval) -> HysteresisSlopes:
     """Slopes of a hysteresis along paths of random turns of the voltages v_V."""
     x = np.clip(block.normalised(np.array([v_V.low, v_V.high])), -1.0, 1.0)
     mean = block.mean_slope
     slopes = slopes_along(block, turning_points(float(x[0]), float(x[1]))) * (1.0 if mean > 0.0 else -1.0) / abs(mean)
-    return SampledSlopes(
+    return HysteresisSlopes(
         rounded_down(float(slopes.min()), DIGITS),
         rounded_up(float(slopes.max()), DIGITS),
         rounded_down(2.0 * mean / (block.high_V - block.low_V), DIGITS),
     )
+
+
+def bounded_slopes(block: Hysteresis) -> HysteresisSlopes:
+    """Bounds of dh/dx for every past of the plays and Duhem states, over the whole input range of the block.
+
+    A play either moves with the input or rests: its part of dh/dx lies between 0 and the extremes of dg_j/dz. That of a
+    Duhem state, (b + 2 c |d|) (1 - d) / reach with |d| <= 1, lies between 0 and 2 b / reach or 2 (b + 2 c) / reach.
+    """
+    mean, series = block.mean_slope, block.series
+    sign = 1.0 if mean > 0.0 else -1.0
+    low, high = _polynomial_slopes(sign * series.curve, 1.0)
+    parts = [
+        _polynomial_slopes(sign * np.append(0.0, row), end) for end, row in zip(block.ends, series.plays, strict=True)
+    ]
+    for (b, c), reach in zip(sign * series.duhem, block.reaches, strict=True):
+        parts.append((2.0 * min(b, b + 2.0 * c) / reach, 2.0 * max(b, b + 2.0 * c) / reach))
+    low += float(total(np.array([min(least, 0.0) for least, _ in parts])))
+    high += float(total(np.array([max(largest, 0.0) for _, largest in parts])))
+    return HysteresisSlopes(
+        rounded_down(low / abs(mean), DIGITS),
+        rounded_up(high / abs(mean), DIGITS),
+        rounded_down(2.0 * mean / (block.high_V - block.low_V), DIGITS),
+        proved=True,
+    )
+
+
+def _polynomial_slopes(coefficients: Floats, end: float) -> tuple[float, float]:
+    """Bounds of dp/dx over [-end, end], end <= 1, p = sum_n c_n T_n.
+
+    Between places a distance h apart dp/dx leaves the chord by at most h^2/8 times the largest third derivative of p;
+    that of T_n is at most n^2 (n^2 - 1) (n^2 - 4) / 15.
+    """
+    slopes = chebyshev.chebval(np.linspace(-end, end, PLACES), chebyshev.chebder(coefficients))
+    squares = np.arange(coefficients.size) ** 2.0
+    bend = float(np.abs(coefficients) @ np.abs(squares * (squares - 1.0) * (squares - 4.0))) / 15.0
+    beyond = (2.0 * end / (PLACES - 1)) ** 2 / 8.0 * bend
+    return float(slopes.min()) - beyond, float(slopes.max()) + beyond
 
 
 def slopes_along(block: Hysteresis, turns: Floats) -> Floats:

@@ -14,6 +14,7 @@ which are not Preisach operators.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -22,12 +23,16 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from hysgen.machine.kernels import PreisachBasis, duhem_columns, play_operators, preisach_columns
-from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.model.path.hysteresis import Hysteresis, largest_play
 
 Floats = NDArray[np.float64]
 
 SEARCHED = -1.0
 """Relaxation of a `PathSize` that the fit finds."""
+
+PLACES_PER_DEGREE = 4
+"""Places per degree at which the slope of a polynomial is required: between them a slope of degree n is at most
+1 / cos(pi/8) - 1 = 8 % of its largest value below 0."""
 
 TOUCHING = 1e-9
 """Distance from the end of its play, in half ranges, up to which the input takes the play along."""
@@ -110,6 +115,47 @@ class Operator:
             rows.append(np.stack(columns, axis=1))
         return np.vstack(rows)
 
+    def density_slopes(self) -> tuple[Floats, Floats]:
+        """Slopes that bound dh/dv from below for every past, and the part of the mean slope that each must reach.
+
+        (n, size) rows: row @ coefficients is dg0/dv, the slope dg_i/dz of a play, or b_j and b_j + 2 c_j of a Duhem
+        state; (n,) 1 for dg0/dv, 0 for the others. dg_i/dz is the Preisach density of the hysterons of half-width r_i,
+        in um per half range. Where no row of a play or of a Duhem state is negative, dh/dv >= dg0/dv on every path.
+        """
+        rows = np.zeros((0, self.size))
+        for first, stride, degree, weights, end in self._polynomials():
+            places = end * np.cos(np.linspace(0.0, np.pi, PLACES_PER_DEGREE * degree + 1))
+            part = np.zeros((places.size, self.size))
+            for m in range(1, degree + 1):
+                at = first + (m - 1) * stride
+                part[:, at : at + stride] = _slope(places, m)[:, None] * weights
+            rows = np.vstack([rows, part])
+        duhem = np.zeros((2 * len(self.reaches), self.size))
+        first = self.size - duhem.shape[0]
+        for j in range(len(self.reaches)):
+            duhem[2 * j : 2 * j + 2, first + 2 * j] = 1.0
+            duhem[2 * j + 1, first + 2 * j + 1] = 2.0
+        rows = np.vstack([rows, duhem])
+        return rows, (np.arange(len(rows)) <= PLACES_PER_DEGREE * self.curve).astype(float)
+
+    def _polynomials(self) -> Iterator[tuple[int, int, int, Floats, float]]:
+        """Of g0 and each g_i: first column, columns per degree, degree, weights of the columns, largest |argument|."""
+        yield 0, 1, self.curve, np.ones(1), 1.0
+        if self.hats:
+            for r, weights in zip(self.half_widths, self.hat_weights, strict=True):
+                yield self.curve, self.hats, self.degree, weights, largest_play(float(r), self.relaxation)
+
+    def penalties(self) -> Floats:
+        """(size,) weight of the prior of each coefficient of plays that relax: m^4 for degree m; 1 for all others.
+
+        The prior of a smooth density: a coefficient of T_m contributes to its second derivative with about m^4.
+        """
+        weights = np.ones(self.size)
+        if self.relaxation:
+            degrees = np.repeat(np.arange(1.0, self.degree + 1.0), self.hats)
+            weights[self.curve : self.curve + degrees.size] = degrees**4
+        return weights
+
     def block(self, coefficients: Floats, constant_um: float = 0.0) -> Hysteresis:
         """The block of a model with these coefficients, (size,), of `columns`.
 
@@ -167,6 +213,9 @@ class PathSize:
         hats = min(self.hats, self.plays)
         return Operator(low_V, high_V, self.plays, hats, self.curve, self.degree, reaches, self.relaxation)
 
+
+RELAXING = PathSize(plays=24, degree=7, states=0, hats=12, relaxation=SEARCHED)
+"""Plays that relax, with densities fine enough for a stage of thermally activated hysterons."""
 
 CURVE = PathSize(plays=0, states=0)
 """A single-valued curve, for a path without memory."""

@@ -8,7 +8,8 @@ as the lag: q_l1 = a, q_l2 = 1 - a, q_l3 = 0 with a = exp(-Ts/tau), equal in all
 
 A stage never moves against its input. Noise and rows that a record does not visit may bend a fitted h the other way,
 and then h has no inverse; so dh/dv >= LEAST_SLOPE times the mean slope is required along the record's own path and
-along a path of random turns over the whole range, in both directions at every point.
+along a path of random turns over the whole range, in both directions at every point. Plays that relax must have
+densities that are nowhere negative: then the slope is at least that of the curve for every past (`density_slopes`).
 Source of the constrained solution: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
 """
 
@@ -164,22 +165,31 @@ def _lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> float:
 
 
 def _searched_relaxation(problem: PathColumns, kept: _Kept) -> float:
-    """The relaxation of least error without constraints within RELAXATIONS, with the lag that fits their middle."""
+    """The relaxation of least error without constraints within RELAXATIONS.
+
+    The lag is searched first for the middle of the range, and again for the relaxation that was found with this lag:
+    the lag of a wrong relaxation moved the relaxation by up to 20 %.
+    """
     low, high = np.log(RELAXATIONS)
-    middle = _relaxing(problem.task, float(np.exp(0.5 * (low + high))))
-    lag_s = _lag(dataclasses.replace(problem, task=middle), kept, _held(middle))
+    log_found = 0.5 * (low + high)
+    for _ in range(2):
+        held = _relaxing(problem.task, float(np.exp(log_found)))
+        lag_s = _lag(dataclasses.replace(problem, task=held), kept, _held(held))
 
-    def error(log_relaxation: float) -> float:
-        task = _relaxing(problem.task, float(np.exp(log_relaxation)))
-        return _error(problem, kept.fewer, np.hstack([_lagged(task, one, lag_s) for one in _held(task)]))
+        def error(log_relaxation: float, lag_s: float = lag_s) -> float:
+            task = _relaxing(problem.task, float(np.exp(log_relaxation)))
+            columns = np.hstack([_lagged(task, one, lag_s) for one in _held(task)])
+            return _error(dataclasses.replace(problem, task=task), kept.fewer, columns)
 
-    best = minimize_scalar(error, bounds=(low, high), method="bounded", options={"xatol": 0.03})
-    return float(np.exp(best.x))
+        best = minimize_scalar(error, bounds=(low, high), method="bounded", options={"xatol": 0.03})
+        log_found = float(best.x)
+    return float(np.exp(log_found))
 
 
 def _error(problem: PathColumns, kept: _Kept, columns: Floats) -> float:
     """||A x - b||^2 of the least-squares solution x without constraints, less the constant ||b||^2."""
-    _, d, _ = _triangular(dataclasses.replace(problem, columns=columns).of(kept.rows), kept)
+    rows = dataclasses.replace(problem, columns=columns).of(kept.rows)
+    _, d, _ = _triangular(rows, kept, problem.task.size)
     return -float(d @ d)
 
 
@@ -308,12 +318,14 @@ def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> f
     return float(np.exp(best.x)) if best.fun < error(middle) else float(np.exp(middle))
 
 
-def _triangular(columns: Floats, kept: _Kept) -> tuple[Floats, Floats, Floats]:
+def _triangular(columns: Floats, kept: _Kept, size: PathSize) -> tuple[Floats, Floats, Floats]:
     """R, d and the scales of the columns: minimise ||R x - d|| over x = scale * weights, with the ridge."""
+    penalties = size.operator(-1.0, 1.0).penalties()
+    ridge = RIDGE * np.append(penalties, np.ones(len(columns) - penalties.size))
     rows = columns * kept.weight
     scale = np.sqrt(np.mean(rows * rows, axis=1)) + 1e-300
     count = rows.shape[1]
-    A = np.vstack([(rows / scale[:, None]).T / np.sqrt(count), np.sqrt(RIDGE) * np.eye(len(rows))])
+    A = np.vstack([(rows / scale[:, None]).T / np.sqrt(count), np.diag(np.sqrt(ridge))])
     b = np.concatenate([kept.weight * kept.y_um / np.sqrt(count), np.zeros(len(rows))])
     Q, R = np.linalg.qr(A)
     return R, Q.T @ b, scale
@@ -321,23 +333,27 @@ def _triangular(columns: Floats, kept: _Kept) -> tuple[Floats, Floats, Floats]:
 
 def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) -> Floats:
     """(p,) weights of the columns of least error with a rising h (falling, if the stage falls with the voltage)."""
-    R, d, scale = _triangular(columns, kept)
+    R, d, scale = _triangular(columns, kept, task.size)
     weights = np.linalg.solve(R, d) / scale
     slopes = np.vstack([operator.slopes(path) for path in _paths(task, operator)])
     middle = slopes @ weights[: operator.size]
     sign, mean = float(np.sign(np.median(middle))), abs(float(np.median(middle)))
     if mean == 0.0:
         raise FitError(f"{task.record.source}: the displacement does not answer to the voltage; record with more drive")
+    floor = np.full(len(slopes), LEAST_SLOPE)
+    if operator.relaxation:
+        slopes, part = operator.density_slopes()
+        floor = LEAST_SLOPE * part
     imposed = HalfSpaces(np.zeros((0, R.shape[0])), np.zeros(0))
     for _ in range(ROUNDS):
-        depth = LEAST_SLOPE - sign * (slopes @ weights[: operator.size]) / mean
+        depth = floor - sign * (slopes @ weights[: operator.size]) / mean
         worst = np.argsort(-depth, kind="stable")[:ADDED]
         worst = worst[depth[worst] > 1e-4]
         if not worst.size:
             return np.asarray(weights)
         rows = np.zeros((worst.size, R.shape[0]))
         rows[:, : operator.size] = sign * slopes[worst] / (mean * scale[: operator.size])
-        imposed = imposed + HalfSpaces(rows, np.full(worst.size, LEAST_SLOPE))
+        imposed = imposed + HalfSpaces(rows, floor[worst])
         inverse = np.linalg.inv(R)
         z, _ = least_distance(imposed.rows @ inverse, imposed.floor - imposed.rows @ inverse @ d)
         weights = inverse @ (z + d) / scale

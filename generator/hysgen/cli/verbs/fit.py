@@ -24,7 +24,7 @@ from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.compare import Comparison, compare
-from hysgen.fitting.operator import SEARCHED
+from hysgen.fitting.operator import RELAXING
 from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, model_to_json, save_model
 from hysgen.model.model import MOST_RULES, Model
@@ -117,7 +117,7 @@ def _size(arguments: argparse.Namespace) -> PathSize | None:
         if arguments.relaxation:
             raise HysgenError("--relaxation: is a property of the hysteresis; give --memory too")
         return None
-    return PathSize(plays=arguments.memory, relaxation=SEARCHED if arguments.relaxation else 0.0)
+    return dataclasses.replace(RELAXING if arguments.relaxation else PathSize(), plays=arguments.memory)
 
 
 def run_fit(arguments: argparse.Namespace, console: Console) -> int:

@@ -120,12 +120,12 @@ def preisach_columns(out: Floats, v: Floats, start: Floats, basis: PreisachBasis
         sum_i hat_ib T_p(z_i),    z_i(k) = max(v(k) - r_i, min(v(k) + r_i, z_i(k-1)))
 
     v: (n,); start: (m,) z_i before the first sample; out: (curve + degree * b, n), overwritten.
-    Raises ValueError for more than 64 plays, for degree * b above 64, or if `out` has another shape.
+    Raises ValueError for more than 64 plays, for degree * b above 128, or if `out` has another shape.
     """
     library = kernel("preisach.c", _PREISACH)
     (plays, hats), curve, degree = basis.hat.shape, basis.curve, basis.degree
-    if plays > 64 or degree * hats > 64:
-        raise ValueError("at most 64 plays, and 64 hats times powers")
+    if plays > 64 or degree * hats > 128:
+        raise ValueError("at most 64 plays, and 128 hats times powers")
     if out.shape != (curve + degree * hats, v.size):
         raise ValueError("the result needs a row for each polynomial, and for each power of each hat")
     library.lib.hysgen_preisach(

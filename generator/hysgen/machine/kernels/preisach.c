@@ -10,7 +10,7 @@
 #define WIDEST
 #endif
 
-enum { MOST = 64, BLOCK = 64 };
+enum { MOST = 128, BLOCK = 64 };
 
 #define BEND (1.0 / 32.0) /* curvature of the barrier: 4 ln(attempts per sample) = 32 */
 #define FROZEN 15.0       /* distance from the threshold, in units of s, from which on a play rests */

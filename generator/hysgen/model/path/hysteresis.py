@@ -147,7 +147,7 @@ class Hysteresis(InputBlock):
     @property
     def ends(self) -> tuple[float, ...]:
         """Largest magnitude of every play, in half ranges."""
-        return tuple(min(1.0, 1.0 - r + RELAXED * self.relaxation * r) for r in self.half_widths)
+        return tuple(largest_play(r, self.relaxation) for r in self.half_widths)
 
     @property
     def plays(self) -> int:
@@ -368,6 +368,11 @@ class Hysteresis(InputBlock):
             cls(-20.0, 120.0, curve),
             cls(-20.0, 120.0, curve, r, tuple(plays.ravel().tolist()), 0.8, duhem, 0.03),
         )
+
+
+def largest_play(half_width: float, relaxation: float) -> float:
+    """Largest magnitude of a play in half ranges: 1 - r, and by RELAXED s more if it relaxes."""
+    return min(1.0, 1.0 - half_width + RELAXED * relaxation * half_width)
 
 
 @functools.lru_cache(maxsize=16)
