@@ -71,6 +71,15 @@ def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Float
     assert verdict.held == verdict.checks >= expected > 20
 
 
+@pytest.mark.slow
+def test_the_inverse_behind_plays_that_relax_is_proved() -> None:
+    """The steps of the plays are exponentials, their positions sums of two words."""
+    need("frama-c")
+    verdict, expected = prove_call(model("small_relaxing"), texts("small_relaxing"), "inverse", "any")
+    assert not verdict.alarms
+    assert verdict.held == verdict.checks >= expected > 20
+
+
 @pytest.mark.parametrize("guard", guards(model("small"), texts("small")), ids=lambda guard: guard.about)
 @pytest.mark.slow
 def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:

@@ -313,7 +313,9 @@ class Hysteresis(InputBlock):
         if self.states:
             floats |= {f"{name}[{i}]": Interval(0.0, 2.0) for name in ("left", "back") for i in range(self.states)}
             floats["turn"] = symmetric(1.0)
-        floats |= {"last": symmetric(1.0), "h_um": h}
+        # Behind the relaxation h + (relaxed sum - sum), whose two sums intervals do not relate.
+        behind = h.outwards(2.002 * sum(sizes)) if self.relaxes else h
+        floats |= {"last": symmetric(1.0), "h_um": behind}
         half = float(number.half)
         return BlockBox(floats, h, Interval(float(number.middle) - half, float(number.middle) + half).outwards())
 
