@@ -130,6 +130,17 @@ class SymbolicMemory:
         op = self.graph.store(address, offset, value, before, beside)
         self.stores.append(Access(op, memory, low, high))
 
+    def settled(self, cell: tuple[str, int], value: Leaf) -> Leaf:
+        """A load of the word behind the store of `value`, if `value` is a choice between a new word and the one there."""
+        memory, offset = cell
+        if not self._external(memory) or not isinstance(value, Op) or value.kind != "select":
+            return value
+        there = value.args[2]
+        if there.kind != "load" or there.args[0] is not self._base(memory) or there.number != offset:
+            return value
+        self._store(memory, offset, offset + WORD, self._base(memory), offset, value)
+        return self._load(memory, offset, offset + WORD, self._base(memory), offset)
+
     def read(self, place: Place) -> Leaf:
         """The word at a place."""
         key = place.memory, place.offset

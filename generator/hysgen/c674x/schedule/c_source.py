@@ -50,6 +50,11 @@ class Source:
             self.constants[each.name] = following
             following += 1
 
+    def aligned(self, pointer: c_ast.Node) -> bool:
+        """Whether a pointer is to the learner, which is aligned to 8 bytes where the kernels are used."""
+        names = getattr(getattr(pointer.type, "type", None), "names", [])
+        return names == [f"{self.name}_learner_t"]
+
     def pointers_are_separate(self, function: str) -> bool:
         """Whether the objects behind the pointer parameters of a static function never overlap.
 

@@ -15,6 +15,7 @@ from hysgen.c674x.semantics import FLOAT, INTEGER, MASK, FloatUnit
 
 COMPARISONS: Final = frozenset(["cmpeq", "cmpgtu", "cmpltu", "cmpeqsp", "cmpgtsp", "cmpltsp"])
 COMMUTATIVE: Final = frozenset(["addsp", "mpysp", "add", "and", "or", "xor", "mpy32", "cmpeq", "cmpeqsp"])
+_AT_ONCE: Final = frozenset(["and", "or", "xor", "select", "cmpeq"])
 _FLIP: Final = 0x8000_0000
 
 
@@ -55,7 +56,8 @@ class Op:
 class Kernel:
     """A function without branches: its stores, and its result or None.
 
-    tables: words of the constant tables whose address is used, by symbol.
+    tables: words of the constant tables whose address is used, by symbol. aligned: parameters that are addresses of
+    multiples of 8.
     """
 
     name: str
@@ -63,9 +65,13 @@ class Kernel:
     stores: tuple[Op, ...]
     result: Op | None
     tables: Mapping[str, tuple[int, ...]]
+    aligned: frozenset[int] = frozenset()
 
     def operations(self) -> list[Op]:
-        """All operations that the stores and the result need, in the order of the C text, a store behind its value."""
+        """All operations that the stores and the result need, in the order of the C text.
+
+        A store, a choice or a logical operation stands behind its last operand.
+        """
         found: dict[int, Op] = {}
         pending = [*self.stores, *([self.result] if self.result else [])]
         while pending:
@@ -76,6 +82,8 @@ class Kernel:
         late = {id(op): 0.0 for op in found.values()}
         for op in sorted(found.values(), key=lambda each: each.order):
             late[id(op)] = float(op.order)
+            if op.kind in _AT_ONCE and not all(arg.kind == "const" for arg in op.args):
+                late[id(op)] = max(late[id(arg)] for arg in op.args if arg.kind != "const") + 1e-4
             if op.kind == "store":
                 behind = (*op.args, *op.after, *(each for each in op.beside if id(each) in found))
                 late[id(op)] = max(late[id(each)] for each in behind) + 0.5
@@ -130,16 +138,25 @@ class Graph:
         """`yes` if the condition is not 0, else `no`."""
         if condition.kind == "const":
             return yes if condition.number else no
-        if yes is no:
-            return yes
+        if yes is no or (condition.kind == "cmpeq" and condition.args == (no, yes)):
+            return no
         if condition.kind == "xor" and condition.truth and condition.args[1].kind == "const":
+            return self.select(condition.args[0], no, yes)
+        if condition.kind == "cmpeq" and _is(condition.args[1], 0):
             return self.select(condition.args[0], no, yes)
         if condition.truth and yes.truth and yes.kind == "const" and no.kind == "const" and no.truth:
             return condition if yes.number else self.op("xor", condition, self.const(1))
+        if condition.truth and yes.truth and no.truth:
+            if _is(no, 0):
+                return self.op("and", condition, yes)
+            if _is(yes, 1):
+                return self.op("or", condition, no)
         if no.kind == "select" and no.args[0] is condition:
             no = no.args[2]
         if yes.kind == "select" and yes.args[0] is condition:
             yes = yes.args[1]
+        if yes.kind == "select" and yes.args[2] is no and condition.truth and yes.args[0].truth:
+            return self.select(self.op("and", condition, yes.args[0]), yes.args[1], no)
         return self._node("select", (condition, yes, no))
 
     def op(self, kind: str, *args: Op) -> Op:
@@ -244,6 +261,10 @@ def _add(graph: Graph, a: Op, b: Op) -> Op | None:
     return None
 
 
+def _cmpeq(graph: Graph, a: Op, b: Op) -> Op | None:
+    return graph.op("xor", a, graph.const(1)) if a.truth and _is(b, 0) else None
+
+
 def _mpy32(graph: Graph, a: Op, b: Op) -> Op | None:
     if b.kind == "const" and b.number & (b.number - 1) == 0:
         return graph.op("shl", a, graph.const(b.number.bit_length() - 1)) if b.number else b
@@ -260,6 +281,7 @@ _RULES: Final[Mapping[str, Callable[..., Op | None]]] = {
     "xor": _xor,
     "add": _add,
     "mpy32": _mpy32,
+    "cmpeq": _cmpeq,
     "shl": _shift,
     "shru": _shift,
 }

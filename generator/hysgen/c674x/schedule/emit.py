@@ -66,6 +66,15 @@ def _instructions(placement: Placement) -> list[str]:
     result = _register((placement.data_side, placement.register)) if placement.register is not None else ""
     unit = f".{placement.unit.lower()}" + ("x" if placement.cross else "")
     match node.mnemonic:
+        case "lddw":
+            sign, words = ("-" if node.number < 0 else "+"), abs(node.number) // 8
+            assert placement.register is not None
+            high = _register((placement.data_side, placement.register + 1))
+            return [f"lddw {unit}t{placement.data_side + 1} *{sign}{own[0]}[{words}], {high}:{result}"]
+        case "stdw":
+            sign, words = ("-" if node.number < 0 else "+"), abs(node.number) // 8
+            guard = f"[{_register(placement.guard)}] " if placement.guard else ""
+            return [f"{guard}stdw {unit}t{placement.data_side + 1} {own[2]}:{own[1]}, *{sign}{own[0]}[{words}]"]
         case "ldw" | "stw":
             sign, words = ("-" if node.number < 0 else "+"), abs(node.number) // 4
             path = f"{unit}t{placement.data_side + 1}"

@@ -28,6 +28,7 @@ FUNCTIONS: Final = (
     "predict",
     "simulate",
     "inverse",
+    "learn",
     "evaluate_reading",
     "project",
     "update_diagonal",
@@ -37,6 +38,9 @@ FUNCTIONS: Final = (
     "store_regressors",
 )
 """Functions that become kernels if they can, without the model's prefix."""
+
+PARTS_OF_LEARN: Final = FUNCTIONS[FUNCTIONS.index("learn") + 1 :]
+"""Functions that only learn calls in a sample; they stay in C if learn is a kernel."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,7 @@ def kernels(name: str, texts: Mapping[str, str], functions: Sequence[str] = FUNC
     refused: dict[str, str] = {}
     for short in functions:
         function = f"{name}_{short}"
-        if function not in source.functions:
+        if function not in source.functions or (short in PARTS_OF_LEARN and f"{name}_learn" in schedules):
             continue
         try:
             dataflow = kernel(source, function)
@@ -78,12 +82,13 @@ def with_kernels(name: str, texts: Mapping[str, str], found: Kernels) -> dict[st
     for function in found.schedules:
         source = _left_out(name, source, function)
     changed = dict(texts) | {
+        f"{name}.h": _aligned(name, texts[f"{name}.h"]),
         f"{name}.c": _choice(name, source),
         assembly_file(name): file_text(_header(name, found), found.schedules, found.tables),
         CMAKE: _with_assembly(name, texts[CMAKE]),
     }
     facts = json.loads(texts[MANIFEST])
-    for file in (f"{name}.c", assembly_file(name), CMAKE):
+    for file in (f"{name}.h", f"{name}.c", assembly_file(name), CMAKE):
         facts["files"][file] = digest(changed[file].encode())
     facts["files"] = dict(sorted(facts["files"].items()))
     facts["kernels"] = {
@@ -111,6 +116,25 @@ def _choice(name: str, source: str) -> str:
     if source.count(include) != 1:
         raise TargetError(f"{name}.c: {include.strip()} is expected once")
     return source.replace(include, "\n".join(lines) + "\n")
+
+
+def _aligned(name: str, header: str) -> str:
+    """The header with the learner aligned to 8 bytes on the C674x, for 64-bit loads and stores."""
+    end = f"}} {name}_learner_t;\n"
+    upper = name.upper()
+    if end not in header:
+        return header
+    lines = [
+        "#if defined(_TMS320C6X)",
+        f"#define {upper}_ALIGNED __attribute__((aligned(8))) /**< The kernels load and store 64 bits at a time. */",
+        "#else",
+        f"#define {upper}_ALIGNED",
+        "#endif",
+        "",
+    ]
+    start = header.rindex("/** A learner:", 0, header.index(end))
+    changed = header.replace(end, f"}} {upper}_ALIGNED {name}_learner_t;\n")
+    return changed[:start] + "\n".join(lines) + "\n" + changed[start:]
 
 
 def _with_assembly(name: str, project: str) -> str:

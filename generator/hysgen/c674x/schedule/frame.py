@@ -54,29 +54,38 @@ PAIRS: Final = (
 )
 
 
-def entry() -> list[FrameInstruction]:
-    """The instructions that open the frame."""
+def saved_at(pair: Pair, stack: int) -> int:
+    """The cycle in which a pair is saved. With values on the stack the unit of side A alone saves, one pair a cycle."""
+    return PAIRS.index(pair) + 1 if stack else pair.cycle
+
+
+def entry(stack: int) -> list[FrameInstruction]:
+    """The instructions that open the frame; stack: bytes below it for values."""
     found = [
-        FrameInstruction(0, "S2", None, f"addk .s2 -{BYTES}, b15"),
+        FrameInstruction(0, "S2", None, f"addk .s2 -{BYTES + stack}, b15"),
         FrameInstruction(0, "L1", None, "mv .l1x b15, a3"),
     ]
     for pair in PAIRS:
-        kind = "stdw" if pair.wide else "stw"
-        slots_below = BYTES // 8 - pair.slot
-        where = f"*-a3[{slots_below}]" if pair.side == 0 else f"*+b15[{pair.slot * (1 if pair.wide else 2)}]"
-        side = pair.side + 1
-        found.append(
-            FrameInstruction(pair.cycle, f"D{side}", pair.side, f"{kind} .d{side}t{side} {pair.text}, {where}")
-        )
+        kind, size = ("stdw", 8) if pair.wide else ("stw", 4)
+        side = 1 if stack or pair.side == 0 else 2
+        where = f"*-a3[{(BYTES - 8 * pair.slot) // size}]" if side == 1 else f"*+b15[{8 * pair.slot // size}]"
+        text = f"{kind} .d{side}t{pair.side + 1} {pair.text}, {where}"
+        found.append(FrameInstruction(saved_at(pair, stack), f"D{side}", pair.side, text))
     return found
 
 
-def restored(pair: Pair, cycle: int) -> FrameInstruction:
-    """The load of a pair, by the unit of side B."""
-    kind, index = ("lddw", pair.slot) if pair.wide else ("ldw", 2 * pair.slot)
-    return FrameInstruction(cycle, "D2", pair.side, f"{kind} .d2t{pair.side + 1} *+b15[{index}], {pair.text}")
+def restored(pair: Pair, cycle: int, stack: int) -> list[FrameInstruction]:
+    """The loads of a pair, by the unit of side B; the offset of a 64-bit load does not reach over values on the stack."""
+    path = f".d2t{pair.side + 1}"
+    if pair.wide and not stack:
+        return [FrameInstruction(cycle, "D2", pair.side, f"lddw {path} *+b15[{pair.slot}], {pair.text}")]
+    first = (stack + 8 * pair.slot) // 4
+    return [
+        FrameInstruction(cycle, "D2", pair.side, f"ldw {path} *+b15[{first + k}], {'ab'[pair.side]}{register}")
+        for k, register in enumerate(pair.registers)
+    ]
 
 
-def closed(cycle: int) -> FrameInstruction:
+def closed(cycle: int, stack: int) -> FrameInstruction:
     """The stack pointer's return."""
-    return FrameInstruction(cycle, "S2", None, f"addk .s2 {BYTES}, b15")
+    return FrameInstruction(cycle, "S2", None, f"addk .s2 {BYTES + stack}, b15")

@@ -16,7 +16,7 @@ from typing import Final, TypeVar
 
 from pycparser import c_ast
 
-from hysgen.c674x.schedule.c_memory import Place, State, SymbolicMemory, Value, Whole, size_of
+from hysgen.c674x.schedule.c_memory import Leaf, Place, State, SymbolicMemory, Value, Whole, size_of
 from hysgen.c674x.schedule.c_source import KernelRefusalError, Source, literal
 from hysgen.c674x.schedule.dataflow import Graph, Kernel, Op
 from hysgen.codegen.operations.types import FLOAT, INTEGER, Array, Pointer, Scalar, StructType, Type
@@ -55,6 +55,7 @@ class _Execution:
     def run(self, function: str) -> Kernel:
         node = self.source.functions[function]
         arguments: list[Value] = []
+        aligned: set[int] = set()
         parameters = node.decl.type.args.params if node.decl.type.args else []
         for index, parameter in enumerate(parameters):
             kind = self.source.types.of(parameter.type)
@@ -63,6 +64,8 @@ class _Execution:
                 memory = f"*{parameter.name}"
                 self.memory.bases[memory] = word
                 arguments.append(Place(memory, 0, kind.to))
+                if self.source.aligned(parameter.type):
+                    aligned.add(index)
             else:
                 arguments.append(word)
         several = sum(isinstance(argument, Place) for argument in arguments) > 1
@@ -73,7 +76,7 @@ class _Execution:
         if isinstance(result, Place | Whole):
             raise KernelRefusalError(f"{function}: returns a pointer or a struct")
         tables = {name: self.source.tables[name][1] for name in self.memory.bases if name in self.source.tables}
-        return Kernel(function, len(arguments), stores, result, tables)
+        return Kernel(function, len(arguments), stores, result, tables, frozenset(aligned))
 
     def _call(self, function: str, arguments: Sequence[Value]) -> Value:
         name = self.source.name
@@ -136,7 +139,9 @@ class _Execution:
         before = self.memory.state
         returns = any(_returns(side) for side in sides)
         executed = [[*side, *rest] if returns else side for side in sides]
-        taken, (one, yes) = self._from(before, lambda: self._block(executed[0], dict(scope)))
+        taken, (one, yes) = self._from(
+            self._assumed(before, condition), lambda: self._block(executed[0], dict(scope))
+        )
         passed, (other, no) = self._from(before, lambda: self._block(executed[1], dict(scope)))
         self.memory.state = self._merged(condition, taken, passed)
         if not returns:
@@ -144,6 +149,30 @@ class _Execution:
         if one != other:
             raise KernelRefusalError(f"{node.coord}: only one side returns")
         return one, self._either(condition, yes, no), True
+
+    def _assumed(self, state: State, condition: Op) -> State:
+        """The state where a condition holds: choices by this condition, or by one that it implies, are made."""
+        known = set(map(id, _conjuncts(condition)))
+        cells = {
+            key: self._decided(value, known) if isinstance(value, Op) else value
+            for key, value in state.cells.items()
+        }
+        return State(cells, set(state.dirty))
+
+    def _decided(self, value: Op, known: set[int]) -> Op:
+        if value.kind != "select" or not value.args[0].truth:
+            return value
+        conjuncts = _conjuncts(value.args[0])
+        left = [each for each in conjuncts if id(each) not in known]
+        if len(left) == len(conjuncts):
+            return value
+        yes = self._decided(value.args[1], known)
+        if not left:
+            return yes
+        condition = left[0]
+        for each in left[1:]:
+            condition = self.graph.op("and", condition, each)
+        return self.graph.select(condition, yes, value.args[2])
 
     def _from(self, before: State, execute: Callable[[], Result]) -> tuple[State, Result]:
         """Execute code that runs under a condition, from a copy of the state; the state behind it and the result."""
@@ -160,10 +189,21 @@ class _Execution:
             for side in (yes, no):
                 self.memory.state = side
                 leaves.append(self.memory.read(Place(key[0], key[1], INTEGER)))
+            leaves[1] = self._stored_before(key, leaves[0], leaves[1])
             chosen = self._either(condition, leaves[0], leaves[1])
             assert isinstance(chosen, Op | Place)
             merged.cells[key] = chosen
         return merged
+
+    def _stored_before(self, key: tuple[str, int], new: Leaf, old: Leaf) -> Leaf:
+        """The word as a load, if an earlier `if` may have changed it and the new value is a constant or a copy.
+
+        The earlier value is stored at once. Both stores become stores under a condition, and the earlier value leaves
+        its register.
+        """
+        if self.memory.conditional or not isinstance(new, Op) or new is old or new.kind not in ("const", "load"):
+            return old
+        return self.memory.settled(key, old)
 
     def _either(self, condition: Op, yes: Value, no: Value) -> Value:
         match yes, no:
@@ -452,6 +492,13 @@ class _Execution:
                     self.source.types.of(self.source.functions[node.name.name].decl.type.type)
                 )
         raise KernelRefusalError(f"{node.coord}: {type(node).__name__} has no type here")
+
+
+def _conjuncts(condition: Op) -> list[Op]:
+    """The truths that all hold if the condition holds."""
+    if condition.kind == "and" and all(arg.truth for arg in condition.args):
+        return [each for arg in condition.args for each in _conjuncts(arg)]
+    return [condition]
 
 
 def _not(graph: Graph, truth: Op) -> Op:

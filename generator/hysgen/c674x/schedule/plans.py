@@ -7,14 +7,20 @@ one for some function of the shipped models and of those under test.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from hysgen.c674x.schedule.dataflow import Kernel
+from hysgen.c674x.schedule.ordering import ranked
 from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Plan, Schedule, TooLongError, planned, unlimited
-from hysgen.c674x.schedule.selection import select
+from hysgen.c674x.schedule.selection import Selected, select
+from hysgen.c674x.schedule.spilling import OutOfSlotsError, limited
 
 LONG: Final = 700
 """Instructions of a kernel from which on only the plans for long kernels are tried, to stay below 10 s."""
+
+LONGEST_KEPT: Final = 1500
+"""Instructions of a kernel from which on every attempt stores values on the stack."""
 
 _GOOD_ENOUGH: Final = 1.02
 """Cycles, as a multiple of those without limits on registers, at which no further plan is tried."""
@@ -34,13 +40,22 @@ _SHORT_PLANS: Final = tuple(
         (80, 8, 0.1, 1.0),
     )
 )
-_LONG_PLANS: Final = (
+_FRAMED_LONG: Final = (
     Plan(_ALL, 8, 2, 2.0, 1.0, saved=True),
     Plan(200, 8, 2, 0.5, 1.0, saved=True),
-    Plan(200, 8, 2, 0.0, 1.0, saved=True),
     Plan(80, 8, 2, 0.1, 1.0, saved=True),
-    Plan(_ALL, 2, 2, 0.0, 0.0, saved=True),
 )
+_LOOKAHEAD: Final = Plan(400, 0, 3, 0.1, saved=True, taper=0.04, ahead=160)
+_IN_ORDER: Final = Plan(300, 0, 3, 2.0, saved=True, taper=0.03, ahead=100)
+_SPILLED: Final = (
+    (200, 46, _LOOKAHEAD),
+    (200, 48, _LOOKAHEAD),
+    (100, 46, _LOOKAHEAD),
+    (200, 46, _IN_ORDER),
+    (100, 42, _IN_ORDER),
+)
+"""Window of the order, registers and plan of the attempts that store values on the stack."""
+
 FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
 """Plans with a stack frame."""
 
@@ -54,17 +69,37 @@ def shortest(kernel: Kernel) -> Schedule:
         if len(selected.nodes) == instructions:
             break  # no constant is made anew: the same instructions
         instructions = len(selected.nodes)
+        if instructions > LONGEST_KEPT:
+            continue
         issue = unlimited(selected)
         enough = _GOOD_ENOUGH * max(issue.values())
-        for plan in _LONG_PLANS if len(selected.nodes) > LONG else _SHORT_PLANS:
-            try:
-                found = planned(selected, plan, issue, best.cycles if best else _FOREVER)
-            except (OutOfRegistersError, TooLongError):
-                continue
-            if best is None or found.cycles < best.cycles:
-                best = found
-            if best.cycles <= enough:
+        for plan in _FRAMED_LONG if instructions > LONG else _SHORT_PLANS:
+            best = _better(best, selected, plan, issue)
+            if best is not None and best.cycles <= enough:
                 return best
+    if instructions > LONG // 2:
+        best = _with_spilling(kernel, best)
     if best is None:
         raise OutOfRegistersError("no schedule with the registers of the C674x")
+    return best
+
+
+def _better(best: Schedule | None, selected: Selected, plan: Plan, issue: Mapping[int, int] | None) -> Schedule | None:
+    try:
+        return planned(selected, plan, issue, best.cycles if best else _FOREVER)
+    except (OutOfRegistersError, TooLongError):
+        return best
+
+
+def _with_spilling(kernel: Kernel, best: Schedule | None) -> Schedule | None:
+    """The shortest schedule, among them those of instructions with a limited number of values alive."""
+    selected = ranked(select(kernel, far=_FOREVER))
+    orders: dict[int, Mapping[int, int]] = {}
+    for window, registers, plan in _SPILLED:
+        if window not in orders:
+            orders[window] = unlimited(selected, window, 4.0)
+        try:
+            best = _better(best, limited(selected, orders[window], registers), plan, None)
+        except OutOfSlotsError:
+            continue
     return best

@@ -13,14 +13,14 @@ a stack frame (`frame`).
 from __future__ import annotations
 
 import heapq
-from collections import Counter, defaultdict
+from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
 from hysgen.c674x.schedule import frame
 from hysgen.c674x.schedule.frame import FrameInstruction, Pair
-from hysgen.c674x.schedule.selection import LOAD_DELAY, Both, Node, Operand, Selected, Value
+from hysgen.c674x.schedule.selection import LOAD_DELAY, UNITS, Both, Node, Operand, Selected, Value
 from hysgen.errors import TargetError
 
 PREDICATES: Final = ((0, 1, 2), (0, 1, 2))
@@ -32,8 +32,18 @@ _READS: Final = 4
 _URGENT: Final = 8
 """Oldest instructions, in the order of the C text, for which registers are reserved."""
 
+_YOUNGER: Final = 2
+"""Conditions in registers that stand behind a condition without a register, in the order of the instructions."""
+
 _CHECKED: Final = 4
 """Cycles between two comparisons of an attempt with the shortest schedule known, which take time."""
+
+_STACK_READY: Final = 2
+"""Cycle from which the new stack pointer can be read, over a cross path too."""
+
+SPLIT = 1000
+_STUCK: Final = 2
+"""Cycles without an instruction after which an operand of the oldest one is moved to the other side."""
 
 _PATIENCE: Final = 16
 """Cycles without an instruction after which a schedule has run out of registers."""
@@ -90,11 +100,13 @@ class Plan:
     slope: float
     stretch: float = 0.0
     saved: bool = False
+    taper: float = 0.0
+    ahead: int = 1 << 30
 
 
-def unlimited(selected: Selected) -> dict[int, int]:
+def unlimited(selected: Selected, window: int = 1 << 30, slope: float = 0.0, far: int = 0) -> dict[int, int]:
     """The cycle of every instruction, by its id, if there were as many registers as one likes."""
-    attempt = _List(selected, Plan(1 << 30, 0, 0, 0.0), None, unlimited=True)
+    attempt = _List(selected, Plan(window, 0, 0, slope), None, unlimited=True, far=far)
     attempt.run()
     return {key: placement.cycle for key, placement in attempt.placed.items()}
 
@@ -112,6 +124,8 @@ def heights(nodes: Sequence[Node]) -> dict[int, int]:
     height: dict[int, int] = {}
     for node in reversed(nodes):
         mine = height.setdefault(id(node), node.delay + 1 if node.writes else 1)
+        if node.second is not None:
+            mine = height[id(node)] = max(mine, height.get(id(node.second), 0))
         for value in node.values():
             for each in _nodes(value):
                 height[id(each)] = max(height.get(id(each), 0), each.delay + 1 + mine)
@@ -132,6 +146,7 @@ class _List:
     plan: Plan
     issue: Mapping[int, int] | None
     unlimited: bool = False
+    far: int = 0
     below: int = 1 << 30
     placed: dict[int, Placement] = field(default_factory=dict)
     result: list[Placement] = field(default_factory=list)
@@ -144,26 +159,31 @@ class _List:
     paths: set[tuple[int, int]] = field(default_factory=set)
     reads: Counter[tuple[int, int, int]] = field(default_factory=Counter)
     extra: int = 100
+    waiting: Counter[int] = field(default_factory=Counter)
+    followers: dict[int, list[tuple[Node, int]]] = field(default_factory=lambda: defaultdict(list))
+    ready_at: dict[int, int] = field(default_factory=dict)
+    pending: list[tuple[int, float, Node]] = field(default_factory=list)
+    height: dict[int, int] = field(default_factory=dict)
+    left: int = 0
+    reserved: dict[int, tuple[int, int]] = field(default_factory=dict)
     urgent: set[int] = field(default_factory=set)
 
     def run(self) -> Schedule:
         nodes = self.selected.nodes
-        height = heights(nodes)
+        self.height = heights(nodes)
         self.consumers: dict[int, list[Node]] = defaultdict(list)
-        end = self.plan.stretch * max(height.values(), default=0)
-        self.due = {id(node): end - height[id(node)] - self.plan.lead for node in nodes}
-        waiting: Counter[int] = Counter()
-        followers: dict[int, list[tuple[Node, int]]] = defaultdict(list)
+        end = self.plan.stretch * max(self.height.values(), default=0)
+        self.due = {id(node): end - self.height[id(node)] - self.plan.lead for node in nodes}
         for node in nodes:
             for value in node.values():
                 for each in _nodes(value):
                     self.uses[id(each)] += 1
                     self.consumers[id(each)].append(node)
-                    followers[id(each)].append((node, each.delay + 1))
-                    waiting[id(node)] += 1
+                    self.followers[id(each)].append((node, each.delay + 1))
+                    self.waiting[id(node)] += 1
             for earlier, cycles in node.before:
-                followers[id(earlier)].append((node, cycles))
-                waiting[id(node)] += 1
+                self.followers[id(earlier)].append((node, cycles))
+                self.waiting[id(node)] += 1
         self.free = [{*PREDICATES[s], *GENERAL[s]} for s in (0, 1)]
         tests = any(node.predicate for node in nodes)
         self.general = [GENERAL[s] if tests else (*PREDICATES[s], *GENERAL[s]) for s in (0, 1)]
@@ -172,9 +192,13 @@ class _List:
             self.general = [(*self.general[s], *PRESERVED[s]) for s in (0, 1)]
             self._open()
         by_order = sorted(nodes, key=lambda node: node.order)
-        position = {id(node): k for k, node in enumerate(by_order)}
-        ready_at: dict[int, int] = {id(node): self._release(node) for node in nodes}
-        pending: list[tuple[int, int, Node]] = []  # ready cycle, position, instruction
+        position = self.position = {id(node): k for k, node in enumerate(by_order)}
+        self.conditions = deque(node for node in by_order if node.predicate)
+        self.testable: list[int] = []
+        self.moves: list[Node] = []
+        self.ready_at: dict[int, int] = {id(node): self._release(node) for node in nodes}
+        left_out: set[int] = set()
+        self.pending: list[tuple[int, float, Node]] = []  # ready cycle, position, instruction
         for parameter in self.selected.parameters:
             assert parameter.side is not None
             assert parameter.register is not None
@@ -183,57 +207,101 @@ class _List:
             )
             if self.uses[id(parameter)]:
                 self.free[parameter.side].discard(parameter.register)
-            for follower, _ in followers[id(parameter)]:
-                waiting[id(follower)] -= 1
+            for follower, _ in self.followers[id(parameter)]:
+                self.waiting[id(follower)] -= 1
         for node in nodes:
-            if not waiting[id(node)]:
-                heapq.heappush(pending, (ready_at[id(node)], position[id(node)], node))
-        cycle, idle, left = 0, 0, len(nodes)
+            if any(each.register == 15 for value in node.values() for each in _nodes(value)):
+                self.ready_at[id(node)] = _STACK_READY
+        if self.far:
+            for node in nodes:
+                if node.source and not node.before:
+                    self.extra += 1
+                    side = self.extra & 1 if node.side is None else node.side
+                    self.placed[id(node)] = Placement(node, -9, "", side, side, self.extra, (), False, None)
+                    left_out.add(id(node))
+                    for follower, _ in self.followers[id(node)]:
+                        self.waiting[id(follower)] -= 1
+            nodes = [node for node in nodes if id(node) not in left_out]
+        for node in nodes:
+            if not self.waiting[id(node)]:
+                heapq.heappush(self.pending, (self.ready_at[id(node)], position[id(node)], node))
+        cycle, idle = 0, 0
+        self.left = len(nodes)
         oldest = 0
         slope = self.plan.slope
         ready: list[Node] = []
-        while left:
+        while self.left:
             if cycle + 1 >= self.below:
                 raise TooLongError("a shorter schedule is known")
             if self.plan.saved:
                 self._saved(cycle)
-            while pending and pending[0][0] <= cycle:
-                ready.append(heapq.heappop(pending)[2])
+            while self.pending and self.pending[0][0] <= cycle:
+                ready.append(heapq.heappop(self.pending)[2])
             while oldest < len(by_order) and id(by_order[oldest]) in self.placed:
                 oldest += 1
             limit = oldest + self.plan.window
+            self.oldest = oldest
             self.urgent = {id(node) for node in by_order[oldest : oldest + _URGENT]}
-            if cycle % _CHECKED == 0 and any(cycle + height[id(node)] >= self.below for node in ready):
+            if cycle % _CHECKED == 0 and any(cycle + self.height[id(node)] >= self.below for node in ready):
                 raise TooLongError("a shorter schedule is known")
-            ready.sort(key=lambda node: (slope * position[id(node)] - height[id(node)], position[id(node)]))
+            ready.sort(key=lambda node: (slope * position[id(node)] - self.height[id(node)], position[id(node)]))
             kept, issued = [], sum(each.cycle == cycle for each in self.frame)
             for k, node in enumerate(ready):
                 if issued >= _PACKET:
                     kept += ready[k:]
                     break
                 placement = None
-                if position[id(node)] < limit:
+                if position[id(node)] < (oldest + self.plan.ahead if node.source else limit):
                     placement = self._place(node, cycle)
                 if placement is None:
                     kept.append(node)
                     continue
                 issued += max(1, len(placement.moves))
-                left -= 1
-                for follower, cycles in followers[id(node)]:
-                    waiting[id(follower)] -= 1
-                    ready_at[id(follower)] = max(ready_at[id(follower)], cycle + cycles)
-                    if not waiting[id(follower)]:
-                        heapq.heappush(pending, (ready_at[id(follower)], position[id(follower)], follower))
+                self.left -= 1
+                released = self.followers[id(node)] if node.second is None else self.followers[id(node)] + self.followers[id(node.second)]
+                for follower, cycles in released:
+                    self.waiting[id(follower)] -= 1
+                    self.ready_at[id(follower)] = max(self.ready_at[id(follower)], cycle + cycles)
+                    if not self.waiting[id(follower)]:
+                        heapq.heappush(self.pending, (self.ready_at[id(follower)], position[id(follower)], follower))
+            if self.far and issued < self.far:
+                for node in sorted(kept, key=lambda node: -position[id(node)]):
+                    if position[id(node)] >= limit and issued < self.far:
+                        placement = self._place(node, cycle)
+                        if placement is None:
+                            continue
+                        kept.remove(node)
+                        issued += 1
+                        self.left -= 1
+                        for follower, cycles in self.followers[id(node)]:
+                            self.waiting[id(follower)] -= 1
+                            self.ready_at[id(follower)] = max(self.ready_at[id(follower)], cycle + cycles)
+                            if not self.waiting[id(follower)]:
+                                heapq.heappush(self.pending, (self.ready_at[id(follower)], position[id(follower)], follower))
             ready = kept
             idle = 0 if issued or cycle < 4 else idle + 1
-            if idle > _PATIENCE and not (pending and pending[0][0] > cycle):
+            if idle > _STUCK and self.plan.taper and ready and not self.pending:
+                moved = self._moved(min(ready, key=lambda node: position[id(node)]))
+                if moved is not None:
+                    move, node = moved
+                    position[id(move)] = position[id(node)] - 0.25
+                    self.height[id(move)] = self.height[id(node)] + 1
+                    self.due[id(move)] = self.due[id(node)]
+                    self.ready_at[id(move)] = cycle
+                    self.followers[id(move)].append((node, 1))
+                    self.waiting[id(node)] += 1
+                    ready.remove(node)
+                    ready.append(move)
+                    self.left += 1
+                    idle = 0
+            if idle > _PATIENCE and not (self.pending and self.pending[0][0] > cycle):
                 raise OutOfRegistersError("out of registers")
             cycle += 1
         return self._finished()
 
     def _open(self) -> None:
         """Take the units and registers that open the stack frame."""
-        self.frame = frame.entry()
+        self.frame = frame.entry(self.selected.stack)
         for each in self.frame:
             self.units[each.cycle].add(each.unit)
             if each.path is None:
@@ -247,9 +315,9 @@ class _List:
     def _saved(self, cycle: int) -> None:
         """Return the registers that the stores of this cycle have saved."""
         for pair in frame.PAIRS:
-            if pair.cycle == cycle:
+            if frame.saved_at(pair, self.selected.stack) == cycle:
                 self.free[pair.side] |= set(pair.registers)
-        if cycle == max(pair.cycle for pair in frame.PAIRS):
+        if cycle == self._all_saved():
             self.free[frame.POINTER[0]].add(frame.POINTER[1])
 
     def _release(self, node: Node) -> int:
@@ -276,6 +344,8 @@ class _List:
             sides = (self.placed[id(source)].data_side,)
         else:
             sides = (node.side,) if node.side is not None else self._preferred(node)
+            if id(node) in self.reserved:
+                sides = (self.reserved[id(node)][0],)
         for side in sides:
             found = self._memory(node, cycle, side) if node.memory else self._select(node, cycle, side)
             if found is not None:
@@ -314,7 +384,7 @@ class _List:
     def _crossable(self, node: Node, cycle: int) -> bool:
         """Whether a value may be read over a cross path in a cycle without a stall."""
         placement = self.placed[id(node)]
-        return node.mnemonic in ("ldw", "param") or cycle > placement.cycle + node.delay + 1
+        return node.load or node.mnemonic == "param" or cycle > placement.cycle + node.delay + 1
 
     def _cross_free(self, cycle: int, side: int, register: tuple[int, int]) -> bool:
         carried = self.crossing.get((cycle, side))
@@ -379,7 +449,7 @@ class _List:
 
     def _memory(self, node: Node, cycle: int, preferred: int) -> Placement | None:
         """A load to, or a store from, the preferred side, by the unit of either side."""
-        store = node.mnemonic == "stw"
+        store = not node.writes
         value = self._source(node.operands[1], preferred) if store else None
         data = self.placed[id(value)].data_side if value is not None else preferred
         if (cycle, data) in self.paths:
@@ -400,15 +470,24 @@ class _List:
             sources = [self._source(base, side), value, node.guard]
             if value is not None:
                 operands.append(self._operand(value, data))
+            if node.mnemonic == "stdw":
+                sources.append(self._source(node.operands[2], data))
+                operands.append(self._operand(node.operands[2], data))
             if not self._readable(cycle, operands):
                 continue
-            register = self._register(node, cycle, data, []) if not store else None
+            register = None
+            if not store:
+                register = self._pair(node, data) if node.second else self._register(node, cycle, data, [])
             if register is None and not store:
                 return None
             self.paths.add((cycle, data))
             placement = Placement(node, cycle, unit, side, data, register, tuple(operands), False, guard)
             other = base.sides[1 - side] if isinstance(base, Both) else None
             self._commit(node, placement, [*sources, other])
+            if node.second is not None:
+                assert register is not None
+                self.placed[id(node.second)] = replace(placement, node=node.second, register=register + 1)
+                self.free[data].discard(register + 1)
             return placement
         return None
 
@@ -430,6 +509,7 @@ class _List:
                 placement.data_side == side
                 and self.uses[id(source)] == 1
                 and source.mnemonic != "param"
+                and node.pair is None
                 and not self._misplaced(node, placement.register)
             ):
                 target, keep = placement.register, k
@@ -485,11 +565,15 @@ class _List:
                 placement = self.placed[id(source)]
                 if placement.data_side == side and placement.register is not None and placement.register < 32:
                     dying.add(placement.register)
+        if node.pair is not None and not self.unlimited:
+            return self._paired(node, side, free, dying)
         if node.register is not None:
             return node.register if node.register in free | dying else None
         if self.plan.stretch and not dying and cycle < self.due[id(node)] and id(node) not in self.urgent:
             return None
         if node.predicate:
+            if self.plan.taper and not self._orderly(node):
+                return None
             choice = [r for r in PREDICATES[side] if r in free | dying]
         else:
             choice = [r for r in self.general[side] if r in free | dying]
@@ -498,25 +582,164 @@ class _List:
             choice = spare[1:]
         if choice and not self.unlimited:
             reserve = 1 if node.predicate else self.plan.reserve
+            if self.plan.taper:
+                distance = self.position[id(node)] - self.oldest
+                reserve = 0 if node.predicate else int(self.plan.taper * distance)
             if id(node) in self.urgent or dying:
                 reserve = 0
+            if self.plan.taper:
+                choice.sort(key=lambda r: r not in dying and r ^ 1 in free)
             return choice[0] if len(choice) > reserve else None
         if self.unlimited:
             self.extra += 1
             return self.extra
         return None
 
+    def _paired(self, node: Node, side: int, free: set[int], dying: set[int]) -> int | None:
+        """A register for a value of a 64-bit store; its neighbour is kept for the other value."""
+        assert node.pair is not None
+        if id(node) in self.reserved:
+            reserved_side, register = self.reserved[id(node)]
+            return register if reserved_side == side else None
+        other, odd = node.pair
+        urgent = id(node) in self.urgent
+        general = [r for r in self.general[side] if r in free]
+        reserve = 0 if urgent else int(self.plan.taper * (self.position[id(node)] - self.oldest))
+        for register in self.general[side]:
+            if register % 2 == odd and register in free | dying and register ^ 1 in general and len(general) >= reserve + 2:
+                self.reserved[id(other)] = side, register ^ 1
+                free.discard(register ^ 1)
+                return register
+        if urgent or self.position[id(node)] - self.oldest < SPLIT:
+            self._split(node, other)
+        return None
+
+    def _split(self, one: Node, other: Node) -> None:
+        """Two stores in the place of a 64-bit store for whose values there are no neighbouring registers."""
+        one.pair = other.pair = None
+        stores = [user for each in (one, other) for user in self._users(each) if user.mnemonic == "stdw"]
+        for store in {id(each): each for each in stores}.values():
+            base, low, high = store.operands
+            assert isinstance(high, Node)
+            store.mnemonic, store.operands = "stw", [base, low]
+            second = replace(store, operands=[base, high], number=store.number + 4, before=list(store.before))
+            self.position[id(second)] = self.position[id(store)] + 0.5
+            self.height[id(second)] = self.height[id(store)]
+            self.due[id(second)] = self.due[id(store)]
+            self.ready_at[id(second)] = 0
+            self.left += 1
+            self.followers[id(second)] = list(self.followers[id(store)])
+            for follower, _ in self.followers[id(store)]:
+                self.waiting[id(follower)] += 1
+            self.followers[id(high)] = [
+                (second if user is store else user, cycles) for user, cycles in self.followers[id(high)]
+            ]
+            self.consumers[id(high)] = [second if user is store else user for user in self.consumers[id(high)]]
+            if id(high) not in self.placed:
+                self.waiting[id(store)] -= 1
+                self.waiting[id(second)] += 1
+            else:
+                self.ready_at[id(second)] = self.placed[id(high)].cycle + high.delay + 1
+            for value in (*_nodes(base), *([store.guard] if store.guard else [])):  # type: ignore[arg-type]
+                self.uses[id(value)] += 1
+                self.consumers[id(value)].append(second)
+                self._wait(second, value, value.delay + 1)
+            for earlier, cycles in store.before:
+                self._wait(second, earlier, cycles)
+            for each in (store, second):
+                if not self.waiting[id(each)] and (each is second or id(high) not in self.placed):
+                    heapq.heappush(self.pending, (self.ready_at[id(each)], self.position[id(each)], each))
+
+    def _wait(self, node: Node, earlier: Node, cycles: int) -> None:
+        if id(earlier) in self.placed:
+            self.ready_at[id(node)] = max(self.ready_at[id(node)], self.placed[id(earlier)].cycle + cycles)
+        else:
+            self.followers[id(earlier)].append((node, cycles))
+            self.waiting[id(node)] += 1
+
+    def _users(self, node: Node) -> list[Node]:
+        """The users of a value; of the lower half of a constant, those of the constant."""
+        return [
+            user
+            for each in self.consumers[id(node)]
+            for user in (self._users(each) if each.in_place else [each])
+        ]
+
+    def _pair(self, node: Node, side: int) -> int | None:
+        """The even one of two neighbouring registers for the words of a 64-bit load."""
+        if self.unlimited:
+            self.extra += 2
+            return self.extra & ~1
+        free = [r for r in self.general[side] if r in self.free[side]]
+        reserve = 0 if id(node) in self.urgent else int(self.plan.taper * (self.position[id(node)] - self.oldest))
+        chosen = next((r for r in free if r % 2 == 0 and r + 1 in free), None) if len(free) >= reserve + 2 else None
+        if chosen is None and id(node) in self.urgent:
+            self._split_load(node)
+        return chosen
+
+    def _split_load(self, node: Node) -> None:
+        """Two loads in the place of a 64-bit load for which there are no neighbouring registers."""
+        second, base = node.second, node.operands[0]
+        assert second is not None
+        assert not isinstance(base, int)
+        node.mnemonic, node.second = "ldw", None
+        second.mnemonic, second.units, second.operands, second.number = "ldw", "D", [base], node.number + 4
+        self.position[id(second)] = self.position[id(node)] + 0.5
+        self.height[id(second)], self.due[id(second)] = self.height[id(node)], self.due[id(node)]
+        self.ready_at[id(second)] = self.ready_at[id(node)]
+        for value in _nodes(base):
+            self.uses[id(value)] += 1
+            self.consumers[id(value)].append(second)
+        self.left += 1
+        heapq.heappush(self.pending, (self.ready_at[id(second)], self.position[id(second)], second))
+
+    def _moved(self, node: Node) -> tuple[Node, Node] | None:
+        """A move of an operand to the other side, where there is a register for the result of a stuck instruction."""
+        operands = [each for each in node.operands if isinstance(each, Node)]
+        kinds = PREDICATES if node.predicate else self.general
+        for side in (0, 1):
+            far = [each for each in operands if self.placed[id(each)].data_side != side]
+            free = [r for r in kinds[side] if r in self.free[side]]
+            fitting = len(free) >= (1 if node.predicate else 2)
+            if id(node) in self.reserved:
+                fitting = bool(free) and self.reserved[id(node)][0] == side
+            if len(far) < 2 or not fitting or node.mnemonic == "select":
+                continue
+            move = Node("mv", [far[0]], *UNITS["mv"], node.order, side=side)
+            node.operands[node.operands.index(far[0])] = move
+            self.consumers[id(far[0])].remove(node)
+            self.consumers[id(far[0])].append(move)
+            self.consumers[id(move)].append(node)
+            self.uses[id(move)] = 1
+            self.moves.append(move)
+            return move, node
+        return None
+
+    def _orderly(self, node: Node) -> bool:
+        """Whether a condition may take one of the six registers before the conditions in front of it."""
+        while self.conditions and id(self.conditions[0]) in self.placed:
+            self.conditions.popleft()
+        first = self.position[id(self.conditions[0])]
+        younger = sum(
+            1
+            for key in self.testable
+            if self.uses[key] > 0 and self.position[key] > first
+        )
+        return node is self.conditions[0] or younger < _YOUNGER
+
     def _commit(self, node: Node, placement: Placement, sources: Iterable[Node | None]) -> None:
         cycle, side = placement.cycle, placement.side
         self.placed[id(node)] = placement
         self.result.append(placement)
+        if node.predicate:
+            self.testable.append(id(node))
         if placement.moves:
             for unit, _, operand, cross in placement.moves:
                 self._occupy(unit, cycle, 0)
                 self._cross(cycle, side, [operand] if cross else [])
                 self._count_reads(cycle, [operand])
         else:
-            self._occupy(placement.unit, cycle, node.delay if node.mnemonic not in ("ldw", "stw") else -1)
+            self._occupy(placement.unit, cycle, node.delay if not node.memory else -1)
             crossing = [o for o in placement.operands if not isinstance(o, int) and o[0] != side]
             self._cross(cycle, side, crossing if not node.memory else [])
             self._count_reads(cycle, placement.operands)
@@ -579,6 +802,9 @@ class _List:
         placements = sorted(self.result, key=lambda each: each.cycle)
         return Schedule(placements, branch, branch + BRANCH_SLOTS + 1, self.frame)
 
+    def _all_saved(self) -> int:
+        return max(frame.saved_at(pair, self.selected.stack) for pair in frame.PAIRS)
+
     def _restore(self, counts: Counter[int]) -> int:
         """Restore each pair behind the last instruction that reads or writes it; the cycle in which all is there."""
         quiet: dict[tuple[int, int], int] = {}
@@ -592,7 +818,7 @@ class _List:
                     quiet[register] = max(quiet.get(register, 0), cycle)
 
         def free_from(pair: Pair) -> int:
-            return max(frame.PAIRS[-1].cycle + 1, *(quiet.get((pair.side, each), 0) for each in pair.registers))
+            return max(self._all_saved() + 1, *(quiet.get((pair.side, each), 0) for each in pair.registers))
 
         def place(entry: FrameInstruction) -> FrameInstruction:
             while (
@@ -609,9 +835,12 @@ class _List:
             self.frame.append(entry)
             return entry
 
-        loads = [place(frame.restored(pair, free_from(pair))) for pair in sorted(frame.PAIRS, key=free_from)]
+        stack = self.selected.stack
+        pairs = sorted(frame.PAIRS, key=free_from)
+        loads = [place(load) for pair in pairs for load in frame.restored(pair, free_from(pair), stack)]
         end = max(entry.cycle for entry in loads)
-        closing = place(frame.closed(end))
+        used = max((each.cycle for each in self.result if (1, 15) in each.operands), default=0)
+        closing = place(frame.closed(max(end, used), stack))
         self.ports.add((closing.unit, closing.cycle))
         return max(end + LOAD_DELAY + 1, closing.cycle + 1)
 

@@ -19,7 +19,7 @@ REACH: Final = 31 * WORD
 """Largest offset of a load or store, in bytes, in either direction."""
 
 _WINDOW: Final = 62 * WORD
-_FAR: Final = 80
+FAR: Final = 80
 """Operations of the C text after which a word is loaded again rather than kept in a register."""
 
 NEAR: Final = 40
@@ -65,7 +65,9 @@ class Node:
     operands: values read, or 5-bit constants. side: 0 or 1 if fixed. register: index 0..31 if fixed. predicate: whether
     the result must be in a register that predicates can test. in_place: the result replaces operand 0. guard: the
     instruction is executed only if this value is not 0. before: (node, cycles) pairs; this node is issued at least that
-    many cycles after it. source: no operand depends on data of the kernel.
+    many cycles after it. source: no operand depends on data of the kernel. word: of a load or store, the index of its
+    word behind an address that is a multiple of 8. second: of a load of two words, the value of the second one.
+    pair: the value beside which this one is stored, and 0 or 1: the place of this one in the pair of registers.
     """
 
     mnemonic: str
@@ -82,14 +84,21 @@ class Node:
     guard: Node | None = None
     before: list[tuple[Node, int]] = field(default_factory=list)
     source: bool = False
+    word: int | None = None
+    second: Node | None = None
+    pair: tuple[Node, int] | None = None
 
     @property
     def memory(self) -> bool:
-        return self.mnemonic in ("ldw", "stw")
+        return self.mnemonic in ("ldw", "stw", "lddw", "stdw")
+
+    @property
+    def load(self) -> bool:
+        return self.mnemonic in ("ldw", "lddw", "second")
 
     @property
     def writes(self) -> bool:
-        return self.mnemonic != "stw"
+        return self.mnemonic not in ("stw", "stdw")
 
     def values(self) -> list[Value]:
         """The values read."""
@@ -110,26 +119,31 @@ Operand: TypeAlias = Node | Both | int
 
 @dataclass(frozen=True)
 class Selected:
-    """The instructions of a kernel, operands before users; `parameters` are in their registers at the start."""
+    """The instructions of a kernel, operands before users; `parameters` are in their registers at the start.
+
+    stack: bytes of the stack that values take.
+    """
 
     nodes: Sequence[Node]
     parameters: Sequence[Node]
     result: Node | None
+    stack: int = 0
 
 
 ARGUMENTS: Final = ((0, 4), (1, 4), (0, 6), (1, 6), (0, 8), (1, 8))
 """Side and register of the arguments of a function, by the C6000 EABI (SPRAB89, chapter 3)."""
 
 
-def select(kernel: Kernel, near: int = NEAR) -> Selected:
-    """Instructions for a kernel, in the order of the C text. near: see NEAR."""
-    return _Selection(kernel, near).run()
+def select(kernel: Kernel, near: int = NEAR, far: int = FAR) -> Selected:
+    """Instructions for a kernel, in the order of the C text. near, far: see NEAR, FAR."""
+    return _Selection(kernel, near, far).run()
 
 
 @dataclass
 class _Selection:
     kernel: Kernel
     near: int
+    far: int
     nodes: list[Node] = field(default_factory=list)
     values: dict[int, Value] = field(default_factory=dict)
     constants: dict[tuple[int, int], Both] = field(default_factory=dict)
@@ -146,7 +160,7 @@ class _Selection:
         addresses: Counter[int] = Counter()
         tested: set[int] = set()
         for order, op in enumerate(operations):
-            for arg in op.args:
+            for arg in self._inputs(op):
                 self.users[id(arg)].append(order)
             if op.kind in ("load", "store"):
                 addresses[id(op.args[0])] += 1
@@ -191,6 +205,10 @@ class _Selection:
             result = self._add(Node("mv", [value], *UNITS["mv"], self.order, side=0, register=4))
         return Selected(self.nodes, parameters, result)
 
+    def _inputs(self, op: Op) -> tuple[Op, ...]:
+        """The operands, of a store under a condition its address, condition and new value."""
+        return (op.args[0], *self.guards[id(op)]) if id(op) in self.guards else op.args
+
     def _guarded(self, operations: list[Op]) -> list[Op]:
         """Stores of a choice between a new value and the word that is there become stores under a condition.
 
@@ -201,14 +219,14 @@ class _Selection:
         for op in operations:
             if op.kind == "store" and op.args[1].kind == "select":
                 condition, yes, no = op.args[1].args
-                if no.kind == "load" and no.args[0] is op.args[0] and no.number == op.number and not no.after:
+                here = no.kind == "load" and no.args[0] is op.args[0] and no.number == op.number
+                if here and set(no.after) == set(op.after):
                     self.guards[id(op)] = condition, yes
         needed: set[int] = set()
         for op in reversed(operations):
             if op.kind == "store" or op is self.kernel.result or id(op) in needed:
                 needed.add(id(op))
-                inputs = (op.args[0], *self.guards[id(op)]) if id(op) in self.guards else op.args
-                needed |= {id(arg) for arg in inputs}
+                needed |= {id(arg) for arg in self._inputs(op)}
         place = {id(op): float(k) for k, op in enumerate(operations)}
         for op in operations:
             if id(op) in self.guards:
@@ -311,9 +329,14 @@ class _Selection:
             self.windows[key] = Both((sides[0], sides[1]))
         return self.windows[key], offset - window * _WINDOW
 
+    def _word(self, op: Op) -> int | None:
+        address = op.args[0]
+        known = address.kind == "param" and address.number in self.kernel.aligned
+        return op.number // WORD if known else None
+
     def _loaded(self, op: Op) -> Value:
         """The value of a load; it is loaded again for a user far behind the last one, to save a register meanwhile."""
-        far = self.order - self.used.get(id(op), self.order) > _FAR
+        far = self.order - self.used.get(id(op), self.order) > self.far
         value = self.values[id(op)]
         assert isinstance(value, Node)
         if far and id(op) not in self.overwritten and not value.predicate:
@@ -325,6 +348,7 @@ class _Selection:
         base, offset = self._address(op.args[0], op.number)
         node = Node("ldw", [base], "D", LOAD_DELAY, self.order, number=offset)
         node.source = all(each.source or each.mnemonic == "param" for each in _nodes(base))
+        node.word = self._word(op)
         node.before += [(self.stores[id(store)], 1) for store in op.after]
         self.values[id(op)] = self._add(node)
         self.loads.setdefault(id(op), []).append(node)
@@ -334,6 +358,7 @@ class _Selection:
         condition, value = self.guards.get(id(op), (None, op.args[1]))
         base, offset = self._address(op.args[0], op.number)
         node = Node("stw", [base, self._value(value)], "D", 0, self.order, number=offset)
+        node.word = self._word(op)
         if condition is not None:
             guard = self._value(condition)
             assert isinstance(guard, Node)
