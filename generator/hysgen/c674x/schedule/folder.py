@@ -28,6 +28,7 @@ FUNCTIONS: Final = (
     "predict",
     "simulate",
     "inverse",
+    "snapshot",
     "learn",
     "evaluate_reading",
     "project",

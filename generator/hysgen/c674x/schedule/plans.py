@@ -16,11 +16,14 @@ from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Plan, Schedule,
 from hysgen.c674x.schedule.selection import Selected, select
 from hysgen.c674x.schedule.spilling import OutOfSlotsError, limited
 
-LONG: Final = 700
+LONG: Final = 500
 """Instructions of a kernel from which on only the plans for long kernels are tried, to stay below 10 s."""
 
-LONGEST_KEPT: Final = 1500
+LONGEST_KEPT: Final = 1200
 """Instructions of a kernel from which on every attempt stores values on the stack."""
+
+LONGEST_BY_LATENCY: Final = 2500
+"""Instructions of a kernel from which on no attempt goes by latencies alone: too many values would be alive."""
 
 _GOOD_ENOUGH: Final = 1.02
 """Cycles, as a multiple of those without limits on registers, at which no further plan is tried."""
@@ -43,18 +46,18 @@ _SHORT_PLANS: Final = tuple(
 _FRAMED_LONG: Final = (
     Plan(_ALL, 8, 2, 2.0, 1.0, saved=True),
     Plan(200, 8, 2, 0.5, 1.0, saved=True),
+    Plan(200, 8, 2, 0.0, 1.0, saved=True),
     Plan(80, 8, 2, 0.1, 1.0, saved=True),
+    Plan(_ALL, 2, 2, 0.0, 0.0, saved=True),
 )
 _LOOKAHEAD: Final = Plan(400, 0, 3, 0.1, saved=True, taper=0.04, ahead=160)
-_IN_ORDER: Final = Plan(300, 0, 3, 2.0, saved=True, taper=0.03, ahead=100)
+_BY_LATENCY: Final = Plan(400, 0, 3, 0.0, saved=True, taper=0.04, ahead=100)
 _SPILLED: Final = (
-    (200, 46, _LOOKAHEAD),
-    (200, 48, _LOOKAHEAD),
-    (100, 46, _LOOKAHEAD),
-    (200, 46, _IN_ORDER),
-    (100, 42, _IN_ORDER),
+    (100, 4.0, 46, _LOOKAHEAD),
+    (200, 4.0, 46, _LOOKAHEAD),
+    (2000, 0.0, 48, _BY_LATENCY),
 )
-"""Window of the order, registers and plan of the attempts that store values on the stack."""
+"""Window and slope of the order, registers and plan of the attempts that store values on the stack."""
 
 FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
 """Plans with a stack frame."""
@@ -68,6 +71,8 @@ def shortest(kernel: Kernel) -> Schedule:
         selected = select(kernel, near)
         if len(selected.nodes) == instructions:
             break  # no constant is made anew: the same instructions
+        if instructions > LONG:
+            break
         instructions = len(selected.nodes)
         if instructions > LONGEST_KEPT:
             continue
@@ -77,7 +82,7 @@ def shortest(kernel: Kernel) -> Schedule:
             best = _better(best, selected, plan, issue)
             if best is not None and best.cycles <= enough:
                 return best
-    if instructions > LONG // 2:
+    if instructions > LONG:
         best = _with_spilling(kernel, best)
     if best is None:
         raise OutOfRegistersError("no schedule with the registers of the C674x")
@@ -94,12 +99,14 @@ def _better(best: Schedule | None, selected: Selected, plan: Plan, issue: Mappin
 def _with_spilling(kernel: Kernel, best: Schedule | None) -> Schedule | None:
     """The shortest schedule, among them those of instructions with a limited number of values alive."""
     selected = ranked(select(kernel, far=_FOREVER))
-    orders: dict[int, Mapping[int, int]] = {}
-    for window, registers, plan in _SPILLED:
-        if window not in orders:
-            orders[window] = unlimited(selected, window, 4.0)
+    orders: dict[tuple[int, float], Mapping[int, int]] = {}
+    for window, slope, registers, plan in _SPILLED:
+        if plan is _BY_LATENCY and len(selected.nodes) > LONGEST_BY_LATENCY:
+            continue
+        if (window, slope) not in orders:
+            orders[window, slope] = unlimited(selected, window, slope)
         try:
-            best = _better(best, limited(selected, orders[window], registers), plan, None)
+            best = _better(best, limited(selected, orders[window, slope], registers), plan, None)
         except OutOfSlotsError:
             continue
     return best
