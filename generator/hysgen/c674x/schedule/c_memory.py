@@ -131,7 +131,7 @@ class SymbolicMemory:
         self.stores.append(Access(op, memory, low, high))
 
     def settled(self, cell: tuple[str, int], value: Leaf) -> Leaf:
-        """A load of the word behind the store of `value`, if `value` is a choice between a new word and the one there."""
+        """A load of the word behind the store of `value`, if `value` is a choice between a new word and the old one."""
         memory, offset = cell
         if not self._external(memory) or not isinstance(value, Op) or value.kind != "select":
             return value

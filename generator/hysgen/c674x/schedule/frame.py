@@ -75,7 +75,10 @@ def entry(stack: int) -> list[FrameInstruction]:
 
 
 def restored(pair: Pair, cycle: int, stack: int) -> list[FrameInstruction]:
-    """The loads of a pair, by the unit of side B; the offset of a 64-bit load does not reach over values on the stack."""
+    """The loads of a pair, by the unit of side B.
+
+    The offset of a 64-bit load does not reach over values on the stack.
+    """
     path = f".d2t{pair.side + 1}"
     if pair.wide and not stack:
         return [FrameInstruction(cycle, "D2", pair.side, f"lddw {path} *+b15[{pair.slot}], {pair.text}")]

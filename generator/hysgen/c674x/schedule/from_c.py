@@ -139,9 +139,7 @@ class _Execution:
         before = self.memory.state
         returns = any(_returns(side) for side in sides)
         executed = [[*side, *rest] if returns else side for side in sides]
-        taken, (one, yes) = self._from(
-            self._assumed(before, condition), lambda: self._block(executed[0], dict(scope))
-        )
+        taken, (one, yes) = self._from(self._assumed(before, condition), lambda: self._block(executed[0], dict(scope)))
         passed, (other, no) = self._from(before, lambda: self._block(executed[1], dict(scope)))
         self.memory.state = self._merged(condition, taken, passed)
         if not returns:
@@ -154,8 +152,7 @@ class _Execution:
         """The state where a condition holds: choices by this condition, or by one that it implies, are made."""
         known = set(map(id, _conjuncts(condition)))
         cells = {
-            key: self._decided(value, known) if isinstance(value, Op) else value
-            for key, value in state.cells.items()
+            key: self._decided(value, known) if isinstance(value, Op) else value for key, value in state.cells.items()
         }
         return State(cells, set(state.dirty))
 

@@ -41,7 +41,6 @@ _CHECKED: Final = 4
 _STACK_READY: Final = 2
 """Cycle from which the new stack pointer can be read, over a cross path too."""
 
-SPLIT = 1000
 _STUCK: Final = 2
 """Cycles without an instruction after which an operand of the oldest one is moved to the other side."""
 
@@ -92,6 +91,8 @@ class Plan:
 
     window: instructions in the order of the C text among which to choose. lead: cycles that loads and constants may
     come before their first use needs them. reserve: registers of a side that only the oldest instructions may take.
+    For the instructions of `spilling`: taper: registers of a side that an instruction must leave free, for each
+    instruction between the oldest one and it; ahead: window of loads and constants.
     """
 
     window: int
@@ -104,15 +105,20 @@ class Plan:
     ahead: int = 1 << 30
 
 
-def unlimited(selected: Selected, window: int = 1 << 30, slope: float = 0.0, far: int = 0) -> dict[int, int]:
-    """The cycle of every instruction, by its id, if there were as many registers as one likes."""
-    attempt = _List(selected, Plan(window, 0, 0, slope), None, unlimited=True, far=far)
+def unlimited(selected: Selected, window: int = 1 << 30, slope: float = 0.0) -> dict[int, int]:
+    """The cycle of every instruction, by its id, if there were as many registers as one likes.
+
+    window, slope: of the plan.
+    """
+    attempt = _List(selected, Plan(window, 0, 0, slope), None, unlimited=True)
     attempt.run()
     return {key: placement.cycle for key, placement in attempt.placed.items()}
 
 
-def planned(selected: Selected, plan: Plan, issue: Mapping[int, int], below: int = 1 << 30) -> Schedule:
-    """The schedule of one plan; issue: the cycles of `unlimited`.
+def planned(selected: Selected, plan: Plan, issue: Mapping[int, int] | None, below: int = 1 << 30) -> Schedule:
+    """The schedule of one plan; issue: the cycles of `unlimited`, None if loads and constants are in their places.
+
+    Instructions from `spilling` are changed: each list of them serves for one call.
 
     Raises OutOfRegistersError, and TooLongError if the schedule would take `below` cycles or more.
     """
@@ -146,7 +152,6 @@ class _List:
     plan: Plan
     issue: Mapping[int, int] | None
     unlimited: bool = False
-    far: int = 0
     below: int = 1 << 30
     placed: dict[int, Placement] = field(default_factory=dict)
     result: list[Placement] = field(default_factory=list)
@@ -192,12 +197,12 @@ class _List:
             self.general = [(*self.general[s], *PRESERVED[s]) for s in (0, 1)]
             self._open()
         by_order = sorted(nodes, key=lambda node: node.order)
-        position = self.position = {id(node): k for k, node in enumerate(by_order)}
+        position: dict[int, float] = {id(node): k for k, node in enumerate(by_order)}
+        self.position = position
         self.conditions = deque(node for node in by_order if node.predicate)
         self.testable: list[int] = []
         self.moves: list[Node] = []
         self.ready_at: dict[int, int] = {id(node): self._release(node) for node in nodes}
-        left_out: set[int] = set()
         self.pending: list[tuple[int, float, Node]] = []  # ready cycle, position, instruction
         for parameter in self.selected.parameters:
             assert parameter.side is not None
@@ -212,16 +217,6 @@ class _List:
         for node in nodes:
             if any(each.register == 15 for value in node.values() for each in _nodes(value)):
                 self.ready_at[id(node)] = _STACK_READY
-        if self.far:
-            for node in nodes:
-                if node.source and not node.before:
-                    self.extra += 1
-                    side = self.extra & 1 if node.side is None else node.side
-                    self.placed[id(node)] = Placement(node, -9, "", side, side, self.extra, (), False, None)
-                    left_out.add(id(node))
-                    for follower, _ in self.followers[id(node)]:
-                        self.waiting[id(follower)] -= 1
-            nodes = [node for node in nodes if id(node) not in left_out]
         for node in nodes:
             if not self.waiting[id(node)]:
                 heapq.heappush(self.pending, (self.ready_at[id(node)], position[id(node)], node))
@@ -258,26 +253,14 @@ class _List:
                     continue
                 issued += max(1, len(placement.moves))
                 self.left -= 1
-                released = self.followers[id(node)] if node.second is None else self.followers[id(node)] + self.followers[id(node.second)]
+                released = list(self.followers[id(node)])
+                if node.second is not None:
+                    released += self.followers[id(node.second)]
                 for follower, cycles in released:
                     self.waiting[id(follower)] -= 1
                     self.ready_at[id(follower)] = max(self.ready_at[id(follower)], cycle + cycles)
                     if not self.waiting[id(follower)]:
                         heapq.heappush(self.pending, (self.ready_at[id(follower)], position[id(follower)], follower))
-            if self.far and issued < self.far:
-                for node in sorted(kept, key=lambda node: -position[id(node)]):
-                    if position[id(node)] >= limit and issued < self.far:
-                        placement = self._place(node, cycle)
-                        if placement is None:
-                            continue
-                        kept.remove(node)
-                        issued += 1
-                        self.left -= 1
-                        for follower, cycles in self.followers[id(node)]:
-                            self.waiting[id(follower)] -= 1
-                            self.ready_at[id(follower)] = max(self.ready_at[id(follower)], cycle + cycles)
-                            if not self.waiting[id(follower)]:
-                                heapq.heappush(self.pending, (self.ready_at[id(follower)], position[id(follower)], follower))
             ready = kept
             idle = 0 if issued or cycle < 4 else idle + 1
             if idle > _STUCK and self.plan.taper and ready and not self.pending:
@@ -606,15 +589,19 @@ class _List:
         general = [r for r in self.general[side] if r in free]
         reserve = 0 if urgent else int(self.plan.taper * (self.position[id(node)] - self.oldest))
         for register in self.general[side]:
-            if register % 2 == odd and register in free | dying and register ^ 1 in general and len(general) >= reserve + 2:
+            if (
+                register % 2 == odd
+                and register in free | dying
+                and register ^ 1 in general
+                and len(general) >= reserve + 2
+            ):
                 self.reserved[id(other)] = side, register ^ 1
                 free.discard(register ^ 1)
                 return register
-        if urgent or self.position[id(node)] - self.oldest < SPLIT:
-            self._split(node, other)
+        self._split_store(node, other)
         return None
 
-    def _split(self, one: Node, other: Node) -> None:
+    def _split_store(self, one: Node, other: Node) -> None:
         """Two stores in the place of a 64-bit store for whose values there are no neighbouring registers."""
         one.pair = other.pair = None
         stores = [user for each in (one, other) for user in self._users(each) if user.mnemonic == "stdw"]
@@ -659,11 +646,7 @@ class _List:
 
     def _users(self, node: Node) -> list[Node]:
         """The users of a value; of the lower half of a constant, those of the constant."""
-        return [
-            user
-            for each in self.consumers[id(node)]
-            for user in (self._users(each) if each.in_place else [each])
-        ]
+        return [user for each in self.consumers[id(node)] for user in (self._users(each) if each.in_place else [each])]
 
     def _pair(self, node: Node, side: int) -> int | None:
         """The even one of two neighbouring registers for the words of a 64-bit load."""
@@ -720,11 +703,7 @@ class _List:
         while self.conditions and id(self.conditions[0]) in self.placed:
             self.conditions.popleft()
         first = self.position[id(self.conditions[0])]
-        younger = sum(
-            1
-            for key in self.testable
-            if self.uses[key] > 0 and self.position[key] > first
-        )
+        younger = sum(1 for key in self.testable if self.uses[key] > 0 and self.position[key] > first)
         return node is self.conditions[0] or younger < _YOUNGER
 
     def _commit(self, node: Node, placement: Placement, sources: Iterable[Node | None]) -> None:

@@ -15,6 +15,7 @@ from typing import Final
 
 from hysgen.c674x.schedule.pairing import with_wide_stores
 from hysgen.c674x.schedule.selection import LOAD_DELAY, REACH, UNITS, WORD, Both, Node, Operand, Selected, Value
+from hysgen.errors import TargetError
 
 MOST_SLOTS: Final = 128
 """Words of the stack for values."""
@@ -29,7 +30,7 @@ _STORED: Final = 0.6
 """Factor of the distance to the next user of a value that has to be stored before it leaves its register."""
 
 
-class OutOfSlotsError(Exception):
+class OutOfSlotsError(TargetError):
     """More values are alive than the stack has slots for."""
 
 
@@ -92,8 +93,7 @@ class _Walk:
             (node for node in nodes if not node.source), key=lambda node: (issue[id(node)], index[id(node)])
         )
         self._find_units([*self.selected.parameters, *nodes])
-        loads = {(id(n.operands[0]), n.word): n for n in nodes if n.mnemonic == "ldw" and n.source and n.word is not None}
-        self.neighbour = {id(n): loads[base, word ^ 1] for (base, word), n in loads.items() if (base, word ^ 1) in loads}
+        self._find_neighbours(nodes)
         for at, node in enumerate(sequence):
             for value in node.values():
                 self._used(value, at)
@@ -115,6 +115,15 @@ class _Walk:
         result = self.placed[id(self.selected.result)] if self.selected.result else None
         parameters = [*self.selected.parameters, *([pointer])]
         return Selected(self.made, parameters, result, -(-self.slots * WORD // 8) * 8)
+
+    def _find_neighbours(self, nodes: Sequence[Node]) -> None:
+        """The other word of the 64 bits around each word that is loaded from a known address."""
+        loads = {
+            (id(node.operands[0]), node.word): node
+            for node in nodes
+            if node.mnemonic == "ldw" and node.source and node.word is not None
+        }
+        self.neighbour = {id(node): loads[b, w ^ 1] for (b, w), node in loads.items() if (b, w ^ 1) in loads}
 
     def _find_units(self, nodes: Sequence[Node]) -> None:
         boths = {id(v): v for node in nodes for v in node.values() if isinstance(v, Both)}
@@ -221,6 +230,7 @@ class _Walk:
         self.alive[id(unit)] = unit
         held.append(unit)
         self._make_room(held)
+        assert unit.now is not None, "what is held keeps its register"
         return unit.now
 
     def _neighbour(self, node: Node) -> _Unit | None:
