@@ -59,6 +59,14 @@ class _InFlight:
 
 
 @dataclass(frozen=True)
+class _Argument:
+    """The argument in a register at entry plus an offset; an argument that is an address is a multiple of 8."""
+
+    register: int
+    offset: int
+
+
+@dataclass(frozen=True)
 class _Stack:
     """The stack pointer at entry plus an offset."""
 
@@ -91,7 +99,7 @@ class _Inspection:
     def run(self, packets: Sequence[Packet]) -> list[Finding]:
         self.values = {register: f"entry {register}" for register in _PRESERVED}
         self.values[_STACK] = _Stack(0)
-        self.values |= {register: "argument" for register in _ARGUMENTS[: self.parameters]}
+        self.values |= {register: _Argument(register, 0) for register in _ARGUMENTS[: self.parameters]}
         cycle = 0
         for packet in packets:
             self.here = packet.address
@@ -124,7 +132,7 @@ class _Inspection:
     def _land(self, cycle: int) -> None:
         for register, flying in self.flying.items():
             for each in [each for each in flying if each.arrives <= cycle]:
-                if each.guard is None or register not in self.values or self.values[register] == "argument":
+                if each.guard is None or register not in self.values or isinstance(self.values[register], _Argument):
                     self.values[register] = each.value
                 elif self.values[register] != each.value:
                     self.values[register] = "either"
@@ -162,6 +170,8 @@ class _Inspection:
     def _act(self, instruction: Instruction, action: Action, cycle: int) -> None:
         condition = instruction.predicate
         guard = (condition.register.index, condition.when_zero) if condition else None
+        if isinstance(action, Access):
+            self._aligned(action)
         match action:
             case Compute(destination=destination, delay=delay):
                 unit = instruction.unit
@@ -212,17 +222,34 @@ class _Inspection:
         flying.append(_InFlight(arrives, value, guard, load))
 
     def _computed(self, action: Compute) -> object:
-        """The value of an instruction, as far as it is followed: copies and the stack pointer."""
+        """The value of an instruction, as far as it is followed: constants, copies, stack pointer, arguments."""
         known = [self.values.get(each.index) if isinstance(each, Register) else each for each in action.sources]
         if action.mnemonic == "addk" and isinstance(known[0], int) and isinstance(known[1], _Stack):
             return _Stack(known[1].offset + signed(known[0]))
         if action.mnemonic == "addk" and isinstance(known[1], int) and isinstance(known[0], _Stack):
             return _Stack(known[0].offset + signed(known[1]))
-        if action.mnemonic in ("add", "or") and 0 in known:
+        if action.mnemonic in ("mvk", "mvkl") and len(known) == 1 and isinstance(known[0], int):
+            return signed(known[0])
+        if action.mnemonic in ("mv", "add", "or") and (0 in known or len(known) == 1):
             other = [each for each in known if each != 0]
-            if len(other) == 1 and isinstance(other[0], _Stack):
+            if len(other) == 1 and isinstance(other[0], _Stack | _Argument):
                 return other[0]
+        if action.mnemonic == "add" and len(known) == 2:
+            for base, distance in (known, reversed(known)):
+                if isinstance(base, _Argument) and isinstance(distance, int):
+                    return _Argument(base.register, base.offset + signed(distance))
         return object()
+
+    def _aligned(self, action: Access) -> None:
+        """64-bit accesses are to multiples of 8 from an argument, or to the stack."""
+        if action.alignment < 8:
+            return
+        base = self.values.get(action.memory.base.index)
+        offset = action.memory.offset
+        if not isinstance(base, _Argument | _Stack) or not isinstance(offset, int):
+            self._found("alignment", "64 bits at an address that is not known to be a multiple of 8")
+        elif (base.offset + offset * (action.size if action.memory.scaled else 1)) % 8:
+            self._found("alignment", "64 bits at an address that is not a multiple of 8")
 
     def _place(self, action: Access) -> _Stack | None:
         """The address of an access to the stack."""

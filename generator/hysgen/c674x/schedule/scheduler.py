@@ -595,9 +595,10 @@ class _List:
                 and register ^ 1 in general
                 and len(general) >= reserve + 2
             ):
-                self.reserved[id(other)] = side, register ^ 1
-                free.discard(register ^ 1)
-                return register
+                chosen: int = register
+                self.reserved[id(other)] = side, chosen ^ 1
+                free.discard(chosen ^ 1)
+                return chosen
         self._split_store(node, other)
         return None
 
@@ -655,7 +656,9 @@ class _List:
             return self.extra & ~1
         free = [r for r in self.general[side] if r in self.free[side]]
         reserve = 0 if id(node) in self.urgent else int(self.plan.taper * (self.position[id(node)] - self.oldest))
-        chosen = next((r for r in free if r % 2 == 0 and r + 1 in free), None) if len(free) >= reserve + 2 else None
+        chosen: int | None = (
+            next((r for r in free if r % 2 == 0 and r + 1 in free), None) if len(free) >= reserve + 2 else None
+        )
         if chosen is None and id(node) in self.urgent:
             self._split_load(node)
         return chosen
