@@ -300,7 +300,7 @@ def evaluate(kernel: Kernel, arguments: Sequence[int], memory: Memory) -> int | 
     values: dict[int, int] = {}
     unit = FloatUnit()
     for op in kernel.operations():
-        inputs = [values[id(arg)] for arg in op.args]
+        inputs = [arg.number if arg.kind == "const" else values[id(arg)] for arg in op.args]
         match op.kind:
             case "const":
                 value = op.number
