@@ -120,21 +120,27 @@ def _choice(name: str, source: str) -> str:
 
 
 def _aligned(name: str, header: str) -> str:
-    """The header with the learner aligned to 8 bytes on the C674x, for 64-bit loads and stores."""
-    end = f"}} {name}_learner_t;\n"
-    upper = name.upper()
-    if end not in header:
+    """The header with the learner aligned to 8 bytes on the C674x, for 64-bit loads and stores.
+
+    A struct with this alignment takes a multiple of 8 bytes, so the static assertion of its size changes, too.
+    """
+    upper, struct = name.upper(), f"{name}_learner_t"
+    end, size = f"}} {struct};\n", re.search(rf"\(sizeof\({struct}\) == (\d+)u\)", header)
+    if end not in header or size is None:
         return header
     lines = [
         "#if defined(_TMS320C6X)",
         f"#define {upper}_ALIGNED __attribute__((aligned(8))) /**< The kernels load and store 64 bits at a time. */",
+        f"#define {upper}_LEARNER_BYTES {-(-int(size[1]) // 8) * 8}u",
         "#else",
         f"#define {upper}_ALIGNED",
+        f"#define {upper}_LEARNER_BYTES {size[1]}u",
         "#endif",
         "",
     ]
     start = header.rindex("/** A learner:", 0, header.index(end))
-    changed = header.replace(end, f"}} {upper}_ALIGNED {name}_learner_t;\n")
+    changed = header.replace(end, f"}} {upper}_ALIGNED {struct};\n")
+    changed = changed.replace(size[0], f"(sizeof({struct}) == {upper}_LEARNER_BYTES)")
     return changed[:start] + "\n".join(lines) + "\n" + changed[start:]
 
 
