@@ -164,6 +164,22 @@ def test_the_inspection_finds_no_fault_in_a_kernel() -> None:
     assert cycles.constant
 
 
+@pytest.mark.slow
+def test_the_inspection_finds_no_fault_in_a_learner_with_its_values_on_the_stack() -> None:
+    """`learn` is one kernel: 64-bit loads and stores of the learner, and values on the stack."""
+    text = scheduled_texts("small_learning")["small_learning_c674x.s"]
+    learn = text[text.index("small_learning_learn:") :]
+    learn = learn[: learn.index(".size")]
+    learner = re.findall(r"(?:lddw|stdw) \.d\dt\d [^\n]*\*[+-][ab](?!15)\d+\[", learn)
+    assert len(learner) > 10
+    assert re.search(r"stw \.d2t\d [ab]\d+, \*\+b15\[\d+\]", learn)
+    program = assembled(text)
+    for function, parameters in (("predict", 3), ("inverse", 3), ("snapshot", 1), ("learn", 3)):
+        packets = function_packets(program.image, program.packets, f"small_learning_{function}")
+        assert inspect(packets, parameters) == [], function
+        assert bounds(program.image, program.packets, f"small_learning_{function}").constant
+
+
 @pytest.mark.parametrize("fault", FAULTS)
 def test_the_inspection_finds_the_planted_fault(fault: str) -> None:
     rule, change = FAULTS[fault]
