@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from fixtures.generated_models import diagnosed, everything, learning, smooth
+from fixtures.generated_models import diagnosed, everything, hysteresis, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.c674x import toolchain
@@ -221,11 +221,13 @@ def test_the_largest_path_leaves_the_period_that_it_must() -> None:
 
 @pytest.mark.slow
 def test_formulas_give_the_measured_cycles_within_the_error_that_they_state() -> None:
-    """Of sizes that were not fitted: 5 rules with 15 parameters, 12 plays that share coefficients."""
+    """Of sizes that were not fitted: 5 rules with 15 parameters, 12 plays that share coefficients, 6 that relax."""
     need_compiler()
     small = dataclasses.replace(smooth(5), name="smooth", learner=LearnerSettings())
     plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:], learner=None)
-    for model in (small, plays):
+    block = dataclasses.replace(hysteresis(6, 2), relaxation=0.03)
+    relaxing = dataclasses.replace(plays, blocks=(block, *plays.blocks[1:]))
+    for model in (small, plays, relaxing):
         measured = footprint(model.name, generate(model, Options(clock_Hz=1e10)))
         found = formulas(model)
         assert len(found) == (5 if model.learner else 3)

@@ -1,9 +1,10 @@
 """Cycles on the C674x as formulas in rules L, plays m and learned parameters n, fitted to cycles of gcc's code.
 
 Measured with `python benchmarks/target_cycles.py`, stall-free, longest way; least squares of the relative deviation.
-Valid for 2 to 12 rules and 6 to 24 parameters. The formulas behind a path hold for six rules and 4 to 24 plays that do
-not relax, 2 Duhem states, 4 creep states and one mode; those of the steps lie between plays with coefficients of their
-own and plays that share them (least largest deviation).
+Valid for 2 to 12 rules and 6 to 24 parameters. The formulas behind a path hold for six rules and 4 to 24 plays, 2 Duhem
+states, 4 creep states and one mode; those of the steps lie between plays with coefficients of their own and plays that
+share them (least largest deviation). Plays that relax have formulas of their own, fitted to 4, 8 and 12 plays of degree
+3 with coefficients of their own and valid for 4 to 12 plays.
 """
 
 from __future__ import annotations
@@ -26,13 +27,14 @@ class Formula:
     """Cycles of a call of `function`: the sum of coefficient times power over `terms`.
 
     terms: (coefficient, variables), the variables one of "", "L", "L^2", "m", "n", "n^2". path: whether it holds behind
-    a path. error: largest relative deviation of a measured size.
+    a path. relaxes: whether it holds for plays that relax. error: largest relative deviation of a measured size.
     """
 
     function: str
     terms: tuple[tuple[float, str], ...]
     error: float
     path: bool = False
+    relaxes: bool = False
 
     def cycles(self, rules: int, plays: int, parameters: int) -> int:
         """The value of the formula, rounded."""
@@ -54,6 +56,11 @@ FORMULAS: Final[Sequence[Formula]] = (
     Formula("inverse", ((914.0, ""), (19.3, "m")), 0.04, path=True),
     Formula("learn", ((1333.0, ""), (9.08, "n"), (6.93, "n^2"), (12.1, "m")), 0.05, path=True),
     Formula("commit", ((69.0, ""), (33.9, "L"), (4.73, "L^2")), 0.15, path=True),
+    Formula("predict", ((320.0, ""), (146.0, "m")), 0.06, path=True, relaxes=True),
+    Formula("simulate", ((320.0, ""), (144.5, "m")), 0.06, path=True, relaxes=True),
+    Formula("inverse", ((885.0, ""), (152.0, "m")), 0.06, path=True, relaxes=True),
+    Formula("learn", ((1235.0, ""), (9.08, "n"), (6.93, "n^2"), (146.0, "m")), 0.05, path=True, relaxes=True),
+    Formula("commit", ((69.0, ""), (33.9, "L"), (4.73, "L^2")), 0.15, path=True, relaxes=True),
 )
 
 
@@ -62,12 +69,14 @@ def formulas(model: Model) -> list[tuple[Formula, int]]:
     rules, kinds = model.grid.rules, [block.kind for block in model.blocks]
     if model.terms or not 2 <= rules <= 12 or (kinds and (kinds != PATH or rules != 6)):
         return []
-    if any(isinstance(block, Hysteresis) and block.relaxes for block in model.blocks):
+    hysteresis = [block for block in model.blocks if isinstance(block, Hysteresis)]
+    relaxes, plays = any(block.relaxes for block in hysteresis), sum(block.plays for block in hysteresis)
+    if relaxes and not (4 <= plays <= 12 and hysteresis[0].degree == 3):
         return []
-    plays = sum(block.plays for block in model.blocks if isinstance(block, Hysteresis))
     n = learner_numbers(model, coefficients(model)).size if model.learner else 0
     return [
         (formula, formula.cycles(rules, plays, n))
         for formula in FORMULAS
-        if formula.path == bool(kinds) and (6 <= n <= 24 or formula.function not in ("learn", "commit"))
+        if (formula.path, formula.relaxes) == (bool(kinds), relaxes)
+        and (6 <= n <= 24 or formula.function not in ("learn", "commit"))
     ]
