@@ -84,12 +84,13 @@ def with_kernels(name: str, texts: Mapping[str, str], found: Kernels) -> dict[st
         source = _left_out(name, source, function)
     changed = dict(texts) | {
         f"{name}.h": _aligned(name, texts[f"{name}.h"]),
+        f"{name}_selftest.c": _without_padding(name, texts[f"{name}_selftest.c"]),
         f"{name}.c": _choice(name, source),
         assembly_file(name): file_text(_header(name, found), found.schedules, found.tables),
         CMAKE: _with_assembly(name, texts[CMAKE]),
     }
     facts = json.loads(texts[MANIFEST])
-    for file in (f"{name}.h", f"{name}.c", assembly_file(name), CMAKE):
+    for file in (f"{name}.h", f"{name}.c", f"{name}_selftest.c", assembly_file(name), CMAKE):
         facts["files"][file] = digest(changed[file].encode())
     facts["files"] = dict(sorted(facts["files"].items()))
     facts["kernels"] = {
@@ -136,12 +137,21 @@ def _aligned(name: str, header: str) -> str:
         f"#define {upper}_ALIGNED",
         f"#define {upper}_LEARNER_BYTES {size[1]}u",
         "#endif",
+        f"#define {upper}_LEARNER_WORDS {int(size[1]) // 4}u /**< without padding */",
         "",
     ]
     start = header.rindex("/** A learner:", 0, header.index(end))
     changed = header.replace(end, f"}} {upper}_ALIGNED {struct};\n")
     changed = changed.replace(size[0], f"(sizeof({struct}) == {upper}_LEARNER_BYTES)")
     return changed[:start] + "\n".join(lines) + "\n" + changed[start:]
+
+
+def _without_padding(name: str, selftest: str) -> str:
+    """The self-test, which hashes the words of the learner without the padding behind them."""
+    words = f"{name.upper()}_SELFTEST_WORDS"
+    for learner in ("learner", "*learner"):
+        selftest = selftest.replace(f"{words}({learner})", f"{name.upper()}_LEARNER_WORDS")
+    return selftest
 
 
 def _with_assembly(name: str, project: str) -> str:
