@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import time
 from pathlib import Path
@@ -11,19 +12,23 @@ import pytest
 
 from fixtures.c674x_compiler import need_compiler
 from fixtures.c674x_kernels import FAULTS, FRAMED, assembled, framed_kernel, scheduled_model, scheduled_texts
+from fixtures.generated_models import smooth
 from fixtures.proof_models import model, texts
-from hysgen.c674x import interpreter
+from hysgen.c674x import interpreter, toolchain
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.equality import verify_on_target
+from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.interpreter import PipelineState
 from hysgen.c674x.schedule.c_source import KernelRefusalError, Source
 from hysgen.c674x.schedule.checker import function_packets, inspect
 from hysgen.c674x.schedule.dataflow import Memory, evaluate
-from hysgen.c674x.schedule.folder import kernels
+from hysgen.c674x.schedule.folder import Kernels, kernels, with_kernels
 from hysgen.c674x.schedule.from_c import kernel
 from hysgen.checking.host import Host
+from hysgen.codegen import generate
 from hysgen.errors import BuildError
 from hysgen.float32.reference.instance import Instance
+from hysgen.model.learner_settings import BIAS, LearnerSettings
 
 SEVERAL_POINTERS = """
 static uint32_t appendix_a_two(const appendix_a_t *self, float *a, float *b)
@@ -178,6 +183,21 @@ def test_the_inspection_finds_no_fault_in_a_learner_with_its_values_on_the_stack
         packets = function_packets(program.image, program.packets, f"small_learning_{function}")
         assert inspect(packets, parameters) == [], function
         assert bounds(program.image, program.packets, f"small_learning_{function}").constant
+
+
+def test_the_self_test_leaves_out_the_padding_of_an_aligned_learner() -> None:
+    """With one parameter the learner has an odd number of words, and padding where it is aligned to 8 bytes."""
+    need_compiler()
+    learner = LearnerSettings(learned=BIAS)
+    odd = generate(dataclasses.replace(smooth(2), name="odd", learner=learner))
+    found = with_kernels("odd", odd, Kernels({}, {}, {}))
+    words = re.search(r"#define ODD_LEARNER_WORDS (\d+)u", found["odd.h"])
+    assert words is not None
+    assert int(words[1]) % 2, words[1]
+    machine = toolchain.compile(c_texts(found)).machine()
+    assert machine.call("odd_selftest").bits == 0
+    padded = dict(found) | {"odd_selftest.c": odd["odd_selftest.c"]}
+    assert toolchain.compile(c_texts(padded)).machine().call("odd_selftest").bits > 0
 
 
 @pytest.mark.parametrize("fault", FAULTS)
