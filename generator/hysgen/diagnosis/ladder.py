@@ -105,7 +105,8 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     """The path with the blocks of the chosen extensions over the identification part; a curve without memory."""
     lags_s = [extension.lag_s for extension in chosen if extension.lag_s is not None]
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
-    size = next((extension.size for extension in chosen if extension.size is not None), None)
+    # A later cause on the ladder, such as relaxation, may require another size of the hysteresis than memory does.
+    size = next((extension.size for extension in reversed(chosen) if extension.size is not None), None)
     relaxation = max(extension.relaxation for extension in chosen)
     if size is not None and relaxation:
         size = dataclasses.replace(size, relaxation=relaxation)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
+from hysgen.fitting.operator import RELAXING
 from hysgen.fitting.path import RELAXATIONS
 
 STARTS = (0.015, 0.04)
 """Starting values of the relaxation, a third of the logarithm of its range from either end."""
+
+SIZES = (dataclasses.replace(RELAXING, plays=12), RELAXING)
+"""Sizes of a hysteresis that relaxes, in rising cost."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,10 @@ class RelaxationCause(Cause):
             f"while the input rests; the error is {rival.rms_um / residual.fit.rms_um:.2f} times larger without it",
             parameters={"half_widths": Estimate(value, error)},
         )
+
+    def forms(self, extension: Extension) -> list[Extension]:
+        """The size of the hysteresis that memory has, or densities fine enough for many hysterons."""
+        return [extension, *(dataclasses.replace(extension, size=size) for size in SIZES)]
 
     def extension(self, residual: Residual) -> Extension:
         chain = residual.fit.chain
