@@ -149,10 +149,7 @@ TERMS = (
     ("stroke", "range of the displacement over the whole record; percentages refer to it"),
     ("held out", "rows that no fit uses; they are scored only"),
     ("gain", "fall of the held-out rms error by an extension, with a 95 % interval by block bootstrap"),
-    (
-        "confidence",
-        "share of bootstrap draws on blocks left out in which an extension lowers the error by more than 2 %",
-    ),
+    ("confidence", "posterior probability of the cause over all chains of causes that were compared"),
     ("of the error", "share of the power of the error above the noise floor"),
     ("horizon", "time over which the displacement is predicted from one measured sample"),
     ("price a sample", "cycles of the DSP and bytes that the extensions add"),

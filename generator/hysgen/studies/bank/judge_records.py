@@ -19,6 +19,7 @@ from hysgen.diagnosis.ladder import fit_ladder
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.procedure import Naming, name_causes
+from hysgen.diagnosis.score import present
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.stage import Preisach, Relays, effect_shares, effects
 from hysgen.stage.effects import UNKNOWN, Tolerance
@@ -101,7 +102,7 @@ def judge(hidden: Scenario) -> Judgement:
         over_truth=over_truth,
         family=hidden.family,
         allowed=hidden.allowed,
-        confidence={name: value for name, value in naming.found.confidence.items() if name in naming.names},
+        confidence={name: naming.found.confidence[name] for name in present(naming.found.fit.chain)},
     )
 
 
