@@ -17,6 +17,7 @@ from hysgen.errors import BudgetError, CertificateError
 from hysgen.model.model import Model
 
 UNITS = {
+    "half_widths": "of each half-width per factor e of time",
     "um_per_decade": "um per decade",
     "um_per_unit": "um per unit",
     "um_per_s": "um/s",
