@@ -9,7 +9,7 @@ from __future__ import annotations
 import heapq
 from collections import Counter, defaultdict
 
-from hysgen.c674x.schedule.selection import Both, Node, Selected, Value
+from hysgen.c674x.schedule.instructions import Node, Selected, nodes_of
 
 
 def sparing(selected: Selected) -> dict[int, int]:
@@ -71,7 +71,7 @@ def ranked(selected: Selected) -> Selected:
     users: dict[int, list[Node]] = defaultdict(list)
     for node in selected.nodes:
         for value in node.values():
-            for each in _nodes(value):
+            for each in nodes_of(value):
                 users[id(each)].append(node)
     place: dict[int, float] = {key: float(at) for key, at in rank.items()}
     for node in reversed(selected.nodes):
@@ -85,14 +85,14 @@ def ranked(selected: Selected) -> Selected:
 
 def _computed(node: Node) -> list[Node]:
     """The operands that are not constants, words of memory or addresses."""
-    found = {id(each): each for value in node.values() for each in _nodes(value) if not each.source}
+    found = {id(each): each for value in node.values() for each in nodes_of(value) if not each.source}
     return [each for each in found.values() if each.mnemonic != "param"]
 
 
 def _earlier(node: Node, rank: dict[int, int]) -> list[Node]:
     """What must stand in front of an instruction: its operands, and stores to the words that it reads or overwrites."""
     found: dict[int, Node] = {}
-    pending = [*(each for value in node.values() for each in _nodes(value)), *(each for each, _ in node.before)]
+    pending = [*(each for value in node.values() for each in nodes_of(value)), *(each for each, _ in node.before)]
     seen: set[int] = set()
     while pending:
         each = pending.pop()
@@ -102,9 +102,5 @@ def _earlier(node: Node, rank: dict[int, int]) -> list[Node]:
         if id(each) in rank:
             found[id(each)] = each
         elif each.source:
-            pending += [*(one for value in each.values() for one in _nodes(value)), *(one for one, _ in each.before)]
+            pending += [*(one for value in each.values() for one in nodes_of(value)), *(one for one, _ in each.before)]
     return list(found.values())
-
-
-def _nodes(value: Value) -> tuple[Node, ...]:
-    return value.sides if isinstance(value, Both) else (value,)

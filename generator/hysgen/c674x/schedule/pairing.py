@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from hysgen.c674x.schedule.selection import Both, Node, Value
+from hysgen.c674x.schedule.instructions import Both, Node, Value, nodes_of
 
 _NEAR: Final = 60
 """Instructions between two stores that may become one."""
@@ -47,7 +47,7 @@ def with_wide_stores(nodes: Sequence[Node]) -> list[Node]:
         found += [each for pair in zeros.get(at, ()) for each in pair]
         if id(node) not in dropped:
             found.append(node)
-    used = {id(each) for node in found for value in node.values() for each in _nodes(value)}
+    used = {id(each) for node in found for value in node.values() for each in nodes_of(value)}
     return [node for node in found if id(node) in used or node.mnemonic != "mvk"]
 
 
@@ -85,7 +85,3 @@ def _mark(low: Node, high: Node) -> None:
 def _zero(value: Value | int) -> bool:
     node = value.sides[0] if isinstance(value, Both) else value
     return isinstance(node, Node) and node.mnemonic == "mvk" and node.number == 0
-
-
-def _nodes(value: Value) -> tuple[Node, ...]:
-    return value.sides if isinstance(value, Both) else (value,)

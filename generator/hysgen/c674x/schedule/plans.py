@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from typing import Final
 
 from hysgen.c674x.schedule.dataflow import Kernel
+from hysgen.c674x.schedule.instructions import Selected
 from hysgen.c674x.schedule.ordering import ranked
 from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Plan, Schedule, TooLongError, planned, unlimited
-from hysgen.c674x.schedule.selection import Selected, select
+from hysgen.c674x.schedule.selection import select
 from hysgen.c674x.schedule.spilling import OutOfSlotsError, limited
 
 LONG: Final = 500

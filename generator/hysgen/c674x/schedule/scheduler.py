@@ -20,7 +20,7 @@ from typing import Final
 
 from hysgen.c674x.schedule import frame
 from hysgen.c674x.schedule.frame import FrameInstruction, Pair
-from hysgen.c674x.schedule.selection import LOAD_DELAY, UNITS, Both, Node, Operand, Selected, Value
+from hysgen.c674x.schedule.instructions import LOAD_DELAY, UNITS, Both, Node, Operand, Selected, nodes_of
 from hysgen.errors import TargetError
 
 PREDICATES: Final = ((0, 1, 2), (0, 1, 2))
@@ -133,15 +133,11 @@ def heights(nodes: Sequence[Node]) -> dict[int, int]:
         if node.second is not None:
             mine = height[id(node)] = max(mine, height.get(id(node.second), 0))
         for value in node.values():
-            for each in _nodes(value):
+            for each in nodes_of(value):
                 height[id(each)] = max(height.get(id(each), 0), each.delay + 1 + mine)
         for earlier, cycles in node.before:
             height[id(earlier)] = max(height.get(id(earlier), 0), cycles + mine)
     return height
-
-
-def _nodes(value: Value) -> tuple[Node, ...]:
-    return value.sides if isinstance(value, Both) else (value,)
 
 
 @dataclass
@@ -181,7 +177,7 @@ class _List:
         self.due = {id(node): end - self.height[id(node)] - self.plan.lead for node in nodes}
         for node in nodes:
             for value in node.values():
-                for each in _nodes(value):
+                for each in nodes_of(value):
                     self.uses[id(each)] += 1
                     self.consumers[id(each)].append(node)
                     self.followers[id(each)].append((node, each.delay + 1))
@@ -215,7 +211,7 @@ class _List:
             for follower, _ in self.followers[id(parameter)]:
                 self.waiting[id(follower)] -= 1
         for node in nodes:
-            if any(each.register == 15 for value in node.values() for each in _nodes(value)):
+            if any(each.register == 15 for value in node.values() for each in nodes_of(value)):
                 self.ready_at[id(node)] = _STACK_READY
         for node in nodes:
             if not self.waiting[id(node)]:
@@ -628,7 +624,7 @@ class _List:
                 self.waiting[id(second)] += 1
             else:
                 self.ready_at[id(second)] = self.placed[id(high)].cycle + high.delay + 1
-            for value in (*_nodes(base), *([store.guard] if store.guard else [])):  # type: ignore[arg-type]
+            for value in (*nodes_of(base), *([store.guard] if store.guard else [])):  # type: ignore[arg-type]
                 self.uses[id(value)] += 1
                 self.consumers[id(value)].append(second)
                 self._wait(second, value, value.delay + 1)
@@ -673,7 +669,7 @@ class _List:
         self.position[id(second)] = self.position[id(node)] + 0.5
         self.height[id(second)], self.due[id(second)] = self.height[id(node)], self.due[id(node)]
         self.ready_at[id(second)] = self.ready_at[id(node)]
-        for value in _nodes(base):
+        for value in nodes_of(base):
             self.uses[id(value)] += 1
             self.consumers[id(value)].append(second)
         self.left += 1

@@ -13,8 +13,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from hysgen.c674x.schedule.instructions import (
+    LOAD_DELAY,
+    REACH,
+    UNITS,
+    WORD,
+    Both,
+    Node,
+    Operand,
+    Selected,
+    Value,
+    nodes_of,
+)
 from hysgen.c674x.schedule.pairing import with_wide_stores
-from hysgen.c674x.schedule.selection import LOAD_DELAY, REACH, UNITS, WORD, Both, Node, Operand, Selected, Value
 from hysgen.errors import TargetError
 
 MOST_SLOTS: Final = 128
@@ -144,7 +155,7 @@ class _Walk:
         unit = self._unit(value)
         if not unit.uses or unit.uses[-1] < at:
             unit.uses.append(at)
-        for each in _nodes(unit.origin):
+        for each in nodes_of(unit.origin):
             if each.source and each.mnemonic == "ldw":
                 self._used_address(each, at)
 
@@ -322,7 +333,3 @@ class _Walk:
         if unit.slot is not None:
             self.unused.append(unit.slot)
             unit.slot = None
-
-
-def _nodes(value: Value) -> tuple[Node, ...]:
-    return value.sides if isinstance(value, Both) else (value,)

@@ -1,0 +1,124 @@
+"""Instructions of the C674x as nodes of a graph: mnemonic, units, latency, operands.
+
+Source: SPRUFE8, chapter 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+WORD: Final = 4
+REACH: Final = 31 * WORD
+"""Largest offset of a load or store, in bytes, in either direction."""
+
+# mnemonic: units, delay slots. The second source of all of them can come over the cross path.
+UNITS: Final = {
+    "addsp": ("LS", 3),
+    "subsp": ("LS", 3),
+    "mpysp": ("M", 3),
+    "mpy32": ("M", 3),
+    "intspu": ("L", 3),
+    "cmpeqsp": ("S", 0),
+    "cmpgtsp": ("S", 0),
+    "cmpltsp": ("S", 0),
+    "cmpeq": ("L", 0),
+    "cmpgtu": ("L", 0),
+    "cmpltu": ("L", 0),
+    "add": ("DLS", 0),
+    "sub": ("DLS", 0),
+    "and": ("DLS", 0),
+    "or": ("DLS", 0),
+    "xor": ("DLS", 0),
+    "shl": ("S", 0),
+    "shru": ("S", 0),
+    "clr": ("S", 0),
+    "mv": ("DLS", 0),
+    "mvk": ("S", 0),
+    "mvkl": ("S", 0),
+    "mvkh": ("S", 0),
+}
+LOAD_DELAY: Final = 4
+MIRRORED: Final = {"cmpgtsp": "cmpltsp", "cmpltsp": "cmpgtsp", "cmpgtu": "cmpltu", "cmpltu": "cmpgtu"}
+
+
+@dataclass(eq=False)
+class Node:
+    """One instruction, or a choice of two moves.
+
+    operands: values read, or 5-bit constants. side: 0 or 1 if fixed. register: index 0..31 if fixed. predicate: whether
+    the result must be in a register that predicates can test. in_place: the result replaces operand 0. guard: the
+    instruction is executed only if this value is not 0. before: (node, cycles) pairs; this node is issued at least that
+    many cycles after it. source: no operand depends on data of the kernel. word: of a load or store, the index of its
+    word behind an address that is a multiple of 8. second: of a load of two words, the value of the second one.
+    pair: the value beside which this one is stored, and 0 or 1: the place of this one in the pair of registers.
+    """
+
+    mnemonic: str
+    operands: list[Operand]
+    units: str
+    delay: int
+    order: int
+    number: int = 0
+    symbol: str = ""
+    side: int | None = None
+    register: int | None = None
+    predicate: bool = False
+    in_place: bool = False
+    guard: Node | None = None
+    before: list[tuple[Node, int]] = field(default_factory=list)
+    source: bool = False
+    word: int | None = None
+    second: Node | None = None
+    pair: tuple[Node, int] | None = None
+
+    @property
+    def memory(self) -> bool:
+        return self.mnemonic in ("ldw", "stw", "lddw", "stdw")
+
+    @property
+    def load(self) -> bool:
+        return self.mnemonic in ("ldw", "lddw", "second")
+
+    @property
+    def writes(self) -> bool:
+        return self.mnemonic not in ("stw", "stdw")
+
+    def values(self) -> list[Value]:
+        """The values read."""
+        found: list[Value] = [each for each in self.operands if not isinstance(each, int)]
+        return [*found, self.guard] if self.guard else found
+
+
+@dataclass(frozen=True, eq=False)
+class Both:
+    """The same value in a register of each side."""
+
+    sides: tuple[Node, Node]
+
+
+Value: TypeAlias = Node | Both
+Operand: TypeAlias = Node | Both | int
+
+
+@dataclass(frozen=True)
+class Selected:
+    """The instructions of a kernel, operands before users; `parameters` are in their registers at the start.
+
+    stack: bytes of the stack that values take.
+    """
+
+    nodes: Sequence[Node]
+    parameters: Sequence[Node]
+    result: Node | None
+    stack: int = 0
+
+
+ARGUMENTS: Final = ((0, 4), (1, 4), (0, 6), (1, 6), (0, 8), (1, 8))
+"""Side and register of the arguments of a function, by the C6000 EABI (SPRAB89, chapter 3)."""
+
+
+def nodes_of(value: Value) -> tuple[Node, ...]:
+    """The node of a value, or the nodes of both its sides."""
+    return value.sides if isinstance(value, Both) else (value,)
