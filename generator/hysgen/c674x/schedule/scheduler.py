@@ -20,7 +20,7 @@ from typing import Final
 
 from hysgen.c674x.schedule import frame
 from hysgen.c674x.schedule.frame import FrameInstruction, Pair
-from hysgen.c674x.schedule.instructions import LOAD_DELAY, UNITS, Both, Node, Operand, Selected, nodes_of
+from hysgen.c674x.schedule.instructions import LOAD_DELAY, MIRRORED, UNITS, Both, Node, Operand, Selected, nodes_of
 from hysgen.errors import TargetError
 
 PREDICATES: Final = ((0, 1, 2), (0, 1, 2))
@@ -163,7 +163,7 @@ class _List:
     waiting: Counter[int] = field(default_factory=Counter)
     followers: dict[int, list[tuple[Node, int]]] = field(default_factory=lambda: defaultdict(list))
     ready_at: dict[int, int] = field(default_factory=dict)
-    pending: list[tuple[int, float, Node]] = field(default_factory=list)
+    pending: list[tuple[int, float, Node]] = field(default_factory=list)  # ready cycle, position, instruction
     height: dict[int, int] = field(default_factory=dict)
     left: int = 0
     reserved: dict[int, tuple[int, int]] = field(default_factory=dict)
@@ -198,8 +198,7 @@ class _List:
         self.conditions = deque(node for node in by_order if node.predicate)
         self.testable: list[int] = []
         self.moves: list[Node] = []
-        self.ready_at: dict[int, int] = {id(node): self._release(node) for node in nodes}
-        self.pending: list[tuple[int, float, Node]] = []  # ready cycle, position, instruction
+        self.ready_at = {id(node): self._release(node) for node in nodes}
         for parameter in self.selected.parameters:
             assert parameter.side is not None
             assert parameter.register is not None
@@ -263,15 +262,12 @@ class _List:
                 moved = self._moved(min(ready, key=lambda node: position[id(node)]))
                 if moved is not None:
                     move, node = moved
-                    position[id(move)] = position[id(node)] - 0.25
-                    self.height[id(move)] = self.height[id(node)] + 1
-                    self.due[id(move)] = self.due[id(node)]
-                    self.ready_at[id(move)] = cycle
+                    self._enter(move, node, -0.25, cycle)
+                    self.height[id(move)] += 1
                     self.followers[id(move)].append((node, 1))
                     self.waiting[id(node)] += 1
                     ready.remove(node)
                     ready.append(move)
-                    self.left += 1
                     idle = 0
             if idle > _PATIENCE and not (self.pending and self.pending[0][0] > cycle):
                 raise OutOfRegistersError("out of registers")
@@ -421,7 +417,7 @@ class _List:
         if register is None:
             return None
         placement = Placement(node, cycle, unit, side, side, register, tuple(own), bool(crossing), None)
-        if swapped and mnemonic in _MIRRORED:
+        if swapped and mnemonic in MIRRORED:
             placement = Placement(_mirrored(node), cycle, unit, side, side, register, tuple(own), True, None)
         self._commit(node, placement, [self._source(operand, side) for operand in operands])
         return placement
@@ -607,11 +603,7 @@ class _List:
             assert isinstance(high, Node)
             store.mnemonic, store.operands = "stw", [base, low]
             second = replace(store, operands=[base, high], number=store.number + 4, before=list(store.before))
-            self.position[id(second)] = self.position[id(store)] + 0.5
-            self.height[id(second)] = self.height[id(store)]
-            self.due[id(second)] = self.due[id(store)]
-            self.ready_at[id(second)] = 0
-            self.left += 1
+            self._enter(second, store, 0.5, 0)
             self.followers[id(second)] = list(self.followers[id(store)])
             for follower, _ in self.followers[id(store)]:
                 self.waiting[id(follower)] += 1
@@ -633,6 +625,13 @@ class _List:
             for each in (store, second):
                 if not self.waiting[id(each)] and (each is second or id(high) not in self.placed):
                     heapq.heappush(self.pending, (self.ready_at[id(each)], self.position[id(each)], each))
+
+    def _enter(self, new: Node, like: Node, distance: float, ready_at: int) -> None:
+        """Take up an instruction that this attempt has made, at a distance in the order from one that it is like."""
+        self.position[id(new)] = self.position[id(like)] + distance
+        self.height[id(new)], self.due[id(new)] = self.height[id(like)], self.due[id(like)]
+        self.ready_at[id(new)] = ready_at
+        self.left += 1
 
     def _wait(self, node: Node, earlier: Node, cycles: int) -> None:
         if id(earlier) in self.placed:
@@ -666,13 +665,10 @@ class _List:
         assert not isinstance(base, int)
         node.mnemonic, node.second = "ldw", None
         second.mnemonic, second.units, second.operands, second.number = "ldw", "D", [base], node.number + 4
-        self.position[id(second)] = self.position[id(node)] + 0.5
-        self.height[id(second)], self.due[id(second)] = self.height[id(node)], self.due[id(node)]
-        self.ready_at[id(second)] = self.ready_at[id(node)]
+        self._enter(second, node, 0.5, self.ready_at[id(node)])
         for value in nodes_of(base):
             self.uses[id(value)] += 1
             self.consumers[id(value)].append(second)
-        self.left += 1
         heapq.heappush(self.pending, (self.ready_at[id(second)], self.position[id(second)], second))
 
     def _moved(self, node: Node) -> tuple[Node, Node] | None:
@@ -823,10 +819,9 @@ class _List:
         return max(end + LOAD_DELAY + 1, closing.cycle + 1)
 
 
-_MIRRORED: Final = {"cmpgtsp": "cmpltsp", "cmpltsp": "cmpgtsp", "cmpgtu": "cmpltu", "cmpltu": "cmpgtu"}
-_SWAPPED: Final = frozenset({"addsp", "mpysp", "add", "and", "or", "xor", "mpy32", "cmpeq", "cmpeqsp", *_MIRRORED})
+_SWAPPED: Final = frozenset({"addsp", "mpysp", "add", "and", "or", "xor", "mpy32", "cmpeq", "cmpeqsp", *MIRRORED})
 
 
 def _mirrored(node: Node) -> Node:
     """The comparison with exchanged operands."""
-    return Node(_MIRRORED[node.mnemonic], node.operands, node.units, node.delay, node.order)
+    return Node(MIRRORED[node.mnemonic], node.operands, node.units, node.delay, node.order)

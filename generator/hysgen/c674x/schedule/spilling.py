@@ -124,7 +124,7 @@ class _Walk:
         for order, node in enumerate(self.made):
             node.order = order
         result = self.placed[id(self.selected.result)] if self.selected.result else None
-        parameters = [*self.selected.parameters, *([pointer])]
+        parameters = [*self.selected.parameters, pointer]
         return Selected(self.made, parameters, result, -(-self.slots * WORD // 8) * 8)
 
     def _find_neighbours(self, nodes: Sequence[Node]) -> None:
