@@ -14,14 +14,12 @@ from fixtures.linear_stage import (
     AGED_UM,
     AGING,
     AXIS2_V,
-    CLIPPED,
     COMMAND_V,
     CREEP,
     LAG,
     LATE,
-    RINGING,
+    PLANTED,
     SAMPLES,
-    SLOW_AMPLIFIER,
     SPAN_S,
     T_S,
     TS_S,
@@ -68,20 +66,6 @@ def test_unexplained_structure_requires_a_quarter_per_cent_of_the_span_and_more_
 def named(found: SearchResult) -> list[str]:
     """The causes of the chain beside "memory": the stage's operator has one column, with memory or without."""
     return [name for name in present(found.fit.chain) if name != "memory"]
-
-
-PLANTED: dict[str, tuple[Chain, NDArray[np.float64] | float]] = {
-    "creep": (CREEP, 0.0),
-    "resonance": (RINGING, 0.0),
-    "delay": (LATE, 0.0),
-    "saturation": (CLIPPED, 0.0),
-    "slew": (SLOW_AMPLIFIER, 0.0),
-    "drift": (LAG, 0.05 * T_S / SPAN_S),
-    "aging": (LAG, AGED_UM),
-    "periodic": (LAG, 0.01 * np.sin(2 * math.pi * 50.3 * T_S)),
-    "coupling": (LAG, 0.001 * respond(AXIS2_V, LAG, TS_S)),
-}
-"""Chain of the stage, and displacement in um beside it, for each cause with a part."""
 
 
 @pytest.mark.parametrize("name", PLANTED)

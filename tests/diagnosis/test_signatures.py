@@ -9,19 +9,15 @@ import pytest
 from numpy.typing import NDArray
 
 from fixtures.linear_stage import (
-    AGED_UM,
     AGING,
     AXIS2_V,
-    CLIPPED,
     COUPLED,
     CREEP,
     DRIFTING,
     HUMMING,
     LAG,
-    LATE,
-    RINGING,
+    PLANTED,
     SAMPLES,
-    SLOW_AMPLIFIER,
     SPAN_S,
     T_S,
     TS_S,
@@ -31,22 +27,14 @@ from fixtures.linear_stage import (
 )
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.creep import crept_step
-from hysgen.diagnosis.probe import Chain, linear_fit, refine
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe import linear_fit, refine
 
 Floats = NDArray[np.float64]
 
-PRESENT: dict[str, tuple[Chain, Floats | float]] = {
-    "creep": (CREEP, 0.0),
-    "resonance": (RINGING, 0.0),
-    "delay": (LATE, 0.0),
-    "saturation": (CLIPPED, 0.0),
-    "slew": (SLOW_AMPLIFIER, 0.0),
-    "drift": (DRIFTING, 0.05 * T_S / SPAN_S),
-    "aging": (AGING, AGED_UM),
-    "periodic": (HUMMING, 0.01 * np.sin(2 * math.pi * 50.3 * T_S)),
-    "coupling": (COUPLED, 0.001 * respond(AXIS2_V, LAG, TS_S)),
-}
+BESIDE = {"drift": DRIFTING, "aging": AGING, "periodic": HUMMING, "coupling": COUPLED}
+"""Chains that hold the causes of which `PLANTED` only has the displacement."""
+
+PRESENT = {name: (BESIDE.get(name, stage), more_um) for name, (stage, more_um) in PLANTED.items()}
 
 
 @pytest.mark.parametrize("name", PRESENT)

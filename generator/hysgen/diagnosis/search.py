@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes import Residual, causes, slow_causes
+from hysgen.diagnosis.causes import Cause, Residual, causes, slow_causes
 from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.probe import (
     Chain,
@@ -73,11 +73,19 @@ class SearchResult:
 
 @dataclass(eq=False)
 class _State:
-    """The chain of a search on its rows, and every chain scored on these rows."""
+    """The chain of a search on its rows, every chain scored on these rows, and the fits of chains with a part less."""
 
     scene: Scene
     current: Scored
     visited: list[Scored] = field(default_factory=list)
+    smaller: dict[Chain, Fit] = field(default_factory=dict)
+
+    def fits_of_smaller(self, chains: Sequence[Chain]) -> list[Fit]:
+        """The fits of chains with a part less, from the best lag, in their order; each chain is fitted once."""
+        new = [chain for chain in dict.fromkeys(chains) if chain not in self.smaller]
+        fits = _refined(self.scene, [_with_best_lag(self.scene, chain) for chain in new])
+        self.smaller |= zip(new, fits, strict=True)
+        return [self.smaller[chain] for chain in chains]
 
     def scored(self, fits: Sequence[Fit], bounded: bool = True) -> list[Scored]:
         """The fits with their scores, the least score first. bounded: only the admissible ones."""
@@ -132,8 +140,8 @@ def _begin(part: Scene, fit: Fit) -> _State:
 def _result(usable: Scene, corrupted: NDArray[np.bool_], state: _State, added: dict[str, Scored]) -> SearchResult:
     """The final fit with what the scores around it say."""
     current, names = state.current, present(state.current.chain)
-    less = [_with_best_lag(state.scene, causes()[name].without(current.chain)) for name in names]
-    without = state.scored(_refined(state.scene, less), bounded=False)
+    less = state.fits_of_smaller([causes()[name].without(current.chain) for name in names])
+    without = state.scored(less, bounded=False)
     rivals = {name: one for one in without for name in names if name not in present(one.chain)}
     falls = {name: one.fall_from(current) for name, one in added.items() if name not in names}
     return SearchResult(
@@ -152,9 +160,7 @@ def _best_additions(state: _State) -> dict[str, Scored]:
     """By cause, the chain of least score with one more part of it; the largest fall of the score first."""
     part, current = state.scene, state.current
     residual = Residual(part, current.fit)
-    of_causes = in_threads(
-        lambda cause: cause.select_starts(_fitted(part, cause.proposals(residual))), list(causes().values())
-    )
+    of_causes = in_threads(lambda cause: _starts(cause, residual), list(causes().values()))
     starts = [(name, candidate) for name, of_cause in zip(causes(), of_causes, strict=True) for candidate in of_cause]
     fits = _refined_if_promising(state, [start for _, start in starts])
     fits = [_with_acting_causes(part, fit, name) for (name, _), fit in zip(starts, fits, strict=True)]
@@ -166,16 +172,21 @@ def _best_additions(state: _State) -> dict[str, Scored]:
     return {name: best[name] for name in sorted(falls, key=lambda name: -falls[name])}
 
 
+def _starts(cause: Cause, residual: Residual) -> list[TrainingFit]:
+    """The proposals of a cause that are refined, by linear fits."""
+    return cause.select_starts(_fitted(residual.scene, cause.proposals(residual)))
+
+
 def _dropped_or_exchanged(state: _State) -> Scored | None:
     """The chain with one part less or exchanged, None if no such chain is accepted."""
-    part, chain = state.scene, state.current.chain
+    chain = state.current.chain
     names = present(chain)
     slow = [name for name in slow_causes() if name in names]
     less = [one for name in names for one in causes()[name].simpler_forms(chain)]
     less += [one for name in names for one in causes()[name].without_one_part(chain)]
     if len(slow) > 1:
         less.append(_without(chain, slow))
-    dropped = state.scored(_refined(part, [_with_best_lag(part, one) for one in less]))
+    dropped = state.scored(state.fits_of_smaller(less))
     for one in dropped:
         fewer = max(1, len(names) - len(present(one.chain)))
         if state.current.fall_from(one) < fewer * LEAST_EVIDENCE:
@@ -198,8 +209,7 @@ def _without(chain: Chain, names: Sequence[str]) -> Chain:
 
 def _best_with(state: _State, bare: Scored, name: str) -> Scored | None:
     """The chain with the least score that adds the cause `name` to `bare`."""
-    cause = causes()[name]
-    starts = cause.select_starts(_fitted(state.scene, cause.proposals(Residual(state.scene, bare.fit))))
+    starts = _starts(causes()[name], Residual(state.scene, bare.fit))
     return next(iter(state.scored(_refined_if_promising(state, starts))), None)
 
 

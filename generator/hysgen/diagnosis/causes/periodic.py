@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -124,10 +125,14 @@ def _repeats_with_the_command(line_Hz: float, runs: Sequence[RunSignals], Ts_s: 
 
     |mean over the maxima of exp(i phase)| > SAME_PHASE
     """
-    maxima_s = np.concatenate(
-        [run.time_s(Ts_s)[turning_rows(run.u_V, SMALLEST_SWING * float(np.ptp(run.u_V)))[::2]] for run in runs]
-    )
+    maxima_s = np.concatenate([run.time_s(Ts_s)[_maxima(run)] for run in runs])
     return len(maxima_s) > 1 and bool(abs(np.exp(2j * np.pi * line_Hz * maxima_s).mean()) > SAME_PHASE)
+
+
+@functools.lru_cache(maxsize=8)
+def _maxima(run: RunSignals) -> NDArray[np.intp]:
+    """Every second turning point of the command of a run, as rows; each score of a line asks for them."""
+    return turning_rows(run.u_V, SMALLEST_SWING * float(np.ptp(run.u_V)))[::2]
 
 
 def _lines_Hz(chain: Chain) -> tuple[float, ...]:

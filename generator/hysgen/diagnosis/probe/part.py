@@ -128,6 +128,8 @@ class RunSignals(Protocol):
 
     def time_s(self, Ts_s: float) -> Floats: ...
 
+    def __hash__(self) -> int: ...
+
 
 class Part:
     """One part of the chain: a frozen dataclass that overrides the methods of the places where it acts.
