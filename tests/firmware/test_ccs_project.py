@@ -6,6 +6,7 @@ where they are, copied files lie in PROJECT_ROOT; FIRMWARE is a path variable re
 
 from __future__ import annotations
 
+import fnmatch
 import importlib.util
 import re
 import xml.etree.ElementTree as ElementTree
@@ -62,6 +63,27 @@ def test_every_include_of_the_project_is_found_and_in_the_project(tmp_path: Path
 def test_no_source_of_the_firmware_is_missing(folder: str) -> None:
     listed = {entry.attrib["path"] for entry in project().iter("file")}
     assert {f"../{folder}/{path.name}" for path in (FIRMWARE / folder).glob("*.[ch]")} <= listed
+
+
+def test_both_linkers_get_the_same_order_of_functions() -> None:
+    """Every function of --preferred_order goes to a pattern of c6748.ld, the patterns rise, and every pattern has one.
+
+    The suggestions act on functions in subsections of their own only.
+    """
+    board = FIRMWARE / "board" / "c6748"
+    script, command = ((board / f"c6748.{suffix}").read_text(encoding="utf-8") for suffix in ("ld", "cmd"))
+    statements = [each.split() for each in re.findall(r"\*\((\.text\.[^)]*)\)", script)]
+    functions = re.findall(r"^--preferred_order=(\w+)$", command, re.MULTILINE)
+    # The last statement takes what is left; `tick` is the assembler's, in place of TI's `interrupt` functions.
+    assert statements[0] == [".text.tick"]
+    ordered = statements[1:]
+    places = [
+        next(i for i, each in enumerate(ordered) if any(fnmatch.fnmatchcase(f".text.{name}", one) for one in each))
+        for name in functions
+    ]
+    assert places == sorted(places)
+    assert set(places) == set(range(len(ordered)))
+    assert "--gen_func_subsections=on" in project().attrib["compilerBuildOptions"]
 
 
 def test_the_target_configuration_connects_a_probe_to_this_device() -> None:

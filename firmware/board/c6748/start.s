@@ -45,6 +45,8 @@ panic:
 halt:   b       .S2     halt
         nop     5
 
+        .section .text.tick, "ax"
+        .align  5
 ; Save what a C function may change, call it, restore, return: A0-A9, A16-A31, B0-B9, B16-B31. Interrupts stay off.
 ; The interrupted function may keep an argument at SP+4, so the first push goes below SP. C code assumes AMR = 0.
 tick:

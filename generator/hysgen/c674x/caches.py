@@ -34,6 +34,11 @@ class Misses:
         return self.program + self.data
 
 
+def program_lines(packet: Packet) -> range:
+    """Lines of L1P that hold an execute packet: addresses divided by L1P_LINE."""
+    return range(packet.address // L1P_LINE, (packet.next - 1) // L1P_LINE + 1)
+
+
 @dataclass
 class Caches:
     """Content of both caches, empty at first. packets: of the program that runs."""
@@ -48,8 +53,7 @@ class Caches:
         for word in trace.words[: trace.count].tolist():
             kind, address = word >> 32 & 3, word & 0xFFFF_FFFF
             if kind == AccessKind.FETCH:
-                last = self.packets[address].next - 1
-                program += sum(self._fetch(line) for line in range(address // L1P_LINE, last // L1P_LINE + 1))
+                program += sum(self._fetch(line) for line in program_lines(self.packets[address]))
             else:
                 data += self._access(address // L1D_LINE, kind == AccessKind.LOAD)
         return Misses(program, data)

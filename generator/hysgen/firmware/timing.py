@@ -6,7 +6,7 @@ voltages with and without the learner are equal, and so must be the cycles from 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -78,26 +78,44 @@ def tracked(model: Model, machine: Machine, options: int, idle: bool = False) ->
 
     idle: call the idle loop after each interrupt. Raises TargetError if TRACK is not reached in MOST samples.
     """
+    caches = Caches(machine.packets)
+    delay, total, cold, warm = [], [], [], []
+    for period in periods(model, machine, options, idle):
+        reads, writes = (_called(machine, period.interrupt, f"board_{each}") for each in ("displacement_um", "voltage"))
+        delay.append(writes - reads)
+        total.append(period.cycles)
+        if len(delay) > TRACKED - CACHED:
+            cold.append(Caches(machine.packets).run(period.interrupt))
+            warm.append(caches.run(period.interrupt))
+            caches.run(period.idle)
+    most = max(cold, key=lambda each: each.lines), max(warm[1:], key=lambda each: each.lines)
+    return Timing(tuple(delay), tuple(total), *most)
+
+
+@dataclass(frozen=True)
+class Period:
+    """Accesses of an interrupt in TRACK and of the idle loop behind it, and the cycles of the interrupt."""
+
+    interrupt: Trace
+    idle: Trace
+    cycles: int
+
+
+def periods(model: Model, machine: Machine, options: int, idle: bool) -> Iterator[Period]:
+    """TRACKED periods in TRACK, behind a start; arguments and errors of `tracked`."""
     machine.call("simulated_options", options)
     machine.call("simulated_boot")
     stage, state = virtual_stage(model)
-    caches = Caches(machine.packets)
-    delay, total, cold, warm = [], [], [], []
-    y_um, tracks = model.grid.y_min_um, False
+    y_um, found, tracks = model.grid.y_min_um, 0, False
     for k in range(MOST):
         reading, wanted = np.float32(y_um), np.float32(REFERENCE_UM + AMPLITUDE_UM * np.sin(STEP_RAD * k))
         outcome, trace = machine.trace("simulated_interrupt", reading, wanted)
         after = machine.trace("simulated_idle")[1] if idle else Trace()
         if tracks:
-            delay.append(_called(machine, trace, "board_voltage") - _called(machine, trace, "board_displacement_um"))
-            total.append(outcome.cycles)
-        if len(delay) > TRACKED - CACHED:
-            cold.append(Caches(machine.packets).run(trace))
-            warm.append(caches.run(trace))
-            caches.run(after)
-        if len(delay) == TRACKED:
-            most = max(cold, key=lambda each: each.lines), max(warm[1:], key=lambda each: each.lines)
-            return Timing(tuple(delay), tuple(total), *most)
+            yield Period(trace, after, outcome.cycles)
+            found += 1
+        if found == TRACKED:
+            return
         tracks = tracks or machine.call("simulated_state").bits & 0xFF == State.TRACK
         y_um = stage.call("simulate", state, outcome.float32)
     raise TargetError(f"{model.name}: not in TRACK for {TRACKED} of {MOST} samples")
