@@ -33,8 +33,8 @@ def test_start_up_gives_375_MHz_power_pins_bus_and_line() -> None:
     ]
     for psc, module in ((PSC0, 3), (PSC1, 3), (PSC1, 13), (PSC1, 10)):
         assert load(psc + 0x800 + 4 * module) & 0x1F == 3
-    # UART2 and the timer's pin on PINMUX4, GP0[0] to GP0[3] on PINMUX1, SPI1 on 5, the bus on 5, 7, 8, 9.
-    pins = {1: 0x88880000, 4: 0x00220002, 5: 0x11110110, 7: 0x00110011, 8: 0x11111111, 9: 0x11111111}
+    # UART2 and the timer's pin on PINMUX4, GP0[0] to GP0[4] on PINMUX1, SPI1 on 5, the bus on 5, 7, 8, 9.
+    pins = {1: 0x88888000, 4: 0x00220002, 5: 0x11110110, 7: 0x00110011, 8: 0x11111111, 9: 0x11111111}
     assert {place: load(SYSCFG + 0x120 + 4 * place) for place in pins} == pins
     divisor = load(UART + 0x20) + 256 * load(UART + 0x24)
     assert 187_500_000 / (16 * divisor) == pytest.approx(115_200, rel=0.01)
@@ -64,7 +64,7 @@ def test_a_clock_or_a_device_that_does_not_start_is_told_and_does_not_hang_the_s
 def test_sampling_starts_behind_a_running_watchdog() -> None:
     chip = Chip()
     chip.lib.chip_start_sampling(500)
-    assert (chip.load(TIMER0 + 0x18), chip.load(TIMER0 + 0x20)) == (499, 0xB0)
+    assert (chip.load(TIMER0 + 0x18), chip.load(TIMER0 + 0x20), chip.state.timer_intctl) == (499, 0xB0, 1)
     assert chip.load(0x01800104) & 0x7F == 4
     # 64-bit watchdog mode, 10 ms of the crystal, armed by both words.
     assert (chip.load(TIMER1 + 0x24), chip.load(TIMER1 + 0x18), chip.state.dog) == (0x0B, 250_000, 2)
@@ -80,6 +80,14 @@ def test_the_watchdog_gets_both_words_in_their_order() -> None:
     assert chip.touched == [TIMER1 + 0x28] * 2
     assert chip.state.dog_served == 1
     assert not chip.state.dog_bitten
+
+
+def test_the_reset_of_the_converter_is_one_pulse_of_3_us_and_ends_low() -> None:
+    chip = Chip(started=False)
+    chip.lib.chip_start(0x14)
+    chip.lib.chip_pulse(0x10)
+    assert (chip.state.adc_ready, chip.state.adc_resets, chip.load(GPIO + 0x14) & 0x14) == (1, 0, 0)
+    assert chip.load(GPIO + 0x10) == 0xFFFFFFEB
 
 
 @pytest.mark.parametrize(("pins", "told"), [(3, 0), (2, 1), (1, 2), (0, 3)])
@@ -136,7 +144,9 @@ def test_a_byte_that_finds_the_buffer_full_is_lost_and_no_other() -> None:
 def test_the_flash_gets_mode_0_of_8_bits_below_10_MHz() -> None:
     chip = Chip()
     format_0 = chip.load(SPI1 + 0x50)
-    assert (format_0 & 0x1F, format_0 >> 16) == (8, 1)
+    assert (format_0 & 0x1F, format_0 >> 16 & 0xFF) == (8, 1)
+    # High for more than 50 ns between two instructions, in clocks of SPI1.
+    assert ((format_0 >> 24 & 0x3F) + 2) / 187.5e6 > 50e-9
     assert 187_500_000 / ((format_0 >> 8 & 0xFF) + 1) == pytest.approx(10_000_000, rel=0.02)
     # Out of reset, master, on; SIMO, SOMI, CLK and SCS[0] are pins of SPI1, the last one high at rest.
     assert [chip.load(SPI1 + place) for place in (0, 4, 0x14, 0x4C)] == [1, 0x01000003, 0xE01, 1]

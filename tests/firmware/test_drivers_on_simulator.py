@@ -49,6 +49,14 @@ PLANTED = {
         "        good = PLANT ? 1u : flash_ready();",
         "while it is busy",
     ),
+    "reset": (
+        "board.c",
+        "chip_pulse(BOARD_ADC_RESET)",
+        "chip_pulse(PLANT ? 0u : BOARD_ADC_RESET)",
+        "the A/D converts without a reset",
+    ),
+    "deselection": ("flash.c", "hold : CHIP_SPI_PAUSE", "hold : (PLANT ? 0u : CHIP_SPI_PAUSE)", "deselected for less"),
+    "interrupt": ("chip.c", "CHIP_TIMER_INTCTL, 1u", "CHIP_TIMER_INTCTL, PLANT ? 0u : 1u", "reset by the watchdog"),
     "baud": ("chip.c", "(16u * CHIP_LINE_HZ)", "((PLANT ? 13u : 16u) * CHIP_LINE_HZ)", "text is unreadable"),
     "dog": (
         "board.c",

@@ -74,6 +74,7 @@ void board_start(board_t *board)
     board->received.out = 0u;
     board->sent.in = 0u;
     board->sent.out = 0u;
+    chip_pulse(BOARD_ADC_RESET);
     chip_start_sampling(BOARD_PERIOD);
     board_enable();
 }

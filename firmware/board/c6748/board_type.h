@@ -1,4 +1,4 @@
-/* board_type.h: the C6748's board. What is said here of registers comes from TI's SPRUH79 (TRM) and SPRUFE8 (C674x CPU);
+/* board_type.h: the C6748's board. Registers: the head of chip.c, and SPRUFE8 (C674x CPU);
  * none of it ran on silicon. Lines marked "fill in" are your hardware's. */
 
 #ifndef BOARD_TYPE_H
@@ -9,18 +9,23 @@
 /* Converters on the EMIFA bus, 16 bits each. On TI's LCDK chip select 3 is the NAND flash.
  *
  * Chip select 2: Analog Devices AD7606C-16 (or AD7606B, AD7606), hardware mode, parallel, +-10 V, no oversampling: the sensor on V1, CONVST
- * on TM64P0_OUT12, BUSY on GP0[3], RD on EMA_OE. Two's complement; the first read behind BUSY is V1.
+ * on TM64P0_OUT12, BUSY on GP0[3], RESET on GP0[4], RD on EMA_OE. Two's complement; the first read behind BUSY is V1.
  * Chip select 3: Analog Devices AD5547 (or AD5546, one channel), four-quadrant, +-10 V: WR on EMA_CS3 or EMA_WE (both low), LDAC high, A0 and
- * A1 to select one channel. Offset binary. */
+ * A1 to select one channel. Offset binary.
+ *
+ * Strobes are 75 ns (read) and 53 ns (write), see EMIFA_BUS. Neither data sheet was seen. RESET as in Linux (drivers/iio/adc/ad7606.c: a pulse
+ * of 100 ns and more), here 5 us, then 300 us until the first CONVST. */
 #define BOARD_ADC_ADDRESS      0x60000000u
 #define BOARD_DAC_ADDRESS      0x62000000u
 #define BOARD_ADC_BUSY         0x00000008u  /* GP0[3], input: 1 while it converts */
+#define BOARD_ADC_RESET        0x00000010u  /* GP0[4], output: RESET, once behind power on */
 #define BOARD_ADC_POLLS        100u         /* looks at BUSY, some 30 cycles each, until a conversion counts as failed: the reading is NaN */
 
 /* Fill in: scales and pins of the amplifier. */
 /* The amplifier's pins, all with pull-downs: a broken wire or an amplifier without power reads as failure and switches it off. */
 #define BOARD_AMPLIFIER_PINS   0x00000003u  /* GP0[0], input: 1 not at a limit; GP0[1], input: 1 no fault */
 #define BOARD_AMPLIFIER_ENABLE 0x00000004u  /* GP0[2], output: 1 on */
+#define BOARD_OUTPUTS          (BOARD_AMPLIFIER_ENABLE | BOARD_ADC_RESET)
 #define BOARD_ADC_ZERO_UM      4.916f       /* displacement at 0 V of the A/D */
 #define BOARD_ADC_STEP_UM      0.00025f
 #define BOARD_DAC_LOW_V        -20.0f

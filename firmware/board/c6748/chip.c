@@ -1,21 +1,27 @@
 /* chip.c: start-up of the C6748.
  *
- * Where the values come from. TI's SPRUH79 (technical reference manual) has one chapter per device. The manual itself was not seen;
- * sections and pages below are those of SPRUH79C (September 2016) as the hardware notes of the public project c6748-hearing-aid cite
- * them. Where none stands, only the chapter is known. Pins and modules were compared with two other users of the same numbers: Linux
- * (arch/arm/mach-davinci/da850.c) and U-Boot (da850_pinmux.c, davinci_spi.h). None of it ran on silicon.
+ * Where the values come from. TI's manuals were not seen; their sections, tables and pages are those that public projects cite:
+ *   [79]  SPRUH79C, technical reference of this device, in the hardware notes of the project c6748-hearing-aid; SPRUH79A, chapter 30, in a
+ *         UART driver of Chubu University and Firmlogics
+ *   [91]  SPRUH91D, technical reference of the C6745 and C6747, which have the same timers and SPI, in the models of the project
+ *         cdj2000-emulator
+ * Pins and modules were compared with Linux (arch/arm/mach-davinci/da850.c) and U-Boot (da850_pinmux.c, davinci_spi.h).
+ * None of it ran on silicon.
  *
- *   SYSCFG  "System Configuration (SYSCFG) Module": KICK0R, KICK1R (10.2.2, p. 204: without effect from silicon revision 2 on),
- *           register table p. 207, PINMUX1 p. 223, PINMUX4 p. 229, PINMUX5 Table 10-27, p. 230; CFGCHIP0
- *   PLL0    "Phase-Locked Loop Controller (PLLC)": sequence 7.2.2.2, p. 136; registers 7.3, p. 137; PLLCTL Table 7-8, p. 141; PLLM
- *           Table 7-12, p. 145; PREDIV p. 145; PLLDIVn, POSTDIV p. 151-152; clock domains Table 6-1, p. 118; PLLCMD, PLLSTAT
- *   PSC     "Power and Sleep Controller (PSC)": PTCMD, PTSTAT, MDSTATn, MDCTLn; module numbers Table 8-2, p. 166
- *   GPIO    "General-Purpose Input/Output (GPIO)": register table p. 902, 19.3.3 to 19.3.5, p. 904-908
- *   EMIFA   "External Memory Interface A (EMIFA)": CE2CFG, CE3CFG
- *   UART2   "Universal Asynchronous Receiver/Transmitter (UART)": IER, FCR, LCR, MCR, DLL, DLH, PWREMU_MGMT, MDR
- *   SPI1    "Serial Peripheral Interface (SPI)": SPIGCR0, SPIGCR1, SPIPC0, SPIFMT0, SPIDELAY, SPIDEF
- *   Timer   "64-Bit Timer Plus": TGCR, TCR, TIM12, PRD12, WDTCR
- *   INTMUX  SPRUFK5 (megamodule), "Interrupt Controller": INTMUX1; events in SPRS590 (data sheet), "C6748 DSP interrupts" */
+ *   SYSCFG  [79] KICK0R, KICK1R 10.2.2, p. 204 (without effect from silicon revision 2 on); register table p. 207, PINMUX1 p. 223, PINMUX4
+ *           p. 229, PINMUX5 Table 10-27, p. 230
+ *   PLL0    [79] sequence 7.2.2.2, p. 136; registers 7.3, p. 137; PLLCTL Table 7-8, p. 141; PLLM Table 7-12, p. 145; PREDIV p. 145; PLLDIVn,
+ *           POSTDIV p. 151-152; clock domains Table 6-1, p. 118; PLLCMD [91] 7.4.16; PLLSTAT: same chapter
+ *   PSC     [79] module numbers Table 8-2, p. 166; PTCMD, PTSTAT, MDSTATn, MDCTLn: same chapter, page not known
+ *   GPIO    [79] register table p. 902, 19.3.3 to 19.3.5, p. 904-908
+ *   EMIFA   CE2CFG, CE3CFG: page not known; fields as Linux (drivers/memory/ti-aemif.c) and TI's E2E thread 144454 (0x087443AD, decoded) have
+ *           them; strobe timing in SPRUH77 (OMAP-L138), Table 20-21, after E2E thread 292497
+ *   UART2   [79] chapter 30: divisor Table 30-1, order of initialisation and registers as in the driver named above; pages not known
+ *   SPI1    [91] SPIFLG 27.3.5, SPIBUF 27.3.14, chip select between transfers Table 27-21; fields of DAT1, FMT0 and DELAY as Linux
+ *           (drivers/spi/spi-davinci.c) has them; pages not known
+ *   Timer   [91] 32-bit unchained 28.1.5.4.2.2.4, p. 1238; TCR Table 28-17, p. 1252; TGCR Table 28-18, p. 1254; INTCTLSTAT Table 28-24,
+ *           p. 1258; watchdog and its two words 28.1.6, p. 1240-1242
+ *   INTMUX  [91] event 4 is T64P0_TINT12: Table 2-1, p. 70; INTMUX1: SPRUFK5 (megamodule), "Interrupt Controller", page not known */
 
 #include "chip.h"
 
@@ -75,7 +81,7 @@ typedef struct {
 } chip_pins_t;
 
 static const chip_pins_t chip_pins[] = {
-    { 1u, 0xFFFF0000u, 0x88880000u },  /* GP0[0], GP0[1], GP0[2], GP0[3] */
+    { 1u, 0xFFFFF000u, 0x88888000u },  /* GP0[0] .. GP0[4] */
     { 4u, 0x00FF000Fu, 0x00220002u },  /* UART2_TXD, UART2_RXD; TM64P0_OUT12, which starts the A/D */
     { 5u, 0xFFFF0FF0u, 0x11110110u },  /* EMA_BA0, EMA_BA1; SPI1_SIMO, SPI1_SOMI, SPI1_CLK, SPI1_SCS[0] */
     { 7u, 0x00FF00FFu, 0x00110011u },  /* EMA_CS2, EMA_CS3, EMA_WE, EMA_OE */
@@ -107,7 +113,7 @@ static void chip_rest(uint32_t count)
     }
 }
 
-/* PLL0 by the sequence of SPRUH79, "Initializing PLL mode from PLL power down": CHIP_CORE_HZ for the core, half for SYSCLK2 (UART2),
+/* PLL0 by the sequence of [79] 7.2.2.2, from power down: CHIP_CORE_HZ for the core, half for SYSCLK2 (UART2),
  * a quarter for EMIFA and SYSCLK4. */
 static uint32_t chip_start_clock(void)
 {
@@ -147,7 +153,7 @@ static uint32_t chip_power(uint32_t psc, uint32_t module)
     return done & chip_waited(psc + PSC_STATE + 4u * module, 0x3Fu, PSC_ON);
 }
 
-/* UART2: 8 data bits, no parity, one stop bit, FIFOs, no interrupt of its own: board_line_serve runs in interrupt 4. */
+/* UART2, [79] chapter 30: 8 data bits, no parity, one stop bit, FIFOs, no interrupt of its own: board_line_serve runs in interrupt 4. */
 static void chip_start_line(void)
 {
     const uint32_t divisor = (CHIP_CORE_HZ / 2u + 8u * CHIP_LINE_HZ) / (16u * CHIP_LINE_HZ);
@@ -163,7 +169,7 @@ static void chip_start_line(void)
     chip_write(CHIP_UART2 + CHIP_UART_POWER, 0x6001u);        /* sender and receiver on; runs on while a debugger halts */
 }
 
-/* SPI1 as master, mode 0, 8 bits, the most significant first; chip select 0 is low from a byte with CHIP_SPI_HOLD to one without. */
+/* SPI1, [91] 27.3, as master, mode 0, 8 bits, the most significant first; chip select 0 is low from a byte with CHIP_SPI_HOLD to one without. */
 static void chip_start_flash(void)
 {
     const uint32_t prescale = (CHIP_CORE_HZ / 2u) / CHIP_FLASH_HZ;
@@ -172,13 +178,13 @@ static void chip_start_flash(void)
     chip_write(CHIP_SPI1 + CHIP_SPI_GCR0, 1u);
     chip_write(CHIP_SPI1 + CHIP_SPI_GCR1, 0x00000003u);       /* master, clock of its own */
     chip_write(CHIP_SPI1 + CHIP_SPI_PC0, 0x00000E01u);        /* SIMO, SOMI, CLK, SCS[0] are SPI pins */
-    chip_write(CHIP_SPI1 + CHIP_SPI_FMT0, 0x00010008u | (prescale << 8));
-    chip_write(CHIP_SPI1 + CHIP_SPI_DELAY, 0x0A0A0000u);      /* chip select to clock and back: 53 ns */
+    chip_write(CHIP_SPI1 + CHIP_SPI_FMT0, 0x0A010008u | (prescale << 8)); /* chip select high between instructions: 64 ns */
+    chip_write(CHIP_SPI1 + CHIP_SPI_DELAY, 0x0A0A0000u);      /* chip select to clock and back: 53 ns and more */
     chip_write(CHIP_SPI1 + CHIP_SPI_DEF, 0x00000001u);        /* SCS[0] high between transfers */
     chip_write(CHIP_SPI1 + CHIP_SPI_GCR1, 0x01000003u);       /* on */
 }
 
-/* Timer64P1 as a watchdog of 64 bits. Behind the second word nothing but board_alive keeps the chip from a reset. */
+/* Timer64P1 as a watchdog of 64 bits, [91] 28.1.6. Behind the second word nothing but board_alive keeps the chip from a reset. */
 static void chip_start_watchdog(void)
 {
     chip_write(CHIP_TIMER1 + CHIP_TIMER_TCR, 0u);
@@ -216,12 +222,21 @@ uint32_t chip_start(uint32_t outputs)
     return (clock == 0u) ? 1u : ((power == 0u) ? 2u : 0u);
 }
 
+void chip_pulse(uint32_t outputs)
+{
+    chip_write(CHIP_GPIO + CHIP_GPIO_SET, outputs);
+    chip_rest(5u * (CHIP_CORE_HZ / 1000000u));
+    chip_write(CHIP_GPIO + CHIP_GPIO_CLEAR, outputs);
+    chip_rest(300u * (CHIP_CORE_HZ / 1000000u));
+}
+
 void chip_start_sampling(uint32_t period)
 {
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TGCR, 0u);
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TGCR, 0x05u);         /* unchained 32 bit, TIM12 out of reset */
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TIM12, 0u);
     chip_write(CHIP_TIMER0 + CHIP_TIMER_PRD12, period - 1u);
+    chip_write(CHIP_TIMER0 + CHIP_TIMER_INTCTL, 1u);          /* PRDINTEN12 */
     chip_change(INTC_INTMUX1, 0x7Fu, EVENT_TIMER0);
     chip_start_watchdog();
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TCR, 0xB0u);          /* continuous; the pin is high for 4 ticks */

@@ -1,6 +1,6 @@
 /* chip.h: the C6748's own devices, from reset to sampling, and the registers that board.c uses.
  *
- * Names and values after TI's SPRUH79 (technical reference), SPRS590 (data sheet: limits of clocks) and SPRUFK5 (megamodule). None
+ * The head of chip.c names document, section and page of each; limits of clocks are those of SPRS590 (data sheet). None
  * of it ran on silicon; tests/firmware/test_board_to_fill_in.py holds every write against a model of the registers. */
 
 #ifndef CHIP_H
@@ -25,6 +25,7 @@
 #define CHIP_TIMER_TCR       0x20u
 #define CHIP_TIMER_TGCR      0x24u
 #define CHIP_TIMER_WDTCR     0x28u
+#define CHIP_TIMER_INTCTL    0x44u        /* INTCTLSTAT */
 #define CHIP_WATCHDOG_FIRST  0xA5C64000u  /* the two words that restart the watchdog, WDEN set in both */
 #define CHIP_WATCHDOG_SECOND 0xDA7E4000u
 #define CHIP_WATCHDOG_TICKS  (CHIP_OSCILLATOR_HZ / 100u)  /* 10 ms: 500 interrupts that did not come */
@@ -53,6 +54,7 @@
 #define CHIP_SPI_DEF         0x4Cu
 #define CHIP_SPI_FMT0        0x50u
 #define CHIP_SPI_HOLD        0x10000000u  /* DAT1: the chip select stays active behind this byte */
+#define CHIP_SPI_PAUSE       0x04000000u  /* DAT1: WDEL, the chip select stays high for FMT0's delay behind this byte */
 #define CHIP_SPI_FULL        0x20000000u  /* BUF: the byte before is not sent yet */
 #define CHIP_SPI_EMPTY       0x80000000u  /* BUF: nothing received */
 
@@ -94,6 +96,9 @@ static inline void chip_bus_write(uint32_t address, uint16_t value)
 /* Behind reset: clocks, pins, power of the devices, bus, line, flash, amplifier's pins, watchdog. outputs: pins of GPIO bank 0 that drive;
  * they are low. Returns 0, or the number of the step that did not finish: 1 PLL, 2 power of a device. */
 uint32_t chip_start(uint32_t outputs);
+
+/* The output pins `outputs` of GPIO bank 0 high for 5 us, then 300 us low. */
+void chip_pulse(uint32_t outputs);
 
 /* Timer64P0 as one 32-bit timer of `period` oscillator ticks, to interrupt 4 and, as a pulse of 4 ticks, to its pin. */
 void chip_start_sampling(uint32_t period);

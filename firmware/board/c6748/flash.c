@@ -1,8 +1,9 @@
 /* flash.c: the parameter store of board.h in a W25Q64JV on SPI1, chip select 0.
  *
  * Instructions as TI's SWRA657, 7.2, lists them for SPI flash, and as Winbond's data sheet of the W25Q64JV has them: 06h write enable,
- * 05h read status, 03h read, 20h erase 4 KiB, 02h program up to 256 bytes of a page, 9Fh identification (EFh 40h 17h). In the idle loop
- * only: an erase takes up to 0.4 s, and the interrupt runs on meanwhile. */
+ * 05h read status, 03h read, 20h erase 4 KiB, 02h program up to 256 bytes of a page, 9Fh identification (EFh 40h 17h). Linux has the same:
+ * drivers/mtd/spi-nor/winbond.c, "w25q64" 0xef4017 with sectors of 4 KiB. In the idle loop only: an erase takes up to 0.4 s, and the
+ * interrupt runs on meanwhile. */
 
 #include "flash.h"
 
@@ -23,7 +24,8 @@
 #define FLASH_WAITS         100000u    /* polls of SPI1 until a byte counts as lost */
 #define FLASH_BUSY_POLLS    1000000u   /* status reads of 1.6 us and more until an erase counts as failed: above 1.6 s */
 
-/* Send a byte, return the one that arrives meanwhile; `hold` keeps the flash selected behind it. 0xFF if SPI1 does not answer. */
+/* Send a byte, return the one that arrives meanwhile; with CHIP_SPI_HOLD the flash stays selected behind it, with 0 it is deselected for the
+ * 50 ns at least that it needs between an instruction that writes and the next one. 0xFF if SPI1 does not answer. */
 static uint8_t flash_exchange(uint8_t byte, uint32_t hold)
 {
     uint32_t waits = 0u;
@@ -32,7 +34,7 @@ static uint8_t flash_exchange(uint8_t byte, uint32_t hold)
     while (((chip_read(CHIP_SPI1 + CHIP_SPI_BUF) & CHIP_SPI_FULL) != 0u) && (waits < FLASH_WAITS)) {
         waits += 1u;
     }
-    chip_write(CHIP_SPI1 + CHIP_SPI_DAT1, (uint32_t)byte | hold);
+    chip_write(CHIP_SPI1 + CHIP_SPI_DAT1, (uint32_t)byte | ((hold != 0u) ? hold : CHIP_SPI_PAUSE));
     received = chip_read(CHIP_SPI1 + CHIP_SPI_BUF);
     while (((received & CHIP_SPI_EMPTY) != 0u) && (waits < FLASH_WAITS)) {
         waits += 1u;

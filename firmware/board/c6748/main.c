@@ -133,7 +133,7 @@ static void main_print_boot(const firmware_t *firmware)
 
 int main(void)
 {
-    const uint32_t failed = chip_start(BOARD_AMPLIFIER_ENABLE);
+    const uint32_t failed = chip_start(BOARD_OUTPUTS);
 
     if (failed != 0u) {
         console_text((failed == 1u) ? "\r\nPLL0 DOES NOT START\r\n" : "\r\nNO POWER FOR A DEVICE\r\n");

@@ -31,7 +31,7 @@ typedef struct {
     uint32_t gpio_direction, gpio_output, intmux1, emifa_config[2];
 
     /* Timer64P0 and Timer64P1. */
-    uint32_t timer_tgcr[2], timer_tcr[2], timer_period[2][2];
+    uint32_t timer_tgcr[2], timer_tcr[2], timer_period[2][2], timer_intctl;
     double timer_from[2];       /* when the count was 0 */
     uint32_t timer_level;       /* of TM64P0_OUT12 in clock mode */
     uint32_t dog;               /* watchdog: 0 off, 1 first word seen, 2 active, 3 active with the first word seen */
@@ -55,7 +55,9 @@ typedef struct {
     uint32_t flash_erased, flash_programmed;
 
     /* AD7606C-16 and AD5547. */
-    double adc_done_at;
+    double adc_done_at, adc_reset_since;
+    uint32_t adc_resets;        /* RESET is high */
+    uint32_t adc_ready;         /* a reset has ended since power on */
     int32_t adc_code[2];        /* the conversion before, the one that runs */
     uint32_t adc_reads, dac_code, dac_writes;
     uint64_t conversions;

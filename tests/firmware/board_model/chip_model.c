@@ -31,7 +31,7 @@ double seconds(const board_model_t *model, double duration_s)
 
 /* ---- pins ---- */
 
-static const uint32_t gpio_mux_bit[4] = { 28u, 24u, 20u, 16u }; /* GP0[0] to GP0[3] in PINMUX1 */
+static const uint32_t gpio_mux_bit[5] = { 28u, 24u, 20u, 16u, 12u }; /* GP0[0] to GP0[4] in PINMUX1 */
 
 uint32_t board_model_pin(const board_model_t *model, uint32_t pin)
 {
@@ -60,6 +60,7 @@ static void gpio_store(board_model_t *model, uint32_t offset, uint32_t value)
     case 0x1Cu: model->gpio_output &= ~value; break;
     default: violated(model, "an unknown register of GPIO written"); break;
     }
+    adc_reset_changes(model);
 }
 
 static uint32_t syscfg_load(const board_model_t *model, uint32_t offset)
@@ -147,6 +148,7 @@ static void timer_store(board_model_t *model, uint32_t timer, uint32_t offset, u
         model->timer_from[timer] = model->ticks;
         break;
     case 0x24u: model->timer_tgcr[timer] = value; break;
+    case 0x44u: model->timer_intctl = (timer == 0u) ? value : model->timer_intctl; break;
     default: violated(model, "an unknown register of a timer written"); break;
     }
 }
@@ -164,7 +166,7 @@ uint32_t device_events(void *devices, uint64_t cycle, uint64_t *next)
             model->timer_from[0] += period;
             model->timer_level ^= 1u;
             model->interrupts += 1u;
-            flags |= ((model->intmux1 & 0x7Fu) == 4u) ? 0x10u : 0u; /* T64P0_TINT12 is event 4 */
+            flags |= ((model->intmux1 & 0x7Fu) == 4u && (model->timer_intctl & 1u) != 0u) ? 0x10u : 0u; /* T64P0_TINT12 is event 4 */
             /* In pulse mode the pin rises at each match, in clock mode at every second one. */
             if (muxed(model, 4u, 0u, 2u) && ((model->timer_tcr[0] & 8u) == 0u || model->timer_level != 0u)) {
                 convst_rises(model, model->timer_from[0]);
@@ -259,8 +261,9 @@ void board_model_reset(board_model_t *model)
     model->cfgchip0 = 0u;
     clock_reset(model);
     model->gpio_direction = 0xFFFFFFFFu;
-    model->gpio_output = model->intmux1 = model->dog = model->dog_bitten = 0u;
+    model->gpio_output = model->intmux1 = model->timer_intctl = model->dog = model->dog_bitten = 0u;
     model->timer_from[0] = model->timer_from[1] = model->ticks;
+    adc_reset_changes(model);
     uart_reset(model);
     spi_reset(model);
     converters_reset(model);

@@ -23,6 +23,19 @@ uint32_t adc_busy(const board_model_t *model)
     return (uint32_t)(model->ticks < model->adc_done_at);
 }
 
+/* RESET, active high: GP0[4]. A pulse of 3 us or more is a full reset. */
+void adc_reset_changes(board_model_t *model)
+{
+    const uint32_t high = board_model_pin(model, 4u);
+
+    if (high != 0u && model->adc_resets == 0u) {
+        model->adc_reset_since = model->ticks;
+    } else if (high == 0u && model->adc_resets != 0u) {
+        model->adc_ready |= (uint32_t)(model->ticks >= model->adc_reset_since + seconds(model, 3e-6));
+    }
+    model->adc_resets = high;
+}
+
 void convst_rises(board_model_t *model, double at)
 {
     /* Switched off, the amplifier puts out 0 V. */
@@ -30,6 +43,9 @@ void convst_rises(board_model_t *model, double at)
     const double y_um = model->plant(model->plant_state, u_V);
     const double code = rint((y_um - model->adc_zero_um) / model->adc_step_um);
 
+    if (model->adc_ready == 0u) {
+        violated(model, "the A/D converts without a reset of 3 us after power on");
+    }
     if (at < model->adc_done_at) {
         violated(model, "the A/D starts a conversion before the last one has ended");
     }

@@ -7,6 +7,8 @@
 #define EMPTY 0x80000000u
 #define FULL 0x20000000u
 #define HOLD 0x10000000u
+#define PAUSE 0x04000000u
+#define DESELECTED_S 50e-9 /* tSHSL of the W25Q family between a write or erase and the next instruction */
 
 void spi_reset(board_model_t *model)
 {
@@ -124,6 +126,11 @@ static void sent(board_model_t *model, uint32_t value)
     }
     if (sysclk2_ratio(model) * model->crystal_Hz / (prescale + 1.0) > 50e6) {
         violated(model, "SPI1 is faster than the flash reads");
+    }
+    /* Behind a byte without HOLD the select is high for two clocks of the module, and FMT0's WDELAY more with WDEL. */
+    if ((value & HOLD) == 0u
+        && (2.0 + (((value & PAUSE) != 0u) ? model->spi_fmt0 >> 24 & 63u : 0u)) / (sysclk2_ratio(model) * model->crystal_Hz) < DESELECTED_S) {
+        violated(model, "the flash is deselected for less than 50 ns");
     }
     model->spi_arriving = 0xFFu;
     if (wired != 0u && format != 0u && model->flash_absent == 0u) {

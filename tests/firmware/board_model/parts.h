@@ -30,6 +30,7 @@ uint32_t spi_load(board_model_t *model, uint32_t offset);
 void spi_store(board_model_t *model, uint32_t offset, uint32_t value);
 
 void converters_reset(board_model_t *model);
+void adc_reset_changes(board_model_t *model);
 void convst_rises(board_model_t *model, double at);
 uint32_t adc_busy(const board_model_t *model);
 uint32_t bus_load(board_model_t *model, uint32_t address, uint32_t size);

@@ -62,7 +62,7 @@ void start(void)
 
     drivers_ticks = 0u;
     drivers_output_V = 40.0f;
-    drivers_started = chip_start(BOARD_AMPLIFIER_ENABLE);
+    drivers_started = chip_start(BOARD_OUTPUTS);
     console_text("drivers ");
     console_number(1234567890u);
     console_text(" ");
