@@ -80,3 +80,28 @@ def once_per_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Cal
         return read[name]
 
     return once
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _facts_of_generated_c(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> Iterator[None]:
+    """The costly facts of a generated folder are computed once per run for each model: many tests generate the same.
+
+    They are pure functions of the model. Tests of these functions import them from their own modules and compute.
+    """
+    from hysgen import codegen
+    from hysgen.machine.files import digest
+    from hysgen.model.file import dump_model
+    from hysgen.model.model import Model
+
+    def remembered(name: str, compute: Callable[..., Any]) -> Callable[..., Any]:
+        def made(*given: Any, **options: Any) -> Any:
+            parts = [dump_model(one) if isinstance(one, Model) else repr(one) for one in (*given, *options.items())]
+            key = digest("\0".join([name, *parts]).encode())[:32]
+            return once_per_run(f"{name}-{key}", lambda: compute(*given, **options))
+
+        return made
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("accuracy", "figures", "chains", "learning"):
+            patch.setattr(codegen, name, remembered(name, getattr(codegen, name)))
+        yield
