@@ -12,7 +12,13 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-CODE = "import hysgen; print(hysgen.__file__); from hysgen.cli import main; raise SystemExit(main())"
+CODE = """
+import sys, hysgen
+print(hysgen.__file__)
+from hysgen.cli import main
+calls = " ".join(sys.argv[1:]).split(" ; ")
+raise SystemExit(max(main(call.split()) for call in calls))
+"""
 
 pytestmark = pytest.mark.slow
 
@@ -30,9 +36,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "site"
 
 
-def run(site: Path, folder: Path, *arguments: str, **environment: str) -> str:
-    """The output of `hysgen` from the wheel, not from the checkout."""
-    call = [sys.executable, "-c", CODE, *arguments]
+def run(site: Path, folder: Path, *calls: str, **environment: str) -> str:
+    """The output of `hysgen`, called several times in one process, from the wheel, not from the checkout."""
+    call = [sys.executable, "-c", CODE, " ; ".join(calls)]
     settings = {**os.environ, "PYTHONPATH": str(site), **environment}
     done = subprocess.run(call, cwd=folder, env=settings, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -42,7 +48,7 @@ def run(site: Path, folder: Path, *arguments: str, **environment: str) -> str:
 
 def test_the_wheel_generates_c_outside_the_checkout(site: Path, tmp_path: Path) -> None:
     assert (site / "hysgen" / "stage" / "demo_stage.csv").exists()
-    run(site, tmp_path, "generate", "appendix_a", "-o", "out")
+    run(site, tmp_path, "generate appendix_a -o out")
     assert (tmp_path / "out" / "appendix_a.c").exists()
 
 
@@ -53,11 +59,10 @@ def test_fit_score_and_describe_need_no_compiler(site: Path, tmp_path: Path) -> 
     rows = np.column_stack([2e-5 * np.arange(u.size), u, y])[20:]
     np.savetxt(tmp_path / "r.csv", rows, "%.9g", ",", header="time_s,voltage_V,displacement_um", comments="")
     nothing = {"PATH": str(tmp_path / "empty"), "CC": "", "HYSGEN_CACHE": str(tmp_path / "cache")}
-    run(site, tmp_path, "fit", "r.csv", "-o", "stage.json", **nothing)
-    assert "free run" in run(site, tmp_path, "score", "stage.json", "r.csv", **nothing)
-    run(site, tmp_path, "describe", "stage.json", **nothing)
+    calls = ("fit r.csv -o stage.json --method batch", "score stage.json r.csv", "describe stage.json")
+    assert "free run" in run(site, tmp_path, *calls, **nothing)
     (library,) = (site / "hysgen" / "machine" / "kernels").glob("kernels-*.so")
     hidden = library.rename(library.with_suffix(".hidden"))
     with pytest.raises(AssertionError, match="no C compiler found"):
-        run(site, tmp_path, "score", "stage.json", "r.csv", **nothing)
+        run(site, tmp_path, "score stage.json r.csv", **nothing)
     hidden.rename(library)

@@ -71,7 +71,7 @@ class Stuck(SimulatedSide):
         return answer
 
 
-@pytest.mark.parametrize("name", ["learning", "everything"])
+@pytest.mark.parametrize("name", ["learning", pytest.param("everything", marks=pytest.mark.proof)])
 def test_banks_change_on_the_target_in_the_hosts_bits_and_within_the_bounds(name: str) -> None:
     learner, host, firmware = model(name), Host(name, texts(name)), compiled(name)
     assert host.layout(f"{name}_t")["active"] == 0

@@ -25,10 +25,10 @@ from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.structs import Member
 
 GCC, CLANG = Toolchain("gcc", ("-O3",)), Toolchain("clang", ("-O2",))
-SUBSETS = [LEARNED["bias"], LEARNED["rules"], LEARNED["gain"], ("offset",), ("slope", "offset")]
+SUBSETS = [LEARNED["bias"], LEARNED["gain"], ("slope", "offset")]
 
 
-@pytest.mark.parametrize(("size", "samples"), [(6, 600), (18, 600), (36, 240)])
+@pytest.mark.parametrize(("size", "samples"), [(6, 600), (18, 600), (36, 120)])
 @pytest.mark.slow
 def test_generated_learner_equals_reference_bit_for_bit_sample_by_sample(size: int, samples: int) -> None:
     """Every compared word after every sample of one chain: the reference really runs it in a row."""
@@ -57,11 +57,10 @@ def losing(pair: Pair) -> Iterator[tuple[Floats32, Floats32]]:
         yield y[150 * k : 150 * (k + 1)], u[150 * k : 150 * (k + 1)]
 
 
-@pytest.mark.parametrize("size", [6, 18])
 @pytest.mark.slow
-def test_a_restart_is_whole_in_the_call_that_loses_the_shadow(size: int) -> None:
+def test_a_restart_is_whole_in_the_call_that_loses_the_shadow() -> None:
     """Bits after every call; parameters, age and U of a lost shadow are those of the prior before the call returns."""
-    pair = Pair(sized(size))
+    pair = Pair(sized(18))
     names = list(pair.lane.words())
     row = {name: names.index(name) for name in ("age", "restarts")}
     theta, reference, factors = (
@@ -127,9 +126,7 @@ def test_terms_blocks_and_drift_of_the_learner_are_its_own_and_equal() -> None:
     assert Pair(model).first_difference(*corrupted(500)) is None
 
 
-@pytest.mark.parametrize(
-    ("size", "toolchain"), [(6, GCC), (6, CLANG), (18, GCC), (24, GCC), (36, CLANG)], ids=lambda value: str(value)
-)
+@pytest.mark.parametrize(("size", "toolchain"), [(6, CLANG), (18, GCC), (36, CLANG)], ids=lambda value: str(value))
 @pytest.mark.slow
 def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size: int, toolchain: Toolchain) -> None:
     need(toolchain.command)

@@ -46,7 +46,7 @@ assert "kick" in [block.kind for block in found.model.blocks]
 # Emitted, and equal in every bit; `verify` draws the new block for its random models too.
 code = generate(found.model)
 assert "kick" in code["axis.c"]
-report = verify_texts(found.model, code, VerifySettings(samples=9000, other_models=3, compilers=["cc"], levels=["-O2"]))
+report = verify_texts(found.model, code, VerifySettings(samples=4000, other_models=1, compilers=["cc"], levels=["-O2"]))
 assert report.equal, str(report)
 
 # Proved: no call leaves the box of the new state.

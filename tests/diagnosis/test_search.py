@@ -96,8 +96,8 @@ LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(
     [
         (LATE, 0.0, LAG.having(ResonancePart((Mode(120.0, 0.3, 0.5),))), "delay"),
         (LAG, AGED_UM, CREEP, "aging"),
-        (CLIPPED_AT_60, 0.0, LIMITED, "saturation"),
-        (LAG, 0.01 * T_S / SPAN_S, CREEP.having(DriftPart()), "drift"),
+        pytest.param(CLIPPED_AT_60, 0.0, LIMITED, "saturation", marks=pytest.mark.proof),
+        pytest.param(LAG, 0.01 * T_S / SPAN_S, CREEP.having(DriftPart()), "drift", marks=pytest.mark.proof),
     ],
 )
 def test_search_replaces_a_cause_that_was_taken_for_the_planted_one(

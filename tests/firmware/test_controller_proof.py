@@ -149,6 +149,7 @@ def test_no_settings_and_no_readings_make_the_controller_fail() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.proof
 def test_an_index_that_goes_too_far_is_an_alarm() -> None:
     need("frama-c")
     planted = eva_sources(ENTRY, "controller.c", "(now + 1u < CONTROLLER_LINE)", "(now < CONTROLLER_LINE)")
@@ -183,11 +184,23 @@ def test_no_command_makes_link_idle_loop_and_interrupt_fail() -> None:
 @pytest.mark.parametrize(
     ("entry", "options", "change"),
     [
-        (IMAGE_ENTRY, OPTIONS, ("store.c", "1u - first", "2u - first")),
-        (FRAME_ENTRY, UNROLLED, ("frame.c", "self->count < FRAME_BYTES", "self->count <= FRAME_BYTES")),
-        (FRAME_ENTRY, UNROLLED, ("frame.c", "count < FRAME_PAYLOAD", "count < FRAME_WIRE")),
+        pytest.param(
+            IMAGE_ENTRY, OPTIONS, ("store.c", "1u - first", "2u - first"), marks=pytest.mark.proof, id="image"
+        ),
+        pytest.param(
+            FRAME_ENTRY,
+            UNROLLED,
+            ("frame.c", "self->count < FRAME_BYTES", "self->count <= FRAME_BYTES"),
+            id="frame in",
+        ),
+        pytest.param(
+            FRAME_ENTRY,
+            UNROLLED,
+            ("frame.c", "count < FRAME_PAYLOAD", "count < FRAME_WIRE"),
+            marks=pytest.mark.proof,
+            id="frame out",
+        ),
     ],
-    ids=["image", "frame in", "frame out"],
 )
 def test_an_access_out_of_bounds_is_an_alarm(
     entry: str, options: tuple[str, ...], change: tuple[str, str, str]

@@ -78,7 +78,7 @@ def test_with_delay_hysteresis_and_creep_the_limits_leave_nothing_behind() -> No
     """The delay of 1.8 samples needs the command to come; while the limit acts its error is that of one command."""
     for step_V, nm in ((1.5, 1.5), (0.25, 0.5)):
         settings = Settings(step_V=step_V, follow_um=5.0, reference_step_um=0.5)
-        references_um = np.concatenate([triangle_um(20_000, 3), np.full(2000, CENTRE_UM)])
+        references_um = np.concatenate([triangle_um(8000, 3), np.full(2000, CENTRE_UM)])
         error_nm, firmware = apart_nm("extended", settings, references_um)
         assert FirmwareStatus.OUTPUT_SLEWED in firmware.status
         assert np.abs(error_nm).max() < nm

@@ -82,7 +82,7 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
     assert written == pytest.approx({"options": 0} | tried, rel=1e-7)
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", [pytest.param("appendix_a", marks=pytest.mark.proof), "extended"])
 @pytest.mark.slow
 def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str) -> None:
     need_compiler()

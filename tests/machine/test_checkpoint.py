@@ -9,7 +9,7 @@ import pytest
 
 from hysgen.diagnosis import DiagnoseSettings, Diagnosis, procedure
 from hysgen.diagnosis.probe import solve
-from hysgen.machine import native
+from hysgen.machine import checkpoint
 from hysgen.machine.checkpoint import forget, resumed, steps
 from hysgen.record import Record
 from hysgen.stage import Stage, run
@@ -18,9 +18,11 @@ from hysgen.stage.signals import nested_amplitudes
 
 @pytest.fixture(autouse=True)
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    native._usable.cache_clear()
-    monkeypatch.setenv("HYSGEN_CACHE", str(tmp_path / "cache"))
-    return tmp_path / "cache"
+    """A folder of its own for the steps; compiled libraries stay where they are."""
+    folder = tmp_path / "cache"
+    folder.mkdir()
+    monkeypatch.setattr(checkpoint, "cache_folder", lambda: folder)
+    return folder
 
 
 def test_a_step_is_computed_once_for_its_inputs_and_code(tmp_path: Path) -> None:
@@ -73,6 +75,7 @@ def test_an_interrupted_diagnosis_goes_on_with_the_fits_that_it_had(
     assert not list(cache.glob("step*"))
     computed.clear()
     assert resumed_one is not None
+    # The same record gives the same answer, with fits of this process and with those that were kept.
     assert resumed_one.to_json() == procedure.diagnose(record).to_json()
     assert 0 < rest_of_search <= len(computed) - in_search  # no fit was computed again
 

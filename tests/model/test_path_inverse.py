@@ -42,8 +42,7 @@ def chains(blocks: Sequence[InputBlock], u_V: F32, count: int) -> list[ChainMirr
     return [ChainMirror(blocks, u_V, TS_S, limits()) for _ in range(count)]
 
 
-@pytest.mark.parametrize("delay", [None, 3.0])
-@pytest.mark.parametrize("samples", [100, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("delay", "samples"), [(None, 100), pytest.param(3.0, 1000, marks=pytest.mark.slow)])
 def test_the_voltage_of_the_inverse_meets_w_along_random_inputs(delay: float | None, samples: int) -> None:
     """1000 lanes; steps of 0.05 to 25 V a sample. What rounding leaves is not accumulated: the last bit of 3 um."""
     rng, lanes = np.random.default_rng(2), 1000
@@ -76,7 +75,7 @@ def inverse_and_stage(delay: float) -> tuple[ChainMirror, ChainMirror, F32]:
     return inverse, stage, np.concatenate(w)
 
 
-@pytest.mark.parametrize("delay", [2.4, *(pytest.param(delay, marks=pytest.mark.slow) for delay in (0.4, 1.9))])
+@pytest.mark.parametrize("delay", [0.4, pytest.param(2.4, marks=pytest.mark.slow)])
 def test_a_fractional_delay_leaves_nothing_after_a_ramp(delay: float) -> None:
     """Plays that follow a voltage which never reached the stage would keep the difference for good."""
     inverse, stage, w = inverse_and_stage(delay)
@@ -87,7 +86,7 @@ def test_a_fractional_delay_leaves_nothing_after_a_ramp(delay: float) -> None:
         assert np.array_equal(ours, theirs)
 
 
-@pytest.mark.parametrize("delay", [0.0, 1.0, 7.0])
+@pytest.mark.parametrize("delay", [1.0, 7.0])
 def test_a_periodic_disturbance_is_compensated_at_the_sample_for_which_the_voltage_is_computed(delay: float) -> None:
     """The phase of the sample of the command would leave up to 1 nm at a preview of 1 sample, 7 nm at one of 7."""
     weights = np.array([0.010, -0.004, 0.006, 0.003])

@@ -27,12 +27,11 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.model.file import load_model
 from hysgen.model.scores import score
 from hysgen.record import Record
-from hysgen.report.diagnosis import diagnosis_page
 from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.shares import error_shares
-from hysgen.report.plots.style import png_bytes
+from hysgen.report.plots.style import png_bytes, svg_bytes
 from hysgen.report.sections import uncertainty_section
 from hysgen.report.words import diagnosis_text, verdict
 from hysgen.stage import Stage
@@ -68,8 +67,29 @@ def hum(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> Study:
 
 
 @pytest.fixture(scope="module")
-def page(hum: Study, once_per_run: Callable[[str, Callable[[], Any]], Any]) -> str:
-    return str(once_per_run("hum_page", lambda: diagnosis_page(hum).html()))
+def written(
+    hum: Study, once_per_run: Callable[[str, Callable[[], Any]], Any], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, bytes]:
+    """The files that the verb writes of this study, by their names in the folder."""
+
+    def made() -> dict[str, bytes]:
+        folder = tmp_path_factory.mktemp("hum")
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("hysgen.cli.verbs.diagnose.diagnose_and_evaluate", lambda *_: hum)
+            patch.setattr("hysgen.cli.verbs.diagnose.read_records", lambda *_: hum.record)
+            patch.chdir(folder)
+            call = ["diagnose", "hum.csv", "--report", "r.html", "--plots", "p", "--json", "d.json", "-o", "m.json"]
+            assert main(call) == 0
+        return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+    files = once_per_run("hum_files", made)
+    assert isinstance(files, dict)
+    return files
+
+
+@pytest.fixture(scope="module")
+def page(written: dict[str, bytes]) -> str:
+    return written["r.html"].decode("utf-8")
 
 
 def small_record() -> Record:
@@ -251,24 +271,19 @@ def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> No
     assert max(len(line) for line in text.split("\n\n")[2].splitlines()) < 120
 
 
-@pytest.mark.slow
 def test_verb_writes_page_pictures_and_json_and_the_same_study_gives_the_same_bytes(
-    hum: Study, page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    hum: Study, page: str, written: dict[str, bytes], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("hysgen.cli.verbs.diagnose.diagnose_and_evaluate", lambda *_: hum)
-    monkeypatch.setattr("hysgen.cli.verbs.diagnose.read_records", lambda *_: hum.record)
-    monkeypatch.chdir(tmp_path)
-    call = ["diagnose", "hum.csv", "--report", "r.html", "--plots", "p", "--json", "d.json", "-o", "m.json"]
-    assert main(call) == 0
-    told = json.loads(Path("d.json").read_text())
+    told = json.loads(written["d.json"])
     assert [cause["name"] for cause in told["causes"]] == ["memory", "periodic"]
     assert told["causes"][0]["cost"]["cycles"] > 0
     assert told["error_of_base"]["rms_um"] == told["free_run_rms"]["base"]
-    assert len(list(Path("p").iterdir())) == PICTURES
-    assert Path("r.html").read_text(encoding="utf-8") == page
+    assert sum(name.startswith("p/") for name in written) == PICTURES
     for picture in pictures(hum)[:2]:
-        assert Path(f"p/{picture.name}.png").read_bytes() == png_bytes(picture.figure)
-    assert load_model("m.json").terms == hum.diagnosis.model.terms
+        assert written[f"p/{picture.name}.png"] == png_bytes(picture.figure)
+        assert base64.b64encode(svg_bytes(picture.figure)).decode() in page
+    (tmp_path / "m.json").write_bytes(written["m.json"])
+    assert load_model(str(tmp_path / "m.json")).terms == hum.diagnosis.model.terms
 
 
 def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:

@@ -16,8 +16,8 @@ from hysgen.studies.bank.limits import PARAMETERS
 from hysgen.studies.bank.result import Judgement
 from hysgen.studies.bank.scenario import CATEGORIES, EFFECTS
 
-SWEEP = (("pair", 0), ("pair", 1), ("coupling", 3), ("creep", 0), ("none", 3))
-"""Category and seed of the records of the sweep. The pairs plant slew and delay, saturation and resonance.
+SWEEP = (("pair", 1), ("creep", 0), ("none", 3))
+"""Category and seed of the records of the sweep. The pair plants saturation and resonance.
 
 The tests of tests/diagnosis diagnose the other categories, and `hysgen bank` hundreds of records of each.
 """
@@ -30,9 +30,8 @@ def sweep(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> BankResult:
 
 
 @pytest.mark.slow
-def test_at_least_four_of_five_records_are_answered_with_the_planted_causes_and_no_other(sweep: BankResult) -> None:
-    wrong = {each.category: (each.required, each.named) for each in sweep.judged() if not each.exact}
-    assert len(wrong) <= 1, wrong
+def test_records_are_answered_with_the_planted_causes_and_no_other(sweep: BankResult) -> None:
+    assert {each.category: (each.required, each.named) for each in sweep.judged() if not each.exact} == {}
     assert sweep.false_alarm_rate == 0.0
 
 
@@ -40,7 +39,7 @@ def test_at_least_four_of_five_records_are_answered_with_the_planted_causes_and_
 def test_parameters_of_named_causes_lie_within_their_tolerances(sweep: BankResult) -> None:
     seen = sweep.parameter_errors()
     assert {key: error for key, (_, error, _) in seen.items() if error > PARAMETERS.get(key, np.inf)} == {}
-    assert len(seen) >= 5
+    assert len(seen) >= 3
 
 
 @pytest.mark.slow
