@@ -10,6 +10,7 @@ from typing import Final
 from hysgen.checking.host import Host
 from hysgen.errors import BuildError
 from hysgen.machine.native import Toolchain, compiler_version
+from hysgen.machine.threads import in_threads
 
 COMPILERS: Final = ("gcc", "clang")
 LEVELS: Final = ("-O0", "-O2", "-O3")
@@ -44,7 +45,8 @@ def compiled(name: str, texts: Mapping[str, str], chain: Sequence[Toolchain]) ->
 
     Raises BuildError if a compiler rejects the generated C.
     """
-    hosts = [(toolchain, Host(name, texts, toolchain)) for toolchain in chain]
+    # The compilers run as processes of their own.
+    hosts = list(zip(chain, in_threads(lambda toolchain: Host(name, texts, toolchain), chain), strict=True))
     flushes = all(host.flushes for _, host in hosts)
     modes = (False, True) if flushes else (False,)
     skipped = [] if flushes else ["flush to zero: hysgen knows no control for it on this machine"]

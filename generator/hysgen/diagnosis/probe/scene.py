@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Samples = NDArray[np.int64]
 
-HYSTERESES, ADDED = 6, 16
+HYSTERESES, ADDED, PARTS = 6, 16, 32
 """Entries of the caches of a scene: four threads that refine one chain each, with the chain and a changed parameter."""
 
 CURVE_ALONE = 15
@@ -108,7 +108,8 @@ class Scene:
     known_ranges: lowest and highest value of auxiliary channels over all rows that will be simulated; for a channel
     without an entry, the range in the runs is used.
     kept: fits of an interrupted search (`solve.refine`); None: no fit is kept.
-    The columns of the last HYSTERESES settings of the amplifier and of the last ADDED sets of added columns are cached.
+    The columns of the last HYSTERESES settings of the amplifier, of the last ADDED sets of added columns and of the
+    last PARTS parts of a run that add columns are cached.
     """
 
     runs: tuple[Trace, ...]
@@ -121,6 +122,7 @@ class Scene:
     kept: Steps | None = field(default=None, repr=False)
     _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(HYSTERESES), repr=False)
     _added: LruCache[Floats] = field(default_factory=lambda: LruCache(ADDED), repr=False)
+    _parts: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(PARTS), repr=False)
 
     @property
     def samples(self) -> int:
@@ -165,7 +167,7 @@ class Scene:
     def bare(self) -> Scene:
         """The scene with empty caches."""
         empty: LruCache[list[Floats]] = LruCache(HYSTERESES)
-        return dataclasses.replace(self, _hysteresis=empty, _added=LruCache(ADDED))
+        return dataclasses.replace(self, _hysteresis=empty, _added=LruCache(ADDED), _parts=LruCache(PARTS))
 
     @property
     def dense(self) -> Rows:
@@ -303,16 +305,22 @@ class Scene:
         """(q, n) a constant, then the columns that the parts of the chain add in their order."""
         adding = [part for part in chain.parts if part.added]
         key: Hashable = tuple(part.columns_depend_on(chain.lag_s, chain.delay) for part in adding)
-        return self._added.get(key, lambda: np.hstack([self._added_to(run, chain) for run in self.runs]))
+        return self._added.get(key, lambda: np.hstack([self._added_to(i, chain) for i in range(len(self.runs))]))
 
     def _lagged(self, signal: Floats, run: Trace, chain: Chain) -> Floats:
         """(n,) a channel behind the lag and the delay of the chain."""
         held, linear = run.held(signal[None], chain, self.Ts_s)
         return lagged(held[0], linear.lag_s, linear.delay, self.Ts_s * run.stride)
 
-    def _added_to(self, run: Trace, chain: Chain) -> Floats:
-        """(q, n_i) `added_columns` of one run."""
-        columns: list[Floats] = [np.ones(len(run.u_V))]
-        for part in chain.parts:
-            columns.extend(part.columns(run, self.extent, lambda signal: self._lagged(signal, run, chain)))
-        return np.stack(columns)
+    def _added_to(self, i: int, chain: Chain) -> Floats:
+        """(q, n_i) `added_columns` of run i."""
+        run = self.runs[i]
+
+        def columns_of(part: Part) -> list[Floats]:
+            key = (i, part.cause, part.columns_depend_on(chain.lag_s, chain.delay))
+            return self._parts.get(
+                key, lambda: part.columns(run, self.extent, lambda signal: self._lagged(signal, run, chain))
+            )
+
+        adding = [part for part in chain.parts if part.added]
+        return np.stack([np.ones(len(run.u_V)), *(column for part in adding for column in columns_of(part))])
