@@ -3,6 +3,7 @@
         .ref    _c_int00
         .ref    main_tick
         .ref    main_panic
+        .ref    __TI_STACK_END
         .def    vectors
         .sect   ".vectors"
         .align  1024
@@ -19,6 +20,18 @@ slot    .macro  target
         NOP
         .endm
 
+; Like start.s: the interrupted stack may be what failed, and C code assumes AMR = 0.
+broken  .macro  target
+        MVKL    .S2     __TI_STACK_END - 8, B15
+        MVKH    .S2     __TI_STACK_END - 8, B15
+        MVKL    .S2     target, B10
+        MVKH    .S2     target, B10
+        B       .S2     B10
+        MVK     .S2     0, B0
+        MVC     .S2     B0, AMR
+        NOP     3
+        .endm
+
 empty   .macro
         B       .S2     IRP
         NOP     5
@@ -32,7 +45,7 @@ empty   .macro
 
 vectors:
         slot    _c_int00
-        slot    main_panic      ; NMI, and exceptions
+        broken  main_panic      ; NMI, and exceptions
         empty                   ; reserved
         empty                   ; reserved
         slot    main_tick       ; interrupt 4: Timer64P0
