@@ -55,6 +55,7 @@ def test_a_learner_has_the_hosts_bits_on_inputs_of_every_style(monkeypatch: pyte
     assert report.equal, report.notes()
     assert {run.function for run in report.runs} == {"predict", "simulate", "inverse", "limits", "learn", "commit"}
     assert report.committed
+    assert report.reference == "equal in every bit"
     assert f"shadows that became active: {report.committed}, refused: {report.refused}" in report.notes()
 
 

@@ -91,6 +91,18 @@ def test_a_machine_on_which_no_bank_changes_is_seen() -> None:
     assert "DIFFERENT, first: call" in str(stuck)
 
 
+def test_a_learner_that_differs_from_the_reference_on_every_machine_is_seen() -> None:
+    wrong = {file: text.replace("LEARNING_LEARN_FAST * away", "away") for file, text in texts("learning").items()}
+    assert wrong != texts("learning")
+    host = Host("learning", wrong)
+    here, there = compare_learning(
+        model("learning"), [HostSide("here", host), HostSide("there", host)], host, LEAST_UPDATES
+    )
+    assert there.equal
+    assert not here.equal
+    assert "of the reference" in (here.first or "")
+
+
 @pytest.mark.slow
 def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
     need("s390x-linux-gnu-gcc")

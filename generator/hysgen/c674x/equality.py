@@ -31,6 +31,7 @@ Words = NDArray[np.uint32]
 Progress = Callable[[float, str], None]
 
 CHUNK: Final = 2048
+EQUAL: Final = "equal in every bit"
 LEARNING_RUN: Final = "a weaker stage"
 """Input style, in reports, of the learning run."""
 
@@ -57,7 +58,8 @@ class TargetReport:
     """All runs of a model on the simulated target.
 
     selftest: mismatches counted by the generated self-test there. committed: changes of the active bank in the target's
-    own memory; refused: shadows that commit did not accept; both None for a model without a learner.
+    own memory; refused: shadows that commit did not accept; both None for a model without a learner. reference: the
+    host's learner against the NumPy reference in the same updates, None without a learner.
     """
 
     model: str
@@ -66,11 +68,13 @@ class TargetReport:
     runs: tuple[TargetRun, ...]
     committed: int | None
     refused: int | None
+    reference: str | None = None
 
     @property
     def equal(self) -> bool:
         """Whether every run is equal in every bit and the self-test found no mismatch."""
-        return self.selftest == 0 and all(run.differing == 0 for run in self.runs)
+        same = self.reference in (None, EQUAL)
+        return same and self.selftest == 0 and all(run.differing == 0 for run in self.runs)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -101,7 +105,10 @@ class TargetReport:
         learned = []
         if self.committed is not None:
             none = "" if self.committed else ": NOTHING WAS COMMITTED"
-            learned = [f"shadows that became active: {self.committed}, refused: {self.refused}{none}"]
+            learned = [
+                f"the host's learner against the NumPy reference, the same updates: {self.reference}",
+                f"shadows that became active: {self.committed}, refused: {self.refused}{none}",
+            ]
         return [
             *differences,
             *learned,
@@ -130,12 +137,18 @@ class _Steps:
 
 
 def verify_on_target(
-    model: Model, texts: Mapping[str, str], samples: int, seed: int = 1, progress: Progress | None = None
+    model: Model,
+    texts: Mapping[str, str],
+    samples: int,
+    seed: int = 1,
+    progress: Progress | None = None,
+    updates: int | None = None,
 ) -> TargetReport:
     """Run every function of the generated C over chained samples of every style, on the simulator and on the host.
 
     samples: of each function, divided among the styles; LEARNING_SHARE of them for `learn`. A model with a learner also
-    runs learning with commits for LEARNING_SHARE of `samples` updates, at least LEAST_UPDATES.
+    runs learning with commits for `updates` chained updates; None: LEARNING_SHARE of `samples`. LEAST_UPDATES is the
+    least number.
     Raises BuildError without a toolchain, TargetError for code that the simulator refuses.
     """
     firmware = toolchain.compile(c_texts(texts))
@@ -149,29 +162,34 @@ def verify_on_target(
             progress(len(runs) / steps, f"{task.function}, {task.style} inputs, on the simulator")
         share = LEARNING_SHARE if task.learns else 1.0
         runs.append(_compare(setup, task, math.ceil(share * samples / len(STYLES))))
-    committed = refused = None
+    committed = refused = reference = None
     if model.learner is not None:
         if progress is not None:
             progress(len(runs) / steps, "learn and commit, on the simulator")
-        updates = max(LEAST_UPDATES, math.ceil(LEARNING_SHARE * samples))
-        learning_runs, result = _compare_learning(setup, updates)
+        chained = math.ceil(LEARNING_SHARE * samples) if updates is None else updates
+        learning_runs, here, result = _compare_learning(setup, max(LEAST_UPDATES, chained))
+        reference = EQUAL if here.equal else f"DIFFERENT, {here.first}"
         runs += learning_runs
         committed, refused = result.switches, sum(result.answers.values()) - result.committed
-    return TargetReport(model.name, toolchain.version(), failed, tuple(runs), committed, refused)
+    return TargetReport(model.name, toolchain.version(), failed, tuple(runs), committed, refused, reference)
 
 
-def _compare_learning(setup: _Setup, updates: int) -> tuple[list[TargetRun], LearningResult]:
-    """The learning run on host and simulator, as one run of learn and one of commit."""
+def _compare_learning(setup: _Setup, updates: int) -> tuple[list[TargetRun], LearningResult, LearningResult]:
+    """The learning run on the simulator, as one run of learn and one of commit, and the results of both machines."""
     host = setup.host
     side = SimulatedSide(host, setup.machine)
-    _, result = compare_learning(setup.model, [HostSide("this machine", host), side], host, updates, setup.seed)
+    here, result = compare_learning(setup.model, [HostSide("this machine", host), side], host, updates, setup.seed)
     words = side.words().size
     learner = host.words_of(LEARNER.create(host)).size
     learn, commit, first = side.learning.range, side.committing.range, result.first
-    return [
-        TargetRun("learn", LEARNING_RUN, result.samples, learner, result.learnt_wrong, learn, first),
-        TargetRun("commit", LEARNING_RUN, result.calls, words + 1, result.committed_wrong, commit, first),
-    ], result
+    return (
+        [
+            TargetRun("learn", LEARNING_RUN, result.samples, learner, result.learnt_wrong, learn, first),
+            TargetRun("commit", LEARNING_RUN, result.calls, words + 1, result.committed_wrong, commit, first),
+        ],
+        here,
+        result,
+    )
 
 
 def _compare(setup: _Setup, task: Task, samples: int) -> TargetRun:

@@ -3,7 +3,8 @@
 The plant is the weaker stage of `inputs`. The model's inverse computes the voltages from a reference of four sines. The
 parameter error makes updated shadows better than the active bank, so commits succeed. Every word of the learner is
 compared after every sample; every word of both structs, and the answer, after every call of commit; then the
-predictions of the active bank.
+predictions of the active bank. Each sample of the first side is also compared with one step of the NumPy reference
+from the same state (`induction`).
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.bits.functions import LEARNER, MODEL
+from hysgen.checking.bits.functions import LEARNER, MODEL, Lanes
+from hysgen.checking.bits.induction import CallTrace, first_difference
 from hysgen.checking.bits.inputs import weaker_stage
 from hysgen.checking.host import Host
 from hysgen.float32.learner_status import Commit
@@ -83,8 +85,8 @@ class LearningResult:
 
     samples: learned from. calls: of commit. answers: how often commit gave each answer other than BUSY. switches:
     changes of the active bank in this side's own memory. learnt_wrong: samples after which a word of the learner
-    differs. committed_wrong: calls of commit, or predictions after them, that differ. first: where the first
-    difference is.
+    differs; of the first side, chunks of samples in which a word differs from the reference. committed_wrong: calls of
+    commit, or predictions after them, that differ. first: where the first difference is.
     """
 
     side: str
@@ -126,10 +128,11 @@ def compare_learning(
     """
     results = [LearningResult(side.name) for side in sides]
     active = host.layout(f"{host.name}_t")["active"]
+    reference = _Reference(LEARNER.reference(model), host.layout(f"{host.name}_learner_t")[LEARNER.first_word])
     y, u = stage_record(model, host, updates, seed)
     for start in range(0, y.size, UPDATES_BETWEEN_COMMITS):
         stop = start + UPDATES_BETWEEN_COMMITS
-        _learn(sides, results, y[start:stop], u[start:stop])
+        _learn(sides, results, reference, (y[start:stop], u[start:stop]))
         answer = int(Commit.BUSY)
         while answer == Commit.BUSY:
             answer = _commit(sides, results, active)
@@ -150,8 +153,34 @@ def stage_record(model: Model, host: Host, samples: int, seed: int) -> tuple[Wor
     return weaker_stage(model, u, rng), u
 
 
-def _learn(sides: Sequence[Side], results: Sequence[LearningResult], y: Words, u: Words) -> None:
+@dataclass(frozen=True)
+class _Reference:
+    """The NumPy reference of the learner, and the index of its first word in the C struct."""
+
+    lanes: Lanes
+    first: int
+
+    def difference(self, y: Words, u: Words, states: Words) -> str | None:
+        """The first difference between a learner's words after each sample and the reference; None if all are equal.
+
+        states: (n + 1, words), the words before the first sample and after each of n samples.
+        """
+        words = states[:, self.first : self.first + len(self.lanes.words())]
+        trace = CallTrace([y, u], [], words[:-1], np.zeros(y.size, np.uint32), words[1:])
+        found = first_difference(self.lanes, "learn", trace)
+        return None if found is None else f"word {found.place} of the reference, sample {found.sample} of the chunk"
+
+
+def _learn(
+    sides: Sequence[Side], results: Sequence[LearningResult], reference: _Reference, columns: tuple[Words, Words]
+) -> None:
+    y, u = columns
+    before = sides[0].words()
     expected = sides[0].learn(y, u)
+    difference = reference.difference(y, u, np.vstack([before[-expected.shape[1] :], expected]))
+    if difference is not None:
+        results[0].record_difference(f"{difference} behind sample {results[0].samples}")
+        results[0].learnt_wrong += 1
     for place, (side, result) in enumerate(zip(sides, results, strict=True)):
         found = expected if place == 0 else side.learn(y, u)
         wrong = np.flatnonzero((found != expected).any(axis=1))

@@ -52,6 +52,14 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
         f"the c674x, {EMULATED_SAMPLES} emulated, there {LEARNING_SHARE:g} of them for learning)",
     )
     parser.add_argument(
+        "--updates",
+        type=int,
+        default=None,
+        metavar="N",
+        help="with --target c674x: chained updates of the learner, with commits, on simulator, host and reference "
+        f"(default {LEARNING_SHARE:g} of the samples)",
+    )
+    parser.add_argument(
         "--structures",
         type=int,
         default=DEFAULT_OTHER_MODELS,
@@ -81,6 +89,8 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_verify(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.updates is not None and arguments.target != "c674x":
+        raise HysgenError("--updates belongs to --target c674x; add it")
     if arguments.target == "emulated":
         return run_fused(arguments, console) if arguments.fused else run_emulated(arguments, console)
     if arguments.machine or arguments.fused:
@@ -106,7 +116,9 @@ def run_on_target(arguments: argparse.Namespace, console: Console) -> int:
     """Compare the bits of the simulated C674x with those of the host."""
     generated = read_folder(Path(arguments.folder))
     samples = TARGET_SAMPLES if arguments.samples is None else arguments.samples
-    report = verify_on_target(generated.model, generated.texts, samples, arguments.seed, console.progress)
+    report = verify_on_target(
+        generated.model, generated.texts, samples, arguments.seed, console.progress, arguments.updates
+    )
     console.say("\n".join([table(report.header(), report.rows()), *report.notes()]))
     return console.finish(report.to_json(), report.equal)
 
