@@ -104,7 +104,13 @@ def test_json_on_stdout_comes_without_other_text(model: Path, capsys: pytest.Cap
         (["generate", "appendix_a"], "-o"),
         (["generate", "appendix_a", "--learn", "terms", "-o", "x"], "choose from 'rules', 'gain', 'bias', 'none'"),
         (["generate", "appendix_a", "--learn", "rules", "--learn-forgetting", "1.5", "-o", "x"], "forgetting 1.5"),
-        (["polish"], "polish"),
+        (["polish"], "hysgen polish: polish: is no verb"),
+        (["fti", "{record}"], "fti: is no verb (did you mean 'fit'?)"),
+        (["fit", "{record}", "--memory", "1000", "-o", "x.json"], "--memory 1000: is not supported; choose 0 to 64"),
+        (["fit", "{record}", "--memory", "-1", "-o", "x.json"], "--memory -1: is not supported; choose 0 to 64"),
+        (["fit", "{record}", "--time", "t", "-o", "x.json"], "columns are named by --columns time=NAME"),
+        (["fit", "{record}", "time=t", "-o", "x.json"], "columns are named by --columns time=t"),
+        (["cost", "{record}"], "is a file; give the folder that hysgen generate wrote"),
     ],
 )
 def test_every_error_of_the_user_is_one_line_and_exit_code_2(

@@ -72,6 +72,7 @@ TEXTS: dict[str, bytes] = {
         ["Temps (s)\tTension (V)\tDéplacement (µm)", *rows(TIME_S, U_V, Y_UM, separator="\t", comma=True)]
     ).encode("latin-1"),
     "Chinese": "\n".join(["时间 (s),电压 (V),位移 (um)", *ROWS]).encode(),
+    "Chinese in GBK": "\n".join(["时间 (s),电压 (V),位移 (um)", *ROWS]).encode("gbk"),
     "no header": "\n".join(ROWS).encode(),
     "preamble": "\n".join(
         ["Scope 7, channel A", "Rate: 50000 Hz", "N.N.", "", "time,voltage,position", *ROWS]
@@ -113,6 +114,7 @@ def test_text_is_read_without_options_and_the_option_that_repeats_it_is_said(kin
     record = load_record(path)
     check(record)
     (line,) = [line for line in record.warnings if 'read as --columns "' in line]
+    assert ("时间" in line) == kind.startswith("Chinese")
     again = load_record(path, Columns.from_text(line.partition('--columns "')[2].partition('"')[0]))
     assert again.digest == record.digest
 

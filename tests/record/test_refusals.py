@@ -339,6 +339,9 @@ def test_missing_file_and_folder_are_named_with_the_nearest_name(tmp_path: Path)
         load_record(tmp_path / "ramp.csv")
     with pytest.raises(RecordError, match="is a folder; name the record in it"):
         load_record(tmp_path)
+    (tmp_path / "link.csv").symlink_to("gone.csv")
+    with pytest.raises(RecordError, match=r"link\.csv: is a link to gone\.csv, which is not there"):
+        load_record(tmp_path / "link.csv")
 
 
 class Payload:

@@ -200,5 +200,6 @@ def _drive(model: Model, u_V: Floats) -> Drive:
 
 
 def _range(values: Sequence[float], unit: str) -> str:
-    """'low .. high unit', or 'none' without values."""
-    return f"{min(values):.3g} .. {max(values):.3g} {unit}" if values else "none"
+    """'low .. high unit', one number if both are written the same, or 'none' without values."""
+    ends = list(dict.fromkeys(f"{end:.3g}" for end in (min(values), max(values)))) if values else []
+    return f"{' .. '.join(ends)} {unit}" if ends else "none"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import re
 import sys
 import textwrap
 from collections.abc import Sequence
@@ -43,6 +44,8 @@ class _Parser(argparse.ArgumentParser):
     """argparse with one-line errors, as in the rest of the program."""
 
     def error(self, message: str) -> NoReturn:
+        if re.search(r"unrecognized arguments:.*--(time|voltage|displacement)\b", message):
+            message += "; columns are named by --columns time=NAME,voltage=NAME,displacement=NAME"
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
@@ -117,7 +120,11 @@ def _run(words: list[str]) -> int:
         print(script(words[1], options_of(parser())), end="", flush=True)
         return 0
     names = [words[0]] if words[0] in NAMES else NAMES
-    arguments = parser(names).parse_args(words)
+    if names is NAMES and not words[0].startswith("-"):
+        from hysgen.record.columns import nearest  # imports NumPy, which --version does without
+
+        raise HysgenError(f"{words[0]}: is no verb{nearest(words[0], NAMES)}; hysgen --help lists them")
+    arguments = parser(names).parse_args(_negative_rows_joined(words))
     console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)
     try:
@@ -126,6 +133,17 @@ def _run(words: list[str]) -> int:
         console.close()
     sys.stdout.flush()
     return code
+
+
+def _negative_rows_joined(words: Sequence[str]) -> list[str]:
+    """The words with `--rows -2000:` as `--rows=-2000:`: argparse takes a value with a minus sign for an option."""
+    joined: list[str] = []
+    for word in words:
+        if joined and joined[-1] == "--rows" and re.match(r"-[\d.]", word):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def _fails(name: str, text: str) -> int:

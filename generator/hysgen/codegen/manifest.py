@@ -79,6 +79,8 @@ def _read_manifest(path: Path) -> dict[str, Any]:
         facts = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as fault:
         raise HysgenError(f"{path}: is missing; this is not a folder that hysgen generate wrote") from fault
+    except NotADirectoryError as fault:
+        raise HysgenError(f"{path.parent}: is a file; give the folder that hysgen generate wrote") from fault
     except (OSError, ValueError) as fault:
         raise HysgenError(f"{path}: cannot be read ({fault}); generate the folder again") from fault
     if not isinstance(facts, dict) or facts.get("schema") != SCHEMA or facts.get("version") != VERSION:

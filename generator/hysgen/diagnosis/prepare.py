@@ -235,7 +235,10 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
         joined = Record.joined(record, holdout.whole())
         past += holdout.past_samples
     if cut < FEWEST:
-        raise RecordError(f"{record.source}: {cut} samples to identify from, a diagnosis needs {FEWEST}; record longer")
+        raise RecordError(
+            f"{record.source}: {cut} samples to identify from, a diagnosis needs {FEWEST}; "
+            "record longer, or use more rows"
+        )
     covered = [_range_covered(segment) for segment in joined.segments]
     known_past = _rows_from(joined, covered)
     rows = np.flatnonzero(known_past[:cut])

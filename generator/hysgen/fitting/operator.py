@@ -186,6 +186,10 @@ class Operator:
         return _middle(self, u_V)
 
 
+MOST_PLAYS = 64
+"""Plays of an operator at most, a limit of the compiled kernel (`machine.kernels.preisach_columns`)."""
+
+
 @dataclass(frozen=True)
 class PathSize:
     """Size of the hysteresis: plays in `hats` hat functions with polynomials of `degree`, curve, and Duhem states.

@@ -6,7 +6,9 @@ and the fault.
 
 from __future__ import annotations
 
+import contextlib
 import io
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -141,10 +143,22 @@ def _text(source: str, data: bytes) -> str:
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError:
-            # Older loggers write the micro sign of a header in Latin-1, in which every byte is valid.
-            text = data.decode("latin-1")
+            text = data.decode(_encoding(data))
     text = text.replace("\ufeff", "") if "\ufeff" in text else text
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
+def _encoding(data: bytes) -> str:
+    """GB 18030 (Chinese Windows) if all bytes above 0x7f come in pairs, else Latin-1, in which every byte is valid.
+
+    In European headers the bytes of a micro sign or an accent stand alone.
+    """
+    runs = re.findall(rb"[\x80-\xff]+", data)
+    if all(len(run) % 2 == 0 and min(run) > 0xA0 for run in runs):
+        with contextlib.suppress(UnicodeDecodeError):
+            data.decode("gb18030")
+            return "gb18030"
+    return "latin-1"
 
 
 def _parse(layout: Layout, use: Sequence[int]) -> tuple[NDArray[np.float64], bool]:

@@ -191,6 +191,10 @@ class _Content:
 def _content(path: Path, columns: Columns) -> _Content:
     if path.is_dir():
         raise RecordError(f"{path}: is a folder; name the record in it")
+    if path.is_symlink() and not path.exists():
+        raise RecordError(f"{path}: is a link to {path.readlink()}, which is not there; check the link")
+    if not path.exists() and "=" in path.name:
+        raise RecordError(f"{path}: there is no such file; columns are named by --columns {path.name}")
     if not path.exists():
         there = [] if not path.parent.is_dir() else [one.name for one in path.parent.iterdir() if one.exists()]
         raise RecordError(f"{path}: there is no such file{nearest(path.name, there)}; check the name")

@@ -102,9 +102,9 @@ def _environment() -> jinja2.Environment:
 
 
 def readable(text: str) -> str:
-    """The text with the micro sign in units; terminals get the ASCII `um`.
+    """The text with the micro sign in units and the sign ±; terminals get the ASCII `um` and `+-`.
 
-    >>> readable("0.47 um, umbra, 3 um/V")
-    '0.47 µm, umbra, 3 µm/V'
+    >>> readable("0.47 +- 0.01 um, umbra, 3 um/V")
+    '0.47 ± 0.01 µm, umbra, 3 µm/V'
     """
-    return re.sub(r"\bum\b", "µm", text)
+    return re.sub(r"\bum\b", "µm", text).replace(" +- ", " ± ")

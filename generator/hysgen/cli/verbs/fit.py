@@ -24,7 +24,7 @@ from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.compare import Comparison, compare
-from hysgen.fitting.operator import RELAXING
+from hysgen.fitting.operator import MOST_PLAYS, RELAXING
 from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, model_to_json, save_model
 from hysgen.model.model import MOST_RULES, Model
@@ -117,6 +117,8 @@ def _size(arguments: argparse.Namespace) -> PathSize | None:
         if arguments.relaxation:
             raise HysgenError("--relaxation: is a property of the hysteresis; give --memory too")
         return None
+    if not 0 <= arguments.memory <= MOST_PLAYS:
+        raise HysgenError(f"--memory {arguments.memory}: is not supported; choose 0 to {MOST_PLAYS} play operators")
     return dataclasses.replace(RELAXING if arguments.relaxation else PathSize(), plays=arguments.memory)
 
 

@@ -60,7 +60,10 @@ class Creep(InputBlock):
 
     def describe(self) -> str:
         tau = self.tau_s
-        return f"creep by {self.amount:.3g} per state, {len(tau)} states of {tau[0]:.3g} .. {tau[-1]:.3g} s"
+        states = (
+            f"{len(tau)} states of {tau[0]:.3g} .. {tau[-1]:.3g} s" if len(tau) > 1 else f"1 state of {tau[0]:.3g} s"
+        )
+        return f"creep by {self.amount:.3g} per state, {states}"
 
     def start(self, x: float) -> Floats:
         """State at rest under x: every slow state at x."""

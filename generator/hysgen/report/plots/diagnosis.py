@@ -156,11 +156,20 @@ def ladder_picture(study: Study) -> Picture:
     for i, level in enumerate(levels):
         price = causes[i - 1].price if i else None
         text = f"{level:.3g}" + (f"\n{price.cycles:+d} cycles" if price else "")
-        axis.annotate(text, (i, level), xytext=(8, 4), textcoords="offset points", fontsize=8)
+        # Labels of neighbours of about the same level would touch: every second one stands below its point.
+        below = i % 2 == 1
+        axis.annotate(
+            text,
+            (i, level),
+            xytext=(8, -4 if below else 4),
+            textcoords="offset points",
+            va="top" if below else "bottom",
+            fontsize=8,
+        )
     axis.set_yscale("log")
     axis.set_ylim(lowest, 4.0 * max(levels))
     _plain(axis, x=False)
-    axis.set_xlim(-0.4, len(levels) + 0.1)
+    axis.set_xlim(-0.4, len(levels) + 0.3)
     _level(axis, diagnosis.noise.rms_um, "noise floor")
     axis.set_xticks(place, [label.replace("'s ", "'s\n") for label in labels], fontsize=8 if len(labels) < 6 else 7)
     steps = ", ".join(f"{label} {level:.3g} µm" for label, level in zip(labels, levels, strict=True))

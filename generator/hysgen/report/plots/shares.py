@@ -42,7 +42,7 @@ def shares_picture(study: Study) -> Picture:
     colours = ["#cccccc", "#666666", *(COLOURS[i % len(COLOURS)] for i in range(len(names) - 2))]
     fig = style.figure(9.6, 3.1)
     axis = fig.subplots()
-    axis.set(xlabel="time [s], segments of the record end to end", ylabel="share of the error's power [%]")
+    axis.set(xlabel="time [s], segments end to end", ylabel="share of the error's power [%]")
     time_s = record.Ts_s * edges
     # Each window is a step, so that no slope is drawn that was not measured.
     steps = np.repeat(100.0 * shares, 2, axis=1)

@@ -25,6 +25,7 @@ _SETTINGS: Any = {
     "axes.titlesize": 10.0,
     "axes.titlelocation": "left",
     "axes.grid": True,
+    "axes.axisbelow": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "grid.color": "#dddddd",

@@ -70,7 +70,7 @@ def record_picture(study: Study) -> Picture:
     below.annotate("held out", (study.cut * record.Ts_s, 1.0), xycoords=("data", "axes fraction"), xytext=(4, -10),
                    textcoords="offset points", fontsize=8)  # fmt: skip
     above.set(ylabel="voltage [V]")
-    below.set(xlabel="time [s], segments one behind the other", ylabel="displacement [µm]")
+    below.set(xlabel="time [s], segments end to end", ylabel="displacement [µm]")
     alt = f"{record.one_line()}; held out from {study.cut * record.Ts_s:.3g} s on."
     return Picture("record", "The record", alt, fig, wide=True)
 
