@@ -66,6 +66,7 @@ def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
     firmware, log = suffered(fault, value)
     assert firmware.state is State.TRIPPED
     assert firmware.board.output_V == SETTINGS.off_V
+    assert firmware.board.enabled == 0
     faults = FirmwareStatus(firmware.status & FAULTS)
     assert told in firmware.status
     assert faults == FirmwareStatus(told & FAULTS), f"{faults!r}: one cause, one fault"
@@ -80,6 +81,7 @@ def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
     assert firmware.state is State.OFF
     firmware.start(REFERENCE_UM)
     assert firmware.state is State.TRACK
+    assert firmware.board.enabled == 1
 
 
 @pytest.mark.parametrize(
@@ -237,6 +239,23 @@ def test_the_ways_up_and_down_are_ramps_through_the_loop() -> None:
     down = firmware.run(np.full(4000, REFERENCE_UM))
     assert np.abs(np.diff(down.output_V)).max() <= SETTINGS.ramp_V * (1 + 1e-3)
     assert down.output_V[-1] == SETTINGS.off_V
+
+
+def test_an_idle_loop_that_hangs_is_left_to_the_hardware_watchdog() -> None:
+    """The interrupt restarts the watchdog for state_samples samples behind the last pass of the idle loop."""
+    settings = replace(SETTINGS, state_samples=5000)
+    firmware = booted(settings)
+    firmware.run(np.full(10, REFERENCE_UM))
+    board, lib = firmware.board, firmware.image.library.lib
+    reference_um, restarted = firmware.image.library.ffi.new("float []", [REFERENCE_UM]), board.alive
+    assert restarted == 10
+    for _ in range(6000):
+        board.sample, board.reference_um = 0, reference_um
+        lib.firmware_interrupt(firmware.firmware, board)
+    assert board.alive == restarted + settings.state_samples - 1
+    lib.firmware_idle(firmware.firmware, board)
+    lib.firmware_interrupt(firmware.firmware, board)
+    assert board.alive == restarted + settings.state_samples
 
 
 def test_a_failed_selftest_keeps_the_stage_off_for_good() -> None:

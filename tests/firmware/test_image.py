@@ -276,6 +276,7 @@ ATTACKS = {
     "without the key": (lambda: encode(SOFT, Label(OWNER.device, 0, 6)), 13),
     "another key": (lambda: encode(SOFT, Label(OWNER.device, 0, 6), KEY[::-1]), 13),
     "of another device": (lambda: encode(SOFT, Label(OWNER.device ^ 1, 0, 6), KEY), 14),
+    "of a device with another high word": (lambda: encode(SOFT, Label(OWNER.device ^ 1 << 40, 0, 6), KEY), 14),
     "of a device without a number": (lambda: encode(SOFT, Label(0, 0, 6), KEY), 14),
     "for another build": (lambda: encode(SOFT, Label(OWNER.device, build_id(SOFT), 6), KEY), 15),
     "same counter": (lambda: encode(SOFT, Label(OWNER.device, 0, 5), KEY), 16),
