@@ -19,12 +19,12 @@ from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import ModelStage, image, model
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware.binding import build_id, structure_digest
+from hysgen.firmware.binding import build_id, firmware_model, structure_digest
 from hysgen.firmware.host import HostFirmware, Request, Settings, State
-from hysgen.firmware.image import Label, Owner, encode
+from hysgen.firmware.image import ANSWERS, Label, Owner, encode
 from hysgen.firmware.link import Client
 from hysgen.firmware.simulated import compile_image
-from hysgen.firmware.wire import ANSWER, Command, LinkStatus, command, frame, payload
+from hysgen.firmware.wire import ANSWER, Command, LinkStatus, command, frame, image_frames, payload
 
 OWNER = Owner(bytes(range(16)), 0xABCDEF)
 QUICK = Settings(hold_samples=256, ramp_V=0.5, fall_V=0.5, approach_um=0.01)
@@ -219,26 +219,58 @@ def test_frames_read_back_whatever_they_hold() -> None:
             assert payload(encoded[:-1]) == body
 
 
-def test_the_simulated_c674x_answers_like_the_host() -> None:
-    need_compiler()
-    from hysgen.firmware.binding import firmware_model
+def test_a_command_with_any_bit_flipped_has_no_answer_and_no_effect() -> None:
+    firmware = owned()
+    sound = command(Command.REQUEST, 7, bytes([Request.START]))
+    for bit in range(8 * len(sound)):
+        flipped = bytearray(sound)
+        flipped[bit // 8] ^= 1 << bit % 8
+        assert firmware.line(bytes(flipped) + b"\0") == b"", bit
+        assert firmware.firmware.controller.request == 0, bit
+    assert firmware.line(sound) != b""
+    assert firmware.firmware.controller.request == Request.START
 
-    machine = compile_image(firmware_model(model())).machine()
-    machine.call("simulated_boot")
-    answer = b""
-    for byte in command(Command.STATUS, 5):
-        machine.call("simulated_send", byte)
-    for _ in range(6):
-        machine.call("simulated_idle")
-    while (byte := machine.call("simulated_sent").bits) < 256:
-        answer += bytes([byte])
-    body = payload(answer[:-1])
-    assert body is not None
-    assert body[:3] == bytes([Command.STATUS | ANSWER, 5, 0])
-    status = LinkStatus.unpack(body[3:])
+
+class Simulated:
+    """The firmware on the simulated C674x, on a board without flash, and the bytes of its line."""
+
+    def __init__(self) -> None:
+        need_compiler()
+        self.machine = compile_image(firmware_model(model())).machine()
+        self.machine.call("simulated_boot")
+
+    def line(self, data: bytes) -> bytes:
+        """The answers to `data`, without the zeros between them."""
+        answers = b""
+        for byte in data:
+            self.machine.call("simulated_send", byte)
+            self.machine.call("simulated_idle")
+        for _ in range(6):
+            self.machine.call("simulated_idle")
+            while (byte := self.machine.call("simulated_sent").bits) < 256:
+                answers += bytes([byte])
+        return answers[:-1]
+
+    def status(self) -> LinkStatus:
+        body = payload(self.line(command(Command.STATUS, 5)))
+        assert body is not None
+        assert body[:3] == bytes([Command.STATUS | ANSWER, 5, 0])
+        return LinkStatus.unpack(body[3:])
+
+
+def test_the_simulated_c674x_answers_like_the_host() -> None:
+    simulated = Simulated()
+    status = simulated.status()
     assert (status.state, status.samples, status.selftest) == (State.OFF, 0, 0)
-    for byte in command(Command.REQUEST, 6, bytes([Request.STOP])):
-        machine.call("simulated_send", byte)
-    machine.call("simulated_idle")
-    while machine.call("simulated_sent").bits < 256:
-        pass
+    assert payload(simulated.line(command(Command.REQUEST, 6, bytes([Request.STOP])))) == bytes(
+        [Command.REQUEST | ANSWER, 6, 0]
+    )
+
+
+def test_a_board_without_flash_refuses_every_image() -> None:
+    simulated = Simulated()
+    for each in image_frames(encode(model(), Label(counter=1))):
+        simulated.line(each)
+    status = simulated.status()
+    assert ANSWERS[status.image_answer] == ANSWERS[7]
+    assert status.counter == 0
