@@ -1,4 +1,7 @@
-"""The first two files printed in docs/extend.md add a block of the path, from the fit to equal bits."""
+"""The first two files printed in docs/extend.md add a block of the path, from the fit to equal bits.
+
+With `make prove`; tests/diagnosis/test_made_up_cause.py uses the same two files on every run.
+"""
 
 from __future__ import annotations
 
@@ -41,6 +44,7 @@ print("equal in every bit")
 
 
 @pytest.mark.slow
+@pytest.mark.proof
 def test_the_two_files_of_the_page_are_all_that_a_new_block_takes(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "extend.md").read_text()
     blocks = re.findall(r"```(?:python|c)\n(.*?)```", page, re.DOTALL)

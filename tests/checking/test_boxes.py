@@ -249,6 +249,7 @@ def test_a_saturation_beyond_the_range_holds_the_input_at_its_level() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.proof
 def test_eva_says_that_a_box_of_the_creep_that_is_too_small_is_left() -> None:
     need("frama-c")
     verdict, _ = prove_call(with_creep(Small, "small_diagnosed"), texts("small_diagnosed"), "predict", "finite")

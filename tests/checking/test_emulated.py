@@ -104,6 +104,7 @@ def test_a_learner_that_differs_from_the_reference_on_every_machine_is_seen() ->
 
 
 @pytest.mark.slow
+@pytest.mark.proof
 def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
     need("s390x-linux-gnu-gcc")
     need("qemu-s390x-static")

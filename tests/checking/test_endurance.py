@@ -37,6 +37,7 @@ def test_the_learner_passes_every_case_and_eq_10_as_printed_loses_its_covariance
         assert result.paper_lost_at is not None
 
 
+@pytest.mark.proof
 def test_other_settings_pass_the_case_without_excitation() -> None:
     settings = [(1.0, 1e6), (0.9999, 1e3), (0.99, 1e3)]
     for result in run([EnduranceTest("constant", forgetting, alpha, SAMPLES) for forgetting, alpha in settings]):

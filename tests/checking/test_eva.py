@@ -64,7 +64,10 @@ def test_terms_as_the_diagnosis_delivers_them_are_proved() -> None:
         assert verdict.held == verdict.checks >= expected > 20
 
 
-@pytest.mark.parametrize(("function", "inputs"), [("predict", "finite"), ("inverse", "any"), ("aux", "any")])
+@pytest.mark.parametrize(
+    ("function", "inputs"),
+    [("predict", "finite"), pytest.param("inverse", "any", marks=pytest.mark.proof), ("aux", "any")],
+)
 @pytest.mark.slow
 def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Floats) -> None:
     need("frama-c")
@@ -166,6 +169,7 @@ def test_commit_is_proved_and_a_check_point_too_many_is_missed() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.proof
 def test_a_ring_that_is_left_open_is_missed() -> None:
     need("frama-c")
     guard = next(guard for guard in GUARDS if guard.about == "the delay's ring is closed where it is read")
