@@ -157,6 +157,9 @@ class Graph:
             yes = yes.args[1]
         if yes.kind == "select" and yes.args[2] is no and condition.truth and yes.args[0].truth:
             return self.select(self.op("and", condition, yes.args[0]), yes.args[1], no)
+        if yes.kind == "select" and yes.args[1] is no and condition.truth and yes.args[0].truth:
+            fails = self.op("xor", yes.args[0], self.const(1))
+            return self.select(self.op("and", condition, fails), yes.args[2], no)
         return self._node("select", (condition, yes, no))
 
     def op(self, kind: str, *args: Op) -> Op:

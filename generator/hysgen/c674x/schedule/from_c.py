@@ -193,12 +193,12 @@ class _Execution:
         return merged
 
     def _stored_before(self, key: tuple[str, int], new: Leaf, old: Leaf) -> Leaf:
-        """The word as a load, if an earlier `if` may have changed it and the new value is a constant or a copy.
+        """The word as a load, if an earlier `if` may have changed it.
 
         The earlier value is stored at once. Both stores become stores under a condition, and the earlier value leaves
         its register.
         """
-        if self.memory.conditional or not isinstance(new, Op) or new is old or new.kind not in ("const", "load"):
+        if self.memory.conditional or not isinstance(new, Op) or new is old:
             return old
         return self.memory.settled(key, old)
 

@@ -12,9 +12,14 @@ from collections import Counter, defaultdict
 from hysgen.c674x.schedule.instructions import Node, Selected, nodes_of
 
 
-def sparing(selected: Selected) -> dict[int, int]:
-    """The rank of every computing instruction, by its id; loads from known addresses and constants have none."""
+def sparing(selected: Selected, constants_last: bool = False) -> dict[int, int]:
+    """The rank of every computing instruction, by its id; loads from known addresses and constants have none.
+
+    constants_last: whether stores that free no register come last.
+    """
     nodes = [node for node in selected.nodes if not node.source]
+    late = {id(node) for node in nodes if constants_last and _stores_constant(node)}
+    nodes.sort(key=lambda node: id(node) in late)
     rank = {id(node): k for k, node in enumerate(nodes)}
     uses: Counter[int] = Counter()
     waiting: Counter[int] = Counter()
@@ -46,8 +51,11 @@ def sparing(selected: Selected) -> dict[int, int]:
             if id(node) not in found:
                 return node
 
+    def frees(node: Node) -> bool:
+        return id(node) not in late and taken(node) <= 0
+
     for key, node in ready:
-        if taken(node) <= 0:
+        if frees(node):
             heapq.heappush(freeing, (key, node))
     while len(found) < len(nodes):
         node = ready_one()
@@ -56,18 +64,25 @@ def sparing(selected: Selected) -> dict[int, int]:
             uses[id(value)] -= 1
             if uses[id(value)] == 1:
                 for reader in readers[id(value)]:
-                    if id(reader) not in found and not waiting[id(reader)] and taken(reader) <= 0:
+                    if id(reader) not in found and not waiting[id(reader)] and frees(reader):
                         heapq.heappush(freeing, (rank[id(reader)], reader))
         for follower in followers[id(node)]:
             waiting[id(follower)] -= 1
             if not waiting[id(follower)]:
-                heapq.heappush(freeing if taken(follower) <= 0 else ready, (rank[id(follower)], follower))
+                heapq.heappush(freeing if frees(follower) else ready, (rank[id(follower)], follower))
     return found
 
 
-def ranked(selected: Selected) -> Selected:
+def _stores_constant(node: Node) -> bool:
+    """Whether an instruction stores a constant or a word of memory, which can be made again at any time."""
+    if node.mnemonic != "stw" or isinstance(node.operands[1], int):
+        return False
+    return all(each.source for each in nodes_of(node.operands[1]))
+
+
+def ranked(selected: Selected, constants_last: bool = False) -> Selected:
     """The instructions with the order of `sparing`; a load or constant stands in front of its first user."""
-    rank = sparing(selected)
+    rank = sparing(selected, constants_last)
     users: dict[int, list[Node]] = defaultdict(list)
     for node in selected.nodes:
         for value in node.values():

@@ -23,8 +23,8 @@ LONG: Final = 500
 LONGEST_KEPT: Final = 1200
 """Instructions of a kernel from which on every attempt stores values on the stack."""
 
-LONGEST_BY_LATENCY: Final = 2500
-"""Instructions of a kernel from which on no attempt goes by latencies alone: too many values would be alive."""
+LONGEST: Final = 2500
+"""Instructions of a kernel from which on the plans are those of `learn`, which is not a chain of latencies."""
 
 _GOOD_ENOUGH: Final = 1.02
 """Cycles, as a multiple of those without limits on registers, at which no further plan is tried."""
@@ -52,13 +52,19 @@ _FRAMED_LONG: Final = (
     Plan(_ALL, 2, 2, 0.0, 0.0, saved=True),
 )
 _LOOKAHEAD: Final = Plan(400, 0, 3, 0.1, saved=True, taper=0.04, ahead=160)
-_BY_LATENCY: Final = Plan(400, 0, 3, 0.0, saved=True, taper=0.04, ahead=100)
 _SPILLED: Final = (
     (100, 4.0, 46, _LOOKAHEAD),
     (200, 4.0, 46, _LOOKAHEAD),
-    (2000, 0.0, 48, _BY_LATENCY),
+    (2000, 0.0, 48, Plan(400, 0, 3, 0.0, saved=True, taper=0.04, ahead=100)),
+    (2000, 4.0, 46, Plan(200, 0, 3, 0.5, saved=True, taper=0.08, ahead=100)),
 )
-"""Window and slope of the order, registers and plan of the attempts that store values on the stack."""
+_SPILLED_LONGEST: Final = (
+    (250, 4.0, 48, Plan(600, 0, 3, 0.05, saved=True, taper=0.05, ahead=130)),
+    (300, 4.0, 52, Plan(600, 0, 3, 0.5, saved=True, taper=0.04, ahead=160)),
+    (100, 4.0, 46, _LOOKAHEAD),
+)
+"""Window and slope of the order, registers and plan of the attempts that store values on the stack. Those for the
+longest kernels order stores of constants last; each was the shortest of 60 to 120 random attempts for one `learn`."""
 
 FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
 """Plans with a stack frame."""
@@ -99,11 +105,13 @@ def _better(best: Schedule | None, selected: Selected, plan: Plan, issue: Mappin
 
 def _with_spilling(kernel: Kernel, best: Schedule | None) -> Schedule | None:
     """The shortest schedule, among them those of instructions with a limited number of values alive."""
-    selected = ranked(select(kernel, far=_FOREVER))
+    selected = select(kernel, far=_FOREVER)
+    longest = len(selected.nodes) > LONGEST
+    selected = ranked(selected, constants_last=longest)
     orders: dict[tuple[int, float], Mapping[int, int]] = {}
-    for window, slope, registers, plan in _SPILLED:
-        if plan is _BY_LATENCY and len(selected.nodes) > LONGEST_BY_LATENCY:
-            continue
+    for window, slope, registers, plan in _SPILLED_LONGEST if longest else _SPILLED:
+        if longest and best is not None and plan is _LOOKAHEAD:
+            break  # one attempt more takes a second, and was never the shortest
         if (window, slope) not in orders:
             orders[window, slope] = unlimited(selected, window, slope)
         try:
