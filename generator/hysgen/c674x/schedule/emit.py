@@ -73,6 +73,8 @@ def _instructions(placement: Placement) -> list[str]:
             return [f"lddw {unit}t{placement.data_side + 1} *{sign}{own[0]}[{words}], {high}:{result}"]
         case "stdw":
             sign, words = ("-" if node.number < 0 else "+"), abs(node.number) // 8
+            even, odd = (operand for operand in placement.operands[1:] if not isinstance(operand, int))
+            assert (even[0], even[1] + 1) == odd, "a 64-bit store takes neighbouring registers"
             guard = f"[{_register(placement.guard)}] " if placement.guard else ""
             return [f"{guard}stdw {unit}t{placement.data_side + 1} {own[2]}:{own[1]}, *{sign}{own[0]}[{words}]"]
         case "ldw" | "stw":

@@ -670,6 +670,8 @@ class _List:
             self.uses[id(value)] += 1
             self.consumers[id(value)].append(second)
         heapq.heappush(self.pending, (self.ready_at[id(second)], self.position[id(second)], second))
+        if any(user.mnemonic == "stdw" for user in self._users(node)):
+            self._split_store(node, second)
 
     def _moved(self, node: Node) -> tuple[Node, Node] | None:
         """A move of an operand to the other side, where there is a register for the result of a stuck instruction."""
