@@ -15,9 +15,11 @@ from fixtures.generated_models import everything, learning
 from fixtures.tools import need
 from hysgen.codegen import generate, write
 from hysgen.codegen.manifest import read_folder
+from hysgen.firmware.reference_models import with_learner
+from hysgen.model.file import load_model
 from hysgen.model.model import Model
 
-MODELS = {model.name: model for model in (learning(), everything())}
+MODELS = {model.name: model for model in (learning(), everything(), with_learner(load_model("extended")))}
 
 
 @functools.cache
@@ -99,7 +101,7 @@ def test_another_layout_does_not_compile(file: str, flag: str, complaint: str, t
     assert re.search(complaint, refused.stderr)
 
 
-@pytest.mark.parametrize("name", ["everything", "learning"])
+@pytest.mark.parametrize("name", ["everything", "extended"])
 def test_section_macros_place_every_function_and_every_table(name: str, tmp_path: Path) -> None:
     """Without optimisation, so that no function is hidden by inlining."""
     need("objdump")
