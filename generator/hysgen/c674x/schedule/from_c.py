@@ -17,6 +17,7 @@ from typing import Final, TypeVar
 from pycparser import c_ast
 
 from hysgen.c674x.schedule.c_memory import Leaf, Place, State, SymbolicMemory, Value, Whole, size_of
+from hysgen.c674x.schedule.c_operators import operation
 from hysgen.c674x.schedule.c_source import KernelRefusalError, Source, literal
 from hysgen.c674x.schedule.dataflow import Graph, Kernel, Op
 from hysgen.codegen.operations.types import FLOAT, INTEGER, Array, Pointer, Scalar, StructType, Type
@@ -25,18 +26,6 @@ Result = TypeVar("Result")
 
 MOST_OPERATIONS: Final = 12_000
 """Operations of a kernel, bounded because a schedule's time and code grow with them."""
-
-_FLOAT_BINARY: Final = {"+": "addsp", "-": "subsp", "*": "mpysp"}
-_INTEGER_BINARY: Final = {
-    "+": "add",
-    "-": "sub",
-    "*": "mpy32",
-    "&": "and",
-    "|": "or",
-    "^": "xor",
-    "<<": "shl",
-    ">>": "shru",
-}
 
 
 def kernel(source: Source, function: str) -> Kernel:
@@ -378,10 +367,10 @@ class _Execution:
         if node.op in ("&&", "||"):
             b = self._evaluated_if(a, node.op == "&&", node.right, scope)
             assert isinstance(b, Op), f"{node.coord}: a truth is a word"
-            return self._operation(node, node.op, a, b, False)
+            return operation(self.graph, node, node.op, a, b, False)
         b = self._word(node.right, scope)
         floating = self._floating(node.left, scope) or self._floating(node.right, scope)
-        return self._operation(node, node.op, a, b, floating)
+        return operation(self.graph, node, node.op, a, b, floating)
 
     def _evaluated_if(self, condition: Op, holds: bool, node: c_ast.Node, scope: dict[str, Place]) -> Value:
         """The value of `node`, whose side effects happen only if the condition holds (or, `holds` false, fails)."""
@@ -390,53 +379,6 @@ class _Execution:
         self.memory.state = self._merged(condition, *((after, before) if holds else (before, after)))
         return value
 
-    def _operation(self, node: c_ast.Node, op: str, a: Op, b: Op, floating: bool) -> Op:
-        graph = self.graph
-        if op in ("&&", "||"):
-            truths = [each if each.truth else _not(graph, graph.op("cmpeq", each, graph.const(0))) for each in (a, b)]
-            return graph.op("and" if op == "&&" else "or", *truths)
-        if floating:
-            if op in _FLOAT_BINARY:
-                return graph.op(_FLOAT_BINARY[op], a, b)
-            match op:
-                case "<":
-                    return graph.op("cmpltsp", a, b)
-                case ">":
-                    return graph.op("cmpgtsp", a, b)
-                case "<=":
-                    return graph.op("or", graph.op("cmpltsp", a, b), graph.op("cmpeqsp", a, b))
-                case ">=":
-                    return graph.op("or", graph.op("cmpgtsp", a, b), graph.op("cmpeqsp", a, b))
-                case "==":
-                    return graph.op("cmpeqsp", a, b)
-                case "!=":
-                    return _not(graph, graph.op("cmpeqsp", a, b))
-            raise KernelRefusalError(f"{node.coord}: {op} of floats")
-        if op in _INTEGER_BINARY:
-            return graph.op(_INTEGER_BINARY[op], a, b)
-        if op == "/" and b.kind == "const" and b.number & (b.number - 1) == 0 < b.number:
-            return graph.op("shru", a, graph.const(b.number.bit_length() - 1))
-        match op:
-            case "<" if b.kind == "const" and b.number == 0xFFFF_FFFF:
-                return _not(graph, graph.op("cmpeq", a, b))
-            case ">" if b.kind == "const" and b.number == 0:
-                return _not(graph, graph.op("cmpeq", a, b))
-            case "<":
-                return graph.op("cmpltu", a, b)
-            case ">":
-                return graph.op("cmpgtu", a, b)
-            case ">=" if b.kind == "const" and b.number:
-                return graph.op("cmpgtu", a, graph.const(b.number - 1))
-            case ">=":
-                return _not(graph, graph.op("cmpltu", a, b))
-            case "<=":
-                return _not(graph, graph.op("cmpgtu", a, b))
-            case "==":
-                return graph.op("cmpeq", a, b)
-            case "!=":
-                return _not(graph, graph.op("cmpeq", a, b))
-        raise KernelRefusalError(f"{node.coord}: operator {op}")
-
     def _assign(self, node: c_ast.Assignment, scope: dict[str, Place]) -> Value:
         value = self._value(node.rvalue, scope)
         place = self._place(node.lvalue, scope)
@@ -444,7 +386,7 @@ class _Execution:
             old = self.memory.get(place)
             if not isinstance(old, Op) or not isinstance(value, Op):
                 raise KernelRefusalError(f"{node.coord}: operator {node.op}")
-            value = self._operation(node, node.op[:-1], old, value, _is_float(place.kind))
+            value = operation(self.graph, node, node.op[:-1], old, value, _is_float(place.kind))
         self.memory.put(place, value)
         return value
 
@@ -496,10 +438,6 @@ def _conjuncts(condition: Op) -> list[Op]:
     if condition.kind == "and" and all(arg.truth for arg in condition.args):
         return [each for arg in condition.args for each in _conjuncts(arg)]
     return [condition]
-
-
-def _not(graph: Graph, truth: Op) -> Op:
-    return graph.op("xor", truth, graph.const(1))
 
 
 def _is_float(kind: Type) -> bool:
