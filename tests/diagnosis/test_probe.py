@@ -20,6 +20,7 @@ from hysgen.diagnosis.causes.relaxation import RelaxationPart
 from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
+from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.probe import Chain, Mode, Operator, Scene, Trace, refine, standard_errors
 from hysgen.diagnosis.probe.dynamics import respond
@@ -132,6 +133,7 @@ def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
         DriftPart(0.7),
         PeriodicPart((50.0, 120.0)),
         CouplingPart(("a",)),
+        SuddenPart((1.0, 2.0), ((1.5, 0.02),)),
     )
     assert {part.cause for part in parts} == {name for name, cause in causes().items() if cause.part is not None}
     chain = Chain(2e-3, parts)

@@ -34,6 +34,7 @@ from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
+from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.score import LEAST_EVIDENCE, admissible, present
@@ -86,6 +87,17 @@ def test_search_names_nothing_when_the_residual_is_noise() -> None:
 def test_search_adds_a_cause_whose_effect_is_below_the_noise() -> None:
     found = search.search(scene(LAG, 2e-3 * T_S / SPAN_S))
     assert named(found) == ["drift"]
+
+
+def test_sudden_changes_are_located_and_no_slow_cause_is_named_for_them() -> None:
+    """Three jumps upwards resemble a drift, a gain that grows once resembles aging."""
+    stairs_um = 0.02 * sum((t_s <= T_S).astype(float) for t_s in (0.9, 2.0, 3.1))
+    grown_um = 0.1 * 0.004 * respond(COMMAND_V, LAG, TS_S) * (T_S >= 2.2)
+    for more_um, at_s in ((stairs_um, [0.9, 2.0, 3.1]), (grown_um, [2.2])):
+        found = search.search(scene(LAG, more_um))
+        assert named(found) == ["unknown"]
+        times_s = found.fit.chain.of(SuddenPart).times_s
+        np.testing.assert_allclose(sorted(times_s), at_s, atol=0.02)
 
 
 LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(high_V=60.0))

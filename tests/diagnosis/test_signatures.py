@@ -15,6 +15,7 @@ from fixtures.linear_stage import (
     CREEP,
     DRIFTING,
     HUMMING,
+    KNOCKED,
     LAG,
     PLANTED,
     SAMPLES,
@@ -31,7 +32,7 @@ from hysgen.diagnosis.probe import linear_fit, refine
 
 Floats = NDArray[np.float64]
 
-BESIDE = {"drift": DRIFTING, "aging": AGING, "periodic": HUMMING, "coupling": COUPLED}
+BESIDE = {"drift": DRIFTING, "aging": AGING, "periodic": HUMMING, "coupling": COUPLED, "unknown": KNOCKED}
 """Chains that hold the causes of which `PLANTED` only has the displacement."""
 
 PRESENT = {name: (BESIDE.get(name, stage), more_um) for name, (stage, more_um) in PLANTED.items()}

@@ -86,9 +86,9 @@ def test_aging_has_starting_values_of_both_signs() -> None:
     part = scene.using(scene.rows[np.arange(len(scene.rows)) * 24 // len(scene.rows) % 3 != 1])
     aging = causes()["aging"]
     proposals = aging.proposals(Residual(part, refine(part, Chain(hidden.stage.lag_s))))
-    assert {np.sign(chain.gain_per_s) for chain in proposals[1:]} == {-1.0, 1.0}
+    assert {np.sign(chain.of(AgingPart).per_s) for chain in proposals[1:]} == {-1.0, 1.0}
     trials = sorted((linear_fit(part, chain) for chain in proposals), key=lambda fit: fit.rms_um)
-    rates = [refine(part, trial.chain).chain.gain_per_s for trial in aging.select_starts(trials)]
+    rates = [refine(part, trial.chain).chain.of(AgingPart).per_s for trial in aging.select_starts(trials)]
     assert sorted(np.sign(rates)) == [-1.0, 1.0]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -174,7 +174,7 @@ def name_causes(
     report(SEARCHED, "weighing the evidence")
     whole = over_all_rows(found, prepared.scene())
     signatures = _signatures(found, whole)
-    agreed = in_ladder_order(signatures)
+    agreed = in_ladder_order(name for name in signatures if causes()[name].extends)
     noise = residual_noise_floor(prepared.identification(), _usable_error(whole), found.fit.chain.lag_s)
     return Naming(
         prepared,
@@ -184,10 +184,16 @@ def name_causes(
         _extensions(found, whole, agreed),
         agreed,
         noise,
-        unexplained_structure(prepared, whole, noise),
-        abilities(Residual(found.scene, found.fit), whole, dict.fromkeys(agreed)),
+        _unknown(signatures, unexplained_structure(prepared, whole, noise)),
+        abilities(Residual(found.scene, found.fit), whole, signatures),
         next_experiment(prepared),
     )
+
+
+def _unknown(signatures: Mapping[str, Signature], left: str | None) -> str | None:
+    """What no model can be extended by, in words: the named causes of this kind and the structure that is left."""
+    words = [signature.text for name, signature in signatures.items() if not causes()[name].extends]
+    return "; ".join([*words, *([left] if left else [])]) or None
 
 
 def _inputs(prepared: Prepared) -> tuple[str, ...]:
@@ -314,6 +320,7 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
         refused=tuple(
             Refused(name, f"the score falls by {fall:.1f} with it, and {LEAST_EVIDENCE:.1f} are required")
             for name, fall in naming.found.refused.items()
+            if causes()[name].extends
         ),
         unknown=naming.unknown,
         base=rungs[0].model,

@@ -1,15 +1,15 @@
 """The score of a chain of causes, by which the search compares chains.
 
-    score = N ln(R^2) + weights + sum over the parameters of order * ln N - sum over the causes of 2 ln(PRIOR_ODDS)
+    score = N ln(R^2) + weights + sum over the parameters of order * ln N - sum over the causes of 2 ln(odds)
     N     = R^2 / max(c R^2 / n, (R^2 - r^2) / n + r^2 / REPEATING)
 
 R: rms of the residual on the n fitted rows, of which r repeats: the misfit of the hysteresis and the error of the
 converter are the same whenever the stage passes the same states again, so that more rows do not average them out. They
-count as REPEATING independent values. The rest is noise, of which c samples count as one
-(`dispersion`). So an effect below the noise shows in a long record, and an effect far below the misfit in none. The
-difference of two scores is -2 ln of the odds of the two chains, to the order of Schwarz's approximation; each weight
-also lowers N ln(R^2) by 1 on average if it fits noise. A parameter whose standard error falls as n^(-k/2) has order k;
-the weights of one function count as its octaves.
+count as REPEATING independent values. The rest is noise, of which c samples count as one (`dispersion`). odds: of a
+cause before the record (`Cause.prior_odds`). So an effect below the noise shows in a long record, and an effect far
+below the misfit in none. The difference of two scores is -2 ln of the odds of the two chains, to the order of Schwarz's
+approximation; each weight also lowers N ln(R^2) by 1 on average if it fits noise. A parameter whose standard error
+falls as n^(-k/2) has order k; the weights of one function count as its octaves.
 
 Sources: Schwarz (1978); Kennedy and O'Hagan (2001) for a misfit that more data do not average out; Djuric (1996) for
 the order 3 of a frequency.
@@ -37,9 +37,6 @@ REPEATING = 37
 
 SLOWEST = 10
 """Number of slow coefficients in `dispersion`: their mean has a standard deviation of 45 %."""
-
-PRIOR_ODDS = 0.1
-"""Odds of each cause before the record: of the ten causes with a part, a stage has one on average beside memory."""
 
 LEAST_EVIDENCE = 2.0 * math.log(99.0)
 """Least fall of the score by a named cause: odds of 99, so that one name in 100 is wrong if the odds are right."""
@@ -87,7 +84,7 @@ class Scored:
 
     def score(self, independent: float) -> float:
         """The score with a number of independent samples that is common to the compared chains."""
-        prior = -2.0 * math.log(PRIOR_ODDS) * len(present(self.chain))
+        prior = -2.0 * math.fsum(math.log(causes()[name].prior_odds) for name in present(self.chain))
         penalty = self.orders * math.log(independent) + len(self.fit.weights)
         return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty + prior
 
@@ -108,9 +105,9 @@ class Scored:
         return self.chain.memory == smaller.memory and bool(added) and all(part.apart(runs, Ts_s) for part in added)
 
 
-def least_growth(independent: float) -> float:
+def least_growth(independent: float, prior_odds: float) -> float:
     """Least growth of the rms error without a cause of one parameter that is named."""
-    least = LEAST_EVIDENCE - 2.0 * math.log(PRIOR_ODDS) + math.log(independent) + 1.0
+    least = LEAST_EVIDENCE - 2.0 * math.log(prior_odds) + math.log(independent) + 1.0
     return math.exp(0.5 * least / independent)
 
 

@@ -4,15 +4,16 @@
     drop      a part, a form of a part, or all slow causes, if the score rises by less than LEAST_EVIDENCE a cause
     exchange  a part for a similar one (`Cause.mistaken_for`, slow causes for each other), if the score falls
 
-A part is added if the score falls by LEAST_EVIDENCE. Each step fits all parameters of the chain jointly, so an effect
-that was first attributed to the wrong cause moves to the right one. Every scored chain counts in the confidences.
+A part is added if the score falls by LEAST_EVIDENCE, several at once if it falls by as many times that. Each step fits
+all parameters of the chain jointly, so an effect that was first attributed to the wrong cause moves to the right one.
+Every scored chain counts in the confidences.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -39,7 +40,7 @@ from hysgen.record.series import resolution_um
 Progress = Callable[[str], None]
 
 MOST_STEPS = 20
-"""Largest number of steps; the score falls in each, so the search also ends without this limit."""
+"""Largest number of steps; no structure is taken twice, so the search also ends without this limit."""
 
 MOST_ROWS = 8000
 """Rows above which a scene is thinned out for a fit."""
@@ -101,12 +102,14 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
     part = thinned(usable)
     state = _begin(part, refine(part, fit.chain))
     added: dict[str, Scored] = {}
+    structures = {_structure(state.current.chain)}
     for _ in range(MOST_STEPS):
         added = _best_additions(state)
-        step = next((one for one in added.values() if one.fall_from(state.current) > LEAST_EVIDENCE), None)
+        step = next((one for one in added.values() if _fall(one, state.current) > LEAST_EVIDENCE), None)
         step = step or _dropped_or_exchanged(state)
-        if step is None:
+        if step is None or _structure(step.chain) in structures:
             break
+        structures.add(_structure(step.chain))
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.fit.error[part.rows]):.3g} nm")
         state.current = step
         before = len(usable.rows)
@@ -116,6 +119,14 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
             part = thinned(usable)
             state = _begin(part, refine(part, step.chain, ROUNDS))
     return _result(usable, corrupted, state, added)
+
+
+def _structure(chain: Chain) -> Hashable:
+    """Key for the parts of a chain without the values of their parameters.
+
+    A search may come back to one: causes are exchanged by another measure than they are added and dropped by.
+    """
+    return (chain.memory, *(part.names for part in chain.parts))
 
 
 def over_all_rows(found: SearchResult, whole: Scene) -> Residual:
@@ -143,7 +154,7 @@ def _result(usable: Scene, corrupted: NDArray[np.bool_], state: _State, added: d
     less = state.fits_of_smaller([causes()[name].without(current.chain) for name in names])
     without = state.scored(less, bounded=False)
     rivals = {name: one for one in without for name in names if name not in present(one.chain)}
-    falls = {name: one.fall_from(current) for name, one in added.items() if name not in names}
+    falls = {name: _fall(one, current) for name, one in added.items() if name not in names}
     return SearchResult(
         scene=usable,
         fit=refine(thinned(usable), current.chain),
@@ -166,10 +177,21 @@ def _best_additions(state: _State) -> dict[str, Scored]:
     fits = [_with_acting_causes(part, fit, name) for (name, _), fit in zip(starts, fits, strict=True)]
     cause_of = {id(fit): name for (name, _), fit in zip(starts, fits, strict=True)}
     best: dict[str, Scored] = {}
-    for one in state.scored(fits):
+    for one in sorted(state.scored(fits), key=lambda one: -_fall(one, current)):
         best.setdefault(cause_of[id(one.fit)], one)
-    falls = {name: one.fall_from(current) for name, one in best.items()}
-    return {name: best[name] for name in sorted(falls, key=lambda name: -falls[name])}
+    return best
+
+
+def _fall(larger: Scored, current: Scored) -> float:
+    """Fall of the score from the current chain to a larger one, less LEAST_EVIDENCE for each part beyond the first.
+
+    Otherwise parts that are added together could be dropped one by one, and added again.
+    """
+    counts = [
+        sum(len(cause.without_one_part(one.chain)) for cause in causes().values() if cause.present(one.chain))
+        for one in (current, larger)
+    ]
+    return larger.fall_from(current) - max(counts[1] - counts[0] - 1, 0) * LEAST_EVIDENCE
 
 
 def _starts(cause: Cause, residual: Residual) -> list[TrainingFit]:

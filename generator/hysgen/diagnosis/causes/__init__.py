@@ -25,9 +25,6 @@ __all__ = [
     "slow_causes",
 ]
 
-UNKNOWN = "unknown"
-"""Answer for structure in the residual that no cause explains."""
-
 
 @functools.lru_cache(maxsize=1)
 def causes() -> Mapping[str, Cause]:
@@ -53,5 +50,5 @@ def slow_causes() -> tuple[str, ...]:
     return tuple(in_ladder_order(name for name, cause in causes().items() if cause.slow))
 
 
-VOCABULARY = (*in_ladder_order(causes()), UNKNOWN)
+VOCABULARY = tuple(in_ladder_order(causes()))
 """Every name that a diagnosis can give, in the order of the ladder."""

@@ -41,9 +41,8 @@ class AgingPart(Part):
     )
     per_s: float
 
-    @property
-    def gain_per_s(self) -> float:
-        return self.per_s
+    def gain_change(self, t_s: Floats) -> Floats:
+        return self.per_s * t_s
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,9 @@ class AgingCause(Cause):
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start of each sign, because a refinement may not change the sign (STARTING_CHANGES)."""
-        return list({candidate.chain.gain_per_s > 0.0: candidate for candidate in reversed(candidates)}.values())
+        return list(
+            {candidate.chain.of(AgingPart).per_s > 0.0: candidate for candidate in reversed(candidates)}.values()
+        )
 
     def effect(self, residual: Residual) -> Effect:
         return Effect("1/s", residual.scene.time_s * np.concatenate(residual.responses(residual.fit.chain)))
@@ -87,7 +88,7 @@ class AgingCause(Cause):
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The change of the gain divided by its standard error, by the whitened fit."""
         scene, fit = whitened_fit(residual.scene, residual.fit)
-        rate = fit.chain.gain_per_s
+        rate = fit.chain.of(AgingPart).per_s
         error = standard_errors(scene, fit).coordinates["aging.per_s"]
         z = abs(rate) / max(error, 1e-15)
         return Signature(
@@ -103,7 +104,7 @@ class AgingCause(Cause):
         scene = residual.scene
         _, fit = whitened_fit(scene, residual.fit)
         # A ramp too small for a drift of its own means that the gain changes about another point than the fitted zero.
-        drift, rate = fit.chain.get(DriftPart), fit.chain.gain_per_s
+        drift, rate = fit.chain.get(DriftPart), fit.chain.of(AgingPart).per_s
         shift_um = 0.0
         if drift is not None and drift.since_s is None:
             shift_um = float(fit.weights[scene.column_of(fit.chain, DriftPart)]) / scene.span_s / (rate or 1.0)

@@ -136,6 +136,13 @@ class Cause(abc.ABC):
     judged_by_gain: ClassVar[bool] = True
     """Whether the gain of the extension is measured; False if the measured error itself is corrupted."""
 
+    prior_odds: ClassVar[float] = 0.1
+    """Odds of the cause before the record: of the ten causes with an extension, a stage has one on average beside
+    memory."""
+
+    extends: ClassVar[bool] = True
+    """Whether a model can be extended by the cause; False for changes that no model predicts."""
+
     on_all_rows: ClassVar[bool] = False
     """Whether signature and extension are those of all rows of the record, not of the rows of the search."""
 

@@ -115,7 +115,7 @@ class DriftCause(Cause):
         creep = abs(chain.slow_states(scene.samples, scene.Ts_s).share)
         if part.since_s is not None:
             return creep == 0.0
-        hidden = max(math.log10(2.0) * creep, ZERO_UNCERTAIN * abs(chain.gain_per_s) * scene.span_s)
+        hidden = max(math.log10(2.0) * creep, ZERO_UNCERTAIN * float(np.max(np.abs(chain.gain_change(scene.time_s)))))
         return abs(_drift(scene, fit).size_um) * scene.span_s > hidden * float(np.ptp(scene.y_um))
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:

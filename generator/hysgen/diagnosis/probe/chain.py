@@ -1,6 +1,6 @@
 """The probe's chain: a hypothesis about the parts between command and sensor.
 
-    u -> amplifier -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain t)  + added columns
+    u -> amplifier -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain change)  + added columns
 
 h is linear in its coefficients (`operator`), and the chain behind h is linear: for given shape parameters, all other
 parameters follow from linear least squares. Each part belongs to a cause and is declared in the file of the cause.
@@ -138,10 +138,9 @@ class Chain:
         channels of the record are not aligned."""
         return math.fsum(part.late for part in self.parts)
 
-    @property
-    def gain_per_s(self) -> float:
-        """Relative change of the gain per second."""
-        return math.fsum(part.gain_per_s for part in self.parts)
+    def gain_change(self, t_s: Floats) -> Floats | float:
+        """(n,) relative change of the gain at times t_s after the start of the segment, or 0."""
+        return sum((part.gain_change(t_s) for part in self.parts), 0.0)
 
     def first_column(self, kind: type[Part]) -> int:
         """Place of the first added column of a part among all added columns; the constant has place 0."""

@@ -1,6 +1,6 @@
 """Interface of a part of the probe's chain: parameters, and methods for the places in the chain where a part can act.
 
-    u -> amplify -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain_per_s t)  + added columns
+    u -> amplify -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain change)  + added columns
 
 A cause declares its part in its own file (`hysgen.diagnosis.causes`): a frozen dataclass whose fields are the shape
 parameters, and a table of these parameters. A part overrides the methods of the places where it acts; the inherited
@@ -208,9 +208,8 @@ class Part:
         """Delay in samples, whole or fractional."""
         return 0.0
 
-    @property
-    def gain_per_s(self) -> float:
-        """Relative change of the stage's gain per second."""
+    def gain_change(self, t_s: Floats) -> Floats | float:
+        """(n,) relative change of the stage's gain at times t_s after the start of the segment, or 0."""
         return 0.0
 
     # Beside the hysteresis.

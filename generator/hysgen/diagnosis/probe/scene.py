@@ -290,12 +290,13 @@ class Scene:
         return float(weights[:size] @ self._operator(chain).at(0.0) + weights[size])
 
     def _age(self, seen: Floats, t_s: Floats, chain: Chain, weights: Floats | None = None) -> None:
-        """Applies the gain 1 + gain_per_s t about the displacement at 0 V to `seen`, (m, n), in place; t_s: (n,)."""
-        if chain.gain_per_s == 0.0:
+        """Applies the change of the gain about the displacement at 0 V to `seen`, (m, n), in place; t_s: (n,)."""
+        change = chain.gain_change(t_s)
+        if not np.any(change):
             return
         rest = self._operator(chain).at(0.0)
         zero = rest[:, None] if weights is None else weights @ rest
-        seen += chain.gain_per_s * t_s * (seen - zero)
+        seen += change * (seen - zero)
 
     def column_of(self, chain: Chain, kind: type[Part]) -> int:
         """Place of a part's first added column among all columns, and of its weight among the weights of a fit."""

@@ -1,0 +1,312 @@
+"""Unknown: changes at one instant, which no model can predict; a knock, a loosened clamp, a switched amplifier.
+
+The displacement jumps, or the gain changes, and stays so. Without these parts a chain would explain them by the slow
+causes that resemble them most, a drift or aging. Structure of another shape that is left in the residual is described
+in words (`diagnosis.advice`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.diagnosis.causes.base import Cause, Effect, Residual, Signature
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe.uncertainty import BLOCKS
+from hysgen.record.series import residual_noise
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+T = TypeVar("T")
+
+AT_ONCE = 4
+"""Number of jumps that one step of the search adds at most; the search drops those that do not lower the score."""
+
+LOCATION_ORDER = 2.0
+"""Order of the time of a change: its standard error falls with the number of samples n as 1/n."""
+
+LISTED = 4
+"""Number of changes that the evidence lists."""
+
+LEAST_AT_ONCE = 0.5
+"""Least share of a change that shows within a 40th of the rows around its time, beside a line; a course that takes the
+whole record shows none of itself there."""
+
+CLEARLY = 3.0
+"""Standard errors of a change in the rows around it: in noise the largest of BLOCKS places has 2.5."""
+
+FEWEST = 6
+"""Least rows on each side of a change for the fit of a line, the command and the change: 12 rows for 4 weights."""
+
+LAGS = 5.0
+"""Time constants of the lag behind a change of the gain until it shows: all but 1 % of it."""
+
+CHANGE = ShapeParameter("change", "1", lambda extent: (-0.9, 9.0))
+
+
+@dataclass(frozen=True)
+class SuddenPart(Part):
+    """Jumps of the displacement, and changes of the gain about the displacement at 0 V, at one instant each.
+
+    jumps_s: times of the jumps, each with one added column, 1 from then on. gains: pairs of a time in s and the
+    relative change of the gain from then on.
+    """
+
+    cause: ClassVar[str] = "unknown"
+    order: ClassVar[int] = 90
+    jumps_s: tuple[float, ...] = ()
+    gains: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
+        return tuple((f"unknown.{i}.change", CHANGE) for i, _ in enumerate(self.gains))
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        return tuple(change for _, change in self.gains)
+
+    def with_values(self, values: Sequence[float]) -> Self:
+        pairs = zip(self.gains, values, strict=True)
+        return dataclasses.replace(self, gains=tuple((at_s, value) for (at_s, _), value in pairs))
+
+    @property
+    def times_s(self) -> tuple[float, ...]:
+        """Times of all changes."""
+        return (*self.jumps_s, *(at_s for at_s, _ in self.gains))
+
+    @property
+    def added(self) -> int:
+        return len(self.jumps_s)
+
+    @property
+    def weight_orders(self) -> float:
+        return len(self.jumps_s) + LOCATION_ORDER * len(self.times_s)
+
+    def gain_change(self, t_s: Floats) -> Floats:
+        change = np.zeros(t_s.shape if self.gains else ())
+        for at_s, more in self.gains:
+            change += more * (t_s >= at_s)
+        return change
+
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        t_s = run.time_s(extent.Ts_s)
+        return [(t_s >= at_s).astype(np.float64) for at_s in self.jumps_s]
+
+
+class UnknownCause(Cause):
+    name = "unknown"
+    rank = 1000
+    experiment = "look at the mounting and the amplifier at this time"
+    part = SuddenPart
+    extends = False
+    prior_odds = 0.01  # a tenth of that of a property of the stage: an event, of which most records have none
+    starts = 3
+
+    def without_one_part(self, chain: Chain) -> list[Chain]:
+        part = chain.of(SuddenPart)
+        kept = [dataclasses.replace(part, jumps_s=_without(part.jumps_s, i)) for i, _ in enumerate(part.jumps_s)]
+        kept += [dataclasses.replace(part, gains=_without(part.gains, i)) for i, _ in enumerate(part.gains)]
+        return [chain.having(one) if one.times_s else self.without(chain) for one in kept]
+
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        """Whether each change takes place at once (`_Rows.at_once`)."""
+        part = fit.chain.get(SuddenPart)
+        if part is None:
+            return True
+        at, sizes = _Rows.of(scene, fit.error), [*_jump_sizes_um(scene, fit), *part.values]
+        one_each = [np.ones(scene.samples)] * len(part.jumps_s)
+        if part.gains:
+            one_each += [_response(Residual(scene, fit))] * len(part.gains)
+        # A jump is one of the sensor or the frame; a gain may change before the lag.
+        lags_s = [0.0] * len(part.jumps_s) + [fit.chain.lag_s] * len(part.gains)
+        return all(
+            at.at_once(fit.error[at.rows], at_s, size * direction[at.rows], lag_s)
+            for at_s, size, direction, lag_s in zip(part.times_s, sizes, one_each, lags_s, strict=True)
+        )
+
+    def proposals(self, residual: Residual) -> list[Chain]:
+        """One and AT_ONCE more jumps where they lower the error most, one after the other, or a change of the gain."""
+        scene, chain = residual.scene, residual.fit.chain
+        if not _one_segment(scene):
+            return []
+        part = chain.get(SuddenPart) or SuddenPart()
+        jumps = list(_jumps_s(residual, part.times_s))
+        sets = [jumps[:count] for count in sorted({1, len(jumps)}) if jumps]
+        chains = [chain.having(dataclasses.replace(part, jumps_s=(*part.jumps_s, *more))) for more in sets]
+        found = _Changes.of(residual, _response(residual)).best(part.times_s)
+        if found is not None:
+            at_s, change, _ = found
+            change = min(max(change, -0.5), 0.5)
+            chains.append(chain.having(dataclasses.replace(part, gains=(*part.gains, (at_s, change)))))
+        return chains
+
+    def effect(self, residual: Residual) -> Effect:
+        """Of a jump in the middle of the record."""
+        t_s = residual.scene.time_s
+        return Effect("um at one instant", (t_s >= 0.5 * residual.scene.span_s).astype(np.float64))
+
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
+        """The least change divided by its standard error."""
+        scene, fit = residual.scene, residual.fit
+        part, errors = fit.chain.of(SuddenPart), standard_errors(scene, fit)
+        first = fit.chain.first_column(SuddenPart)
+        changes = [
+            (at_s, size_um, float(error), f"the displacement jumps by {1e3 * size_um:+.3g} nm at {at_s:.4g} s")
+            for at_s, size_um, error in zip(
+                part.jumps_s, _jump_sizes_um(scene, fit), errors.added[first:], strict=False
+            )
+        ] + [
+            (
+                at_s,
+                change,
+                errors.coordinates[f"unknown.{i}.change"],
+                f"the gain changes by {change:+.2%} at {at_s:.4g} s",
+            )
+            for i, (at_s, change) in enumerate(part.gains)
+        ]
+        listed = [text for *_, text in sorted(changes)]
+        more = [f"{len(listed) - LISTED} further changes"] if len(listed) > LISTED else []
+        return Signature(
+            z=min(abs(size) / max(error, 1e-15) for _, size, error, _ in changes),
+            text=", ".join([*listed[:LISTED], *more]),
+        )
+
+    def extension(self, residual: Residual) -> Extension:
+        """None: such a change says nothing about the next record."""
+        return Extension()
+
+
+def _without(items: tuple[T, ...], i: int) -> tuple[T, ...]:
+    return items[:i] + items[i + 1 :]
+
+
+def _one_segment(scene: Scene) -> bool:
+    """Whether the times of all runs count from the start of one segment."""
+    first = scene.runs[0].segment
+    return len(scene.runs) == 1 or (first > 0 and all(run.segment == first for run in scene.runs))
+
+
+def _jump_sizes_um(scene: Scene, fit: Fit) -> list[float]:
+    """Size of each jump of a fit whose chain has the part."""
+    first = scene.column_of(fit.chain, SuddenPart)
+    return [float(size_um) for size_um in fit.weights[first : first + fit.chain.of(SuddenPart).added]]
+
+
+def _response(residual: Residual) -> Floats:
+    """(n,) displacement about that at 0 V, behind the linear part of the chain: what a gain multiplies."""
+    scene, chain, weights = residual.scene, residual.fit.chain, residual.fit.weights
+    zero_um = scene.zero_um(chain, weights) - float(weights[scene.hysteresis_size(chain)])
+    return np.concatenate(residual.responses(chain)) - zero_um
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """The fitted rows in the order of time: (r,) rows, t_s, u_V. noise_um: of the residual; span_s: of the record."""
+
+    rows: Rows
+    t_s: Floats
+    u_V: Floats
+    noise_um: float
+    span_s: float
+
+    @classmethod
+    def of(cls, scene: Scene, error: Floats) -> Self:
+        """error: (n,) residual of a fit."""
+        rows = scene.rows[np.argsort(scene.time_s[scene.rows], kind="stable")]
+        u_V = np.concatenate([run.u_V for run in scene.runs])
+        return cls(rows, scene.time_s[rows], u_V[rows], residual_noise(error[scene.dense]), scene.span_s)
+
+    def at_once(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> bool:
+        """Whether at least LEAST_AT_ONCE of a change, and CLEARLY standard errors, show in the rows around it.
+
+        By least squares of the residual without the change on a straight line in time, the command, and the change;
+        over as few rows as show the change with twice CLEARLY standard errors, and a 40th of all rows at most.
+        error: (r,) residual with the change; effect: (r,) change of the displacement, before it is cut off at at_s;
+        lag_s: time constant with which it shows.
+        """
+        count, middle = len(self.rows), int(np.searchsorted(self.t_s, at_s))
+        size_um = abs(float(effect[min(middle, count - 1)])) + 1e-300
+        shown = 8.0 * (2.0 * CLEARLY * self.noise_um / size_um) ** 2 + FEWEST + LAGS * lag_s / self.span_s * count
+        half = int(min(shown, count / (2 * BLOCKS)))
+        near = slice(max(middle - half, 0), middle + half)
+        since_s = self.t_s[near] - at_s
+        course = -np.expm1(-np.maximum(since_s, 0.0) / lag_s) if lag_s else since_s >= 0.0
+        change = effect[near] * course
+        smooth = np.vstack([np.ones(len(change)), since_s, self.u_V[near]])
+        own = change - np.linalg.lstsq(smooth.T, change, rcond=None)[0] @ smooth
+        power = float(own @ own) + 1e-300
+        share = float(own @ (error[near] + change)) / power
+        return bool(share > max(LEAST_AT_ONCE, CLEARLY * self.noise_um / math.sqrt(power)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Changes:
+    """Least squares with a change at any time.
+
+    direction, error: (r,) effect of a change before it is cut off, residual; basis: (p, r) orthonormal combinations of
+    the columns of the chain; on the fitted rows in the order of time. With H the part of `direction` from a time on,
+    and P the projector off the basis, the sum of squares falls by (H e)^2 / (H P H).
+    """
+
+    at: _Rows
+    direction: Floats
+    error: Floats
+    basis: Floats
+
+    @classmethod
+    def of(cls, residual: Residual, direction: Floats) -> Self:
+        """direction: (n,) on all rows."""
+        at = _Rows.of(residual.scene, residual.fit.error)
+        order = np.searchsorted(residual.scene.rows, at.rows)
+        return cls(at, direction[at.rows], residual.fit.error[at.rows], residual.projector.basis()[:, order])
+
+    def best(self, taken_s: Sequence[float]) -> tuple[float, float, Floats] | None:
+        """Time, size and orthogonal part, (r,), of the change that lowers the error most.
+
+        A change has a 40th of the rows before and behind it without another one (taken_s, and the ends), because
+        errors are judged by blocks of this length. None if there is no such place.
+        """
+        t_s = self.at.t_s
+        projected = _from_each_on(self.direction * self.error)
+        left = _from_each_on(self.direction**2) - np.sum(_from_each_on(self.direction * self.basis) ** 2, axis=0)
+        least = len(t_s) // BLOCKS + 1
+        falls = projected**2 / np.maximum(left, 1e-9 * left.max())
+        for at in (0, len(t_s), *np.searchsorted(t_s, taken_s)):
+            falls[max(at - least, 0) : at + least] = -1.0
+        at = int(np.argmax(falls))
+        if falls[at] <= 0.0:
+            return None
+        cut = self.direction * (np.arange(len(t_s)) >= at)
+        cut = cut - (self.basis @ cut) @ self.basis
+        return 0.5 * float(t_s[at - 1] + t_s[at]), float(projected[at] / (cut @ cut)), cut
+
+
+def _jumps_s(residual: Residual, taken_s: Sequence[float]) -> Iterator[float]:
+    """Times of AT_ONCE jumps at most, each the best beside those before it, until one does not take place at once."""
+    changes, times_s = _Changes.of(residual, np.ones(residual.scene.samples)), list(taken_s)
+    for _ in range(AT_ONCE):
+        found = changes.best(times_s)
+        if found is None:
+            return
+        at_s, size_um, cut = found
+        left = changes.error - size_um * cut
+        if len(times_s) > len(taken_s) and not changes.at.at_once(left, at_s, size_um * changes.direction):
+            return
+        yield at_s
+        times_s.append(at_s)
+        changes = dataclasses.replace(changes, error=left, basis=np.vstack([changes.basis, cut / np.sqrt(cut @ cut)]))
+
+
+def _from_each_on(values: Floats) -> Floats:
+    """Sums of the last axis from each place to the end."""
+    return np.asarray(np.cumsum(values[..., ::-1], axis=-1)[..., ::-1])
+
+
+CAUSE = UnknownCause()
