@@ -18,6 +18,7 @@ the order 3 of a frequency.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -26,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes
-from hysgen.diagnosis.probe import Chain, Fit, Scene, octaves
+from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges
 from hysgen.record.series import residual_noise, resolution_um
 
@@ -90,17 +91,20 @@ class Scored:
 
     def fall_from(self, smaller: Scored) -> float:
         """Fall of the score from a chain with fewer parts to this one."""
-        rows = self.scene.rows
-        independent = self.independent_samples(
-            dispersion(self.fit.error[rows], (smaller.fit.error - self.fit.error)[rows]),
-            apart=self._adds_apart(smaller.chain),
-        )
+        rows, added = self.scene.rows, self._added_to(smaller.chain)
+        few = dispersion(self.fit.error[rows], (smaller.fit.error - self.fit.error)[rows])
+        independent = self.independent_samples(few, apart=self._apart(smaller.chain, added))
+        if any(part.flexible for part in added):
+            independent = min(independent, smaller.independent_samples(few))
         return smaller.score(independent) - self.score(independent)
 
-    def _adds_apart(self, smaller: Chain) -> bool:
-        """Whether the misfit averages out along all parts that only this chain has (`Part.apart`)."""
+    def _added_to(self, smaller: Chain) -> list[Part]:
+        """The parts that only this chain has."""
         known = {(type(part), part.names) for part in smaller.parts}
-        added = [part for part in self.chain.parts if (type(part), part.names) not in known]
+        return [part for part in self.chain.parts if (type(part), part.names) not in known]
+
+    def _apart(self, smaller: Chain, added: Sequence[Part]) -> bool:
+        """Whether the misfit averages out along all added parts (`Part.apart`)."""
         runs, Ts_s = self.scene.runs, self.scene.Ts_s
         return self.chain.memory == smaller.memory and bool(added) and all(part.apart(runs, Ts_s) for part in added)
 

@@ -61,6 +61,7 @@ class SuddenPart(Part):
 
     cause: ClassVar[str] = "unknown"
     order: ClassVar[int] = 90
+    flexible: ClassVar[bool] = True
     jumps_s: tuple[float, ...] = ()
     gains: tuple[tuple[float, float], ...] = ()
 
@@ -104,6 +105,7 @@ class UnknownCause(Cause):
     name = "unknown"
     rank = 1000
     experiment = "look at the mounting and the amplifier at this time"
+    mistaken_for = ("drift", "aging")
     part = SuddenPart
     extends = False
     prior_odds = 0.01  # a tenth of that of a property of the stage: an event, of which most records have none

@@ -139,12 +139,14 @@ class Part:
     table: the parameters that are fitted; a parameter whose attribute is None is not fitted.
     amplifies: whether the part overrides `amplify`, `averaged` or `relaxation`; a change of such a part requires a new
     evaluation of the hysteresis.
+    flexible: whether the part may take any course in time, so that what it explains may also be misfit (`score`).
     """
 
     cause: ClassVar[str]
     order: ClassVar[int]
     table: ClassVar[tuple[ShapeParameter, ...]] = ()
     amplifies: ClassVar[bool] = False
+    flexible: ClassVar[bool] = False
 
     @property
     def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
