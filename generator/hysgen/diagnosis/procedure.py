@@ -119,11 +119,11 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     report = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
-    report(0.7, "measuring what each extension gains")
-    made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
-    report(0.8, "choosing the forms of the extensions")
-    best = with_best_forms(naming.prepared, naming.extensions, made, chosen.fit)
+    report(0.7, "choosing the forms of the extensions")
+    best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
+    report(0.8, "measuring what each extension gains")
+    made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
     report(0.85, "fitting rules, " + ", ".join(made))
     steps = [made[:count] for count in range(len(made) + 1)]
 
