@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fixtures.c674x_compiler import need_compiler
-from fixtures.c674x_kernels import scheduled_texts
+from fixtures.c674x_kernels import scheduled_model, scheduled_texts
 from fixtures.tools import need
 from hysgen.c674x import toolchain
-from hysgen.codegen import write
+from hysgen.codegen import generate, write
 
 
 def defined_in(folder: Path, texts: Mapping[str, str], *options: str) -> str:
@@ -37,3 +37,6 @@ def test_the_kernels_are_part_of_the_library_on_the_c674x_only(tmp_path: Path) -
     )
     assert defined_in(tmp_path / "target", texts, *cross).startswith("appendix_a_c674x.s")
     assert defined_in(tmp_path / "host", texts).startswith("appendix_a.c")
+    # Without kernels the C is compiled there, by a compiler that refuses -fPIC.
+    plain = generate(scheduled_model("appendix_a"))
+    assert defined_in(tmp_path / "plain", plain, *cross).startswith("appendix_a.c")

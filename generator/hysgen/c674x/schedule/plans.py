@@ -64,7 +64,8 @@ _SPILLED_LONGEST: Final = (
     (100, 4.0, 46, _LOOKAHEAD),
 )
 """Window and slope of the order, registers and plan of the attempts that store values on the stack. Those for the
-longest kernels order stores of constants last; each was the shortest of 60 to 120 random attempts for one `learn`."""
+longest kernels order stores of constants last; the first two are the shortest of up to 120 random attempts for the
+`learn` of one model each, so another model may gain less from them."""
 
 FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
 """Plans with a stack frame."""
@@ -111,7 +112,7 @@ def _with_spilling(kernel: Kernel, best: Schedule | None) -> Schedule | None:
     orders: dict[tuple[int, float], Mapping[int, int]] = {}
     for window, slope, registers, plan in _SPILLED_LONGEST if longest else _SPILLED:
         if longest and best is not None and plan is _LOOKAHEAD:
-            break  # one attempt more takes a second, and was never the shortest
+            break  # one attempt more takes a second, and was not the shortest of the two models tried
         if (window, slope) not in orders:
             orders[window, slope] = unlimited(selected, window, slope)
         try:
