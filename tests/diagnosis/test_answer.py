@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -113,6 +114,23 @@ def test_a_stage_without_a_planted_cause_is_diagnosed_with_none() -> None:
     found = diagnose(record, settings=QUICK)
     assert found.names == ()
     assert "no cause" in repr(evaluate(found, record, None, 0.65))
+
+
+def test_a_knock_is_told_with_time_and_size_and_spoils_no_model() -> None:
+    """The fall is compared with that of the same record without the knock."""
+    record = record_of("memory", 3)
+    (segment,) = record.segments
+    span_um, at = float(np.ptp(segment.y_um)), segment.samples // 3
+    knocked_um = segment.y_um + 0.02 * span_um * (np.arange(segment.samples) >= at)
+    sound = diagnose(record, settings=QUICK)
+    found = diagnose(Record.from_arrays(segment.u_V, knocked_um, record.Ts_s), settings=QUICK)
+    assert found.names == (*sound.names, "unknown")
+    assert found.unknown is not None
+    told = re.search(r"jumps by ([+-][0-9.]+) nm at ([0-9.]+) s", found.unknown)
+    assert told is not None
+    assert float(told[1]) == pytest.approx(20.0 * span_um, rel=0.05)
+    assert float(told[2]) == pytest.approx(at * record.Ts_s, rel=0.01)
+    assert found.extended_rms_um < 1.2 * sound.extended_rms_um
 
 
 @pytest.mark.slow

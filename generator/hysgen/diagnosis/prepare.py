@@ -10,6 +10,7 @@ the lag forgets it exponentially after that.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Iterable, Sequence
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.excerpt import excerpt
+from hysgen.diagnosis.extension import Correction
 from hysgen.diagnosis.outlier_detection import EDGE
 from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
@@ -149,6 +151,18 @@ class Prepared:
     def predicted_range_um(self) -> tuple[float, float]:
         """Range of the displacement over the whole command, predicted from the training rows."""
         return predicted_range_um(self.record, self.training_rows)
+
+    def without(self, corrections: Sequence[Correction]) -> Prepared:
+        """The same without changes of the displacement, whose time counts from the start of the first segment."""
+        if not corrections:
+            return self
+        first, *others = self.record.segments
+        y_um, time_s = first.y_um, self.record.Ts_s * np.arange(first.samples, dtype=np.float64)
+        for correction in corrections:
+            y_um = correction.removed(y_um, time_s)
+        segments = [dataclasses.replace(first, y_um=y_um), *others]
+        record = Record.from_segments(segments, self.record.Ts_s, self.record.source)
+        return Prepared(record, self.cut, self.use, self.lag)
 
     def excerpt(self) -> Scene:
         """The scene, or the blocks of its rows to which the search looks (`excerpt`)."""

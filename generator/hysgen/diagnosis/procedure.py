@@ -14,7 +14,7 @@ from hysgen.diagnosis.advice import next_experiment, unexplained_structure
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
-from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.identifiability import Ability, abilities
 from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder
@@ -119,6 +119,8 @@ def diagnose(
     chosen = settings or DiagnoseSettings()
     report = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
+    inputs = _inputs(naming.prepared)
+    naming = dataclasses.replace(naming, prepared=naming.prepared.without(_unpredictable(naming)))
     report(0.7, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
@@ -136,7 +138,7 @@ def diagnose(
         ladder = prune(ladder.rungs, made, _clean_held_rows(naming, made, ladder.rungs[-1]), fit_rung)
     report(1.0, "done")
     if chosen.resume:
-        forget(_inputs(naming.prepared), SOURCES)
+        forget(inputs, SOURCES)
     return _scored(naming, alone, ladder, chosen)
 
 
@@ -194,6 +196,13 @@ def _unknown(signatures: Mapping[str, Signature], left: str | None) -> str | Non
     """What no model can be extended by, in words: the named causes of this kind and the structure that is left."""
     words = [signature.text for name, signature in signatures.items() if not causes()[name].extends]
     return "; ".join([*words, *([left] if left else [])]) or None
+
+
+def _unpredictable(naming: Naming) -> list[Correction]:
+    """The changes of the displacement that no model predicts: every model is fitted and scored without them."""
+    searched = Residual(naming.found.scene, naming.found.fit)
+    extensions = [causes()[name].extension(searched) for name in naming.signatures if not causes()[name].extends]
+    return [extension.correction for extension in extensions if extension.correction is not None]
 
 
 def _inputs(prepared: Prepared) -> tuple[str, ...]:

@@ -132,7 +132,7 @@ def verdict(study: Study) -> list[str]:
 
 def _left(unknown: str | None) -> list[str]:
     """The sentence about the structure that no cause explains, if there is any."""
-    return [f"Structure is left that none of the known causes explains: {unknown}."] if unknown else []
+    return [f"None of the known causes explains the following: {unknown}."] if unknown else []
 
 
 def total_price(study: Study) -> Price | None:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Residual, Signature
-from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
 from hysgen.diagnosis.probe.uncertainty import BLOCKS
 from hysgen.record.series import residual_noise
@@ -101,6 +101,20 @@ class SuddenPart(Part):
         return [(t_s >= at_s).astype(np.float64) for at_s in self.jumps_s]
 
 
+@dataclass(frozen=True)
+class SuddenChanges(Correction):
+    """Jumps: pairs of a time in s and a size in um. gains: pairs of a time and the change of the gain about zero_um."""
+
+    jumps: tuple[tuple[float, float], ...]
+    gains: tuple[tuple[float, float], ...]
+    zero_um: float
+
+    def removed(self, y_um: Floats, t_s: Floats) -> Floats:
+        """zero + (y - jumps(t) - zero) / (1 + change(t))"""
+        level_um = y_um - sum((size_um * (t_s >= at_s) for at_s, size_um in self.jumps), np.zeros(len(t_s)))
+        return self.zero_um + (level_um - self.zero_um) / (1.0 + SuddenPart(gains=self.gains).gain_change(t_s))
+
+
 class UnknownCause(Cause):
     name = "unknown"
     rank = 1000
@@ -177,12 +191,15 @@ class UnknownCause(Cause):
         more = [f"{len(listed) - LISTED} further changes"] if len(listed) > LISTED else []
         return Signature(
             z=min(abs(size) / max(error, 1e-15) for _, size, error, _ in changes),
-            text=", ".join([*listed[:LISTED], *more]),
+            text=", ".join([*listed[:LISTED], *more]) + " (the models are fitted and scored without)",
         )
 
     def extension(self, residual: Residual) -> Extension:
-        """None: such a change says nothing about the next record."""
-        return Extension()
+        """No part of a model, because a change says nothing about the next record; the changes of this one."""
+        scene, fit = residual.scene, residual.fit
+        part = fit.chain.of(SuddenPart)
+        jumps = tuple(zip(part.jumps_s, _jump_sizes_um(scene, fit), strict=True))
+        return Extension(correction=SuddenChanges(jumps, part.gains, scene.zero_um(fit.chain, fit.weights)))
 
 
 def _without(items: tuple[T, ...], i: int) -> tuple[T, ...]:
