@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Hashable
+import dataclasses
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from hysgen.fitting.operator import PathSize
 from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
+from hysgen.record import Segment
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +29,15 @@ class Correction(abc.ABC):
     def online_term(self, model: Model, span_s: float) -> Term | None:
         """The term with weight 1 that follows the slow change in operation, or None. span_s: length of the record."""
         return None
+
+
+def corrected(segment: Segment, corrections: Sequence[Correction], Ts_s: float) -> Segment:
+    """A segment without changes of the displacement, whose time counts from its start."""
+    time_s: Floats = Ts_s * np.arange(segment.samples, dtype=np.float64)
+    y_um = segment.y_um
+    for correction in corrections:
+        y_um = correction.removed(y_um, time_s)
+    return dataclasses.replace(segment, y_um=y_um)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import in_ladder_order
-from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.extension import Extension, corrected
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
 from hysgen.fitting import (
@@ -151,13 +151,7 @@ def levelled(prepared: Prepared, extensions: Sequence[Extension]) -> Record:
     corrections = [extension.correction for extension in extensions if extension.correction is not None]
     if not corrections:
         return record
-    level = []
-    for segment in record.segments:
-        time_s: Floats = record.Ts_s * np.arange(segment.samples, dtype=np.float64)
-        y_um = segment.y_um
-        for correction in corrections:
-            y_um = correction.removed(y_um, time_s)
-        level.append(dataclasses.replace(segment, y_um=y_um))
+    level = [corrected(segment, corrections, record.Ts_s) for segment in record.segments]
     return Record.from_segments(level, record.Ts_s, record.source)
 
 

@@ -10,7 +10,6 @@ the lag forgets it exponentially after that.
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 from collections.abc import Iterable, Sequence
@@ -22,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.excerpt import excerpt
-from hysgen.diagnosis.extension import Correction
+from hysgen.diagnosis.extension import Correction, corrected
 from hysgen.diagnosis.outlier_detection import EDGE
 from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
@@ -157,10 +156,7 @@ class Prepared:
         if not corrections:
             return self
         first, *others = self.record.segments
-        y_um, time_s = first.y_um, self.record.Ts_s * np.arange(first.samples, dtype=np.float64)
-        for correction in corrections:
-            y_um = correction.removed(y_um, time_s)
-        segments = [dataclasses.replace(first, y_um=y_um), *others]
+        segments = [corrected(first, corrections, self.record.Ts_s), *others]
         record = Record.from_segments(segments, self.record.Ts_s, self.record.source)
         return Prepared(record, self.cut, self.use, self.lag)
 

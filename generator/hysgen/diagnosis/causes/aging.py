@@ -69,8 +69,7 @@ class AgingCause(Cause):
         if self.present(chain):
             return []
         scene = residual.scene
-        zero_um = scene.zero_um(chain, residual.fit.weights) - float(residual.fit.weights[scene.hysteresis_size(chain)])
-        growing = scene.time_s * (np.concatenate(residual.responses(chain)) - zero_um)
+        growing = scene.time_s * residual.about_zero_um()
         most = MOST_CHANGE / scene.span_s
         rate = float(np.clip(residual.amount(growing), -most, most))
         rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in STARTING_CHANGES))

@@ -52,6 +52,12 @@ class Residual:
         """(n,) change of the response to the fitted hysteresis if `chain` takes the place of the fitted chain."""
         return np.concatenate(self.responses(chain)) - np.concatenate(self.responses(self.fit.chain))
 
+    def about_zero_um(self) -> Floats:
+        """(n,) response of the fitted chain about its displacement at 0 V, which a change of the gain multiplies."""
+        chain, weights = self.fit.chain, self.fit.weights
+        zero_um = self.scene.zero_um(chain, weights) - float(weights[self.scene.hysteresis_size(chain)])
+        return np.concatenate(self.responses(chain)) - zero_um
+
     def responses(self, chain: Chain) -> list[Floats]:
         """Response of the linear part of `chain` to the fitted hysteresis, (n_i,) for each run."""
         paths = self.scene.paths(self.fit.chain, self.fit.weights)

@@ -139,7 +139,7 @@ class UnknownCause(Cause):
         at, sizes = _Rows.of(scene, fit.error), [*_jump_sizes_um(scene, fit), *part.values]
         one_each = [np.ones(scene.samples)] * len(part.jumps_s)
         if part.gains:
-            one_each += [_response(Residual(scene, fit))] * len(part.gains)
+            one_each += [Residual(scene, fit).about_zero_um()] * len(part.gains)
         # A jump is one of the sensor or the frame; a gain may change before the lag.
         lags_s = [0.0] * len(part.jumps_s) + [fit.chain.lag_s] * len(part.gains)
         return all(
@@ -153,10 +153,11 @@ class UnknownCause(Cause):
         if not _one_segment(scene):
             return []
         part = chain.get(SuddenPart) or SuddenPart()
-        jumps = list(_jumps_s(residual, part.times_s))
+        changes = _Changes.of(residual)
+        jumps = list(_jumps_s(changes, part.times_s))
         sets = [jumps[:count] for count in sorted({1, len(jumps)}) if jumps]
         chains = [chain.having(dataclasses.replace(part, jumps_s=(*part.jumps_s, *more))) for more in sets]
-        found = _Changes.of(residual, _response(residual)).best(part.times_s)
+        found = dataclasses.replace(changes, direction=residual.about_zero_um()[changes.at.rows]).best(part.times_s)
         if found is not None:
             at_s, change, _ = found
             change = min(max(change, -0.5), 0.5)
@@ -218,13 +219,6 @@ def _jump_sizes_um(scene: Scene, fit: Fit) -> list[float]:
     return [float(size_um) for size_um in fit.weights[first : first + fit.chain.of(SuddenPart).added]]
 
 
-def _response(residual: Residual) -> Floats:
-    """(n,) displacement about that at 0 V, behind the linear part of the chain: what a gain multiplies."""
-    scene, chain, weights = residual.scene, residual.fit.chain, residual.fit.weights
-    zero_um = scene.zero_um(chain, weights) - float(weights[scene.hysteresis_size(chain)])
-    return np.concatenate(residual.responses(chain)) - zero_um
-
-
 @dataclass(frozen=True, eq=False)
 class _Rows:
     """The fitted rows in the order of time: (r,) rows, t_s, u_V. noise_um: of the residual; span_s: of the record."""
@@ -280,11 +274,12 @@ class _Changes:
     basis: Floats
 
     @classmethod
-    def of(cls, residual: Residual, direction: Floats) -> Self:
-        """direction: (n,) on all rows."""
+    def of(cls, residual: Residual) -> Self:
+        """For a jump of 1 um."""
         at = _Rows.of(residual.scene, residual.fit.error)
         order = np.searchsorted(residual.scene.rows, at.rows)
-        return cls(at, direction[at.rows], residual.fit.error[at.rows], residual.projector.basis()[:, order])
+        basis = residual.projector.basis()[:, order]
+        return cls(at, np.ones(len(at.rows)), residual.fit.error[at.rows], basis)
 
     def best(self, taken_s: Sequence[float]) -> tuple[float, float, Floats] | None:
         """Time, size and orthogonal part, (r,), of the change that lowers the error most.
@@ -307,9 +302,9 @@ class _Changes:
         return 0.5 * float(t_s[at - 1] + t_s[at]), float(projected[at] / (cut @ cut)), cut
 
 
-def _jumps_s(residual: Residual, taken_s: Sequence[float]) -> Iterator[float]:
+def _jumps_s(changes: _Changes, taken_s: Sequence[float]) -> Iterator[float]:
     """Times of AT_ONCE jumps at most, each the best beside those before it, until one does not take place at once."""
-    changes, times_s = _Changes.of(residual, np.ones(residual.scene.samples)), list(taken_s)
+    times_s = list(taken_s)
     for _ in range(AT_ONCE):
         found = changes.best(times_s)
         if found is None:
