@@ -40,7 +40,10 @@ from hysgen.record.series import resolution_um
 Progress = Callable[[str], None]
 
 MOST_STEPS = 20
-"""Largest number of steps; no structure is taken twice, so the search also ends without this limit."""
+"""Largest number of steps; no structure is taken twice with the same error, so the search also ends without it."""
+
+BETTER = 0.01
+"""Least fall of the rms error by which a structure is taken again: the second fit found another minimum."""
 
 MOST_ROWS = 8000
 """Rows above which a scene is thinned out for a fit."""
@@ -102,14 +105,14 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
     part = thinned(usable)
     state = _begin(part, refine(part, fit.chain))
     added: dict[str, Scored] = {}
-    structures = {_structure(state.current.chain)}
+    least_um = {_structure(state.current.chain): state.current.fit.rms_um}
     for _ in range(MOST_STEPS):
         added = _best_additions(state)
         step = next((one for one in added.values() if _fall(one, state.current) > LEAST_EVIDENCE), None)
         step = step or _dropped_or_exchanged(state)
-        if step is None or _structure(step.chain) in structures:
+        if step is None or step.fit.rms_um > (1.0 - BETTER) * least_um.get(_structure(step.chain), np.inf):
             break
-        structures.add(_structure(step.chain))
+        least_um[_structure(step.chain)] = step.fit.rms_um
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.fit.error[part.rows]):.3g} nm")
         state.current = step
         before = len(usable.rows)
@@ -124,7 +127,8 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
 def _structure(chain: Chain) -> Hashable:
     """Key for the parts of a chain without the values of their parameters.
 
-    A search may come back to one: causes are exchanged by another measure than they are added and dropped by.
+    A search may come back to one, because causes are exchanged by another measure than they are added and dropped by,
+    or because a part that was dropped again led the fit out of a local minimum.
     """
     return (chain.memory, *(part.names for part in chain.parts))
 
