@@ -19,6 +19,7 @@ from fixtures.linear_stage import (
     LAG,
     LATE,
     PLANTED,
+    RINGING,
     SAMPLES,
     SPAN_S,
     T_S,
@@ -98,6 +99,31 @@ def test_sudden_changes_are_located_and_no_slow_cause_is_named_for_them() -> Non
         assert named(found) == ["unknown"]
         times_s = found.fit.chain.of(SuddenPart).times_s
         np.testing.assert_allclose(sorted(times_s), at_s, atol=0.02)
+
+
+@pytest.mark.parametrize(("beyond", "clips"), [(0.0, True), (0.3, False), (1.0, False)])
+def test_a_level_is_evident_if_the_output_is_flat_beyond_it_whatever_the_misfit(beyond: float, clips: bool) -> None:
+    """The misfit: 0.2 um of a sine of the voltage, which the curve of the operator cannot follow.
+
+    beyond: slope beyond 80 V over that below.
+    """
+    v_V = np.where(COMMAND_V > 80.0, 80.0 + beyond * (COMMAND_V - 80.0), COMMAND_V)
+    bent_um = respond(0.1 * v_V + 0.2 * np.sin(0.05 * np.pi * v_V), LAG, TS_S)
+    seen = scene(LAG, bent_um - 0.1 * respond(COMMAND_V, LAG, TS_S))
+    clipped = refine(seen, LAG.having(SaturationPart(high_V=80.0)))
+    assert (causes()["saturation"].evidence(seen, clipped) > LEAST_EVIDENCE) == clips
+
+
+def test_the_search_takes_parts_again_if_their_second_fit_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mode, first in a local minimum, is dropped and found again; the same fit a second time ends the search."""
+    seen = scene(RINGING)
+    taken = [search.Scored.of(seen, refine(seen, chain)) for chain in (LAG, RINGING, LAG)]
+    steps = iter(taken)
+    monkeypatch.setattr(search, "_start", lambda _: refine(seen, LAG.having(ResonancePart((Mode(450.0, 0.03, 0.4),)))))
+    monkeypatch.setattr(search, "_best_additions", lambda state: {})
+    monkeypatch.setattr(search, "_dropped_or_exchanged", lambda state: next(steps))
+    found = search.search(seen)
+    assert found.fit.chain.of(ResonancePart).modes[0].f_Hz == pytest.approx(60.0, rel=0.01)
 
 
 LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(high_V=60.0))

@@ -1,15 +1,17 @@
 """The score of a chain of causes, by which the search compares chains.
 
-    score = N ln(R^2) + weights + sum over the parameters of order * ln N - sum over the causes of 2 ln(odds)
+    score = N ln(R^2) + weights + sum over the parameters of order * ln N
+            - sum over the causes of (2 ln(odds) + evidence)
     N     = R^2 / max(c R^2 / n, (R^2 - r^2) / n + r^2 / REPEATING)
 
 R: rms of the residual on the n fitted rows, of which r repeats: the misfit of the hysteresis and the error of the
 converter are the same whenever the stage passes the same states again, so that more rows do not average them out. They
 count as REPEATING independent values. The rest is noise, of which c samples count as one (`dispersion`). odds: of a
-cause before the record (`Cause.prior_odds`). So an effect below the noise shows in a long record, and an effect far
-below the misfit in none. The difference of two scores is -2 ln of the odds of the two chains, to the order of Schwarz's
-approximation; each weight also lowers N ln(R^2) by 1 on average if it fits noise. A parameter whose standard error
-falls as n^(-k/2) has order k; the weights of one function count as its octaves.
+cause before the record (`Cause.prior_odds`); evidence: of a direct observation (`Cause.evidence`). So an effect below
+the noise shows in a long record, and an effect far below the misfit in none, unless it is observed where the misfit is
+absent. The difference of two scores is -2 ln of the odds of the two chains, to the order of Schwarz's approximation;
+each weight also lowers N ln(R^2) by 1 on average if it fits noise. A parameter whose standard error falls as n^(-k/2)
+has order k; the weights of one function count as its octaves.
 
 Sources: Schwarz (1978); Kennedy and O'Hagan (2001) for a misfit that more data do not average out; Djuric (1996) for
 the order 3 of a frequency.
@@ -87,7 +89,12 @@ class Scored:
         """The score with a number of independent samples that is common to the compared chains."""
         prior = -2.0 * math.fsum(math.log(causes()[name].prior_odds) for name in present(self.chain))
         penalty = self.orders * math.log(independent) + len(self.fit.weights)
-        return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty + prior
+        return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty + prior - self._evidence
+
+    @cached_property
+    def _evidence(self) -> float:
+        """Evidence of the causes beside the residual."""
+        return math.fsum(cause.evidence(self.scene, self.fit) for cause in causes().values())
 
     def fall_from(self, smaller: Scored) -> float:
         """Fall of the score from a chain with fewer parts to this one."""

@@ -185,6 +185,10 @@ class Cause(abc.ABC):
         """
         return True
 
+    def evidence(self, scene: Scene, fit: Fit) -> float:
+        """2 ln of a likelihood ratio for the cause, of what the record shows beside the size of the residual."""
+        return 0.0
+
     def proposals(self, residual: Residual) -> list[Chain]:
         """Candidate chains with this cause, or one more part of it, at starting values; empty if none is possible."""
         return []

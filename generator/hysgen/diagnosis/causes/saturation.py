@@ -40,6 +40,20 @@ LEAST_BEYOND = 0.01
 MOST_SLOPE = 0.5
 """Largest slope of the output beyond a level, as a share of that inside: nearer to a limit than to none."""
 
+LIMIT_SLOPE = 0.01
+"""Standard deviation of this share for a limit: its own, beside the error of the measurement."""
+
+FREE_SLOPE = 0.4
+"""Standard deviation of this share about 1 without a limit: the slopes of a piezo's branches differ by a factor of 2 or
+3, and none is near zero while the command moves outward."""
+
+
+FEWEST_SLOPE = 5
+"""Least rows beyond a level for a slope."""
+
+LEAST_RESPONSE = 0.05
+"""Least share of the largest response to what a level takes away, in the rows from which a slope follows."""
+
 
 def _least_V(extent: Extent) -> float:
     """Least distance of a level from the end of the command's range."""
@@ -64,6 +78,12 @@ class SaturationPart(Part):
     )
     low_V: float | None = None
     high_V: float | None = None
+
+    @property
+    def levels(self) -> tuple[tuple[str, float, float], ...]:
+        """Name, level and outward direction of each side that clips."""
+        both = (("low_V", self.low_V, -1.0), ("high_V", self.high_V, 1.0))
+        return tuple((name, level_V, sign) for name, level_V, sign in both if level_V is not None)
 
     def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
         return np.clip(u_V, self.low_V, self.high_V)
@@ -109,9 +129,23 @@ class SaturationCause(Cause):
         part = fit.chain.get(SaturationPart)
         if part is None:
             return True
-        levels = [(level_V, sign) for level_V, sign in ((part.low_V, -1.0), (part.high_V, 1.0)) if level_V is not None]
-        flat = all(abs(_slope_beyond(Residual(scene, fit), *level)) < MOST_SLOPE for level in levels)
+        flat = all(abs(one.value) < MOST_SLOPE for one in _slopes(Residual(scene, fit)))
         return flat and limited_rows(scene, fit.chain, SaturationPart) >= FEWEST_LIMITED
+
+    def evidence(self, scene: Scene, fit: Fit) -> float:
+        """Sum over the levels of 2 ln(N(s; 0, e) / N(s; 1, FREE_SLOPE)), with the slope s beyond the level.
+
+        The misfit of the hysteresis, which limits what a fall of the residual says, is absent beyond a limit.
+        e: standard error of s and LIMIT_SLOPE.
+        """
+        if not self.present(fit.chain):
+            return 0.0
+        total = 0.0
+        for one in _slopes(Residual(scene, fit)):
+            limit = math.hypot(LIMIT_SLOPE, one.standard_error)
+            total += ((one.value - 1.0) / FREE_SLOPE) ** 2 - (one.value / limit) ** 2
+            total -= 2.0 * math.log(limit / FREE_SLOPE)
+        return total
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Chains in which only one of the two ends clips."""
@@ -129,15 +163,12 @@ class SaturationCause(Cause):
         """Slope of the output over the command beyond the level, as a share of the mean slope of the record."""
         part = _part(residual.fit.chain)
         errors = standard_errors(residual.scene, residual.fit).coordinates
-        parameters, texts, shares = {}, [], []
-        for name, level_V, sign in (("low_V", part.low_V, -1.0), ("high_V", part.high_V, 1.0)):
-            if level_V is None:
-                continue
+        parameters, texts, slopes = {}, [], _slopes(residual)
+        for (name, level_V, _), slope in zip(part.levels, slopes, strict=True):
             parameters[name] = Estimate(level_V, errors[f"saturation.{name}"])
-            shares.append(_slope_beyond(residual, level_V, sign))
-            texts.append(f"beyond {level_V:.4g} V the slope is {shares[-1]:.2f} of that inside")
+            texts.append(f"beyond {level_V:.4g} V the slope is {slope.value:.2f} of that inside")
         return Signature(
-            z=float(min((1.0 - abs(share)) / 0.1 for share in shares)),
+            z=float(min((1.0 - abs(one.value)) / 0.1 for one in slopes)),
             text="; ".join(texts),
             parameters=parameters,
         )
@@ -179,23 +210,45 @@ def _further_in(part: SaturationPart, other: SaturationPart) -> float:
     return total
 
 
-def _slope_beyond(residual: Residual, level_V: float, sign: float) -> float:
-    """Slope of the residual over the excess of the command beyond the level, divided by the mean gain of the record.
+def _slopes(residual: Residual) -> list[Estimate]:
+    """For each level, the share s of the mean gain with which the displacement follows the command beyond the level.
 
-    0 if the output is constant beyond the level, 1 if the slope does not change at the level.
+        s = sum x e / sum x^2,   x = response at the mean gain to the voltage that the level takes away
+
+    e: residual; both about their means over each excursion beyond the level, because hysteresis and drift move an
+    excursion as a whole. 0 if the output is constant beyond the level, 1 if the slope does not change there. Standard
+    error: the larger one of white noise and of the scatter between excursions.
     """
-    scene = residual.scene
-    u_V = np.concatenate([run.u_V for run in scene.runs])
-    y_um = scene.y_um
-    beyond_V = np.clip(sign * (u_V - level_V), 0.0, None)
-    # Lag and delay: a row counts if the command was beyond the level `late` samples before.
-    late = max(1, round(residual.fit.chain.delay + 1 + residual.fit.chain.lag_s / scene.Ts_s))
-    rows = scene.rows[(scene.rows >= late) & (beyond_V[scene.rows - late] > 0)]
-    if len(rows) < 5:
-        return 1.0
-    x, e = beyond_V[rows - late], residual.fit.error[rows]
-    gain = np.polyfit(u_V[scene.rows], y_um[scene.rows], 1)[0]
-    return float(x @ e / (x @ x) / (sign * gain))
+    scene, fit = residual.scene, residual.fit
+    part, u_V = fit.chain.of(SaturationPart), np.concatenate([run.u_V for run in scene.runs])
+    gain = float(np.polyfit(u_V[scene.rows], scene.y_um[scene.rows], 1)[0])
+    slopes = []
+    for name, _, _ in part.levels:
+        free = fit.chain.having(dataclasses.replace(part, **{name: None}))
+        taken = [
+            np.append(np.zeros(len(run.history)), gain * (free.amplified(*command) - fit.chain.amplified(*command)))
+            for run, command in zip(scene.runs, scene.commands, strict=True)
+        ]
+        response = np.concatenate(scene.responses(taken, fit.chain))
+        beyond = np.abs(response) > LEAST_RESPONSE * np.abs(response).max()
+        rows = scene.rows[beyond[scene.rows]]
+        excursions = np.cumsum(np.diff(beyond, prepend=False))[rows]
+        if len(rows) < FEWEST_SLOPE:
+            slopes.append(Estimate(1.0, 1.0))
+            continue
+        x, e = (_about_means(values[rows], excursions) for values in (response, fit.error))
+        power = float(x @ x) + 1e-300
+        share = float(x @ e) / power
+        left = e - share * x
+        scatter = float(np.sum(np.bincount(excursions, x * left) ** 2))
+        slopes.append(Estimate(share, math.sqrt(max(float(np.mean(left * left)) * power, scatter)) / power))
+    return slopes
+
+
+def _about_means(values: Floats, groups: NDArray[np.intp]) -> Floats:
+    """The values less the mean of their group."""
+    counts = np.maximum(np.bincount(groups), 1)
+    return np.asarray(values - (np.bincount(groups, values) / counts)[groups])
 
 
 CAUSE = SaturationCause()

@@ -122,7 +122,7 @@ class UnknownCause(Cause):
     mistaken_for = ("drift", "aging")
     part = SuddenPart
     extends = False
-    prior_odds = 0.01  # a tenth of that of a property of the stage: an event, of which most records have none
+    prior_odds = 1e-4  # an event of once a day, in a record of some ten seconds
     starts = 3
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
