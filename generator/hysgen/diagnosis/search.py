@@ -290,7 +290,7 @@ def _refined_if_promising(state: _State, starts: Sequence[TrainingFit]) -> list[
     part, current = state.scene, state.current
 
     def refined(start: TrainingFit) -> Fit:
-        first = refine(part, start.chain, FIRST_ROUNDS)
+        first = refine(part, start.chain, FIRST_ROUNDS, start)
         hoped_um = first.rms_um * min(first.rms_um / start.rms_um, 1.0)
         hoped = Scored.of(part, dataclasses.replace(first, rms_um=hoped_um))
         return refine(part, first.chain, ROUNDS - FIRST_ROUNDS) if hoped.fall_from(current) > 0.0 else first

@@ -28,7 +28,7 @@ from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
 from hysgen.fitting.operator import SEARCHED, Operator, PathSize
 from hysgen.fitting.windows import windows
-from hysgen.machine.kernels import lag_states
+from hysgen.machine.kernels import lag_of_signals
 from hysgen.machine.reproducible import exp
 from hysgen.model.disturbances import Drive, Term
 from hysgen.model.intervals import Interval
@@ -140,7 +140,7 @@ def path_columns(task: PathTask, trust: Trust) -> PathColumns:
         problem = dataclasses.replace(problem, task=task)
     held = _held(task)
     lag_s = _lag(problem, kept, held)
-    return dataclasses.replace(problem, lag_s=lag_s, columns=np.hstack([_lagged(task, one, lag_s) for one in held]))
+    return dataclasses.replace(problem, lag_s=lag_s, columns=_all_lagged(task, held, lag_s))
 
 
 def _relaxing(task: PathTask, relaxation: float) -> PathTask:
@@ -178,18 +178,23 @@ def _searched_relaxation(problem: PathColumns, kept: _Kept) -> float:
 
         def error(log_relaxation: float, lag_s: float = lag_s) -> float:
             task = _relaxing(problem.task, float(np.exp(log_relaxation)))
-            columns = np.hstack([_lagged(task, one, lag_s) for one in _held(task)])
-            return _error(dataclasses.replace(problem, task=task), kept.fewer, columns)
+            return _error(dataclasses.replace(problem, task=task), kept.fewer, _held(task), lag_s)
 
         best = minimize_scalar(error, bounds=(low, high), method="bounded", options={"xatol": 0.03})
         log_found = float(best.x)
     return float(np.exp(log_found))
 
 
-def _error(problem: PathColumns, kept: _Kept, columns: Floats) -> float:
+def _error(problem: PathColumns, kept: _Kept, held: Sequence[_Held], lag_s: float) -> float:
     """||A x - b||^2 of the least-squares solution x without constraints, less the constant ||b||^2."""
-    rows = dataclasses.replace(problem, columns=columns).of(kept.rows)
-    _, d, _ = _triangular(rows, kept, problem.task.size)
+    places = np.searchsorted(problem.rows, kept.rows)
+    ends = np.cumsum([0, *(len(one.share) for one in held)])
+    of_window = np.split(places, np.searchsorted(places, ends[1:-1]))
+    columns = np.hstack(
+        [_lagged(problem.task, one, lag_s, at - first) for one, at, first in zip(held, of_window, ends, strict=False)]
+    )
+    A, b, _ = _scaled(columns, kept, problem.task.size)
+    d = np.asarray(np.linalg.qr(np.column_stack([A, b]), mode="r"))[:-1, -1]
     return -float(d @ d)
 
 
@@ -293,16 +298,26 @@ class _Held:
     share: Floats
 
 
-def _lagged(task: PathTask, held: _Held, lag_s: float) -> Floats:
-    """(p, n) responses of the lag: to h with the static gain 1, to terms with the gain 1 in one sample; then creep."""
+def _lagged(task: PathTask, held: _Held, lag_s: float, rows: Rows) -> Floats:
+    """(p, r) responses of the lag: to h with the static gain 1, to terms with the gain 1 in one sample; then creep.
+
+    rows: (r,) rising, of the window.
+    """
     Ts_s, extra = task.record.Ts_s, held.extra
-    rate = np.array([1.0 - exp(-Ts_s / lag_s)])
-    out = [lag_states(column, rate, column[:1].copy())[:, 0] for column in held.columns]
-    out += [extra[0]]
-    out += [lag_states(column, rate, column[:1].copy())[:, 0] / rate[0] for column in extra[1:]]
+    rate = 1.0 - exp(-Ts_s / lag_s)
+    out = [
+        lag_of_signals(held.columns, rate, rows),
+        extra[:1, rows],
+        lag_of_signals(extra[1:], rate, rows) / rate,
+    ]
     if any(isinstance(block, Creep) for block in task.blocks):
-        out += [np.exp(-held.share / share) for share in CREPT]
-    return np.stack(out)
+        out += [np.stack([np.exp(-held.share[rows] / share) for share in CREPT])]
+    return np.vstack(out)
+
+
+def _all_lagged(task: PathTask, held: Sequence[_Held], lag_s: float) -> Floats:
+    """(p, m) `_lagged` of all rows of all windows."""
+    return np.hstack([_lagged(task, one, lag_s, np.arange(len(one.share))) for one in held])
 
 
 def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> float:
@@ -310,7 +325,7 @@ def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> f
     task = problem.task
 
     def error(log_lag: float) -> float:
-        return _error(problem, kept.fewer, np.hstack([_lagged(task, one, float(np.exp(log_lag))) for one in held]))
+        return _error(problem, kept.fewer, held, float(np.exp(log_lag)))
 
     middle = min((float(np.log(lag_s)) for lag_s in task.lags_s), key=error)
     low = max(middle - np.log(5.0), float(np.log(0.02 * task.record.Ts_s)))
@@ -320,6 +335,13 @@ def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> f
 
 def _triangular(columns: Floats, kept: _Kept, size: PathSize) -> tuple[Floats, Floats, Floats]:
     """R, d and the scales of the columns: minimise ||R x - d|| over x = scale * weights, with the ridge."""
+    A, b, scale = _scaled(columns, kept, size)
+    Q, R = np.linalg.qr(A)
+    return R, Q.T @ b, scale
+
+
+def _scaled(columns: Floats, kept: _Kept, size: PathSize) -> tuple[Floats, Floats, Floats]:
+    """A, b and the scales of the columns: minimise ||A x - b|| over x = scale * weights, with the ridge."""
     penalties = size.operator(-1.0, 1.0).penalties()
     ridge = RIDGE * np.append(penalties, np.ones(len(columns) - penalties.size))
     rows = columns * kept.weight
@@ -327,8 +349,7 @@ def _triangular(columns: Floats, kept: _Kept, size: PathSize) -> tuple[Floats, F
     count = rows.shape[1]
     A = np.vstack([(rows / scale[:, None]).T / np.sqrt(count), np.diag(np.sqrt(ridge))])
     b = np.concatenate([kept.weight * kept.y_um / np.sqrt(count), np.zeros(len(rows))])
-    Q, R = np.linalg.qr(A)
-    return R, Q.T @ b, scale
+    return A, b, scale
 
 
 def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) -> Floats:

@@ -60,8 +60,12 @@ class Residual:
 
     def responses(self, chain: Chain) -> list[Floats]:
         """Response of the linear part of `chain` to the fitted hysteresis, (n_i,) for each run."""
-        paths = self.scene.paths(self.fit.chain, self.fit.weights)
-        return self.scene.responses(paths, chain)
+        return self.scene.responses(self._paths, chain)
+
+    @cached_property
+    def _paths(self) -> list[Floats]:
+        """The fitted hysteresis of every run (`Scene.paths`)."""
+        return self.scene.paths(self.fit.chain, self.fit.weights)
 
 
 @dataclass(frozen=True)

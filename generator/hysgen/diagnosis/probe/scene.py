@@ -15,7 +15,7 @@ from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
 from hysgen.machine.checkpoint import Steps
-from hysgen.machine.kernels import lag_states
+from hysgen.machine.kernels import lag_sums
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -23,6 +23,9 @@ Samples = NDArray[np.int64]
 
 HYSTERESES, ADDED, PARTS = 6, 16, 32
 """Entries of the caches of a scene: four threads that refine one chain each, with the chain and a changed parameter."""
+
+HYSTERESES_BYTES = 200_000_000
+"""Size up to which more hystereses are cached: on a short record a search asks half of them two or three times."""
 
 CURVE_ALONE = 15
 """Degree of the curve of a chain without plays."""
@@ -108,8 +111,8 @@ class Scene:
     known_ranges: lowest and highest value of auxiliary channels over all rows that will be simulated; for a channel
     without an entry, the range in the runs is used.
     kept: fits of an interrupted search (`solve.refine`); None: no fit is kept.
-    The columns of the last HYSTERESES settings of the amplifier, of the last ADDED sets of added columns and of the
-    last PARTS parts of a run that add columns are cached.
+    The columns of at least the last HYSTERESES settings of the amplifier, of the last ADDED sets of added columns and
+    of the last PARTS parts of a run that add columns are cached.
     """
 
     runs: tuple[Trace, ...]
@@ -120,7 +123,9 @@ class Scene:
     lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     thinned_from: Rows | None = None
     kept: Steps | None = field(default=None, repr=False)
-    _hysteresis: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(HYSTERESES), repr=False)
+    _hysteresis: LruCache[list[Floats]] = field(
+        default_factory=lambda: LruCache(HYSTERESES, HYSTERESES_BYTES), repr=False
+    )
     _added: LruCache[Floats] = field(default_factory=lambda: LruCache(ADDED), repr=False)
     _parts: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(PARTS), repr=False)
 
@@ -166,7 +171,7 @@ class Scene:
 
     def bare(self) -> Scene:
         """The scene with empty caches."""
-        empty: LruCache[list[Floats]] = LruCache(HYSTERESES)
+        empty: LruCache[list[Floats]] = LruCache(HYSTERESES, HYSTERESES_BYTES)
         return dataclasses.replace(self, _hysteresis=empty, _added=LruCache(ADDED), _parts=LruCache(PARTS))
 
     @property
@@ -255,7 +260,7 @@ class Scene:
         if isinstance(linear, Thinned):
             rates = 1.0 - slow.keep**run.stride
             means = h[:, past:] + run.share * np.diff(h[:, past:], axis=1, append=h[:, -1:])
-            crept = [lag_states(mean, rates, start).sum(axis=1) for mean, start in zip(means, states, strict=True)]
+            crept = [lag_sums(mean, rates, start) for mean, start in zip(means, states, strict=True)]
             moved = linear.later(np.stack(crept))
         else:
             # `respond_into` starts from rest at h of the first sample and counts the slow states from there.

@@ -86,11 +86,11 @@ def training_fit(scene: Scene, chain: Chain) -> TrainingFit:
     columns, y_um = scene.training_columns(chain), scene.y_um[scene.rows]
     projector = Projector.of(columns)
     weights = projector.weights(y_um)
-    return TrainingFit(chain, weights, rms(y_um - weights @ np.ascontiguousarray(columns)), projector)
+    return TrainingFit(chain, weights, rms(y_um - weights @ columns), projector)
 
 
-def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
-    """Least squares over weights and shape parameters, from `chain`.
+def refine(scene: Scene, chain: Chain, rounds: int = 12, start: TrainingFit | None = None) -> Fit:
+    """Least squares over weights and shape parameters, from `chain`. start: `training_fit` of `chain`, if known.
 
     Stops after `rounds` rounds, or if a round lowers the rms by less than the share 1e-4.
     If the scene keeps fits, the refined chain is kept on the disk for these inputs: an interrupted search that starts
@@ -98,15 +98,14 @@ def refine(scene: Scene, chain: Chain, rounds: int = 12) -> Fit:
     """
 
     def refined() -> Chain:
-        return _refined(scene, chain, rounds)
+        return _refined(scene, start or training_fit(scene, chain), rounds)
 
     best = refined() if scene.kept is None else scene.kept.get((scene, chain, rounds), refined)
     return linear_fit(scene, best)
 
 
-def _refined(scene: Scene, chain: Chain, rounds: int) -> Chain:
-    """The chain of `refine`, by Gauss-Newton on the training rows."""
-    best = training_fit(scene, chain)
+def _refined(scene: Scene, best: TrainingFit, rounds: int) -> Chain:
+    """The chain of `refine`, by Gauss-Newton on the training rows from the fit `best`."""
     y_um = scene.y_um[scene.rows]
     damping = 1e-3
     for _ in range(rounds):

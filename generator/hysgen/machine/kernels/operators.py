@@ -17,6 +17,9 @@ Floats = NDArray[np.float64]
 _STATES = """
 void hysgen_play(size_t samples, size_t plays, const double *u, const double *half_width, double *state, double *out);
 void hysgen_lags(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out);
+void hysgen_lag_signals(size_t signals, size_t samples, const double *u, double q, size_t count, const long long *rows,
+                        double *out);
+void hysgen_lag_sums(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out);
 void hysgen_modes(size_t samples, size_t modes, const double *u, const double *q, double *state, double *out);
 void hysgen_slew(size_t samples, const double *u, double rise, double fall, double start, double *out);
 """
@@ -69,6 +72,31 @@ def lag_states(u_V: Floats, rates: Floats, start_V: Floats) -> Floats:
     u, q, s = (np.ascontiguousarray(x, dtype=np.float64) for x in (u_V, rates, np.array(start_V)))
     out = np.empty((u.size, q.size))
     library.lib.hysgen_lags(u.size, q.size, *(doubles(library, x) for x in (u, q, s, out)))
+    return out
+
+
+def lag_of_signals(signals: Floats, rate: float, rows: NDArray[np.intp]) -> Floats:
+    """One first-order lag of several signals, s_l(k+1) = s_l(k) + rate (u_l(k) - s_l(k)), s_l(0) = u_l(0).
+
+    signals: (m, n); rows: (r,) rising. Returns (m, r): column i holds s_l(k) at k = rows[i], before u_l(k) acts, with
+    the bits of `lag_states`. Raises ValueError for rows outside the signals.
+    """
+    if len(rows) and not (rows[0] >= 0 and rows[-1] < signals.shape[1] and bool((np.diff(rows) > 0).all())):
+        raise ValueError("the rows must rise within the samples of the signals")
+    library = kernel("states.c", _STATES)
+    u, chosen = np.ascontiguousarray(signals, dtype=np.float64), np.ascontiguousarray(rows, dtype=np.longlong)
+    out = np.empty((len(u), len(chosen)))
+    at = library.ffi.from_buffer("long long *", chosen)
+    library.lib.hysgen_lag_signals(*u.shape, doubles(library, u), rate, len(chosen), at, doubles(library, out))
+    return out
+
+
+def lag_sums(u_V: Floats, rates: Floats, start_V: Floats) -> Floats:
+    """(n,) the sum over j of `lag_states`, for u_V, (n,), rates and start_V, (m,)."""
+    library = kernel("states.c", _STATES)
+    u, q, s = (np.ascontiguousarray(x, dtype=np.float64) for x in (u_V, rates, np.array(start_V)))
+    out = np.empty(u.size)
+    library.lib.hysgen_lag_sums(u.size, q.size, *(doubles(library, x) for x in (u, q, s, out)))
     return out
 
 

@@ -35,6 +35,49 @@ void hysgen_lags(size_t samples, size_t lags, const double *u, const double *q, 
     }
 }
 
+enum { TOGETHER = 8 };
+
+/* One lag of several signals: out[l * count + i] is the state of signal l before its sample rows[i] acts; rows rising.
+ * Signal l is u[l * samples ...]; s_l(0) = u_l(0). The recurrences of TOGETHER signals run side by side, because each
+ * step of one waits for the step before it. Columns left over repeat the last signal. */
+void hysgen_lag_signals(size_t signals, size_t samples, const double *u, double q, size_t count, const long long *rows,
+                        double *out)
+{
+    for (size_t first = 0; first < signals; first += TOGETHER) {
+        const double *signal[TOGETHER];
+        double s[TOGETHER];
+        const size_t lanes = (signals - first < TOGETHER) ? signals - first : TOGETHER;
+        size_t k = 0;
+        for (size_t l = 0; l < TOGETHER; ++l) {
+            signal[l] = u + (first + ((l < lanes) ? l : lanes - 1)) * samples;
+            s[l] = signal[l][0];
+        }
+        for (size_t i = 0; i < count; ++i) {
+            for (; k < (size_t)rows[i]; ++k) {
+                for (size_t l = 0; l < TOGETHER; ++l) {
+                    s[l] += q * (signal[l][k] - s[l]);
+                }
+            }
+            for (size_t l = 0; l < lanes; ++l) {
+                out[(first + l) * count + i] = s[l];
+            }
+        }
+    }
+}
+
+/* out(k) = the sum over j of s_j(k), before u(k) acts. */
+void hysgen_lag_sums(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out)
+{
+    for (size_t k = 0; k < samples; ++k) {
+        double sum = 0.0;
+        for (size_t j = 0; j < lags; ++j) {
+            sum += s[j];
+            s[j] += q[j] * (u[k] - s[j]);
+        }
+        out[k] = sum;
+    }
+}
+
 /* state and out hold position and velocity of each mode side by side; q real and imaginary part likewise. */
 void hysgen_modes(size_t samples, size_t modes, const double *u, const double *q, double *state, double *out)
 {
