@@ -114,6 +114,14 @@ def test_a_level_is_evident_if_the_output_is_flat_beyond_it_whatever_the_misfit(
     assert (causes()["saturation"].evidence(seen, clipped) > LEAST_EVIDENCE) == clips
 
 
+def test_each_side_alone_is_refined_beside_the_better_pair() -> None:
+    """If a level of the pair acts on too few rows to be admissible, the search needs the other level alone."""
+    seen = scene(LAG.having(SaturationPart(20.0, 80.0)))
+    starts = search._starts(causes()["saturation"], Residual(seen, refine(seen, LAG)))
+    sides = {tuple(name for name, *_ in start.chain.of(SaturationPart).levels) for start in starts}
+    assert sides == {("low_V",), ("high_V",), ("low_V", "high_V")}
+
+
 def test_the_search_takes_parts_again_if_their_second_fit_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
     """A mode, first in a local minimum, is dropped and found again; the same fit a second time ends the search."""
     seen = scene(RINGING)

@@ -115,15 +115,18 @@ class SaturationCause(Cause):
         return candidates
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
-        """The best starts, and the next levels further in, because a refinement moves a level outward more easily."""
+        """The best starts, and the next levels further in, because a refinement moves a level outward more easily.
+
+        The best start of each side alone is among them: beside a side that clips, the other may show in too few rows.
+        """
         if not candidates:
             return []
         best = _part(candidates[0].chain)
         inside = [start for start in candidates if 0.0 < _further_in(_part(start.chain), best) < math.inf]
         inside.sort(key=lambda start: _further_in(_part(start.chain), best))
-        return candidates[: self.starts] + [
-            candidate for candidate in inside[:FURTHER_IN] if candidate not in candidates[: self.starts]
-        ]
+        best_of_sides = {tuple(name for name, *_ in _part(start.chain).levels): start for start in reversed(candidates)}
+        chosen = [*candidates[: self.starts], *inside[:FURTHER_IN], *best_of_sides.values()]
+        return [start for start in candidates if start in chosen]
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         part = fit.chain.get(SaturationPart)
