@@ -19,7 +19,8 @@ TS_S = 1e-4
 def met(u_V: np.ndarray) -> dict[str, bool]:
     rng = np.random.default_rng(2)
     y_um = 0.05 * u_V + 0.001 * rng.normal(size=u_V.size)
-    return {one.cause: one.met for one in inspect(Record.from_arrays(u_V, y_um, TS_S)).requirements}
+    said = json.loads(json.dumps(inspect(Record.from_arrays(u_V, y_um, TS_S)).to_json()))
+    return {one["cause"]: one["met"] for one in said["requirements"]}
 
 
 def test_excitation_decides_which_causes_can_show() -> None:

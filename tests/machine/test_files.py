@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,27 @@ def test_a_write_that_fails_leaves_the_old_file_and_no_litter(
         files.write_whole(target, "the new file")
     assert target.read_text() == OLD
     assert [entry.name for entry in tmp_path.iterdir()] == ["stage.h"]
+
+
+def test_a_link_stays_a_link_and_a_pipe_a_pipe(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    link, pipe = tmp_path / "link.json", tmp_path / "pipe"
+    link.symlink_to(tmp_path / "there" / "model.json")
+    files.write_whole(link, "{}")
+    assert link.is_symlink()
+    assert (tmp_path / "there" / "model.json").read_text() == "{}"
+    os.mkfifo(pipe)
+    with ThreadPoolExecutor(1) as beside:
+        read = beside.submit(pipe.read_text)
+        files.write_whole(pipe, "{}")
+        assert read.result(timeout=10) == "{}"
+    assert pipe.is_fifo()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is of Linux")
+def test_a_full_device_is_said() -> None:
+    with pytest.raises(HysgenError, match=r"/dev/full: cannot be written \(No space left on device\)"):
+        files.write_whole(Path("/dev/full"), "{}")
 
 
 def test_a_written_file_has_the_bytes_given_and_the_mode_of_any_new_file(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hysgen.errors import HysgenError
+from hysgen.machine.files import is_special
 
 HEAD = 16_384
 """Bytes at the beginning of a file in which hysgen names itself."""
@@ -76,6 +77,8 @@ def check_file(path: Path, option: str, force: bool = False) -> None:
     """Raise HysgenError if `path` cannot be written, or holds what hysgen did not write and `force` is not set."""
     if path.is_dir():
         raise HysgenError(f"{option} {path}: is a folder; name a file in it")
+    if is_special(path):
+        return
     if path.exists() and not force and not written_by_hysgen(path):
         raise HysgenError(f"{option} {path}: exists, and hysgen did not write it; choose another name, or add --force")
     check_writable(path.parent)

@@ -14,13 +14,18 @@ from hysgen.errors import HysgenError
 def write_whole(path: Path, content: str | bytes) -> None:
     """Replace `path` by `content` in one step: readers see the old file or the new one, never a part.
 
-    The bytes go to a temporary file in the same folder, are flushed to the disk, and are renamed over `path`.
+    The bytes go to a temporary file in the same folder, are flushed to the disk, and are renamed over `path`; a
+    link stays one. A device or a pipe is written to and stays what it is.
     Text is encoded as UTF-8 with '\\n' line ends on every system.
     Raises HysgenError, with the old file untouched, if the folder cannot be written.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     scratch: str | None = None
     try:
+        if is_special(path):
+            path.write_bytes(data)
+            return
+        path = Path(os.path.realpath(path))
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, scratch = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         with os.fdopen(handle, "wb") as stream:
@@ -31,11 +36,16 @@ def write_whole(path: Path, content: str | bytes) -> None:
         os.replace(scratch, path)
         scratch = None
     except OSError as fault:
-        raise HysgenError(f"{path}: cannot be written ({fault.strerror}); choose another folder") from fault
+        raise HysgenError(f"{path}: cannot be written ({fault.strerror}); choose another place") from fault
     finally:
         if scratch is not None:
             with contextlib.suppress(OSError):
                 os.unlink(scratch)
+
+
+def is_special(path: Path) -> bool:
+    """Whether `path` is a device, a pipe or a socket: it holds nothing to lose, and must not be renamed over."""
+    return path.exists() and not path.is_file() and not path.is_dir()
 
 
 def digest(data: bytes) -> str:

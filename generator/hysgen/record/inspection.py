@@ -6,6 +6,7 @@ under which a cause leaves a trace: creep needs a rest, memory needs swings of d
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -156,7 +157,7 @@ def _band(record: Record) -> tuple[float, float]:
 def _requirements(found: Inspection) -> Iterator[Requirement]:
     record = found.record
     duration_s = record.samples * record.Ts_s
-    decades = np.log10(max(found.longest_rest_s / (10.0 * record.Ts_s), 1e-9))
+    decades = math.log10(max(found.longest_rest_s / (10.0 * record.Ts_s), 1e-9))
     nested = found.sizes >= 3
     yield Requirement("memory", nested, f"swings of {found.sizes} sizes" + ("" if nested else "; drive 3 or more"))
     rests = found.longest_rest_s >= LONG_REST_S and decades >= DECADES
