@@ -170,7 +170,10 @@ class _Execution:
 
     def _merged(self, condition: Op, yes: State, no: State) -> State:
         merged = State({}, yes.dirty | no.dirty)
-        for key in {**yes.cells, **no.cells}:
+        for key, value in {**yes.cells, **no.cells}.items():
+            if yes.cells.get(key) is no.cells.get(key):
+                merged.cells[key] = value
+                continue
             leaves = []
             for side in (yes, no):
                 self.memory.state = side

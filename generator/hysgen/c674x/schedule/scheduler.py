@@ -219,32 +219,41 @@ class _List:
         self.left = len(nodes)
         oldest = 0
         slope = self.plan.slope
-        ready: list[Node] = []
+        ready: list[tuple[float, float, int, Node]] = []  # by height and position; arrivals keep their order
+        arrivals = 0
         while self.left:
             if cycle + 1 >= self.below:
                 raise TooLongError("a shorter schedule is known")
             if self.plan.saved:
                 self._saved(cycle)
             while self.pending and self.pending[0][0] <= cycle:
-                ready.append(heapq.heappop(self.pending)[2])
+                node = heapq.heappop(self.pending)[2]
+                arrivals += 1
+                ready.append((slope * position[id(node)] - self.height[id(node)], position[id(node)], arrivals, node))
             while oldest < len(by_order) and id(by_order[oldest]) in self.placed:
                 oldest += 1
             limit = oldest + self.plan.window
             self.oldest = oldest
             self.urgent = {id(node) for node in by_order[oldest : oldest + _URGENT]}
-            if cycle % _CHECKED == 0 and any(cycle + self.height[id(node)] >= self.below for node in ready):
+            if cycle % _CHECKED == 0 and any(cycle + self.height[id(each[-1])] >= self.below for each in ready):
                 raise TooLongError("a shorter schedule is known")
-            ready.sort(key=lambda node: (slope * position[id(node)] - self.height[id(node)], position[id(node)]))
-            kept, issued = [], sum(each.cycle == cycle for each in self.frame)
-            for k, node in enumerate(ready):
+            ready.sort()
+            kept: list[tuple[float, float, int, Node]] = []
+            issued = sum(each.cycle == cycle for each in self.frame)
+            exhausted: set[tuple[str, int, int | None]] = set()
+            for k, entry in enumerate(ready):
                 if issued >= _PACKET:
                     kept += ready[k:]
                     break
+                node = entry[-1]
+                kind = node.units, node.delay, node.side
                 placement = None
-                if position[id(node)] < (oldest + self.plan.ahead if node.source else limit):
+                if kind not in exhausted and entry[1] < (oldest + self.plan.ahead if node.source else limit):
                     placement = self._place(node, cycle)
+                    if placement is None and self._exhausted(node, cycle):
+                        exhausted.add(kind)
                 if placement is None:
-                    kept.append(node)
+                    kept.append(entry)
                     continue
                 issued += max(1, len(placement.moves))
                 self.left -= 1
@@ -259,15 +268,18 @@ class _List:
             ready = kept
             idle = 0 if issued or cycle < 4 else idle + 1
             if idle > _STUCK and self.plan.taper and ready and not self.pending:
-                moved = self._moved(min(ready, key=lambda node: position[id(node)]))
+                moved = self._moved(min(ready, key=lambda each: each[1])[-1])
                 if moved is not None:
                     move, node = moved
                     self._enter(move, node, -0.25, cycle)
                     self.height[id(move)] += 1
                     self.followers[id(move)].append((node, 1))
                     self.waiting[id(node)] += 1
-                    ready.remove(node)
-                    ready.append(move)
+                    ready = [each for each in ready if each[-1] is not node]
+                    arrivals += 1
+                    ready.append(
+                        (slope * position[id(move)] - self.height[id(move)], position[id(move)], arrivals, move)
+                    )
                     idle = 0
             if idle > _PATIENCE and not (self.pending and self.pending[0][0] > cycle):
                 raise OutOfRegistersError("out of registers")
@@ -378,6 +390,11 @@ class _List:
                 continue
             return unit
         return None
+
+    def _exhausted(self, node: Node, cycle: int) -> bool:
+        """Whether no unit is left in a cycle for instructions of this kind."""
+        sides = (0, 1) if node.side is None or node.memory else (node.side,)
+        return not any(self._unit(node, node.units, cycle, side) for side in sides)
 
     def _select(self, node: Node, cycle: int, side: int) -> Placement | None:
         if node.mnemonic == "select":
@@ -533,10 +550,9 @@ class _List:
             return self.placed[id(source)].register
         free = self.free[side]
         dying = set()
-        counted = Counter(id(self._source(operand, side)) for operand in operands if not isinstance(operand, int))
-        for operand in operands:
-            source = self._source(operand, side)
-            if source is not None and self.uses[id(source)] == counted[id(source)]:
+        sources = [source for operand in operands if (source := self._source(operand, side)) is not None]
+        for source in sources:
+            if self.uses[id(source)] == sum(each is source for each in sources):
                 placement = self.placed[id(source)]
                 if placement.data_side == side and placement.register is not None and placement.register < 32:
                     dying.add(placement.register)
@@ -549,9 +565,9 @@ class _List:
         if node.predicate:
             if self.plan.taper and not self._orderly(node):
                 return None
-            choice = [r for r in PREDICATES[side] if r in free | dying]
+            choice = [r for r in PREDICATES[side] if r in free or r in dying]
         else:
-            choice = [r for r in self.general[side] if r in free | dying]
+            choice = [r for r in self.general[side] if r in free or r in dying]
         if not choice and id(node) in self.urgent and not node.predicate:
             spare = [r for r in PREDICATES[side] if r in free]
             choice = spare[1:]
