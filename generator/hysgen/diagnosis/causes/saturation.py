@@ -115,17 +115,17 @@ class SaturationCause(Cause):
         return candidates
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
-        """The best starts, and the next levels further in, because a refinement moves a level outward more easily.
+        """The best starts, of each side alone and of both, and the next levels further in.
 
-        The best start of each side alone is among them: beside a side that clips, the other may show in too few rows.
+        Beside a side that clips, the other may show in too few rows. A level outside the true one is a
+        local minimum, because the output is flat there, too: a refinement moves a level outward more easily.
         """
-        if not candidates:
-            return []
-        best = _part(candidates[0].chain)
-        inside = [start for start in candidates if 0.0 < _further_in(_part(start.chain), best) < math.inf]
-        inside.sort(key=lambda start: _further_in(_part(start.chain), best))
         best_of_sides = {tuple(name for name, *_ in _part(start.chain).levels): start for start in reversed(candidates)}
-        chosen = [*candidates[: self.starts], *inside[:FURTHER_IN], *best_of_sides.values()]
+        chosen = candidates[: self.starts]
+        for best in best_of_sides.values():
+            further = {id(start): _further_in(_part(start.chain), _part(best.chain)) for start in candidates}
+            inside = [start for start in candidates if 0.0 < further[id(start)] < math.inf]
+            chosen += [best, *sorted(inside, key=lambda start: further[id(start)])[:FURTHER_IN]]
         return [start for start in candidates if start in chosen]
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
