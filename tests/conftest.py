@@ -15,6 +15,8 @@ import pytest
 # As the command line does, before NumPy: its BLAS reads once how many threads it may have.
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
+# The processes of pytest-xdist use the cores.
+os.environ.setdefault("HYSGEN_PROCESSES", "1")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -11,7 +11,7 @@ from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import GainChange
 from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import checked_error, fit_ladder, levelled
+from hysgen.diagnosis.ladder import checked_errors, fit_ladder, levelled
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, linear_fit, rms
 from hysgen.fitting import FitSettings
@@ -68,7 +68,7 @@ def test_a_mode_that_no_inverse_can_follow_is_simulated_all_the_same() -> None:
     prepared, extensions = prepare(measured(hidden)), true_extensions(hidden)
 
     def left_um(names: list[str]) -> float:
-        return rms(checked_error(prepared, extensions, names, FitSettings())[1])
+        return rms(checked_errors(prepared, [(extensions, names)], FitSettings())[0][1])
 
     assert left_um(["memory", "resonance"]) < 0.2 * left_um(["memory"])
     found = certify(fit_ladder(prepared, extensions, ["memory", "resonance"], FitSettings()).model)

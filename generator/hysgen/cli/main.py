@@ -37,7 +37,8 @@ first steps:
 `hysgen VERB --help` has options and examples; `hysgen completion bash` completes them; hysgen.toml in the working
 folder holds options for every call ([record] columns = "...").
 Exit codes: 0 done, 1 done with a negative answer, 2 not done.
-HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder)."""
+HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder);
+HYSGEN_PROCESSES is the number of processes of a diagnosis (default: one for each core, at most 4)."""
 
 
 class _Parser(argparse.ArgumentParser):

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import detrend
 
 from hysgen.diagnosis.causes import Residual
 from hysgen.diagnosis.error_map import turning_points
@@ -57,9 +56,15 @@ def unpredictable_um(residual: Floats) -> float:
     """
     taper = np.hanning(WINDOW)
     starts = range(0, len(residual) - WINDOW + 1, WINDOW // 2)
-    spectra = [np.abs(np.fft.rfft(detrend(residual[at : at + WINDOW]) * taper))[3:-1] ** 2 for at in starts]
+    spectra = [np.abs(np.fft.rfft(_without_line(residual[at : at + WINDOW]) * taper))[3:-1] ** 2 for at in starts]
     levels = [float(np.mean(np.log(one + 1e-300))) + np.euler_gamma for one in spectra]
     return math.sqrt(math.exp(float(np.median(levels))) / float(taper @ taper)) if levels else math.inf
+
+
+def _without_line(values: Floats) -> Floats:
+    """The values, (m,), less the straight line of least squares."""
+    time = np.arange(len(values)) - 0.5 * (len(values) - 1)
+    return np.asarray(values - values.mean() - (time @ values) / (time @ time) * time)
 
 
 def residual_in_words(residual: Floats, prepared: Prepared, rows: NDArray[np.intp]) -> str:

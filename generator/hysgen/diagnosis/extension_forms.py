@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes, in_ladder_order
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import Rows, checked_error
+from hysgen.diagnosis.ladder import Rows, checked_errors
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings
-from hysgen.machine.threads import in_threads
 
 TOLERATED = 1.1
 """Largest error of the chosen form, as a multiple of the least error of all forms: the next larger size of a hysteresis
@@ -35,7 +34,7 @@ def with_best_forms(
         if len(forms) < 2:
             continue
         trials = [{**best, name: form} for form in forms]
-        checked = in_threads(lambda trial: checked_error(prepared, trial, names, settings), trials)
+        checked = checked_errors(prepared, [(trial, names) for trial in trials], settings)
         levels_um = [rms(error_um[_trusted(best, names, rows)]) for rows, error_um in checked]
         best = next(t for t, level in zip(trials, levels_um, strict=True) if level <= TOLERATED * min(levels_um))
     return best

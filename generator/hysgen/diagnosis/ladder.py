@@ -11,6 +11,7 @@ turn is left out of the fit and scored.
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -32,6 +33,7 @@ from hysgen.fitting import (
     path_model,
     path_task,
 )
+from hysgen.machine.processes import in_processes
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.simulate import free_run
@@ -174,17 +176,27 @@ def left_out(prepared: Prepared) -> list[Rows]:
     return thirds if len(rows) <= MOST_IN_TURN else thirds[:1]
 
 
-def checked_error(
-    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
-) -> tuple[Rows, Floats]:
-    """Rows of the identification part in order, and the free-run error on each by a fit that left its block out."""
-    content = tuple((name, extensions[name].content) for name in in_ladder_order(names))
-    return prepared.checked.get((content, settings), lambda: _checked(prepared, extensions, names, settings))
+def checked_errors(
+    prepared: Prepared, models: Sequence[tuple[dict[str, Extension], Sequence[str]]], settings: FitSettings
+) -> list[tuple[Rows, Floats]]:
+    """Of each model, with the extensions of its names: rows of the identification part in order, and errors on them.
+
+    The error of a row is that of the free run by a fit that left the row's block out. Computed once for `prepared`.
+    """
+    keys = [
+        (tuple((name, extensions[name].content) for name in in_ladder_order(names)), settings)
+        for extensions, names in models
+    ]
+    new = {key: model for key, model in zip(keys, models, strict=True) if key not in prepared.checked}
+    found = in_processes(functools.partial(_checked, prepared, settings), new.values())
+    of_new = dict(zip(new, found, strict=True))
+    return [prepared.checked.get(key, functools.partial(of_new.__getitem__, key)) for key in keys]
 
 
 def _checked(
-    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str], settings: FitSettings
+    prepared: Prepared, settings: FitSettings, model: tuple[dict[str, Extension], Sequence[str]]
 ) -> tuple[Rows, Floats]:
+    extensions, names = model
     parts = [
         (rows, fit_ladder(prepared, extensions, names, settings, rows).error_um[rows]) for rows in left_out(prepared)
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +18,7 @@ from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
 from hysgen.diagnosis.identifiability import Ability, abilities
-from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_error, fit_ladder
+from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_errors, fit_ladder
 from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
@@ -26,7 +27,8 @@ from hysgen.diagnosis.score import LEAST_EVIDENCE
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings
 from hysgen.machine.checkpoint import forget, resumed, steps
-from hysgen.machine.threads import in_threads, one_blas_thread
+from hysgen.machine.processes import in_processes, several_processes
+from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor, residual_noise_floor
@@ -104,6 +106,7 @@ class Naming:
 
 
 @one_blas_thread()
+@several_processes(__name__)
 def diagnose(
     record: Record,
     holdout: Record | None = None,
@@ -127,12 +130,10 @@ def diagnose(
     report(0.8, "measuring what each extension gains")
     made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
     report(0.85, "fitting rules, " + ", ".join(made))
-    steps = [made[:count] for count in range(len(made) + 1)]
-
-    def fit_rung(names: Sequence[str]) -> Rung:
-        return fit_ladder(naming.prepared, naming.extensions, names, chosen.fit)
-
-    ladder = Pruned(made, in_threads(fit_rung, steps), {})
+    fit_rung = functools.partial(fit_ladder, naming.prepared, naming.extensions, settings=chosen.fit)
+    # The largest model, whose fit takes longest, first.
+    rungs = in_processes(fit_rung, [made[:count] for count in range(len(made), -1, -1)])
+    ladder = Pruned(made, rungs[::-1], {})
     if not chosen.keep_all:
         report(0.95, "checking each extension on the held-out rows")
         ladder = prune(ladder.rungs, made, _clean_held_rows(naming, made, ladder.rungs[-1]), fit_rung)
@@ -143,6 +144,7 @@ def diagnose(
 
 
 @one_blas_thread()
+@several_processes(__name__)
 def name_causes(
     record: Record,
     holdout: Record | None = None,
@@ -266,7 +268,7 @@ def _gains_beside_others(
     if not judged:
         return {}
     sets = [list(names), *([other for other in names if other != name] for name in judged)]
-    checked = in_threads(lambda chosen: checked_error(prepared, extensions, chosen, settings), sets)
+    checked = checked_errors(prepared, [(extensions, chosen) for chosen in sets], settings)
     rows, whole_um = checked[0]
     clean = ~whole.corrupted[rows] if len(whole.corrupted) else np.ones(len(rows), dtype=bool)
     gains = {}
@@ -298,7 +300,7 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
         for rung in rungs
     ]
     price = settings.price
-    prices = in_threads(price, running) if price is not None else [None] * len(running)
+    prices = in_processes(price, running[::-1])[::-1] if price is not None else [None] * len(running)
     named = []
     for name in agreed:
         # A cause without extension adds no rung.

@@ -12,6 +12,7 @@ Every scored chain counts in the confidences.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
@@ -34,7 +35,7 @@ from hysgen.diagnosis.probe import (
     training_fit,
 )
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, confidences, present
-from hysgen.machine.threads import in_threads
+from hysgen.machine.processes import in_processes
 from hysgen.record.series import resolution_um
 
 Progress = Callable[[str], None]
@@ -87,7 +88,7 @@ class _State:
     def fits_of_smaller(self, chains: Sequence[Chain]) -> list[Fit]:
         """The fits of chains with a part less, from the best lag, in their order; each chain is fitted once."""
         new = [chain for chain in dict.fromkeys(chains) if chain not in self.smaller]
-        fits = _refined(self.scene, [_with_best_lag(self.scene, chain) for chain in new])
+        fits = in_processes(functools.partial(_refined_from_best_lag, self.scene), new)
         self.smaller |= zip(new, fits, strict=True)
         return [self.smaller[chain] for chain in chains]
 
@@ -175,7 +176,7 @@ def _best_additions(state: _State) -> dict[str, Scored]:
     """By cause, the chain of least score with one more part of it; the largest fall of the score first."""
     part, current = state.scene, state.current
     residual = Residual(part, current.fit)
-    of_causes = in_threads(lambda cause: _starts(cause, residual), list(causes().values()))
+    of_causes = in_processes(functools.partial(_starts, residual=residual), causes().values())
     starts = [(name, candidate) for name, of_cause in zip(causes(), of_causes, strict=True) for candidate in of_cause]
     fits = _refined_if_promising(state, [start for _, start in starts])
     fits = [_with_acting_causes(part, fit, name) for (name, _), fit in zip(starts, fits, strict=True)]
@@ -274,12 +275,12 @@ def _with_best_lag(part: Scene, chain: Chain) -> Chain:
 
 def _fitted(part: Scene, chains: Sequence[Chain]) -> list[TrainingFit]:
     """Linear least-squares fits of the chains to the rows of the scene, sorted by rms error."""
-    return sorted(in_threads(lambda chain: training_fit(part, chain), chains), key=lambda candidate: candidate.rms_um)
+    return sorted((training_fit(part, chain) for chain in chains), key=lambda candidate: candidate.rms_um)
 
 
-def _refined(part: Scene, chains: Sequence[Chain]) -> list[Fit]:
-    """Fits of the linear and the shape parameters from each chain as the starting value, in the order of the chains."""
-    return in_threads(lambda chain: refine(part, chain, ROUNDS), chains)
+def _refined_from_best_lag(part: Scene, chain: Chain) -> Fit:
+    """Fit of the linear and the shape parameters from a chain, with its best lag, as the starting value."""
+    return refine(part, _with_best_lag(part, chain), ROUNDS)
 
 
 def _refined_if_promising(state: _State, starts: Sequence[TrainingFit]) -> list[Fit]:
@@ -287,15 +288,16 @@ def _refined_if_promising(state: _State, starts: Sequence[TrainingFit]) -> list[
 
     The rest of the rounds is taken to lower the error by the same factor as the first ones, which is optimistic.
     """
-    part, current = state.scene, state.current
+    return in_processes(functools.partial(_refined_start, state.current), starts)
 
-    def refined(start: TrainingFit) -> Fit:
-        first = refine(part, start.chain, FIRST_ROUNDS, start)
-        hoped_um = first.rms_um * min(first.rms_um / start.rms_um, 1.0)
-        hoped = Scored.of(part, dataclasses.replace(first, rms_um=hoped_um))
-        return refine(part, first.chain, ROUNDS - FIRST_ROUNDS) if hoped.fall_from(current) > 0.0 else first
 
-    return in_threads(refined, starts)
+def _refined_start(current: Scored, start: TrainingFit) -> Fit:
+    """The fit of `_refined_if_promising` from one start."""
+    part = current.scene
+    first = refine(part, start.chain, FIRST_ROUNDS, start)
+    hoped_um = first.rms_um * min(first.rms_um / start.rms_um, 1.0)
+    hoped = Scored.of(part, dataclasses.replace(first, rms_um=hoped_um))
+    return refine(part, first.chain, ROUNDS - FIRST_ROUNDS) if hoped.fall_from(current) > 0.0 else first
 
 
 def _with_acting_causes(part: Scene, fit: Fit, added: str) -> Fit:

@@ -1,31 +1,39 @@
-"""A bounded cache of costly results, safe to use from several threads."""
+"""A bounded cache of costly results, safe to use from several threads and sent between processes without them."""
 
 from __future__ import annotations
 
 import threading
+import uuid
 from collections.abc import Callable, Hashable
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
+from weakref import WeakValueDictionary
 
 Result = TypeVar("Result")
+
+_by_name: WeakValueDictionary[str, LruCache[Any]] = WeakValueDictionary()
 
 
 class LruCache(Generic[Result]):
     """Least-recently-used cache of results, each under the key of its inputs.
 
     It holds `capacity` results, and more as long as the arrays of all together take at most `most_bytes`.
+    Pickled, it is a name and the limits: each process computes its own results, because they are large. In a process
+    that holds the cache of this name, it becomes that cache, so objects sent one after the other keep sharing it.
     """
 
-    def __init__(self, capacity: int, most_bytes: int = 0) -> None:
+    def __init__(self, capacity: int, most_bytes: int = 0, name: str = "") -> None:
         self._capacity, self._most_bytes = capacity, most_bytes
+        self._name = name or uuid.uuid4().hex
         self._results: dict[Hashable, Result] = {}
         self._lock = threading.Lock()
+        _by_name[self._name] = self
 
-    def __getstate__(self) -> tuple[int, int]:
-        """The limits: results are computed again after unpickling, and a lock belongs to its process."""
-        return self._capacity, self._most_bytes
+    def __reduce__(self) -> tuple[Callable[..., LruCache[Any]], tuple[int, int, str]]:
+        return _cache, (self._capacity, self._most_bytes, self._name)
 
-    def __setstate__(self, limits: tuple[int, int]) -> None:
-        self.__init__(*limits)  # type: ignore[misc]
+    def __contains__(self, key: Hashable) -> bool:
+        with self._lock:
+            return key in self._results
 
     def get(self, key: Hashable, compute: Callable[[], Result]) -> Result:
         """The cached result of `key`, or else compute(), which is then cached. All callers share it: do not modify it.
@@ -47,3 +55,8 @@ class LruCache(Generic[Result]):
         """Size of the arrays of all results; a result is an array or a list of arrays."""
         lists = [result if isinstance(result, list) else [result] for result in self._results.values()]
         return sum(getattr(array, "nbytes", 1) for arrays in lists for array in arrays)
+
+
+def _cache(capacity: int, most_bytes: int, name: str) -> LruCache[Any]:
+    """The cache of this name in this process."""
+    return _by_name.get(name) or LruCache(capacity, most_bytes, name)

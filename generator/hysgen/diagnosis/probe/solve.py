@@ -65,12 +65,18 @@ class Projector:
 
 @dataclass(frozen=True, eq=False)
 class TrainingFit:
-    """A chain with its linear weights and the rms error on the training rows; `projector`: off its columns there."""
+    """A chain with its linear weights and the rms error on the training rows.
+
+    projector: off its columns there; None in another process, which computes it sooner than it is sent.
+    """
 
     chain: Chain
     weights: Floats
     rms_um: float
-    projector: Projector
+    projector: Projector | None
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, "projector": None}
 
 
 def linear_fit(scene: Scene, chain: Chain) -> Fit:
@@ -109,8 +115,9 @@ def _refined(scene: Scene, best: TrainingFit, rounds: int) -> Chain:
     y_um = scene.y_um[scene.rows]
     damping = 1e-3
     for _ in range(rounds):
-        jacobian = sensitivities(scene, best, best.projector)
-        error = best.projector.orthogonal_part(y_um)
+        projector = best.projector or Projector.of(scene.training_columns(best.chain))
+        jacobian = sensitivities(scene, best, projector)
+        error = projector.orthogonal_part(y_um)
         norm = np.sqrt((jacobian**2).sum(axis=1)) + 1e-300
         scaled = jacobian / norm[:, None]
         gram, slope = scaled @ scaled.T, scaled @ error

@@ -1,0 +1,332 @@
+"""Independent computations shared by several processes: the results of one process, in less time.
+
+Threads gain nothing here, because between two short kernels they wait for the interpreter lock. A helper is another
+interpreter. It never imports the user's script, as workers of `multiprocessing` do on Windows and macOS. The calling
+process computes too. What a helper cannot compute, for whatever reason, the calling process computes: a helper saves
+time and never decides a result.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import importlib
+import json
+import multiprocessing
+import os
+import pickle
+import signal
+import struct
+import subprocess
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Any, TypeVar
+
+from hysgen.machine.threads import one_blas_thread
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+MOST_PROCESSES = 4
+"""A diagnosis has about 15 items at once, of different length; a helper takes 150 MB."""
+
+KEPT = 2
+"""Tasks that a helper keeps: their caches serve the next task with the same data."""
+
+_START = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from hysgen.machine.processes import serve_standard_streams; serve_standard_streams()"
+)
+_TASK, _ITEM = b"t", b"i"
+_pool: ContextVar[_Pool | None] = ContextVar("_pool", default=None)
+
+
+def processes() -> int:
+    """Processes that a computation uses: HYSGEN_PROCESSES, or one for each core that it may use up to MOST_PROCESSES.
+
+    1 inside a worker of a process pool, because its siblings use the other cores.
+    """
+    chosen = os.environ.get("HYSGEN_PROCESSES", "")
+    if chosen.isdecimal() and int(chosen):
+        return int(chosen)
+    if multiprocessing.parent_process() is not None:
+        return 1
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(cores, MOST_PROCESSES)
+
+
+@contextmanager
+def several_processes(module: str) -> Iterator[None]:
+    """Inside this context, `in_processes` shares its items with helpers, which end with the context.
+
+    module: what a helper imports at its start, while this process computes already. Also a decorator.
+    """
+    count = processes() - 1
+    if count < 1 or _pool.get() is not None or not _is_python():
+        yield
+        return
+    pool = _Pool(count, module)
+    before = _pool.set(pool)
+    try:
+        yield
+    finally:
+        _pool.reset(before)
+        pool.close()
+
+
+def in_processes(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+    """[function(item) for item in items], shared with the helpers of the context; results in the order of the items.
+
+    Function and items are pickled once for each helper, and each result once. Without helpers, inside another call, or
+    if something cannot be pickled, this process computes all items. Raises what function(item) raises.
+    """
+    listed, pool = list(items), _pool.get()
+    if pool is None or len(listed) < 2:
+        return [function(item) for item in listed]
+    # A call inside an item finds no pool: the helpers are in use.
+    before = _pool.set(None)
+    try:
+        return pool.compute(function, listed)
+    finally:
+        _pool.reset(before)
+
+
+@dataclass(eq=False)
+class _Task:
+    """A call of `in_processes`: numbers of items.
+
+    todo: items that nobody has taken. refused: items that a helper could not compute. away: how many helpers compute.
+    """
+
+    message: bytes
+    todo: deque[int]
+    refused: deque[int] = field(default_factory=deque)
+    away: int = 0
+    found: dict[int, Any] = field(default_factory=dict)
+
+
+class _Pool:
+    """Helpers, each with a thread that hands it one item after the other."""
+
+    def __init__(self, count: int, module: str) -> None:
+        self._changed = threading.Condition()
+        self._task: _Task | None = None
+        self._closed = False
+        self._helpers: list[_Helper] = []
+        with contextlib.suppress(OSError):
+            self._helpers = [_helper(module) for _ in range(count)]
+        self._threads = [threading.Thread(target=self._feed, args=(one,), daemon=True) for one in self._helpers]
+        for thread in self._threads:
+            thread.start()
+
+    def compute(self, function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
+        """The results of all items."""
+        try:
+            message = pickle.dumps((function, items), pickle.HIGHEST_PROTOCOL)
+        except (pickle.PicklingError, TypeError, AttributeError):
+            return [function(item) for item in items]
+        task = _Task(message, deque(range(len(items))))
+        with self._changed:
+            self._task = task
+            self._changed.notify_all()
+        try:
+            while (index := self._next_here(task)) is not None:
+                task.found[index] = function(items[index])
+        finally:
+            with self._changed:
+                self._task = None
+        return [task.found[index] for index in range(len(items))]
+
+    def _next_here(self, task: _Task) -> int | None:
+        """The next item for this process; None when the results of all are there."""
+        with self._changed:
+            self._changed.wait_for(lambda: task.todo or task.refused or not task.away)
+            waiting = task.todo or task.refused
+            return waiting.popleft() if waiting else None
+
+    def _feed(self, helper: _Helper) -> None:
+        """Hand items to the helper until the pool is closed or the helper fails."""
+        lost = not helper.ready()
+        last: _Task | None = None
+        while not lost and (taken := self._next_away()) is not None:
+            task, index = taken
+            answer = helper.answer(task.message if task is not last else None, index)
+            last, lost = task, answer is None
+            try:
+                task.found[index] = pickle.loads(answer or b"")
+            except Exception:
+                # Whatever fails between two processes: this one computes the item.
+                task.refused.append(index)
+            with self._changed:
+                task.away -= 1
+                self._changed.notify_all()
+
+    def _next_away(self) -> tuple[_Task, int] | None:
+        """The next item for a helper; None when the pool is closed."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._closed or (self._task is not None and self._task.todo))
+            if self._closed or self._task is None:
+                return None
+            self._task.away += 1
+            return self._task, self._task.todo.popleft()
+
+    def close(self) -> None:
+        """End the helpers, whatever they compute."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        for helper in self._helpers:
+            helper.end()
+        for thread in self._threads:
+            thread.join()
+        for helper in self._helpers:
+            helper.close()
+
+
+@dataclass(frozen=True, eq=False)
+class _Helper:
+    """Another interpreter, which runs `serve`, and the pipes to and from it."""
+
+    to: IO[bytes]
+    back: IO[bytes]
+    kill: Callable[[], object]
+    wait: Callable[[], object]
+
+    def ready(self) -> bool:
+        """Whether the helper has started."""
+        return _received(self.back) is not None
+
+    def answer(self, message: bytes | None, index: int) -> bytes | None:
+        """The pickled result of an item, empty if it failed; None if the helper has ended. message: a new task."""
+        try:
+            if message is not None:
+                _send(self.to, _TASK + message)
+            _send(self.to, _ITEM + struct.pack("<Q", index))
+            return _received(self.back)
+        except OSError:
+            return None
+
+    def end(self) -> None:
+        """End the process, whatever it computes."""
+        with contextlib.suppress(OSError):
+            self.kill()
+
+    def close(self) -> None:
+        """Release what is left of an ended process."""
+        self.wait()
+        for pipe in (self.to, self.back):
+            with contextlib.suppress(OSError):
+                pipe.close()
+
+
+def _helper(module: str) -> _Helper:
+    """A helper: a fork where this process has one thread, which starts at once with all modules.
+
+    A fork of several threads may find a lock taken for ever: there, the helper is a new interpreter.
+    """
+    return _forked() if _threads() == 1 else _started(module)
+
+
+def _forked() -> _Helper:
+    (of_child, to_child), (of_parent, to_parent) = os.pipe(), os.pipe()
+    child = os.fork()
+    if not child:
+        try:
+            os.setpgid(0, 0)
+            os.close(to_child)
+            os.close(of_parent)
+            with os.fdopen(of_child, "rb") as source, os.fdopen(to_parent, "wb") as sink:
+                serve(source, sink)
+        finally:
+            # Neither the handlers of the calling program nor its unwritten output belong to the helper.
+            os._exit(0)
+    os.close(of_child)
+    os.close(to_parent)
+    kill = functools.partial(os.kill, child, signal.SIGKILL)
+    return _Helper(os.fdopen(to_child, "wb"), os.fdopen(of_parent, "rb"), kill, functools.partial(os.waitpid, child, 0))
+
+
+def _started(module: str) -> _Helper:
+    # Away from the terminal, so that an interrupt from the keyboard reaches the calling process alone.
+    apart: dict[str, Any] = (
+        {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
+        if sys.platform == "win32"
+        else {"process_group": 0}
+    )
+    alone = dict.fromkeys(("HYSGEN_PROCESSES", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    process = subprocess.Popen(
+        [sys.executable, "-c", _START, json.dumps(sys.path), module],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, **alone},
+        **apart,
+    )
+    assert process.stdin is not None
+    assert process.stdout is not None
+    return _Helper(process.stdin, process.stdout, process.kill, process.wait)
+
+
+def serve_standard_streams() -> None:
+    """`serve` between the standard input and output."""
+    importlib.import_module(sys.argv[2])
+    with os.fdopen(os.dup(0), "rb") as source, os.fdopen(os.dup(1), "wb") as sink:
+        serve(source, sink)
+
+
+def serve(source: IO[bytes], sink: IO[bytes]) -> None:
+    """A helper: compute the items that come from `source` until it ends."""
+    # What the computation prints must not stand between the results, nor on the terminal.
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(nothing, stream)
+    kept: deque[tuple[Callable[[Any], Any], Sequence[Any]]] = deque(maxlen=KEPT)
+    _pool.set(None)
+    with one_blas_thread():
+        _send(sink, b"ready")
+        while message := _received(source):
+            if message[:1] == _TASK:
+                kept.append(pickle.loads(message[1:]))
+                continue
+            function, items = kept[-1]
+            try:
+                answer = pickle.dumps(function(items[struct.unpack("<Q", message[1:])[0]]), pickle.HIGHEST_PROTOCOL)
+            except Exception:
+                answer = b""
+            _send(sink, answer)
+
+
+def _threads() -> int:
+    """Threads of this process, those of compiled libraries included; 0 if the system does not say."""
+    try:
+        return len(os.listdir("/proc/self/task"))
+    except OSError:
+        return 0
+
+
+def _send(pipe: IO[bytes], message: bytes) -> None:
+    pipe.write(struct.pack("<Q", len(message)))
+    pipe.write(message)
+    pipe.flush()
+
+
+def _received(pipe: IO[bytes]) -> bytes | None:
+    """The next message; None at the end of the pipe."""
+    head = pipe.read(8)
+    if len(head) < 8:
+        return None
+    size = struct.unpack("<Q", head)[0]
+    message = pipe.read(size)
+    return message if len(message) == size else None
+
+
+@functools.lru_cache(maxsize=1)
+def _is_python() -> bool:
+    """Whether this process's program is a Python interpreter, and not an application that contains one."""
+    return not getattr(sys, "frozen", False) and Path(sys.executable or "").name.lower().startswith(("python", "pypy"))
