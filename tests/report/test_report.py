@@ -6,6 +6,7 @@ import base64
 import dataclasses
 import json
 import math
+import pickle
 import re
 import shutil
 import subprocess
@@ -282,6 +283,9 @@ def test_verb_writes_page_pictures_and_json_and_the_same_study_gives_the_same_by
     for picture in pictures(hum)[:2]:
         assert written[f"p/{picture.name}.png"] == png_bytes(picture.figure)
         assert base64.b64encode(svg_bytes(picture.figure)).decode() in page
+    # Helper processes draw pictures too; the last one is as in the page.
+    sent = [pickle.loads(pickle.dumps(picture.figure)) for picture in pictures(hum)]
+    assert base64.b64encode(svg_bytes(sent[-1])).decode() in page
     (tmp_path / "m.json").write_bytes(written["m.json"])
     assert load_model(str(tmp_path / "m.json")).terms == hum.diagnosis.model.terms
 

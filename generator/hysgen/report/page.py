@@ -17,7 +17,8 @@ import jinja2
 from hysgen.codegen.render import template_environment
 from hysgen.machine.files import write_whole
 from hysgen.machine.installed import version
-from hysgen.report.plots.style import Picture
+from hysgen.machine.processes import in_processes
+from hysgen.report.plots.style import Picture, data_uri
 
 GLOSSARY = ("free run", "fit (NRMSE)", "noise floor", "price a sample", "generated C")
 """Labels of figures that the section "Glossary" explains (`sections.TERMS`)."""
@@ -86,7 +87,10 @@ class Page:
 
     def html(self) -> str:
         """The page as one HTML document."""
-        return _environment().get_template("report/page.html.j2").render(page=self, version=version())
+        figures = [picture.figure for section in self.sections for picture in section.pictures]
+        images = dict(zip(map(id, figures), in_processes(data_uri, figures), strict=True))
+        template = _environment().get_template("report/page.html.j2")
+        return template.render(page=self, image=lambda figure: images[id(figure)], version=version())
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the page, whole or not at all. Returns its path."""

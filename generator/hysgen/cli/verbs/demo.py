@@ -20,6 +20,7 @@ from hysgen.diagnosis.evaluation import LADDER, diagnose_and_evaluate
 from hysgen.display import table
 from hysgen.fitting import FitSettings
 from hysgen.machine.files import write_whole
+from hysgen.machine.processes import several_processes
 from hysgen.model.file import save_model
 from hysgen.record import load_record
 from hysgen.report.diagnosis import diagnosis_page
@@ -47,6 +48,7 @@ def demo_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+@several_processes(__name__)
 def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     started = time.monotonic()
     folder = Path(arguments.output)

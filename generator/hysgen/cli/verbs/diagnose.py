@@ -18,6 +18,7 @@ from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
 from hysgen.machine.files import write_whole
+from hysgen.machine.processes import several_processes
 from hysgen.model.file import save_model
 from hysgen.model.model import Model
 from hysgen.model.scores import score_identification
@@ -56,6 +57,7 @@ def diagnose_arguments(parser: argparse.ArgumentParser) -> None:
     add_record_options(parser)
 
 
+@several_processes(__name__)
 def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console)
     holdout = read_records(arguments.holdout, arguments, console) if arguments.holdout else None

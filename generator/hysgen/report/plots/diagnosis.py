@@ -130,7 +130,7 @@ def profile_picture(shown: list[tuple[str, ErrorMap]], number: int) -> Picture:
         axis.set_xlabel(f"{first.quantity} of the input")
     elif first.edges[0] > 0 and first.edges[-1] / first.edges[0] > 50:
         axis.set_xscale("log")
-        axis.xaxis.set_major_formatter(_PLAIN)
+        axis.xaxis.set_major_formatter(FuncFormatter(style.plain_number))
     axis.legend(loc="upper left", ncols=2)
     ends = "; ".join(f"{label} {range_in_words(error.profiles[number])}" for label, error in shown)
     alt = f"Error rms by {first.quantity}: {ends}."
@@ -184,16 +184,13 @@ def _figure(xlabel: str, ylabel: str) -> tuple[Figure, Axes]:
     return fig, axis
 
 
-_PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
-
-
 def _plain(axis: Axes, x: bool = True) -> None:
     """Decimal tick labels on logarithmic axes, at 1, 2 and 5 of each decade."""
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=20))
     axis.yaxis.set_minor_formatter(NullFormatter())
-    axis.yaxis.set_major_formatter(_PLAIN)
+    axis.yaxis.set_major_formatter(FuncFormatter(style.plain_number))
     if x:
-        axis.xaxis.set_major_formatter(_PLAIN)
+        axis.xaxis.set_major_formatter(FuncFormatter(style.plain_number))
 
 
 def _level(axis: Axes, level_um: float, name: str) -> None:

@@ -52,11 +52,6 @@ class Picture:
     figure: Figure
     wide: bool = False
 
-    @property
-    def data_uri(self) -> str:
-        """The figure as SVG inside a `data:` address: a page that shows it needs no other file."""
-        return "data:image/svg+xml;base64," + base64.b64encode(svg_bytes(self.figure)).decode()
-
 
 def figure(width_in: float = 7.2, height_in: float = 4.2) -> Figure:
     """An empty figure in the project's style; constrained layout keeps labels apart."""
@@ -73,9 +68,25 @@ def png_bytes(fig: Figure, dpi: int = 150) -> bytes:
 
 def svg_bytes(fig: Figure) -> bytes:
     """The figure as SVG, text as outlines, element names salted, no date: the same figure gives the same bytes."""
+    matplotlib.rcParams.update(_SETTINGS)
     stream = io.BytesIO()
     fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     return stream.getvalue()
+
+
+def data_uri(fig: Figure) -> str:
+    """The figure as SVG inside a `data:` address: a page that shows it needs no other file."""
+    return "data:image/svg+xml;base64," + base64.b64encode(svg_bytes(fig)).decode()
+
+
+def plain_number(value: float, _: int | None = None) -> str:
+    """Label of a tick without an exponent where it is short. No lambda: figures are pickled."""
+    return f"{value:g}"
+
+
+def three_digits(value: float, _: int | None = None) -> str:
+    """Label of a tick between those of the decades."""
+    return f"{value:.3g}"
 
 
 def save(fig: Figure, path: Path) -> Path:

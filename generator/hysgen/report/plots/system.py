@@ -162,8 +162,8 @@ def response_picture(study: Study, held: HeldOut) -> Picture:
         if shown.size:
             remarks.append(f"{name} {abs(response[0]):.3g} to {abs(response[-1]):.3g} µm/V")
     for ticks in (left.xaxis, left.yaxis, right.xaxis):
-        ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    left.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
+        ticks.set_major_formatter(FuncFormatter(style.plain_number))
+    left.yaxis.set_minor_formatter(FuncFormatter(style.three_digits))
     right.xaxis.set_minor_formatter(NullFormatter())
     left.xaxis.set_minor_formatter(NullFormatter())
     left.set(xlabel="frequency [Hz]", ylabel="gain [µm/V]")
