@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import os
+import resource
 import subprocess
 import sys
+from importlib import resources
 from pathlib import Path
 
 import pytest
@@ -90,6 +93,40 @@ def test_a_full_stdout_is_one_line_and_exit_code_2() -> None:
             [sys.executable, "-m", "hysgen", "--version"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
         )
     assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not enforce a limit of the address space")
+@pytest.mark.parametrize("limit_kB", [100_000, 200_000, 350_000, 420_000])
+def test_a_limit_of_the_memory_is_one_line_or_the_result(limit_kB: int, folder: Path) -> None:
+    # OpenBLAS without a buffer ends the process with a message of its own, or tries again without end (350000).
+    record = Path(str(resources.files("hysgen"))) / "stage" / "demo_stage.csv"
+    Path("part.csv").write_text("".join(record.read_text().splitlines(keepends=True)[:3001]))
+    done = subprocess.run(
+        [sys.executable, "-m", "hysgen", "fit", "part.csv", "-o", "x.json", "--quiet"],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit_kB * 1024,) * 2),
+    )
+    if done.returncode == 0:
+        assert Path("x.json").exists()
+    else:
+        assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+        assert done.stderr.startswith("hysgen fit: not enough memory")
+
+
+def test_a_library_that_cannot_be_loaded_is_one_line_and_exit_code_2(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fails(*_: object) -> None:
+        raise ImportError("libhdf5.so: failed to map segment from shared object")
+
+    monkeypatch.setattr(importlib.import_module("hysgen.cli.main"), "verb", fails)
+    assert main(["fit", "ok.csv", "-o", "x.json"]) == 2
+    captured = capsys.readouterr()
+    assert "a library cannot be loaded (libhdf5.so: failed to map segment" in captured.err
+    assert captured.err.count("\n") == 1
 
 
 def test_a_cache_that_cannot_be_written_falls_back_to_a_temporary_folder(

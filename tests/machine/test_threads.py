@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -12,6 +14,8 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from hysgen.diagnosis import diagnose
 from hysgen.errors import HysgenError
 from hysgen.fitting import fit
+from hysgen.machine.memory import THREAD
+from hysgen.machine.threads import in_threads
 from hysgen.record import Record
 
 
@@ -42,3 +46,17 @@ def test_one_thread_inside_in_every_thread_and_as_many_as_before_after_an_error(
             outer(record)  # type: ignore[operator]
         assert threads() == {2}
     assert seen == [{1}]
+
+
+def test_there_are_no_more_threads_than_memory_has_room_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    used: set[int] = set()
+
+    def works(item: int) -> int:
+        used.add(threading.get_ident())
+        time.sleep(0.01)
+        return item
+
+    monkeypatch.setattr("os.cpu_count", lambda: 4)
+    monkeypatch.setattr("hysgen.machine.threads.has_room", lambda size: size < 3 * THREAD)
+    assert in_threads(works, range(20)) == list(range(20))
+    assert len(used) == 2

@@ -22,6 +22,7 @@ from hysgen.cli.project import project_options
 from hysgen.cli.verbs import GROUPS, NAMES, verb
 from hysgen.errors import HysgenError
 from hysgen.machine.installed import version
+from hysgen.machine.memory import LIBRARIES, require_room
 
 _DESCRIPTION = (
     "From measured voltage/displacement records of a piezo stage to verified float32 C: "
@@ -93,6 +94,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fails(name, str(fault))
     except MemoryError as fault:
         return _fails(name, f"not enough memory ({fault}); use fewer rows with --rows, or a machine with more")
+    except ImportError as fault:
+        return _fails(name, f"a library cannot be loaded ({fault}): not enough memory, or a damaged installation")
     except KeyboardInterrupt:
         print(f"\nhysgen {name}: interrupted; files already written are whole", file=sys.stderr)
         return 130
@@ -125,6 +128,7 @@ def _run(words: list[str]) -> int:
         from hysgen.record.columns import nearest  # imports NumPy, which --version does without
 
         raise HysgenError(f"{words[0]}: is no verb{nearest(words[0], NAMES)}; hysgen --help lists them")
+    require_room(LIBRARIES)
     arguments = parser(names).parse_args(_negative_rows_joined(words))
     console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)

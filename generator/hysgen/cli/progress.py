@@ -43,8 +43,10 @@ class ProgressLine:
             if self.verbose or fraction >= 1.0 or time.monotonic() - self._printed >= self._interval():
                 self._print(fraction, what)
             if self._thread is None and self._last is not None:
-                self._thread = threading.Thread(target=self._repeat, daemon=True)
-                self._thread.start()
+                thread = threading.Thread(target=self._repeat, daemon=True)
+                with contextlib.suppress(RuntimeError):  # no memory for a thread: nothing is repeated
+                    thread.start()
+                    self._thread = thread
 
     def pause(self) -> None:
         """Clear the line of a terminal, because other text follows; nothing is repeated until the next `show`."""

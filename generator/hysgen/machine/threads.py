@@ -15,6 +15,8 @@ from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
 
+from hysgen.machine.memory import THREAD, has_room
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -36,9 +38,12 @@ def in_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> lis
     """[function(item) for item in items], computed by several threads; results in the order of the items.
 
     Compiled kernels and the BLAS release the interpreter lock, so threads run in parallel. A worker process of a pool
-    computes one item at a time, because its sibling processes use the other cores.
+    computes one item at a time, because its sibling processes use the other cores. Where memory is limited, there are
+    no more threads than it has room for; their number changes no result.
     """
     threads = 1 if multiprocessing.parent_process() is not None else min(os.cpu_count() or 1, MOST_THREADS)
+    while threads > 1 and not has_room(threads * THREAD):
+        threads -= 1
     if threads == 1:
         return [function(item) for item in items]
     with ThreadPoolExecutor(threads) as pool:
