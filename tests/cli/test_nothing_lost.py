@@ -7,6 +7,7 @@ import os
 import resource
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from importlib import resources
 from pathlib import Path
 
@@ -84,6 +85,38 @@ def test_faults_of_the_machine_are_one_line_and_exit_code_2(
     captured = capsys.readouterr()
     assert said in captured.err
     assert captured.err.count("\n") == 1
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is of Linux")
+@pytest.mark.parametrize(
+    "call",
+    [
+        "fit ok.csv -o x.json --json /dev/full",
+        "fit ok.csv -o /dev/full",
+        "score appendix_a ok.csv --json /dev/full",
+        "diagnose ok.csv --json /dev/full",
+        "inspect ok.csv --json /dev/full",
+        "cost appendix_a --json /dev/full",
+    ],
+)
+def test_a_full_device_is_found_before_the_computation(
+    call: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(call.split()) == 2
+    captured = capsys.readouterr()
+    assert "/dev/full: cannot be written (No space left on device)" in captured.err
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+    assert not Path("x.json").exists()
+
+
+def test_a_device_or_a_pipe_that_takes_the_output_gets_it(folder: Path) -> None:
+    assert main(["describe", "appendix_a", "--json", "/dev/null"]) == 0
+    os.mkfifo("pipe")
+    with ThreadPoolExecutor(1) as beside:
+        read = beside.submit(Path("pipe").read_text)
+        assert main(["describe", "appendix_a", "--json", "pipe"]) == 0
+        assert '"hysgen-describe"' in read.result(timeout=10)
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is of Linux")

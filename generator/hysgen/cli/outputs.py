@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import stat
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -78,10 +79,31 @@ def check_file(path: Path, option: str, force: bool = False) -> None:
     if path.is_dir():
         raise HysgenError(f"{option} {path}: is a folder; name a file in it")
     if is_special(path):
+        check_device(path, option)
         return
     if path.exists() and not force and not written_by_hysgen(path):
         raise HysgenError(f"{option} {path}: exists, and hysgen did not write it; choose another name, or add --force")
     check_writable(path.parent)
+
+
+def check_device(path: Path, option: str) -> None:
+    """Try to write nothing to a device: one that is full says so then. Raises HysgenError, for a disk too.
+
+    A pipe is not opened: its reader would see the end of the file.
+    """
+    mode = path.stat().st_mode
+    if stat.S_ISBLK(mode):
+        raise HysgenError(f"{option} {path}: is a disk; name a file")
+    if not stat.S_ISCHR(mode):
+        return
+    try:
+        device = os.open(path, os.O_WRONLY | getattr(os, "O_NOCTTY", 0))
+        try:
+            os.write(device, b"")
+        finally:
+            os.close(device)
+    except OSError as fault:
+        raise HysgenError(f"{option} {path}: cannot be written ({fault.strerror}); choose another place") from fault
 
 
 def check_files(folder: Path, names: Iterable[str], option: str, force: bool) -> None:
