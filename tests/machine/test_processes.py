@@ -81,6 +81,7 @@ def test_items_are_shared_and_results_are_in_the_order_of_the_items(
     assert len(set(found)) == 2
     assert str(os.getpid()) in found
     assert in_processes(abs, range(-30, 0)) == list(range(30, 0, -1))
+    assert in_processes(abs, range(-30, 0), cost=lambda value: value % 7) == list(range(30, 0, -1))
     assert in_processes(nested, [3, 1, 2]) == [[0, 1, 2], [0], [0, 1]]
 
 

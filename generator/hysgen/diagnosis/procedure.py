@@ -131,9 +131,7 @@ def diagnose(
     made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
     report(0.85, "fitting rules, " + ", ".join(made))
     fit_rung = functools.partial(fit_ladder, naming.prepared, naming.extensions, settings=chosen.fit)
-    # The largest model, whose fit takes longest, first.
-    rungs = in_processes(fit_rung, [made[:count] for count in range(len(made), -1, -1)])
-    ladder = Pruned(made, rungs[::-1], {})
+    ladder = Pruned(made, in_processes(fit_rung, [made[:count] for count in range(len(made) + 1)], cost=len), {})
     if not chosen.keep_all:
         report(0.95, "checking each extension on the held-out rows")
         ladder = prune(ladder.rungs, made, _clean_held_rows(naming, made, ladder.rungs[-1]), fit_rung)
@@ -300,7 +298,11 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
         for rung in rungs
     ]
     price = settings.price
-    prices = in_processes(price, running[::-1])[::-1] if price is not None else [None] * len(running)
+    prices = (
+        in_processes(price, running, cost=lambda model: len(model.blocks))
+        if price is not None
+        else [None] * len(running)
+    )
     named = []
     for name in agreed:
         # A cause without extension adds no rung.

@@ -176,7 +176,12 @@ def _best_additions(state: _State) -> dict[str, Scored]:
     """By cause, the chain of least score with one more part of it; the largest fall of the score first."""
     part, current = state.scene, state.current
     residual = Residual(part, current.fit)
-    of_causes = in_processes(functools.partial(_starts, residual=residual), causes().values())
+    # Each proposal of a part of the amplifier requires a hysteresis of its own.
+    of_causes = in_processes(
+        functools.partial(_starts, residual=residual),
+        causes().values(),
+        cost=lambda cause: cause.part is not None and cause.part.amplifies,
+    )
     starts = [(name, candidate) for name, of_cause in zip(causes(), of_causes, strict=True) for candidate in of_cause]
     fits = _refined_if_promising(state, [start for _, start in starts])
     fits = [_with_acting_causes(part, fit, name) for (name, _), fit in zip(starts, fits, strict=True)]
@@ -288,7 +293,8 @@ def _refined_if_promising(state: _State, starts: Sequence[TrainingFit]) -> list[
 
     The rest of the rounds is taken to lower the error by the same factor as the first ones, which is optimistic.
     """
-    return in_processes(functools.partial(_refined_start, state.current), starts)
+    refined = functools.partial(_refined_start, state.current)
+    return in_processes(refined, starts, cost=lambda start: len(start.chain.amplifier))
 
 
 def _refined_start(current: Scored, start: TrainingFit) -> Fit:

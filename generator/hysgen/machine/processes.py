@@ -80,11 +80,14 @@ def several_processes(module: str) -> Iterator[None]:
         pool.close()
 
 
-def in_processes(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+def in_processes(
+    function: Callable[[Item], Result], items: Iterable[Item], cost: Callable[[Item], float] | None = None
+) -> list[Result]:
     """[function(item) for item in items], shared with the helpers of the context; results in the order of the items.
 
-    Function and items are pickled once for each helper, and each result once. Without helpers, inside another call, or
-    if something cannot be pickled, this process computes all items. Raises what function(item) raises.
+    cost: items of larger cost are begun first, so that the last ones are short. Function and items are pickled once for
+    each helper, and each result once. Without helpers, inside another call, or if something cannot be pickled, this
+    process computes all items. Raises what function(item) raises.
     """
     listed, pool = list(items), _pool.get()
     if pool is None or len(listed) < 2:
@@ -92,7 +95,8 @@ def in_processes(function: Callable[[Item], Result], items: Iterable[Item]) -> l
     # A call inside an item finds no pool: the helpers are in use.
     before = _pool.set(None)
     try:
-        return pool.compute(function, listed)
+        order = range(len(listed))
+        return pool.compute(function, listed, order if cost is None else sorted(order, key=lambda i: -cost(listed[i])))
     finally:
         _pool.reset(before)
 
@@ -125,13 +129,13 @@ class _Pool:
         for thread in self._threads:
             thread.start()
 
-    def compute(self, function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
-        """The results of all items."""
+    def compute(self, function: Callable[[Any], Any], items: Sequence[Any], order: Iterable[int]) -> list[Any]:
+        """The results of all items, which are begun in this order."""
         try:
             message = pickle.dumps((function, items), pickle.HIGHEST_PROTOCOL)
         except (pickle.PicklingError, TypeError, AttributeError):
             return [function(item) for item in items]
-        task = _Task(message, deque(range(len(items))))
+        task = _Task(message, deque(order))
         with self._changed:
             self._task = task
             self._changed.notify_all()
