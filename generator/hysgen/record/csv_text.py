@@ -6,9 +6,7 @@ and the fault.
 
 from __future__ import annotations
 
-import contextlib
 import io
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,9 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import Columns
-from hysgen.record.layout import COMMENT, Layout, clock_seconds, is_clock, layout_of, number, split
+from hysgen.record.columns import Columns, plain_unit, split_unit
+from hysgen.record.interludes import Parts, without_interludes
+from hysgen.record.layout import COMMENT, Layout, layout_of, split
 from hysgen.record.names import ROLES, guessed, words_of
+from hysgen.record.spelling import FORTRAN, MINUS, clock_seconds, in_unit, is_clock, number, quantity
+from hysgen.record.text import text_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,8 @@ class CsvTable:
 
     names: of all columns, numeric or not. columns: (n,) numbers by name. chosen: the columns of time, voltage and
     displacement, as given or as guessed. Ts_s: sampling period in the preamble, if any.
-    locate: row number to "line 12". remarks: one line each, for the user.
+    locate: row number to "line 12". remarks: one line each, for the user. starts: rows before which
+     the header stands again.
     """
 
     names: tuple[str, ...]
@@ -36,24 +38,27 @@ class CsvTable:
     Ts_s: float | None
     locate: Callable[[int], str]
     remarks: tuple[str, ...]
+    starts: tuple[int, ...] = ()
 
 
 def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     """The numeric columns of a text file, in the units of the file.
 
     Accepted: a byte order mark, UTF-16, CRLF, blank lines, comments after '#' or '%', quotes, a preamble, a row of
-    units, a decimal comma, separators between thousands, times of day, no header, a last line cut short.
+    units, units in the cells, a decimal comma, separators between thousands, Fortran exponents, times of day, no
+    header, the header again, footers, a last line cut short, zero bytes at the end.
     Columns whose first value is not a number are left out with a remark, unless `columns` names them.
     Raises RecordError with file, line, column and cure.
     """
-    layout = layout_of(source, _text(source, data), columns)
+    text, padding = text_of(source, data)
+    layout = layout_of(source, text, columns)
     first_row = next((fields for _, fields in layout.rows()), None)
     if first_row is None:
         raise RecordError(f"{layout.source}: holds a header and no rows; record some samples")
     if columns.Ts_s is None and layout.Ts_s is not None and not _has_time(layout):
         columns = replace(columns, Ts_s=layout.Ts_s, time="")
     columns, guess = guessed(columns, layout.names, source) if layout.headed else _by_position(columns, layout, source)
-    stated = {role: layout.units.get(getattr(columns, role)) for role in ROLES}
+    stated = {role: _stated_unit(layout, first_row, columns, role) for role in ROLES}
     units = {role: unit for role, unit in stated.items() if unit and getattr(columns, f"{role}_unit") is None}
     columns = columns.named({}, units)
     for role in ROLES:
@@ -63,24 +68,44 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
             raise RecordError(f"{source}: {fault}") from fault
     wanted = {columns.time, columns.voltage, columns.displacement, columns.segment}
     wanted.update(name for _, name in columns.aux_pairs() or ())
-    use, remarks = [], [*layout.remarks, *([guess] if guess else [])]
+    use, remarks = [], [*padding, *layout.remarks, *([guess] if guess else [])]
+    remarks += (
+        f"{source}: {getattr(columns, role)} is read in {unit}, as its cells say"
+        for role, unit in units.items()
+        if layout.units.get(getattr(columns, role)) is None
+    )
     for position, name in enumerate(layout.names):
         value = first_row[position] if position < len(first_row) else ""
-        if name in wanted or (name and number(value, layout.comma) is not None):
+        if name in wanted or (name and quantity(value, layout.comma) is not None):
             use.append(position)
         elif name:
             remarks.append(f"{layout.source}: column {name} holds '{value}', not numbers, and is left out")
-    values, cut = _parse(layout, use)
-    if cut:
-        remarks.append(f"{layout.source}: the last line is cut short and is left out")
+    values, parts = _parse(layout, use)
+    remarks += parts.remarks
     table = {layout.names[position]: values[:, place] for place, position in enumerate(use)}
-    return CsvTable(tuple(filter(None, layout.names)), table, columns, layout.Ts_s, layout.locate, tuple(remarks))
+    names = tuple(filter(None, layout.names))
+    return CsvTable(names, table, columns, layout.Ts_s, parts.layout.locate, tuple(remarks), parts.starts)
 
 
 def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
     """CSV text of equally long columns; every number reads back as the same float64."""
     body = zip(*(map(repr, values) for values in columns.values()), strict=True)
     return "\n".join((",".join(columns), *map(",".join, body), ""))
+
+
+def _stated_unit(layout: Layout, first_row: Sequence[str], columns: Columns, role: str) -> str | None:
+    """The unit of a role in the first row's cell or in the row of units. Raises RecordError if the name has another."""
+    name = getattr(columns, role)
+    position = layout.names.index(name) if name in layout.names else len(first_row)
+    found = quantity(first_row[position], layout.comma) if position < len(first_row) else None
+    if found is None or not found[1]:
+        return layout.units.get(name)
+    named = layout.units.get(name) or split_unit(name)[1]
+    if named and plain_unit(named) != found[1]:
+        raise RecordError(
+            f"{layout.source}: {name} is in {named} by its name and in {found[1]} by its cells; correct one of the two"
+        )
+    return found[1]
 
 
 def _has_time(layout: Layout) -> bool:
@@ -129,51 +154,21 @@ def _rises_evenly(texts: Sequence[str], layout: Layout) -> bool:
     return bool(steps.min() >= 0.0 and steps.mean() > 0.0 and steps.max() < 3.0 * steps.mean())
 
 
-def _text(source: str, data: bytes) -> str:
-    if not data.strip():
-        raise RecordError(f"{source}: is empty; record some samples")
-    head = data[:4096]
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        text = data.decode("utf-16", errors="replace")
-    elif len(head) > 20 and head[1::2].count(0) > 0.9 * len(head[1::2]) and 0 not in head[::2]:
-        text = data.decode("utf-16-le", errors="replace")
-    elif b"\0" in data[:65536]:
-        raise RecordError(f"{source}: is binary, not text; export it as CSV, or give it the suffix of its format")
-    else:
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = data.decode(_encoding(data))
-    text = text.replace("\ufeff", "") if "\ufeff" in text else text
-    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
-
-
-def _encoding(data: bytes) -> str:
-    """GB 18030 (Chinese Windows) if all bytes above 0x7f come in pairs, else Latin-1, in which every byte is valid.
-
-    In European headers the bytes of a micro sign or an accent stand alone.
-    """
-    runs = re.findall(rb"[\x80-\xff]+", data)
-    if all(len(run) % 2 == 0 and min(run) > 0xA0 for run in runs):
-        with contextlib.suppress(UnicodeDecodeError):
-            data.decode("gb18030")
-            return "gb18030"
-    return "latin-1"
-
-
-def _parse(layout: Layout, use: Sequence[int]) -> tuple[NDArray[np.float64], bool]:
-    """Columns `use` as (n, len(use)), and whether a last line cut short was left out.
+def _parse(layout: Layout, use: Sequence[int]) -> tuple[NDArray[np.float64], Parts]:
+    """Columns `use` as (n, len(use)), and the parts of the table that they are.
 
     By the slow reader where the fast one fails or may have missed a fault.
     """
     values = _fast(layout, use)
     if values is not None:
-        return values, False
-    cut = _without_cut_line(layout)
+        return values, Parts(layout)
+    parts = without_interludes(layout, use)
+    cut = _without_cut_line(parts.layout)
     if cut is not None:
-        layout = cut
-        values = _fast(layout, use)
-    return (_slow(layout, use) if values is None else values), cut is not None
+        remark = f"{layout.source}: the last line is cut short and is left out"
+        parts = replace(parts, layout=cut, remarks=(*parts.remarks, remark))
+    values = None if parts.layout is layout else _fast(parts.layout, use)
+    return (_slow(parts.layout, use) if values is None else values), parts
 
 
 def _without_cut_line(layout: Layout) -> Layout | None:
@@ -193,9 +188,16 @@ def _without_cut_line(layout: Layout) -> Layout | None:
 def _fast(layout: Layout, use: Sequence[int]) -> NDArray[np.float64] | None:
     """The numbers by NumPy's compiled reader, or None if it fails: its messages name no line and no column."""
     comments: str | list[str] = COMMENT if "%" not in layout.body else [COMMENT, "%"]
+    if layout.comma and layout.separator == ",":
+        return None
+    body = layout.body.replace(",", ".") if layout.comma else layout.body
+    if not body.isascii():
+        body = body.translate(MINUS)
+    if FORTRAN.search(body, 0, 1000):
+        body = FORTRAN.sub("E", body)
     try:
         values = np.loadtxt(
-            io.StringIO(layout.body.replace(",", ".") if layout.comma else layout.body),
+            io.StringIO(body),
             dtype=np.float64,
             comments=comments,
             delimiter=None if layout.separator == " " else layout.separator,
@@ -214,26 +216,51 @@ def _fast(layout: Layout, use: Sequence[int]) -> NDArray[np.float64] | None:
     return values if regular else None
 
 
+CURE = "correct it, or delete the row and read the rest with --split-at-gaps"
+
+
+def _in_unit(layout: Layout, line: int, position: int, text: str, unit: str) -> float | None:
+    """The number in a cell, in the unit of the column's first cell; None if it is none. Raises RecordError."""
+    if not unit and (value := number(text, layout.comma)) is not None:
+        return value
+    found = quantity(text, layout.comma)
+    if found is None:
+        return None
+    value = in_unit(*found, unit)
+    if value is None:
+        first = f"in {unit}" if unit else "without a unit"
+        raise RecordError(
+            f"{layout.source}: line {line}: {layout.names[position]} is '{text}', the first row is {first}; correct it"
+        )
+    return value
+
+
 def _slow(layout: Layout, use: Sequence[int]) -> NDArray[np.float64]:
     """The numbers by Python, one line at a time. Raises RecordError at the first fault, with its line and column."""
     table: list[list[float]] = []
     clocks: dict[int, list[str]] = {}
+    units: list[str] = []
     for line, fields in layout.rows():
         if len(fields) != len(layout.names):
             named = "header" if layout.headed else "first row"
+            cure = "complete the row"
+            if layout.separator == "," and len(fields) == 2 * len(layout.names):
+                cure = "if its decimal signs are commas too, save it with semicolons between the columns"
             raise RecordError(
-                f"{layout.source}: line {line}: has {len(fields)} fields, the {named} has {len(layout.names)}; "
-                "complete the row"
+                f"{layout.source}: line {line}: has {len(fields)} fields, the {named} has {len(layout.names)}; {cure}"
             )
+        if not table:
+            found = [quantity(fields[position], layout.comma) for position in use]
+            units = ["" if one is None else one[1] for one in found]
         row = []
         for place, position in enumerate(use):
-            value = number(fields[position], layout.comma)
+            value = _in_unit(layout, line, position, fields[position], units[place])
             if value is None and is_clock(fields[position]):
                 clocks.setdefault(place, []).append(fields[position])
                 value = 0.0
             if value is None:
                 shown = f"'{fields[position]}', not a number" if fields[position] else "empty"
-                raise RecordError(f"{layout.source}: line {line}: {layout.names[position]} is {shown}; correct it")
+                raise RecordError(f"{layout.source}: line {line}: {layout.names[position]} is {shown}; {CURE}")
             row.append(value)
         table.append(row)
     values = np.array(table, dtype=np.float64)

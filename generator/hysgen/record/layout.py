@@ -13,10 +13,9 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from hysgen.errors import RecordError
 from hysgen.record.columns import SEPARATORS, UNITS, Columns, plain_unit
+from hysgen.record.spelling import THOUSANDS, is_clock, number, quantity
 
 COMMENT = "#"
 COMMENTS = ("#", "%", "//", "!")
@@ -27,10 +26,8 @@ ALIKE = 3
 """Consecutive rows of numbers that make the beginning of the table."""
 
 CANDIDATES = ("\t", ";", ",", "|", " ")
-CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d|\d\d?\.\d\d?\.\d{4}|\d\d?/\d\d?/\d{4})?[T ]?\d\d?:\d\d:\d\d(?:[.,]\d+)?Z?")
-"""A date and time of day, or a time of day alone."""
-
-THOUSANDS = {False: re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?"), True: re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d*")}
+RULER = re.compile(r"[\s|+:=,;-]*[-=]{3}[\s|+:=,;-]*")
+"""A line drawn under a header."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +52,9 @@ class Layout:
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line number, from 1, and fields of every data line."""
-        for number, line in enumerate(io.StringIO(self.body), self.first):
+        for position, line in enumerate(io.StringIO(self.body), self.first):
             if is_data(line):
-                yield number, split(line, self.separator)
+                yield position, split(line, self.separator)
 
     def locate(self, row: int) -> str:
         """The line of a row of numbers."""
@@ -81,10 +78,17 @@ def layout_of(source: str, text: str, columns: Columns) -> Layout:
         at, separator = named
         names = split_header(lines[at], separator)
         return _made(source, text, lines, columns, at, names, separator)
+    at = next(i for i, line in enumerate(lines) if is_data(line))
+    separator = given or max(",;\t", key=lines[at].count)
+    if given is None:
+        _check_upright(source, lines, at, separator)
     start = _first_numbers(lines, columns, given)
     if start is None:
-        at = next(i for i, line in enumerate(lines) if is_data(line))
-        separator = given or max(",;\t", key=lines[at].count)
+        if given is None and separator not in lines[at] and sum(map(is_data, lines)) > 1:
+            raise RecordError(
+                f"{source}: line {at + 1}: holds no columns ('{lines[at].strip()[:40]}'); save time, voltage and "
+                "displacement as columns, or give --columns separator=..."
+            )
         return _made(source, text, lines, columns, at, split_header(lines[at], separator), separator)
     return _around(source, text, lines, columns, start)
 
@@ -112,7 +116,7 @@ def _around(source: str, text: str, lines: list[str], columns: Columns, start: _
     elif above:
         fields = _matching(lines[above[-1]], start)
         if fields and _are_units(fields) and len(above) > 1 and (before := _matching(lines[above[-2]], start)):
-            names, units = before, {name: unit for name, unit in zip(before, fields, strict=True) if unit}
+            names, units = before, _units_by_name(before, fields)
         elif fields and not all(re.fullmatch(r"[\d.,+-]*", one) for one in fields):
             names = fields
     if names and names[0] == "X_Value":
@@ -140,7 +144,7 @@ def _made(
         units = {name: label for name, label in zip(names[1:], labels, strict=False) if label.strip()}
     after = next((i for i in range(at + 1, len(lines)) if is_data(lines[i])), None)
     if after is not None and len(fields := split(lines[after], separator)) == len(names) and _are_units(fields):
-        units = {name: unit.strip("[]() ") for name, unit in zip(names, fields, strict=True) if unit}
+        units = _units_by_name(names, fields)
         at = after
     row = next((split(lines[i], separator) for i in range(at + 1, len(lines)) if is_data(lines[i])), [])
     if len(names) == len(row) + 1 and names[-1].lower() in ("", "comment"):
@@ -148,7 +152,7 @@ def _made(
     first = next((lines[i] for i in range(at + 1, len(lines)) if is_data(lines[i])), "")
     comma = columns.decimal == "," or (
         columns.decimal is None
-        and separator != ","
+        and (separator != "," or '"' in first)
         and any("," in one and not THOUSANDS[False].fullmatch(one) for one in split(first, separator))
     )
     body = text[sum(len(line) + 1 for line in lines[: at + 1]) :]
@@ -169,7 +173,7 @@ def _named_header(lines: list[str], columns: Columns, given: str | None) -> tupl
 
 def _numbers_follow(lines: list[str], at: int, separator: str) -> bool:
     after = next((line for line in lines[at + 1 :] if is_data(line)), "")
-    return any(number(one, comma=separator != "," and "," in one) is not None for one in split(after, separator))
+    return any(quantity(one, comma=separator != "," and "," in one) is not None for one in split(after, separator))
 
 
 def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> _Start | None:
@@ -178,7 +182,7 @@ def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> _St
     found = None
     for order, separator in enumerate([given] if given else CANDIDATES):
         for comma in (False, True) if columns.decimal is None else (columns.decimal == ",",):
-            if comma and separator == ",":
+            if comma and separator == "," and not any('"' in line for line in lines):
                 continue
             start = _begin(lines, separator, comma)
             if start is None:
@@ -195,7 +199,7 @@ def _begin(lines: list[str], separator: str, comma: bool) -> tuple[int, int, int
     data = [i for i, line in enumerate(lines) if is_data(line)]
     for position, at in enumerate(data):
         rows = [split(lines[i], separator) for i in data[position : position + ALIKE]]
-        counts = [sum(number(one, comma) is not None or is_clock(one) for one in row) for row in rows]
+        counts = [sum(quantity(one, comma) is not None or is_clock(one) for one in row) for row in rows]
         if min(counts) >= 2 and len({len(row) for row in rows}) == 1:
             return at, len(rows[0]), min(counts)
     return None
@@ -227,6 +231,11 @@ def _are_units(fields: Sequence[str]) -> bool:
     )
 
 
+def _units_by_name(names: Sequence[str], fields: Sequence[str]) -> dict[str, str]:
+    """The units of a row of units, without brackets."""
+    return {name: unit.strip("[]() ") for name, unit in zip(names, fields, strict=True) if unit}
+
+
 def _preamble(lines: Sequence[str]) -> tuple[tuple[str, ...], float | None]:
     """Column names and sampling period that a preamble gives: a GCS array of PI, the Delta_X of LabVIEW."""
     names: dict[int, str] = {}
@@ -239,6 +248,16 @@ def _preamble(lines: Sequence[str]) -> tuple[tuple[str, ...], float | None]:
             value = number(period.group(1), comma="," in period.group(1))
             Ts_s = value if value and value > 0.0 else None
     return tuple(names[key] for key in sorted(names)), Ts_s
+
+
+def _check_upright(source: str, lines: Sequence[str], at: int, separator: str) -> None:
+    """Raise RecordError for a table that lies on its side, with one line for each channel."""
+    count, fields = sum(map(is_data, lines)), len(split(lines[at], separator))
+    if 2 <= count < HEAD_LINES // 20 and fields > 10 * count:
+        raise RecordError(
+            f"{source}: line {at + 1}: has {fields} fields, and there are {count} lines; "
+            "transpose the table: one line for each sample"
+        )
 
 
 def _check_unique(source: str, names: Sequence[str]) -> None:
@@ -281,36 +300,6 @@ def _without_comment(line: str) -> str:
 
 
 def is_data(line: str) -> bool:
-    """Neither blank nor a comment."""
+    """Neither blank, nor a comment, nor a ruler under a header."""
     stripped = line.lstrip()
-    return bool(stripped.strip(" \t;,")) and not stripped.startswith(COMMENTS)
-
-
-def number(text: str, comma: bool) -> float | None:
-    """The number in `text`, or None. An underscore, which Python's float accepts, is not allowed."""
-    if "_" in text:
-        return None
-    try:
-        return float(text.replace(",", ".") if comma else text)
-    except ValueError:
-        if THOUSANDS[comma].fullmatch(text):
-            return float(text.replace(".", "").replace(",", ".") if comma else text.replace(",", ""))
-        return None
-
-
-def is_clock(text: str) -> bool:
-    """Whether `text` is a time of day, with or without a date."""
-    return CLOCK.fullmatch(text) is not None
-
-
-def clock_seconds(texts: Sequence[str]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Seconds since the first of these times of day, (n,)."""
-    stamps = []
-    for text in texts:
-        text = text.rstrip("Z").replace(",", ".").replace(" ", "T")
-        date, _, time = text.rpartition("T")
-        if match := re.fullmatch(r"(\d\d?)[./](\d\d?)[./](\d{4})", date):
-            date = f"{match.group(3)}-{int(match.group(2)):02d}-{int(match.group(1)):02d}"
-        stamps.append(f"{date or '2000-01-01'}T{time.zfill(len(time) + (time.find(':') == 1))}")
-    array = np.array(stamps, dtype="datetime64[ns]")
-    return np.asarray((array - array[0]).astype(np.int64) * 1e-9)
+    return bool(stripped.strip(" \t;,")) and not stripped.startswith(COMMENTS) and not RULER.fullmatch(stripped)

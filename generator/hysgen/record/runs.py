@@ -16,7 +16,7 @@ from hysgen.record.channels import Channels, index_of, one_series
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import CsvTable
 from hysgen.record.names import to_paste
-from hysgen.record.sampling import gap_rows
+from hysgen.record.sampling import GAP, gap_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +71,19 @@ def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
     if columns.segment not in there:
         if columns.segment != Columns.segment:
             column("segment", columns.segment)
-        return [whole]
+        return list(_at_headers(whole, table.starts))
     return list(_at_numbers(whole, there[columns.segment], columns.segment))
+
+
+def _at_headers(run: RawRun, starts: Sequence[int]) -> Iterator[RawRun]:
+    """The parts of the run between repeated headers; where the time goes on by one step, the part does."""
+    bounds = [0, len(run.channels.u_V)]
+    for row in starts:
+        steps = np.array([0.0, 1.0]) if run.time_s is None else np.diff(run.time_s[max(row - 2, 0) : row + 2])
+        if not (steps.min() > 0.0 and steps.max() < GAP * steps.min()):
+            bounds.insert(-1, row)
+    for number, (start, stop) in enumerate(pairwise(bounds)):
+        yield run if len(bounds) == 2 else run.cut(str(number), start, stop)
 
 
 def runs_of_arrays(

@@ -1,0 +1,116 @@
+"""A number or a time of day in a cell, as instruments, spreadsheets and people write it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.record.columns import UNITS, plain_unit
+
+MINUS = str.maketrans(dict.fromkeys("\N{MINUS SIGN}\N{EN DASH}\N{FULLWIDTH HYPHEN-MINUS}", "-"))
+"""Signs that spreadsheets and typesetters put for a minus."""
+
+FORTRAN = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
+"""The D of a Fortran exponent, 1.0D+00."""
+
+_BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE} "
+_APART = "'\N{RIGHT SINGLE QUOTATION MARK}" + _BLANKS
+THOUSANDS = {
+    False: re.compile(rf"[+-]?\d{{1,3}}(?:(?:,\d{{3}})+|(?:[{_APART}]\d{{3}})+)(?:\.\d*)?"),
+    True: re.compile(rf"[+-]?\d{{1,3}}(?:(?:\.\d{{3}})+,\d*|(?:[{_APART}]\d{{3}})+(?:,\d*)?)"),
+}
+"""Numbers with separators between thousands, by whether the decimal sign is a comma: 1,985.5, 1'985.5, 1 985,5."""
+
+_VALUE_AND_UNIT = re.compile(r"(.*[\d.,])\s*([^\d\s.,+-][^\d\s]*)")
+CLOCK = re.compile(
+    r"(?:\d{4}-\d\d-\d\d|\d\d?\.\d\d?\.\d{4}|\d\d?/\d\d?/\d{4})?[T ]?"
+    r"\d\d?:\d\d:\d\d(?:[.,]\d+)?(?:Z|\s?[AaPp]\.?[Mm]\.?)?"
+)
+"""A date and time of day, or a time of day alone."""
+
+
+def number(text: str, comma: bool) -> float | None:
+    """The number in `text`, or None. An underscore, which Python's float accepts, is not allowed.
+
+    >>> [number(text, False) for text in ("1.0D+00", "1'985.5", "\N{MINUS SIGN}2", "1,985.5", "1_0")]
+    [1.0, 1985.5, -2.0, 1985.5, None]
+    """
+    if "_" in text:
+        return None
+    try:
+        return float(text.replace(",", ".") if comma else text)
+    except ValueError:
+        plain = FORTRAN.sub("E", text.translate(MINUS))
+        if THOUSANDS[comma].fullmatch(plain):
+            plain = re.sub(rf"[{_APART}{'.' if comma else ','}]", "", plain)
+        elif plain == text:
+            return None
+        try:
+            return float(plain.replace(",", ".") if comma else plain)
+        except ValueError:
+            return None
+
+
+def quantity(text: str, comma: bool) -> tuple[float, str] | None:
+    """The number in `text` and its unit, "" if it has none; None if the text is something else.
+
+    >>> [quantity(text, False) for text in ("1.5 V", "20nm", "3", "5 bananas")]
+    [(1.5, 'V'), (20.0, 'nm'), (3.0, ''), None]
+    """
+    value = number(text, comma)
+    if value is not None:
+        return value, ""
+    match = _VALUE_AND_UNIT.fullmatch(text)
+    if match is None or not any(plain_unit(match.group(2)) in units for units in UNITS.values()):
+        return None
+    value = number(match.group(1), comma)
+    return None if value is None else (value, plain_unit(match.group(2)))
+
+
+def in_unit(value: float, unit: str, wanted: str) -> float | None:
+    """The value in the unit `wanted`; None if the two units are not of one quantity."""
+    if unit == wanted:
+        return value
+    units = next((units for units in UNITS.values() if unit in units and wanted in units), None)
+    if units is None:
+        return None
+    (multiply, divide), (wanted_multiply, wanted_divide) = units[unit], units[wanted]
+    return value * (multiply * wanted_divide) / (divide * wanted_multiply)
+
+
+def is_clock(text: str) -> bool:
+    """Whether `text` is a time of day, with or without a date."""
+    return CLOCK.fullmatch(text) is not None
+
+
+def clock_seconds(texts: Sequence[str]) -> NDArray[np.float64]:
+    """Seconds since the first of these times of day, (n,).
+
+    Of a date with slashes or dots, the first number is the day, unless a second number above 12 shows otherwise.
+    """
+    split = [_date_and_time(text) for text in texts]
+    parts = [re.fullmatch(r"(\d\d?)[./](\d\d?)[./](\d{4})", date) for date, _ in split]
+    month = 1 if any(part and int(part.group(2)) > 12 for part in parts) else 2
+    stamps = []
+    for (date, time), part in zip(split, parts, strict=True):
+        if part:
+            date = f"{part.group(3)}-{int(part.group(month)):02d}-{int(part.group(3 - month)):02d}"
+        stamps.append(f"{date or '2000-01-01'}T{time}")
+    array = np.array(stamps, dtype="datetime64[ns]")
+    return np.asarray((array - array[0]).astype(np.int64) * 1e-9)
+
+
+def _date_and_time(text: str) -> tuple[str, str]:
+    """The date, "" if there is none, and the time as hh:mm:ss.s of 24 hours."""
+    text = text.rstrip("Z").replace(",", ".")
+    half = re.search(r"\s?([ap])\.?m\.?$", text, re.IGNORECASE)
+    text = (text[: half.start()] if half else text).replace(" ", "T")
+    date, _, time = text.rpartition("T")
+    hours, _, rest = time.partition(":")
+    count = int(hours)
+    if half:
+        count = count % 12 + (12 if half.group(1).lower() == "p" else 0)
+    return date, f"{count:02d}:{rest}"
