@@ -18,6 +18,7 @@ import pytest
 
 from hysgen.diagnosis import diagnose
 from hysgen.machine.cache import LruCache
+from hysgen.machine.memory import THREAD
 from hysgen.machine.processes import in_processes, processes, several_processes
 from hysgen.record import Record
 from hysgen.stage import Stage
@@ -123,6 +124,13 @@ def test_one_process_inside_workers_and_where_it_is_asked_for(monkeypatch: pytes
         assert set(in_processes(subprocess.getoutput, ["echo $PPID"] * 3)) == {str(os.getpid())}
     monkeypatch.setenv("HYSGEN_PROCESSES", "many")
     assert 1 <= processes() <= 4
+
+
+def test_no_helper_where_memory_has_no_room_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HYSGEN_PROCESSES", "4")
+    monkeypatch.setattr("hysgen.machine.processes.has_room", lambda size: size < THREAD)
+    with several_processes("math"):
+        assert set(in_processes(subprocess.getoutput, [SLOW_PID] * 3)) == {str(os.getpid())}
 
 
 def test_a_cache_that_is_sent_again_is_the_same_cache() -> None:

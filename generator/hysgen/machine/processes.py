@@ -28,6 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
+from hysgen.machine.memory import THREAD, has_room
 from hysgen.machine.threads import one_blas_thread
 
 Item = TypeVar("Item")
@@ -65,9 +66,12 @@ def processes() -> int:
 def several_processes(module: str) -> Iterator[None]:
     """Inside this context, `in_processes` shares its items with helpers, which end with the context.
 
-    module: what a helper imports at its start, while this process computes already. Also a decorator.
+    module: what a helper imports at its start, while this process computes already. Also a decorator. Where memory is
+    limited, there are no more helpers than this process has room for threads that feed them.
     """
     count = processes() - 1
+    while count > 0 and not has_room(count * THREAD):
+        count -= 1
     if count < 1 or _pool.get() is not None or not _is_python():
         yield
         return
@@ -125,9 +129,12 @@ class _Pool:
         self._helpers: list[_Helper] = []
         with contextlib.suppress(OSError):
             self._helpers = [_helper(module) for _ in range(count)]
-        self._threads = [threading.Thread(target=self._feed, args=(one,), daemon=True) for one in self._helpers]
-        for thread in self._threads:
-            thread.start()
+        self._threads: list[threading.Thread] = []
+        for helper in self._helpers:
+            thread = threading.Thread(target=self._feed, args=(helper,), daemon=True)
+            with contextlib.suppress(RuntimeError):  # the system has no room for a thread
+                thread.start()
+                self._threads.append(thread)
 
     def compute(self, function: Callable[[Any], Any], items: Sequence[Any], order: Iterable[int]) -> list[Any]:
         """The results of all items, which are begun in this order."""
