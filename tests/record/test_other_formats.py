@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import bz2
 import functools
 import gzip
+import lzma
 import os
 import warnings
 import zipfile
@@ -284,6 +286,87 @@ def test_a_file_of_another_library_is_read_without_options(form: str, tmp_path: 
     write(path)
     # UFF 58 stores 6 digits.
     check(load_record(path), rel=2e-5 if form == "UFF 58" else 1e-9)
+
+
+def tdms_of_clock_times(path: Path) -> None:
+    tdms = library("nptdms")
+    stamps = np.datetime64("2026-11-23T10:00:00") + (TIME_S * 1e6).round().astype("timedelta64[us]")
+    channels = {"When": stamps, "Voltage": U_V, "Position": Y_UM}
+    with tdms.TdmsWriter(path) as writer:
+        writer.write_segment([tdms.ChannelObject("log", name, values) for name, values in channels.items()])
+
+
+def mdf_of_three_groups(path: Path) -> None:
+    asammdf = library("asammdf")
+    with asammdf.MDF(version="4.10") as file:
+        file.append([asammdf.Signal(samples=U_V, timestamps=TIME_S, name="voltage", unit="V")])
+        file.append([asammdf.Signal(samples=Y_UM, timestamps=TIME_S, name="position", unit="um")])
+        file.append([asammdf.Signal(samples=U_V[:20], timestamps=TIME_S[::20], name="temperature", unit="degC")])
+        file.save(path, overwrite=True)
+
+
+def parquet_of_dated_rows(path: Path) -> None:
+    pandas = library("pandas")
+    stamps = pandas.Timestamp("2026-11-23") + pandas.to_timedelta((TIME_S * 1e6).round(), unit="us")
+    pandas.DataFrame({"voltage": U_V, "position": Y_UM}, index=stamps.rename("when")).to_parquet(path)
+
+
+def hdf5_of_packed_integers(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        file["log/time"] = TIME_S
+        file["log/drive"] = np.round((U_V - 5.0) / 1e-4).astype("i4")
+        file["log/drive"].attrs.update({"scale_factor": 1e-4, "add_offset": 5.0, "Units": "V"})
+        file["log/gauge"] = 1e3 * Y_UM
+        file["log/gauge"].attrs["Unit"] = np.bytes_("nm")
+
+
+def excel_off_the_corner(path: Path) -> None:
+    book = library("openpyxl").Workbook()
+    for column, (name, values) in enumerate(
+        {"position [um]": Y_UM, "drive voltage [V]": U_V, "time [s]": TIME_S}.items(), 3
+    ):
+        for row, cell in enumerate([name, *values.tolist()], 4):
+            book.active.cell(row, column, cell)
+    book.save(path)
+
+
+def zip_of_a_mac(path: Path) -> None:
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("log.csv", "\n".join(["t,u,y", *ROWS]))
+        archive.writestr("__MACOSX/._log.csv", b"\0\5\26\7")
+
+
+def lvm_of_units_in_full(path: Path) -> None:
+    lines = [line.replace("Volts\tnm", "Volts\tMicrometers") for line in LVM]
+    path.write_text("\n".join([*lines, *rows(TIME_S, U_V, Y_UM, separator="\t")]))
+
+
+def gcs_with_a_target(path: Path) -> None:
+    head = [line.replace("DIM = 2", "DIM = 3") for line in GCS[:-1]]
+    text = [*head, "# NAME2 = Target Position of axis 1", "# END_HEADER", *rows(U_V, Y_UM, Y_UM + 0.01, separator=" ")]
+    path.write_text("\n".join(text))
+
+
+OTHERS: dict[str, tuple[str, Callable[[Path], None]]] = {
+    "TDMS with a channel of dates": ("tdms", tdms_of_clock_times),
+    "MDF4 with a group for each channel": ("mf4", mdf_of_three_groups),
+    "Parquet with dates as index": ("parquet", parquet_of_dated_rows),
+    "HDF5 with packed integers": ("h5", hdf5_of_packed_integers),
+    "Excel, table off the corner": ("xlsx", excel_off_the_corner),
+    "zip of a Mac": ("zip", zip_of_a_mac),
+    "bzip2": ("csv.bz2", lambda path: path.write_bytes(bz2.compress("\n".join(["t,u,y", *ROWS]).encode())) and None),
+    "xz": ("csv.xz", lambda path: path.write_bytes(lzma.compress("\n".join(["t,u,y", *ROWS]).encode())) and None),
+    "LVM with units in full": ("lvm", lvm_of_units_in_full),
+    "GCS array with a target": ("dat", gcs_with_a_target),
+}
+
+
+@pytest.mark.parametrize("form", OTHERS)
+def test_a_file_as_other_users_of_its_library_write_it_is_read_without_options(form: str, tmp_path: Path) -> None:
+    suffix, write = OTHERS[form]
+    path = tmp_path / f"log.{suffix}"
+    write(path)
+    check(load_record(path))
 
 
 def test_groups_of_an_hdf5_file_that_hold_the_same_names_are_segments(tmp_path: Path) -> None:

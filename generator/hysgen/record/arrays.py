@@ -92,7 +92,8 @@ def read_mat(path: Path) -> dict[str, Array]:
 def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | None]:
     """All numeric datasets of an HDF5 file by path, without the leading slash, their units, and the sampling period.
 
-    The fields of a compound dataset are arrays of their own, "table/field". Units are attributes `unit` or `units`;
+    The fields of a compound dataset are arrays of their own, "table/field". Units are attributes `unit` or `units`,
+    in any case; values that were packed with `scale_factor` and `add_offset` are unpacked;
     the period is a scalar attribute of a group or dataset with a name in PERIODS.
     MATLAB stores the axes of an array in reverse order. Datasets with MATLAB's attribute are transposed, and their
     vectors made one-dimensional, so that indices have the order of MATLAB. Links are not followed.
@@ -109,14 +110,14 @@ def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | Non
             raise MatlabObjectError(path.name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             return
-        unit = next((item.attrs[key] for key in ("unit", "units") if key in item.attrs), None)
+        unit = next((item.attrs[key] for key in item.attrs if str(key).lower() in ("unit", "units")), None)
         if unit is not None:
             units[name] = unit.decode() if isinstance(unit, bytes) else str(unit)
         if item.dtype.names:
             table = np.asarray(item[()])
             arrays.update({f"{name}/{key}": table[key] for key in item.dtype.names if table[key].dtype.kind in "fiu"})
         elif item.dtype.kind in "fiu":
-            values = np.asarray(item[()])
+            values = _scaled(np.asarray(item[()]), item.attrs)
             arrays[name] = np.squeeze(values.T) if "MATLAB_class" in item.attrs else values
 
     try:
@@ -126,6 +127,14 @@ def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | Non
     except (OSError, RuntimeError, ValueError, KeyError) as fault:
         raise RecordError(f"{path.name}: is no readable HDF5 file ({_one_line(fault)}); write it again") from fault
     return arrays, units, periods[0] if periods and max(periods) == min(periods) else None
+
+
+def _scaled(values: Array, attributes: Mapping[str, Any]) -> Array:
+    """The values in their unit, where the attributes `scale_factor` and `add_offset` say how they were packed (CF)."""
+    if not {"scale_factor", "add_offset"} & set(attributes):
+        return values
+    factor, offset = (float(np.ravel(attributes.get(*one))[0]) for one in (("scale_factor", 1.0), ("add_offset", 0.0)))
+    return np.asarray(values, dtype=np.float64) * factor + offset
 
 
 def period_in(values: Mapping[str, Any]) -> float | None:

@@ -6,12 +6,14 @@ beside NumPy are the extra `hysgen[formats]`.
 
 from __future__ import annotations
 
+import bz2
 import gzip
 import importlib
+import lzma
 import tempfile
 import warnings
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date, datetime, time
 from pathlib import Path
@@ -41,11 +43,12 @@ def unpacked(path: Path) -> bytes | FileArrays:
     """The content of a file: bytes of text, or arrays. Raises RecordError for a format that cannot be read."""
     with path.open("rb") as stream:
         head = stream.read(MATLAB_BLOCK + 8)
-    if head[:2] == b"\x1f\x8b":
-        try:
-            return _inner(path, path.name.removesuffix(".gz"), gzip.decompress(path.read_bytes()))
-        except (OSError, EOFError) as fault:
-            raise RecordError(f"{path.name}: is no whole gzip file ({fault}); pack it again") from fault
+    for magic, (what, unpack) in PACKED.items():
+        if head.startswith(magic):
+            try:
+                return _inner(path, path.name.removesuffix(path.suffix), unpack(path.read_bytes()))
+            except (OSError, EOFError, ValueError, lzma.LZMAError) as fault:
+                raise RecordError(f"{path.name}: is no whole {what} file ({fault}); pack it again") from fault
     if head[:4] == b"PK\x03\x04":
         return _of_zip(path)
     for magic, reader in BY_MAGIC.items():
@@ -120,12 +123,15 @@ def read_tdms(path: Path) -> FileArrays:
     """Channels as "group/channel"; the sampling period from the waveform property wf_increment."""
     library = _library("nptdms", path, "TDMS files")
     arrays, units, periods = {}, {}, set()
-    for group in library.TdmsFile.read(path).groups():
+    for group in library.TdmsFile.read(path, raw_timestamps=True).groups():
         for channel in group.channels():
-            values = np.asarray(channel[:])
+            stored = channel[:]
+            values = stored.as_datetime64("ns") if hasattr(stored, "as_datetime64") else np.asarray(stored)
+            key = f"{group.name}/{channel.name}"
+            if values.dtype.kind in "mM":
+                values, units[key] = _seconds(values), "s"
             if values.dtype.kind not in "fiub" or not values.size:
                 continue
-            key = f"{group.name}/{channel.name}"
             arrays[key] = values
             properties = dict(channel.properties)
             if unit := str(properties.get("unit_string", properties.get("Unit", ""))):
@@ -136,24 +142,36 @@ def read_tdms(path: Path) -> FileArrays:
 
 
 def read_mdf(path: Path) -> FileArrays:
-    """Channels of each group as "group0/channel", with the time of the group."""
+    """Channels of each group as "group0/channel", with the time of the group; groups of one time are one group."""
     library = _library("asammdf", path, "MDF files")
-    arrays, units = {}, {}
+    arrays: dict[str, Array] = {}
+    units: dict[str, str] = {}
     with library.MDF(path) as file:
         for number, group in enumerate(file.groups):
             master = file.masters_db.get(number)
+            names = [channel.name for place, channel in enumerate(group.channels) if place != master]
+            folder = _group_of_time(arrays, file.get_master(number), names, number)
             for place, channel in enumerate(group.channels):
                 if place == master:
                     continue
                 signal = file.get(channel.name, group=number, index=place)
                 if signal.samples.dtype.kind not in "fiub" or signal.samples.ndim != 1:
                     continue
-                arrays[f"group{number}/time"] = signal.timestamps
-                arrays[f"group{number}/{channel.name}"] = signal.samples
-                units[f"group{number}/time"] = "s"
+                arrays[f"{folder}/time"] = signal.timestamps
+                arrays[f"{folder}/{channel.name}"] = signal.samples
+                units[f"{folder}/time"] = "s"
                 if signal.unit:
-                    units[f"group{number}/{channel.name}"] = signal.unit
+                    units[f"{folder}/{channel.name}"] = signal.unit
     return FileArrays(arrays, units)
+
+
+def _group_of_time(arrays: Mapping[str, Array], time_s: Array, names: Sequence[str], number: int) -> str:
+    """The group that has these times and none of these names, else a new one of this number."""
+    for key, values in arrays.items():
+        folder, _, name = key.rpartition("/")
+        if name == "time" and np.array_equal(values, time_s) and not any(f"{folder}/{one}" in arrays for one in names):
+            return folder
+    return f"group{number}"
 
 
 def read_uff(path: Path) -> FileArrays:
@@ -180,7 +198,7 @@ def read_uff(path: Path) -> FileArrays:
 def _of_zip(path: Path) -> bytes | FileArrays:
     try:
         with zipfile.ZipFile(path) as archive:
-            names = [name for name in archive.namelist() if not name.endswith("/")]
+            names = [one for one in archive.namelist() if not one.endswith("/") and not one.startswith("__MACOSX/")]
             if "[Content_Types].xml" in names:
                 return read_excel(path)
             if len(names) == 1 and not names[0].endswith(".npy"):
@@ -204,16 +222,20 @@ def _inner(path: Path, name: str, data: bytes) -> bytes | FileArrays:
 
 def _of_table(table: Any) -> FileArrays:
     """Columns of an Arrow table; time stamps as seconds since the first."""
-    arrays = {}
+    arrays, units = {}, {}
     for name in table.column_names:
         values = table.column(name).to_numpy()
-        if values.dtype.kind == "M":
-            values = (values - values[0]).astype("timedelta64[ns]").astype(np.int64) * 1e-9
-        elif values.dtype.kind == "m":
-            values = values.astype("timedelta64[ns]").astype(np.int64) * 1e-9
+        if values.dtype.kind in "mM":
+            values, units[str(name)] = _seconds(values), "s"
         if values.dtype.kind in "fiub":
             arrays[str(name)] = values
-    return FileArrays(arrays)
+    return FileArrays(arrays, units)
+
+
+def _seconds(values: Array) -> Array:
+    """Time stamps as seconds since the first, spans of time as seconds."""
+    spans = np.subtract(values, values[:1]) if values.dtype.kind == "M" else values
+    return np.asarray(spans.astype("timedelta64[ns]").astype(np.int64) * 1e-9)
 
 
 def _cell(value: Any) -> str:
@@ -253,6 +275,14 @@ BY_MAGIC: Mapping[bytes, Callable[[Path], FileArrays]] = {
     HDF5_MAGIC: read_hdf5_arrays,
 }
 """Readers by the first bytes of a file."""
+
+
+PACKED: Mapping[bytes, tuple[str, Callable[[bytes], bytes]]] = {
+    b"\x1f\x8b": ("gzip", gzip.decompress),
+    b"BZh": ("bzip2", bz2.decompress),
+    b"\xfd7zXZ": ("xz", lzma.decompress),
+}
+"""What packed a file, and how it is unpacked, by the first bytes."""
 
 
 def names_of(file: FileArrays) -> Iterator[tuple[str, str]]:

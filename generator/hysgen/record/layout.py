@@ -187,21 +187,21 @@ def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> _St
             start = _begin(lines, separator, comma)
             if start is None:
                 continue
-            at, fields, numeric = start
-            rank = (numeric / fields, numeric, -order)
+            at, fields, numeric, filled = start
+            rank = (numeric / filled, numeric, -order)
             if rank > best:
                 best, found = rank, _Start(at, separator, comma, fields)
     return found
 
 
-def _begin(lines: list[str], separator: str, comma: bool) -> tuple[int, int, int] | None:
-    """Line, fields and numeric fields of the first of ALIKE rows of numbers."""
+def _begin(lines: list[str], separator: str, comma: bool) -> tuple[int, int, int, int] | None:
+    """Line, fields, numeric fields and fields that are not empty of the first of ALIKE rows of numbers."""
     data = [i for i, line in enumerate(lines) if is_data(line)]
     for position, at in enumerate(data):
         rows = [split(lines[i], separator) for i in data[position : position + ALIKE]]
         counts = [sum(quantity(one, comma) is not None or is_clock(one) for one in row) for row in rows]
         if min(counts) >= 2 and len({len(row) for row in rows}) == 1:
-            return at, len(rows[0]), min(counts)
+            return at, len(rows[0]), min(counts), max(sum(map(bool, row)) for row in rows)
     return None
 
 

@@ -82,6 +82,9 @@ WORDS: dict[str, tuple[str, ...]] = {
 
 ROLES = tuple(WORDS)
 
+WANTED = ("target", "setpoint", "set", "demand", "desired", "reference", "soll", "sollwert", "consigne", "error")
+"""Words of a displacement that was asked for or missed, not measured: it is chosen where there is no other."""
+
 
 def words_of(name: str) -> tuple[str, ...]:
     """The lower-case words of a name without its unit and without accents.
@@ -154,6 +157,9 @@ def _best(role: str, names: Sequence[str]) -> list[str]:
         ranks = [WORDS[role].index(word) for word in words_of(name) if word in WORDS[role]]
         if ranks:
             ranked.append((min(ranks), len(words_of(name)), name))
+    if role == "displacement":
+        measured = [one for one in ranked if not set(words_of(one[2])) & set(WANTED)]
+        ranked = measured or ranked
     if ranked:
         least = min(ranked)[:2]
         return [name for *rank, name in ranked if tuple(rank) == least]

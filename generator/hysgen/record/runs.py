@@ -104,6 +104,9 @@ def runs_of_arrays(
     u = find(source, arrays, "voltage", columns.voltage)
     y = find(source, arrays, "displacement", columns.displacement)
     time = None
+    beside = f"{(key_of(arrays, columns.voltage) or '').rpartition('/')[0]}/{columns.time}"
+    if beside in arrays:
+        columns = replace(columns, time=beside)
     there = key_of(arrays, columns.time.partition("[")[0]) is not None
     if columns.time and (there or Ts_s is None):
         time = _as_many(source, columns.time, find(source, arrays, "time", columns.time), len(u))
