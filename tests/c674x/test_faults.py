@@ -58,10 +58,10 @@ class Planted:
 
 
 @pytest.fixture(scope="module")
-def planted() -> list[Planted]:
+def planted(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> list[Planted]:
     """Every fault there is, each put in and looked for."""
     need_compiler()
-    found = list(plant())
+    found: list[Planted] = once_per_run("planted_faults", lambda: list(plant()))
     for fault in found:
         print(f"{fault.mnemonic:8} {fault.kind:20} {fault.what:28} {', '.join(fault.caught) or 'NOT CAUGHT'}")
     return found
