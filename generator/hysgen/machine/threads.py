@@ -1,4 +1,4 @@
-"""Thread limits: one thread inside the BLAS, several for independent computations of a diagnosis.
+"""Thread limits: one thread inside the BLAS, several for computations that wait, as for a compiler.
 
 The matrices are small. BLAS threads make a computation up to ten times slower where other threads or processes use the
 same cores, and their number changes the last bits of a result.
@@ -21,7 +21,7 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 MOST_THREADS = 4
-"""Between two compiled kernels the threads compete for the interpreter lock; more threads than this gain nothing."""
+"""Compilers that run at once; a comparison has about 12 builds."""
 
 
 @contextmanager
@@ -37,7 +37,7 @@ def one_blas_thread() -> Iterator[None]:
 def in_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """[function(item) for item in items], computed by several threads; results in the order of the items.
 
-    Compiled kernels and the BLAS release the interpreter lock, so threads run in parallel. A worker process of a pool
+    For items that wait for other programs: short kernels gain nothing (`processes`). A worker process of a pool
     computes one item at a time, because its sibling processes use the other cores. Where memory is limited, there are
     no more threads than it has room for; their number changes no result.
     """
