@@ -1,1 +1,1 @@
-"""The host computer: native builds, compiled kernels, atomic file writes, caches, processes, threads, installed data files."""
+"""The host computer: native builds, compiled kernels, atomic file writes, caches, processes, installed data files."""
