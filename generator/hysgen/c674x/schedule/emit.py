@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping
 
-from hysgen.c674x.schedule.scheduler import Placement, Schedule
+from hysgen.c674x.schedule.placement import Placement, Schedule
 
 _MOST_IDLE = 9
 

@@ -18,8 +18,8 @@ from typing import Final
 from hysgen.c674x.schedule.c_source import KernelRefusalError, Source
 from hysgen.c674x.schedule.emit import file_text
 from hysgen.c674x.schedule.from_c import kernel
+from hysgen.c674x.schedule.placement import OutOfRegistersError, Schedule
 from hysgen.c674x.schedule.plans import shortest
-from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Schedule
 from hysgen.codegen.manifest import CMAKE, MANIFEST
 from hysgen.errors import TargetError
 from hysgen.machine.files import digest

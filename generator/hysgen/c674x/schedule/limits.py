@@ -13,7 +13,7 @@ from hysgen.c674x.cycles import bounds
 from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.schedule.c_source import Source
 from hysgen.c674x.schedule.from_c import kernel
-from hysgen.c674x.schedule.scheduler import heights
+from hysgen.c674x.schedule.precedence import heights
 from hysgen.c674x.schedule.selection import select
 from hysgen.codegen.manifest import MANIFEST
 from hysgen.display import table

@@ -13,7 +13,8 @@ from typing import Final
 from hysgen.c674x.schedule.dataflow import Kernel
 from hysgen.c674x.schedule.instructions import Selected
 from hysgen.c674x.schedule.ordering import ranked
-from hysgen.c674x.schedule.scheduler import OutOfRegistersError, Plan, Schedule, TooLongError, planned, unlimited
+from hysgen.c674x.schedule.placement import OutOfRegistersError, Plan, Schedule, TooLongError
+from hysgen.c674x.schedule.scheduler import planned, unlimited
 from hysgen.c674x.schedule.selection import select
 from hysgen.c674x.schedule.spilling import OutOfSlotsError, limited
 
