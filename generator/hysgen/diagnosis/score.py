@@ -6,12 +6,12 @@
 
 R: rms of the residual on the n fitted rows, of which r repeats: the misfit of the hysteresis and the error of the
 converter are the same whenever the stage passes the same states again, so that more rows do not average them out. They
-count as REPEATING independent values. The rest is noise, of which c samples count as one (`dispersion`). odds: of a
-cause before the record (`Cause.prior_odds`); evidence: of a direct observation (`Cause.evidence`). So an effect below
-the noise shows in a long record, and an effect far below the misfit in none, unless it is observed where the misfit is
-absent. The difference of two scores is -2 ln of the odds of the two chains, to the order of Schwarz's approximation;
-each weight also lowers N ln(R^2) by 1 on average if it fits noise. A parameter whose standard error falls as n^(-k/2)
-has order k; the weights of one function count as its octaves.
+count as REPEATING independent values. The rest is noise: what differs between neighbours, or moves while the stage
+rests. c samples of it count as one (`dispersion`). odds: of a cause before the record (`Cause.prior_odds`); evidence:
+of a direct observation (`Cause.evidence`). So an effect below the noise shows in a long record, and an effect far below
+the misfit in none, unless it is observed where the misfit is absent. The difference of two scores is -2 ln of the odds
+of the two chains, to the order of Schwarz's approximation; each weight also lowers N ln(R^2) by 1 on average if it fits
+noise. A parameter whose standard error falls as n^(-k/2) has order k; the weights of one function count as its octaves.
 
 Sources: Schwarz (1978); Kennedy and O'Hagan (2001) for a misfit that more data do not average out; Djuric (1996) for
 the order 3 of a frequency.
@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges
-from hysgen.record.series import residual_noise, resolution_um
+from hysgen.record.series import SHORTEST_PLATEAU, plateaus, residual_noise, resolution_um
 
 Floats = NDArray[np.float64]
 
@@ -40,6 +40,12 @@ REPEATING = 37
 
 SLOWEST = 10
 """Number of slow coefficients in `dispersion`: their mean has a standard deviation of 45 %."""
+
+SETTLED = 8.0
+"""Time constants of the lag after which it has left 1/3000 of a step."""
+
+RESTING = 200
+"""Least samples at rest from which a noise is taken: the standard error of its power is 10 %."""
 
 LEAST_EVIDENCE = 2.0 * math.log(99.0)
 """Least fall of the score by a named cause: odds of 99, so that one name in 100 is wrong if the odds are right."""
@@ -81,7 +87,7 @@ class Scored:
     def _repeating_um2(self) -> float:
         """r^2: mean square of the residual beyond the noise, at least that of the sensor's steps."""
         power = self.fit.rms_um**2 + 1e-300
-        noise = residual_noise(self.fit.error[self.scene.dense]) ** 2
+        noise = max(residual_noise(self.fit.error[self.scene.dense]), resting_noise(self.scene, self.fit)) ** 2
         steps = resolution_um(self.scene.y_um[self.scene.rows]) ** 2 / 12.0
         return min(max(power - noise, 0.0) + steps, power)
 
@@ -114,6 +120,23 @@ class Scored:
         """Whether the misfit averages out along all added parts (`Part.apart`)."""
         runs, Ts_s = self.scene.runs, self.scene.Ts_s
         return self.chain.memory == smaller.memory and bool(added) and all(part.apart(runs, Ts_s) for part in added)
+
+
+def resting_noise(scene: Scene, fit: Fit) -> float:
+    """Standard deviation in um of the residual while the stage rests, about its mean on each plateau of the command.
+
+    The misfit of the hysteresis is constant there, so what moves is no misfit: noise of any colour, a vibration. 0 with
+    fewer than RESTING samples at rest.
+    """
+    squares, count, first = 0.0, 0, 0
+    for run in scene.runs:
+        settle = math.ceil(SETTLED * fit.chain.lag_s / (scene.Ts_s * run.stride))
+        for begin, end in plateaus(run.u_V, settle + SHORTEST_PLATEAU):
+            error = fit.error[first + begin + settle : first + end]
+            squares += float(np.sum((error - error.mean()) ** 2))
+            count += len(error) - 1
+        first += len(run.u_V)
+    return math.sqrt(squares / count) if count >= RESTING else 0.0
 
 
 def least_growth(independent: float, prior_odds: float) -> float:
