@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fixtures.linear_stage import COMMAND_V, LAG, NOISE_UM, T_S, TS_S, scene
+from fixtures.linear_stage import COMMAND_V, LAG, NOISE_UM, SAMPLES, T_S, TS_S, scene
 from hysgen.diagnosis.probe import refine, rms
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.procedure import name_causes
@@ -40,6 +40,13 @@ def test_a_vibration_is_noise_while_the_stage_rests_and_a_misfit_is_not() -> Non
     assert resting_noise(shaken, refine(shaken, LAG)) == pytest.approx(0.05 / np.sqrt(2.0), rel=0.1)
     assert rms(refine(bent, LAG).error) > 0.05
     assert resting_noise(bent, refine(bent, LAG)) == pytest.approx(NOISE_UM, rel=0.2)
+
+
+def test_corrupted_samples_are_no_noise() -> None:
+    spikes_um = np.where(np.arange(SAMPLES) % 50 == 0, 5.0, 0.0)
+    spiked = scene(LAG, spikes_um)
+    spiked = spiked.using(spiked.rows[spikes_um[spiked.rows] == 0.0])
+    assert resting_noise(spiked, refine(spiked, LAG)) == pytest.approx(NOISE_UM, rel=0.1)
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -125,16 +125,20 @@ class Scored:
 def resting_noise(scene: Scene, fit: Fit) -> float:
     """Standard deviation in um of the residual while the stage rests, about its mean on each plateau of the command.
 
-    The misfit of the hysteresis is constant there, so what moves is no misfit: noise of any colour, a vibration. 0 with
-    fewer than RESTING samples at rest.
+    The misfit of the hysteresis is constant there, so what moves is no misfit: noise of any colour, a vibration.
+    Samples that are not fitted, such as corrupted ones, do not count. 0 with fewer than RESTING samples at rest.
     """
     squares, count, first = 0.0, 0, 0
+    used = np.zeros(scene.samples, dtype=np.bool_)
+    used[scene.dense] = True
     for run in scene.runs:
         settle = math.ceil(SETTLED * fit.chain.lag_s / (scene.Ts_s * run.stride))
         for begin, end in plateaus(run.u_V, settle + SHORTEST_PLATEAU):
-            error = fit.error[first + begin + settle : first + end]
-            squares += float(np.sum((error - error.mean()) ** 2))
-            count += len(error) - 1
+            rows = slice(first + begin + settle, first + end)
+            error = fit.error[rows][used[rows]]
+            if len(error) > 1:
+                squares += float(np.sum((error - error.mean()) ** 2))
+                count += len(error) - 1
         first += len(run.u_V)
     return math.sqrt(squares / count) if count >= RESTING else 0.0
 
