@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes
+from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges
 from hysgen.record.series import SHORTEST_PLATEAU, plateaus, residual_noise, resolution_um
@@ -40,9 +41,6 @@ REPEATING = 37
 
 SLOWEST = 10
 """Number of slow coefficients in `dispersion`: their mean has a standard deviation of 45 %."""
-
-SETTLED = 8.0
-"""Time constants of the lag after which it has left 1/3000 of a step."""
 
 RESTING = 200
 """Least samples at rest from which a noise is taken: the standard error of its power is 10 %."""
@@ -132,7 +130,7 @@ def resting_noise(scene: Scene, fit: Fit) -> float:
     used = np.zeros(scene.samples, dtype=np.bool_)
     used[scene.dense] = True
     for run in scene.runs:
-        settle = math.ceil(SETTLED * fit.chain.lag_s / (scene.Ts_s * run.stride))
+        settle = math.ceil(PROBE_LAGS * fit.chain.lag_s / (scene.Ts_s * run.stride))
         for begin, end in plateaus(run.u_V, settle + SHORTEST_PLATEAU):
             rows = slice(first + begin + settle, first + end)
             error = fit.error[rows][used[rows]]

@@ -28,8 +28,8 @@ class CsvTable:
 
     names: of all columns, numeric or not. columns: (n,) numbers by name. chosen: the columns of time, voltage and
     displacement, as given or as guessed. Ts_s: sampling period in the preamble, if any.
-    locate: row number to "line 12". remarks: one line each, for the user. starts: rows before which
-     the header stands again.
+    locate: row number to "line 12". remarks: one line each, for the user. starts: rows before which the header stands
+    again.
     """
 
     names: tuple[str, ...]
