@@ -91,9 +91,8 @@ class Scored:
 
     def score(self, independent: float) -> float:
         """The score with a number of independent samples that is common to the compared chains."""
-        prior = -2.0 * math.fsum(math.log(causes()[name].prior_odds) for name in present(self.chain))
-        penalty = self.orders * math.log(independent) + len(self.fit.weights)
-        return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty + prior - self._evidence
+        penalty = self.orders * math.log(independent) + len(self.fit.weights) + prior_score(self.chain)
+        return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty - self._evidence
 
     @cached_property
     def _evidence(self) -> float:
@@ -167,6 +166,11 @@ def orders(scene: Scene, chain: Chain) -> float:
     """Sum of the orders of all parameters of a chain; the hysteresis counts as one function."""
     shape = sum(one.order for _, one in chain.parameters)
     return octaves(scene.hysteresis_size(chain)) + shape + sum(part.weight_orders for part in chain.parts)
+
+
+def prior_score(chain: Chain) -> float:
+    """-2 ln of the odds of the causes of a chain before the record."""
+    return -2.0 * math.fsum(math.log(causes()[name].prior_odds) for name in present(chain))
 
 
 def present(chain: Chain) -> list[str]:

@@ -27,14 +27,13 @@ from hysgen.diagnosis.probe import (
     Fit,
     Scene,
     TrainingFit,
-    WhitenedScene,
     linear_fit,
     refine,
     rms,
-    schwarz,
     training_fit,
 )
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, confidences, present
+from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause, slow_part
 from hysgen.machine.processes import in_processes
 from hysgen.record.series import resolution_um
 
@@ -82,7 +81,8 @@ class _State:
 
     scene: Scene
     current: Scored
-    visited: list[Scored] = field(default_factory=list)
+    whitenings: Whitenings
+    visited: list[Scored]
     smaller: dict[Chain, Fit] = field(default_factory=dict)
 
     def fits_of_smaller(self, chains: Sequence[Chain]) -> list[Fit]:
@@ -109,8 +109,8 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
     least_um = {_structure(state.current.chain): state.current.fit.rms_um}
     for _ in range(MOST_STEPS):
         added = _best_additions(state)
-        step = next((one for one in added.values() if _fall(one, state.current) > LEAST_EVIDENCE), None)
-        step = step or _dropped_or_exchanged(state)
+        step = next((one for one in added.values() if _accepted(state, one)), None)
+        step = step or _dropped_or_exchanged(state) or _slow_addition(state, added)
         if step is None or step.fit.rms_um > (1.0 - BETTER) * least_um.get(_structure(step.chain), np.inf):
             break
         least_um[_structure(step.chain)] = step.fit.rms_um
@@ -150,7 +150,7 @@ def over_all_rows(found: SearchResult, whole: Scene) -> Residual:
 
 def _begin(part: Scene, fit: Fit) -> _State:
     current = Scored.of(part, fit)
-    return _State(part, current, [current])
+    return _State(part, current, Whitenings(part), [current])
 
 
 def _result(usable: Scene, corrupted: NDArray[np.bool_], state: _State, added: dict[str, Scored]) -> SearchResult:
@@ -160,16 +160,28 @@ def _result(usable: Scene, corrupted: NDArray[np.bool_], state: _State, added: d
     without = state.scored(less, bounded=False)
     rivals = {name: one for one in without for name in names if name not in present(one.chain)}
     falls = {name: _fall(one, current) for name, one in added.items() if name not in names}
+    bayes = {name: _rise_without(state, current, one) for name, one in rivals.items()}
     return SearchResult(
         scene=usable,
         fit=refine(thinned(usable), current.chain),
         rivals={name: one.fit for name, one in rivals.items()},
         corrupted=corrupted,
-        bayes={name: current.fall_from(one) for name, one in rivals.items()},
+        bayes=bayes,
         refused={name: fall for name, fall in falls.items() if fall > 0.0},
         error_growth={name: one.fit.rms_um / current.fit.rms_um for name, one in rivals.items()},
-        confidence=confidences(state.visited, current),
+        confidence=_confidences(state, bayes),
     )
+
+
+def _confidences(state: _State, bayes: dict[str, float]) -> dict[str, float]:
+    """Posterior probability of each cause; that of an only slow cause by the pooled score."""
+    current, slow = state.current, slow_part(state.current)
+    if len(slow) != 1:
+        return confidences(state.visited, current)
+    (name,) = slow
+    alike = [one for one in state.visited if slow_part(one) == slow]
+    first = state.whitenings.confidence(current, bayes[name], state.visited)
+    return confidences(alike, current) | {name: first}
 
 
 def _best_additions(state: _State) -> dict[str, Scored]:
@@ -204,6 +216,22 @@ def _fall(larger: Scored, current: Scored) -> float:
     return larger.fall_from(current) - max(counts[1] - counts[0] - 1, 0) * LEAST_EVIDENCE
 
 
+def _accepted(state: _State, one: Scored) -> bool:
+    """Whether a larger chain is accepted because its score falls; for the first slow cause, the pooled score too."""
+    if _fall(one, state.current) <= LEAST_EVIDENCE:
+        return False
+    return _rise_without(state, one, state.current) > LEAST_EVIDENCE
+
+
+def _slow_addition(state: _State, added: dict[str, Scored]) -> Scored | None:
+    """The likeliest chain with a first slow cause, None if its pooled score does not fall by LEAST_EVIDENCE."""
+    candidates = [one for one in added.values() if adds_first_slow_cause(one, state.current)]
+    if not candidates:
+        return None
+    best = candidates[int(np.argmin(state.whitenings.scores(candidates, state.current.fit)))]
+    return best if _rise_without(state, best, state.current) > LEAST_EVIDENCE else None
+
+
 def _starts(cause: Cause, residual: Residual) -> list[TrainingFit]:
     """The proposals of a cause that are refined, by linear fits."""
     return cause.select_starts(_fitted(residual.scene, cause.proposals(residual)))
@@ -221,13 +249,15 @@ def _dropped_or_exchanged(state: _State) -> Scored | None:
     dropped = state.scored(state.fits_of_smaller(less))
     for one in dropped:
         fewer = max(1, len(names) - len(present(one.chain)))
-        if state.current.fall_from(one) < fewer * LEAST_EVIDENCE:
+        if _rise_without(state, state.current, one) < fewer * LEAST_EVIDENCE:
             return one
     pairs = [(old, new) for old in names for new in causes() if new not in names and similar(old, new)]
     for old, new in pairs:
         bare = next((one for one in dropped if old not in present(one.chain)), None)
         other = None if bare is None else _best_with(state, bare, new)
-        if other is not None and _likelier(state, other, by_plateaus=old in slow and new in slow_causes()):
+        if other is None or not _likelier(state, other, slow=old in slow or new in slow_causes()):
+            continue
+        if bare is not None and _rise_without(state, other, bare) >= LEAST_EVIDENCE:
             return other
     return None
 
@@ -245,19 +275,25 @@ def _best_with(state: _State, bare: Scored, name: str) -> Scored | None:
     return next(iter(state.scored(_refined_if_promising(state, starts))), None)
 
 
-def _likelier(state: _State, other: Scored, by_plateaus: bool) -> bool:
+def _rise_without(state: _State, larger: Scored, less: Scored) -> float:
+    """Rise of the score from a chain to one with less; of the pooled score without the only slow cause."""
+    if adds_first_slow_cause(larger, less):
+        return state.whitenings.pooled_fall(larger, less, LEAST_EVIDENCE)
+    return larger.fall_from(less)
+
+
+def _likelier(state: _State, other: Scored, slow: bool) -> bool:
     """Whether a chain is likelier than the current one, which has as many causes.
 
-    by_plateaus: whether the residuals are whitened for this comparison (`probe.whitened`) unless the scores differ by
-    LEAST_EVIDENCE: slow causes differ most on plateaus, where the misfit of the hysteresis is constant.
+    slow: whether a slow cause is exchanged. If the score does not decide by LEAST_EVIDENCE against the other chain, the
+    sum of both scores decides then (`slow_evidence`).
     """
     current = state.current
     fall = current.score(current.independent) - other.score(current.independent)
-    if not by_plateaus or abs(fall) > LEAST_EVIDENCE:
+    if not slow or fall < -LEAST_EVIDENCE:
         return fall > 0.0
-    white = WhitenedScene.of(state.scene, min(current.fit, other.fit, key=lambda fit: fit.rms_um))
-    before, after = (schwarz(white, refine(white, one.chain, ROUNDS)) for one in (current, other))
-    return after < before
+    before, after = state.whitenings.scores([current, other], current.fit)
+    return fall + before - after > 0.0
 
 
 def similar(name: str, other: str) -> bool:

@@ -18,7 +18,7 @@ from hysgen.diagnosis.probe.solve import (
     training_fit,
 )
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
-from hysgen.diagnosis.probe.whitened import WhitenedScene, schwarz, whitened_fit
+from hysgen.diagnosis.probe.whitened import WhitenedScene, whitened_fit
 from hysgen.fitting.operator import Operator
 
 __all__ = [
@@ -43,7 +43,6 @@ __all__ = [
     "octaves",
     "refine",
     "rms",
-    "schwarz",
     "sensitivities",
     "standard_errors",
     "training_fit",

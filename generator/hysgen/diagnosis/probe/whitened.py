@@ -14,7 +14,6 @@ Source: Harvey, "Forecasting, Structural Time Series Models and the Kalman Filte
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Self
@@ -80,12 +79,6 @@ def whitened_fit(scene: Scene, fit: Fit) -> tuple[WhitenedScene, Fit]:
     """The scene, whitened for the residual of `fit`, and the fit of the same chain to it."""
     whitened = WhitenedScene.of(scene, fit)
     return whitened, refine(whitened, fit.chain)
-
-
-def schwarz(scene: WhitenedScene, fit: Fit) -> float:
-    """Schwarz's criterion (BIC) of a fit, up to a constant of the scene: chi square + parameters * ln(rows)."""
-    parameters = len(fit.weights) + len(fit.chain.coordinates())
-    return len(scene.rows) * fit.rms_um**2 + parameters * math.log(len(scene.rows))
 
 
 def _maximum_likelihood(scene: Scene, fit: Fit) -> Whitening:

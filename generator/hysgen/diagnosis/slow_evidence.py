@@ -1,0 +1,106 @@
+"""The evidence for a slow cause, by two descriptions of the misfit of the hysteresis.
+
+    fall = (fall of the score + fall of the whitened score) / 2
+
+The score (`score`) takes the misfit as values that repeat wherever they stand. The whitened score takes it as a process
+along the way of the stage (`probe.whitened`), which is constant while the stage rests: creep and drift then show below
+the misfit. Each of them alone is wrong where its description does not hold, so the mean of both logarithms of the odds
+counts (logarithmic pool; Genest and Zidek, 1986).
+
+    whitened score = n ln(Z^2) / c + orders ln(n / c) + weights - prior,    Z^2: mean square of the innovations
+
+It counts only for the first slow cause of a chain: the course of a slow effect is known to a few per cent, and what is
+left of it is slow too and would be named as a second one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from hysgen.diagnosis.causes import slow_causes
+from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, refine
+from hysgen.diagnosis.score import Scored, dispersion, present, prior_score
+
+WHITENED_ROUNDS = 4
+"""Gauss-Newton rounds on the innovations, from a chain that is refined by least squares already."""
+
+
+@dataclass(frozen=True, eq=False)
+class Whitenings:
+    """Whitened scenes, one for the residual of each chain, and the fits of chains to them; each is made once."""
+
+    scene: Scene
+    _scenes: dict[Chain, WhitenedScene] = field(default_factory=dict)
+    _fits: dict[tuple[Chain, Chain], Fit] = field(default_factory=dict)
+
+    def fit(self, chain: Chain, residual: Fit) -> Fit:
+        """The fit of a chain to the innovations of the scene, whitened for a residual; rms_um is Z."""
+        if residual.chain not in self._scenes:
+            self._scenes[residual.chain] = WhitenedScene.of(self.scene, residual)
+        key = (chain, residual.chain)
+        if key not in self._fits:
+            self._fits[key] = refine(self._scenes[residual.chain], chain, WHITENED_ROUNDS)
+        return self._fits[key]
+
+    def pooled_fall(self, larger: Scored, smaller: Scored, least: float) -> float:
+        """Fall of the pooled score from a chain without slow causes to one with the first of them.
+
+        least: where the fall of the score alone makes the pooled one larger than this, a lower bound of it is returned.
+        """
+        fall = larger.fall_from(smaller)
+        worst = fall - _penalty(larger, smaller, float(len(self.scene.rows)))
+        if worst > 2.0 * least:
+            return 0.5 * worst
+        return 0.5 * (fall + self.whitened_fall(larger, smaller))
+
+    def whitened_fall(self, larger: Scored, smaller: Scored) -> float:
+        """Fall of the whitened score; the residuals are whitened for that of the smaller chain."""
+        rows = self.scene.rows
+        after, before = (self.fit(one.chain, smaller.fit) for one in (larger, smaller))
+        independent = len(rows) / dispersion(after.error[rows], (before.error - after.error)[rows])
+        return 2.0 * independent * math.log(before.rms_um / after.rms_um) - _penalty(larger, smaller, independent)
+
+    def scores(self, candidates: Sequence[Scored], residual: Fit) -> list[float]:
+        """Whitened scores of chains with as many causes, for one whitening: that of the residual of a fit.
+
+        All samples count (c = 1): what the residual contains beside the innovations is common to the chains.
+        """
+        rows, scores = len(self.scene.rows), []
+        for one in candidates:
+            fit = self.fit(one.chain, residual)
+            penalty = one.orders * math.log(rows) + len(fit.weights) + prior_score(one.chain)
+            scores.append(rows * fit.rms_um**2 + penalty)
+        return scores
+
+    def confidence(self, current: Scored, bayes: float, visited: Sequence[Scored]) -> float:
+        """Posterior probability of the only slow cause of the current chain, against none and against each other one.
+
+        bayes: rise of the pooled score without it. visited: the chains that the search scored.
+        """
+        others = set(present(current.chain)) - slow_part(current)
+        rivals: dict[str, Scored] = {}
+        for one in sorted(visited, key=lambda one: one.score(current.independent)):
+            for name in slow_part(one) - slow_part(current):
+                if set(present(one.chain)) == {*others, name}:
+                    rivals.setdefault(name, one)
+        own, *scores = self.scores([current, *rivals.values()], current.fit)
+        odds_against = [math.exp(-0.5 * bayes), *(math.exp(min(0.5 * (own - score), 100.0)) for score in scores)]
+        return 1.0 / (1.0 + math.fsum(odds_against))
+
+
+def slow_part(one: Scored) -> set[str]:
+    """Names of the slow causes of a chain."""
+    return set(slow_causes()).intersection(present(one.chain))
+
+
+def adds_first_slow_cause(larger: Scored, smaller: Scored) -> bool:
+    """Whether a chain has one slow cause and a smaller one none."""
+    return len(slow_part(larger)) == 1 and not slow_part(smaller)
+
+
+def _penalty(larger: Scored, smaller: Scored, independent: float) -> float:
+    """Rise of the score by the parameters and the prior odds of the larger chain alone."""
+    rise = (larger.orders - smaller.orders) * math.log(independent) + len(larger.fit.weights) - len(smaller.fit.weights)
+    return rise + prior_score(larger.chain) - prior_score(smaller.chain)
