@@ -20,7 +20,7 @@ the order 3 of a frequency.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -171,6 +171,11 @@ def orders(scene: Scene, chain: Chain) -> float:
 def prior_score(chain: Chain) -> float:
     """-2 ln of the odds of the causes of a chain before the record."""
     return -2.0 * math.fsum(math.log(causes()[name].prior_odds) for name in present(chain))
+
+
+def structure(chain: Chain) -> Hashable:
+    """Key for the parts of a chain without the values of their parameters."""
+    return (chain.memory, *(part.names for part in chain.parts))
 
 
 def present(chain: Chain) -> list[str]:

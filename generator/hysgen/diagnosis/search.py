@@ -14,7 +14,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,8 +32,8 @@ from hysgen.diagnosis.probe import (
     rms,
     training_fit,
 )
-from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, confidences, present
-from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause, slow_part
+from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, confidences, present, structure
+from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause, differs_in_its_slow_cause, slow_part
 from hysgen.machine.processes import in_processes
 from hysgen.record.series import resolution_um
 
@@ -106,14 +106,16 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
     part = thinned(usable)
     state = _begin(part, refine(part, fit.chain))
     added: dict[str, Scored] = {}
-    least_um = {_structure(state.current.chain): state.current.fit.rms_um}
+    # A search may come back to a structure: causes are exchanged by another measure than they are added and dropped by,
+    # and a part that was dropped again may have led the fit out of a local minimum.
+    least_um = {structure(state.current.chain): state.current.fit.rms_um}
     for _ in range(MOST_STEPS):
         added = _best_additions(state)
         step = next((one for one in added.values() if _accepted(state, one)), None)
         step = step or _dropped_or_exchanged(state) or _slow_addition(state, added)
-        if step is None or step.fit.rms_um > (1.0 - BETTER) * least_um.get(_structure(step.chain), np.inf):
+        if step is None or step.fit.rms_um > (1.0 - BETTER) * least_um.get(structure(step.chain), np.inf):
             break
-        least_um[_structure(step.chain)] = step.fit.rms_um
+        least_um[structure(step.chain)] = step.fit.rms_um
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.fit.error[part.rows]):.3g} nm")
         state.current = step
         before = len(usable.rows)
@@ -123,15 +125,6 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
             part = thinned(usable)
             state = _begin(part, refine(part, step.chain, ROUNDS))
     return _result(usable, corrupted, state, added)
-
-
-def _structure(chain: Chain) -> Hashable:
-    """Key for the parts of a chain without the values of their parameters.
-
-    A search may come back to one, because causes are exchanged by another measure than they are added and dropped by,
-    or because a part that was dropped again led the fit out of a local minimum.
-    """
-    return (chain.memory, *(part.names for part in chain.parts))
 
 
 def over_all_rows(found: SearchResult, whole: Scene) -> Residual:
@@ -249,7 +242,7 @@ def _dropped_or_exchanged(state: _State) -> Scored | None:
     dropped = state.scored(state.fits_of_smaller(less))
     for one in dropped:
         fewer = max(1, len(names) - len(present(one.chain)))
-        if _rise_without(state, state.current, one) < fewer * LEAST_EVIDENCE:
+        if _rise_without(state, state.current, one) < fewer * LEAST_EVIDENCE and _form_is_evident(state, one, dropped):
             return one
     pairs = [(old, new) for old in names for new in causes() if new not in names and similar(old, new)]
     for old, new in pairs:
@@ -260,6 +253,14 @@ def _dropped_or_exchanged(state: _State) -> Scored | None:
         if bare is not None and _rise_without(state, other, bare) >= LEAST_EVIDENCE:
             return other
     return None
+
+
+def _form_is_evident(state: _State, one: Scored, dropped: Sequence[Scored]) -> bool:
+    """Whether a chain has no simpler form of the only slow cause, or one that is evident itself."""
+    if not differs_in_its_slow_cause(state.current, one):
+        return True
+    bare = [less for less in dropped if adds_first_slow_cause(one, less)]
+    return all(_rise_without(state, one, less) >= LEAST_EVIDENCE for less in bare)
 
 
 def _without(chain: Chain, names: Sequence[str]) -> Chain:
@@ -276,8 +277,8 @@ def _best_with(state: _State, bare: Scored, name: str) -> Scored | None:
 
 
 def _rise_without(state: _State, larger: Scored, less: Scored) -> float:
-    """Rise of the score from a chain to one with less; of the pooled score without the only slow cause."""
-    if adds_first_slow_cause(larger, less):
+    """Rise of the score from a chain to one with less; of the pooled score if they differ in the only slow cause."""
+    if adds_first_slow_cause(larger, less) or differs_in_its_slow_cause(larger, less):
         return state.whitenings.pooled_fall(larger, less, LEAST_EVIDENCE)
     return larger.fall_from(less)
 

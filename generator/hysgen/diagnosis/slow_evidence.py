@@ -19,12 +19,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from hysgen.diagnosis.causes import slow_causes
+import numpy as np
+
+from hysgen.diagnosis.causes import causes, slow_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, refine
-from hysgen.diagnosis.score import Scored, dispersion, present, prior_score
+from hysgen.diagnosis.probe.uncertainty import block_edges
+from hysgen.diagnosis.score import Scored, dispersion, present, prior_score, structure
 
 WHITENED_ROUNDS = 4
 """Gauss-Newton rounds on the innovations, from a chain that is refined by least squares already."""
+
+LOUDEST = 4
+"""Blocks of 40 that are no evidence alone: an effect over the length of the record shows in more than a tenth of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +51,7 @@ class Whitenings:
         return self._fits[key]
 
     def pooled_fall(self, larger: Scored, smaller: Scored, least: float) -> float:
-        """Fall of the pooled score from a chain without slow causes to one with the first of them.
+        """Fall of the pooled score to a chain with the first slow cause, or with another form of it.
 
         least: where the fall of the score alone makes the pooled one larger than this, a lower bound of it is returned.
         """
@@ -56,11 +62,20 @@ class Whitenings:
         return 0.5 * (fall + self.whitened_fall(larger, smaller))
 
     def whitened_fall(self, larger: Scored, smaller: Scored) -> float:
-        """Fall of the whitened score; the residuals are whitened for that of the smaller chain."""
+        """Fall of the whitened score; the residuals are whitened for that of the smaller chain.
+
+        At most 0 if the rest of the record contradicts the LOUDEST blocks. The other parts of the smaller chain are
+        fitted from those of the larger one, too: a minimum that only one of both fits finds is no evidence.
+        """
         rows = self.scene.rows
-        after, before = (self.fit(one.chain, smaller.fit) for one in (larger, smaller))
+        after = self.fit(larger.chain, smaller.fit)
+        less = _without_slow_parts(after.chain)
+        chains = [smaller.chain] if slow_part(smaller) else [smaller.chain, less]
+        before = min((self.fit(chain, smaller.fit) for chain in chains), key=lambda fit: fit.rms_um)
         independent = len(rows) / dispersion(after.error[rows], (before.error - after.error)[rows])
-        return 2.0 * independent * math.log(before.rms_um / after.rms_um) - _penalty(larger, smaller, independent)
+        fall = 2.0 * independent * math.log(before.rms_um / after.rms_um) - _penalty(larger, smaller, independent)
+        falls = np.add.reduceat((before.error**2 - after.error**2)[rows], block_edges(len(rows))[:-1])
+        return fall if np.sort(falls)[:-LOUDEST].sum() > 0.0 else min(fall, 0.0)
 
     def scores(self, candidates: Sequence[Scored], residual: Fit) -> list[float]:
         """Whitened scores of chains with as many causes, for one whitening: that of the residual of a fit.
@@ -98,6 +113,23 @@ def slow_part(one: Scored) -> set[str]:
 def adds_first_slow_cause(larger: Scored, smaller: Scored) -> bool:
     """Whether a chain has one slow cause and a smaller one none."""
     return len(slow_part(larger)) == 1 and not slow_part(smaller)
+
+
+def differs_in_its_slow_cause(larger: Scored, smaller: Scored) -> bool:
+    """Whether two chains have the same one slow cause, simpler in the smaller one, and are equal otherwise."""
+    slow = slow_part(larger)
+    return (
+        len(slow) == 1
+        and slow == slow_part(smaller)
+        and larger.orders > smaller.orders
+        and structure(_without_slow_parts(larger.chain)) == structure(_without_slow_parts(smaller.chain))
+    )
+
+
+def _without_slow_parts(chain: Chain) -> Chain:
+    for name in slow_causes():
+        chain = causes()[name].without(chain)
+    return chain
 
 
 def _penalty(larger: Scored, smaller: Scored, independent: float) -> float:
