@@ -1,7 +1,7 @@
 """Search for the chain with the least score (`score`): parts are added, dropped and exchanged while the score falls.
 
     add       every cause proposes chains with one more part at starting values; the best few are fitted and scored
-    drop      a part, a form of a part, or all slow causes, if the score rises by less than LEAST_EVIDENCE a cause
+    drop      a part, a form of a part, a cause, all slow causes, if the score rises by less than LEAST_EVIDENCE a cause
     exchange  a part for a similar one (`Cause.mistaken_for`, slow causes for each other), if the score falls
 
 A part is added if the score falls by LEAST_EVIDENCE, several at once if it falls by as many times that. Each step fits
@@ -113,7 +113,12 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
         added = _best_additions(state)
         step = next((one for one in added.values() if _accepted(state, one)), None)
         step = step or _dropped_or_exchanged(state) or _slow_addition(state, added)
-        if step is None or step.fit.rms_um > (1.0 - BETTER) * least_um.get(structure(step.chain), np.inf):
+        if step is None:
+            break
+        if step.fit.rms_um > (1.0 - BETTER) * least_um.get(structure(step.chain), np.inf):
+            if _leaves_out_a_cause(state, step):
+                # No addition to this chain is known, but it holds nothing that is not evident.
+                state.current, added = step, {}
             break
         least_um[structure(step.chain)] = step.fit.rms_um
         progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.fit.error[part.rows]):.3g} nm")
@@ -237,9 +242,10 @@ def _dropped_or_exchanged(state: _State) -> Scored | None:
     slow = [name for name in slow_causes() if name in names]
     less = [one for name in names for one in causes()[name].simpler_forms(chain)]
     less += [one for name in names for one in causes()[name].without_one_part(chain)]
+    less += [causes()[name].without(chain) for name in names]
     if len(slow) > 1:
         less.append(_without(chain, slow))
-    dropped = state.scored(state.fits_of_smaller(less))
+    dropped = state.scored(state.fits_of_smaller(list(dict.fromkeys(less))))
     for one in dropped:
         fewer = max(1, len(names) - len(present(one.chain)))
         if _rise_without(state, state.current, one) < fewer * LEAST_EVIDENCE and _form_is_evident(state, one, dropped):
@@ -253,6 +259,12 @@ def _dropped_or_exchanged(state: _State) -> Scored | None:
         if bare is not None and _rise_without(state, other, bare) >= LEAST_EVIDENCE:
             return other
     return None
+
+
+def _leaves_out_a_cause(state: _State, step: Scored) -> bool:
+    """Whether a step leads to a chain without a cause of the current chain that is not evident."""
+    fewer = set(present(step.chain)) < set(present(state.current.chain))
+    return fewer and _rise_without(state, state.current, step) < LEAST_EVIDENCE
 
 
 def _form_is_evident(state: _State, one: Scored, dropped: Sequence[Scored]) -> bool:
