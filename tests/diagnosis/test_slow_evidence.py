@@ -69,8 +69,8 @@ def test_whitened_scores_tell_drift_creep_and_aging_apart_below_the_misfit() -> 
         scores = dict(zip(chains, whitenings.scores(candidates, none.fit), strict=True))
         assert min(scores, key=lambda name: scores[name]) == planted
         current = candidates[list(chains).index(planted)]
-        assert whitenings.confidence(current, 20.0, [none, *candidates]) > 0.99
-        assert whitenings.confidence(current, 0.0, [none, *candidates]) < 0.6
+        assert whitenings.confidence(current, none, 20.0, [none, *candidates]) > 0.99
+        assert whitenings.confidence(current, none, 0.0, [none, *candidates]) < 0.6
 
 
 def test_only_the_first_slow_cause_has_this_evidence() -> None:

@@ -167,18 +167,18 @@ def _result(usable: Scene, corrupted: NDArray[np.bool_], state: _State, added: d
         bayes=bayes,
         refused={name: fall for name, fall in falls.items() if fall > 0.0},
         error_growth={name: one.fit.rms_um / current.fit.rms_um for name, one in rivals.items()},
-        confidence=_confidences(state, bayes),
+        confidence=_confidences(state, rivals, bayes),
     )
 
 
-def _confidences(state: _State, bayes: dict[str, float]) -> dict[str, float]:
+def _confidences(state: _State, rivals: dict[str, Scored], bayes: dict[str, float]) -> dict[str, float]:
     """Posterior probability of each cause; that of an only slow cause by the pooled score."""
     current, slow = state.current, slow_part(state.current)
     if len(slow) != 1:
         return confidences(state.visited, current)
     (name,) = slow
     alike = [one for one in state.visited if slow_part(one) == slow]
-    first = state.whitenings.confidence(current, bayes[name], state.visited)
+    first = state.whitenings.confidence(current, rivals[name], bayes[name], state.visited)
     return confidences(alike, current) | {name: first}
 
 
@@ -254,9 +254,10 @@ def _dropped_or_exchanged(state: _State) -> Scored | None:
     for old, new in pairs:
         bare = next((one for one in dropped if old not in present(one.chain)), None)
         other = None if bare is None else _best_with(state, bare, new)
-        if other is None or not _likelier(state, other, slow=old in slow or new in slow_causes()):
+        if bare is None or other is None:
             continue
-        if bare is not None and _rise_without(state, other, bare) >= LEAST_EVIDENCE:
+        either_slow = bool({old, new} & set(slow_causes()))
+        if _likelier(state, other, bare, either_slow) and _rise_without(state, other, bare) >= LEAST_EVIDENCE:
             return other
     return None
 
@@ -295,8 +296,8 @@ def _rise_without(state: _State, larger: Scored, less: Scored) -> float:
     return larger.fall_from(less)
 
 
-def _likelier(state: _State, other: Scored, slow: bool) -> bool:
-    """Whether a chain is likelier than the current one, which has as many causes.
+def _likelier(state: _State, other: Scored, bare: Scored, slow: bool) -> bool:
+    """Whether a chain is likelier than the current one, which has as many causes. bare: the chain without both.
 
     slow: whether a slow cause is exchanged. If the score does not decide by LEAST_EVIDENCE against the other chain, the
     sum of both scores decides then (`slow_evidence`).
@@ -305,7 +306,7 @@ def _likelier(state: _State, other: Scored, slow: bool) -> bool:
     fall = current.score(current.independent) - other.score(current.independent)
     if not slow or fall < -LEAST_EVIDENCE:
         return fall > 0.0
-    before, after = state.whitenings.scores([current, other], current.fit)
+    before, after = state.whitenings.scores([current, other], bare.fit)
     return fall + before - after > 0.0
 
 

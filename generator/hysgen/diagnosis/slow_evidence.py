@@ -89,10 +89,10 @@ class Whitenings:
             scores.append(rows * fit.rms_um**2 + penalty)
         return scores
 
-    def confidence(self, current: Scored, bayes: float, visited: Sequence[Scored]) -> float:
+    def confidence(self, current: Scored, bare: Scored, bayes: float, visited: Sequence[Scored]) -> float:
         """Posterior probability of the only slow cause of the current chain, against none and against each other one.
 
-        bayes: rise of the pooled score without it. visited: the chains that the search scored.
+        bare: the chain without it; bayes: rise of the pooled score to that. visited: the chains that the search scored.
         """
         others = set(present(current.chain)) - slow_part(current)
         rivals: dict[str, Scored] = {}
@@ -100,7 +100,7 @@ class Whitenings:
             for name in slow_part(one) - slow_part(current):
                 if set(present(one.chain)) == {*others, name}:
                     rivals.setdefault(name, one)
-        own, *scores = self.scores([current, *rivals.values()], current.fit)
+        own, *scores = self.scores([current, *rivals.values()], bare.fit)
         odds_against = [math.exp(-0.5 * bayes), *(math.exp(min(0.5 * (own - score), 100.0)) for score in scores)]
         return 1.0 / (1.0 + math.fsum(odds_against))
 
