@@ -26,7 +26,7 @@ from fixtures.linear_stage import (
     TS_S,
     scene,
 )
-from hysgen.diagnosis import search
+from hysgen.diagnosis import search, search_steps
 from hysgen.diagnosis.advice import unexplained_structure
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.creep import CreepPart
@@ -117,7 +117,7 @@ def test_a_level_is_evident_if_the_output_is_flat_beyond_it_whatever_the_misfit(
 def test_each_side_alone_is_refined_beside_the_better_pair() -> None:
     """If a level of the pair acts on too few rows to be admissible, the search needs the other level alone."""
     seen = scene(LAG.having(SaturationPart(20.0, 80.0)))
-    starts = search._starts(causes()["saturation"], Residual(seen, refine(seen, LAG)))
+    starts = search_steps._starts(causes()["saturation"], Residual(seen, refine(seen, LAG)))
     sides = {tuple(name for name, *_ in start.chain.of(SaturationPart).levels) for start in starts}
     assert sides == {("low_V",), ("high_V",), ("low_V", "high_V")}
 
@@ -128,8 +128,8 @@ def test_the_search_takes_parts_again_if_their_second_fit_is_better(monkeypatch:
     taken = [search.Scored.of(seen, refine(seen, chain)) for chain in (LAG, RINGING, LAG)]
     steps = iter(taken)
     monkeypatch.setattr(search, "_start", lambda _: refine(seen, LAG.having(ResonancePart((Mode(450.0, 0.03, 0.4),)))))
-    monkeypatch.setattr(search, "_best_additions", lambda state: {})
-    monkeypatch.setattr(search, "_dropped_or_exchanged", lambda state: next(steps))
+    monkeypatch.setattr(search, "best_additions", lambda state: {})
+    monkeypatch.setattr(search_steps, "_dropped_or_exchanged", lambda state: next(steps))
     found = search.search(seen)
     assert found.fit.chain.of(ResonancePart).modes[0].f_Hz == pytest.approx(60.0, rel=0.01)
 
