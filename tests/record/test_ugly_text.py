@@ -100,6 +100,17 @@ READ: dict[str, tuple[str | bytes, str]] = {
         ),
         "time=time (s),voltage=voltage (V),displacement=displacement (um)",
     ),
+    "named values": (made("", "t={t:.3f}, U={u:.4f} V, y={y:.4f} um").lstrip(), "its rows name their values (t, U, y)"),
+    "named values between blanks": (
+        made("", "time: {t:.3f} voltage: {u:.4f} displacement: {y:.4f}").lstrip(),
+        "its rows name their values (time, voltage, displacement)",
+    ),
+    "a JSON object in each line": (
+        made("", '{{"time_s": {t}, "voltage_V": {u}, "displacement_um": {y}}}').lstrip(),
+        "its rows name their values (time_s, voltage_V, displacement_um)",
+    ),
+    "lists": (made("", "[{t:.3f}, {u:.4f}, {y:.4f}],").lstrip(), "the brackets around its rows are left out"),
+    "tuples without commas": (made("", "({t:.3f} {u:.4f} {y:.4f})").lstrip(), "the brackets around its rows"),
     "row numbers and units in brackets": (
         "\n".join(
             ["Index,Time,Drive,Sensor", "#,[s],[V],[um]", *(f"{k},{row}" for k, row in zip(K, ROWS, strict=True))]

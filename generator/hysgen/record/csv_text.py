@@ -20,6 +20,7 @@ from hysgen.record.layout import COMMENT, Layout, layout_of, split
 from hysgen.record.names import ROLES, guessed, words_of
 from hysgen.record.spelling import FORTRAN, MINUS, clock_seconds, in_unit, is_clock, number, quantity
 from hysgen.record.text import text_of
+from hysgen.record.wrapped import unwrapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +47,12 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
 
     Accepted: a byte order mark, UTF-16, CRLF, blank lines, comments after '#' or '%', quotes, a preamble, a row of
     units, units in the cells, a decimal comma, separators between thousands, Fortran exponents, times of day, no
-    header, the header again, footers, a last line cut short, zero bytes at the end.
+    header, the header again, footers, a last line cut short, zero bytes at the end, named values, rows in brackets.
     Columns whose first value is not a number are left out with a remark, unless `columns` names them.
     Raises RecordError with file, line, column and cure.
     """
     text, padding = text_of(source, data)
+    text, form = unwrapped(source, text)
     layout = layout_of(source, text, columns)
     first_row = next((fields for _, fields in layout.rows()), None)
     if first_row is None:
@@ -68,7 +70,7 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
             raise RecordError(f"{source}: {fault}") from fault
     wanted = {columns.time, columns.voltage, columns.displacement, columns.segment}
     wanted.update(name for _, name in columns.aux_pairs() or ())
-    use, remarks = [], [*padding, *layout.remarks, *([guess] if guess else [])]
+    use, remarks = [], [*padding, *form, *layout.remarks, *([guess] if guess else [])]
     remarks += (
         f"{source}: {getattr(columns, role)} is read in {unit}, as its cells say"
         for role, unit in units.items()
