@@ -17,7 +17,8 @@ from hysgen.errors import CertificateError, ModelError
 from hysgen.model import simulate as simulation
 from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
-from hysgen.record.data import Record, Segment
+from hysgen.record.data import Record
+from hysgen.record.segment import Segment
 
 Floats = NDArray[np.float64]
 

@@ -27,7 +27,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.record.data import Record, Segment
+from hysgen.record.data import Record
+from hysgen.record.segment import Segment
 from hysgen.record.series import SHORTEST_PLATEAU, period_of, plateaus, residual_noise, white_noise
 
 Floats = NDArray[np.float64]

@@ -15,12 +15,13 @@ from hysgen.record.array_names import chosen_arrays
 from hysgen.record.checks import check_finite, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import read_csv, write_csv
-from hysgen.record.data import Record, Segment
+from hysgen.record.data import Record
 from hysgen.record.formats import FileArrays, open_checked
 from hysgen.record.further import kept, left_out
 from hysgen.record.relation import rate, relation, scale
 from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays, runs_of_table
 from hysgen.record.sampling import JITTER, Stamps, rounding_line, sampling_period
+from hysgen.record.segment import Segment
 
 DEFAULT = Columns()
 
