@@ -1,0 +1,97 @@
+"""Files of arrays (MAT, HDF5, NPY), each written by its own library, give the same record."""
+
+from __future__ import annotations
+
+import functools
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+
+from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, N, check, library
+from hysgen.record import load_record
+
+
+def as_simulink(path: Path) -> None:
+    signals = np.zeros(2, dtype=[("values", "O"), ("label", "O")])
+    signals[0], signals[1] = (U_V[:, None], "voltage"), (Y_UM[:, None], "position")
+    scipy.io.savemat(path, {"yout": {"time": TIME_S[:, None], "signals": signals}})
+
+
+def as_dspace(path: Path) -> None:
+    y = np.zeros(2, dtype=[("Name", "O"), ("Data", "O")])
+    y[0], y[1] = ("Voltage", U_V), ("Sensor position", Y_UM)
+    scipy.io.savemat(path, {"rec001": {"X": {"Name": "", "Data": TIME_S}, "Y": y, "Description": "run"}})
+
+
+def as_timetable(path: Path, version: str = "v7") -> None:
+    pandas, matio = library("pandas"), library("matio")
+    table = pandas.DataFrame({"voltage": U_V, "position": Y_UM}, index=pandas.to_timedelta(TIME_S, unit="s"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        matio.save_to_mat(str(path), {"log": table.rename_axis("Time")}, version=version)
+
+
+def as_matrix(path: Path) -> None:
+    scipy.io.savemat(path, {"data": np.column_stack([TIME_S, U_V, Y_UM])})
+
+
+def as_npy(path: Path) -> None:
+    np.save(path, np.column_stack([TIME_S, U_V, Y_UM]))
+
+
+def as_compound(path: Path) -> None:
+    table = np.zeros(N, dtype=[("time", "f8"), ("voltage", "f8"), ("position_nm", "f8")])
+    table["time"], table["voltage"], table["position_nm"] = TIME_S, U_V, 1e3 * Y_UM
+    with h5py.File(path, "w") as file:
+        file["log/table"] = table
+
+
+def as_hdf5_with_attributes(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        file.attrs["sample_rate"] = 1.0 / TS_S
+        file["u"], file["y"] = U_V, 1e3 * Y_UM
+        file["y"].attrs["unit"] = "nm"
+
+
+def hdf5_of_packed_integers(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        file["log/time"] = TIME_S
+        file["log/drive"] = np.round((U_V - 5.0) / 1e-4).astype("i4")
+        file["log/drive"].attrs.update({"scale_factor": 1e-4, "add_offset": 5.0, "Units": "V"})
+        file["log/gauge"] = 1e3 * Y_UM
+        file["log/gauge"].attrs["Unit"] = np.bytes_("nm")
+
+
+WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
+    "Simulink structure": ("mat", as_simulink),
+    "dSPACE structure": ("mat", as_dspace),
+    "MAT matrix": ("mat", as_matrix),
+    "MATLAB timetable": ("mat", as_timetable),
+    "MATLAB timetable, v7.3": ("mat", functools.partial(as_timetable, version="v7.3")),
+    "NPY": ("npy", as_npy),
+    "HDF5 compound": ("h5", as_compound),
+    "HDF5 attributes": ("h5", as_hdf5_with_attributes),
+    "HDF5 with packed integers": ("h5", hdf5_of_packed_integers),
+}
+
+
+@pytest.mark.parametrize("form", WRITERS)
+def test_a_file_of_arrays_is_read_without_options(form: str, tmp_path: Path) -> None:
+    suffix, write = WRITERS[form]
+    path = tmp_path / f"log.{suffix}"
+    write(path)
+    check(load_record(path))
+
+
+def test_groups_of_an_hdf5_file_that_hold_the_same_names_are_segments(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "runs.h5", "w") as file:
+        for name in ("run1", "run2"):
+            file[f"{name}/time"], file[f"{name}/voltage"], file[f"{name}/position"] = TIME_S, U_V, Y_UM
+    record = load_record(tmp_path / "runs.h5")
+    assert [one.name for one in record.segments] == ["run1", "run2"]
+    assert record.Ts_s == pytest.approx(TS_S)
