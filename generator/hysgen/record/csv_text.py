@@ -68,6 +68,7 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
             columns.unit(role)
         except RecordError as fault:
             raise RecordError(f"{source}: {fault}") from fault
+    _check_one_row_a_sample(layout, columns)
     wanted = {columns.time, columns.voltage, columns.displacement, columns.segment}
     wanted.update(name for _, name in columns.aux_pairs() or ())
     use, remarks = [], [*padding, *form, *layout.remarks, *([guess] if guess else [])]
@@ -108,6 +109,20 @@ def _stated_unit(layout: Layout, first_row: Sequence[str], columns: Columns, rol
             f"{layout.source}: {name} is in {named} by its name and in {found[1]} by its cells; correct one of the two"
         )
     return found[1]
+
+
+def _check_one_row_a_sample(layout: Layout, columns: Columns) -> None:
+    """Raises RecordError for a table with a value a row, and a column that says what the value is."""
+    if {columns.voltage, columns.displacement} <= set(layout.names):
+        return
+    rows = [fields for _, (_, fields) in zip(range(50), layout.rows(), strict=False)]
+    for at, name in enumerate(layout.names):
+        held = sorted({fields[at] for fields in rows if at < len(fields)})
+        if 2 <= len(held) < len(rows) // 2 and all(quantity(one, layout.comma) is None for one in held):
+            raise RecordError(
+                f"{layout.source}: column {name} names what each row holds ({', '.join(held[:6])}); "
+                "give each its own column, one row for each sample (pivot the table)"
+            )
 
 
 def _has_time(layout: Layout) -> bool:
@@ -261,8 +276,11 @@ def _slow(layout: Layout, use: Sequence[int]) -> NDArray[np.float64]:
                 clocks.setdefault(place, []).append(fields[position])
                 value = 0.0
             if value is None:
-                shown = f"'{fields[position]}', not a number" if fields[position] else "empty"
-                raise RecordError(f"{layout.source}: line {line}: {layout.names[position]} is {shown}; {CURE}")
+                shown, cure = f"'{fields[position]}', not a number" if fields[position] else "empty", CURE
+                if fields[position][:2].lower() == "0x":
+                    shown = f"'{fields[position]}', a hexadecimal number"
+                    cure = "write decimal numbers, in the unit of the column"
+                raise RecordError(f"{layout.source}: line {line}: {layout.names[position]} is {shown}; {cure}")
             row.append(value)
         table.append(row)
     values = np.array(table, dtype=np.float64)

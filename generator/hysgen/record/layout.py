@@ -63,8 +63,13 @@ class Layout:
 
 def layout_of(source: str, text: str, columns: Columns) -> Layout:
     """The layout of a text. Raises RecordError for a text that is no table."""
-    if text.lstrip()[:15].lower().startswith(("<!doctype", "<html", "<?xml", "<head")):
+    begin = text.lstrip()[:15].lower()
+    if begin.startswith(("<!doctype", "<html", "<head")):
         raise RecordError(f"{source}: is a page of the web, not a table; download the file itself")
+    if begin.startswith("{\\rtf"):
+        raise RecordError(f"{source}: is RTF, not plain text; save it as plain text")
+    if re.match(r"<[?\w]", begin):
+        raise RecordError(f"{source}: is XML, not a table; export it as CSV")
     given = columns.separator and SEPARATORS.get(columns.separator, columns.separator)
     lines = _head(text)
     if lines and (told := re.fullmatch(r'"?sep=(.)"?', lines[0].strip())):

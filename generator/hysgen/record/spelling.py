@@ -28,8 +28,9 @@ _VALUE_AND_UNIT = re.compile(r"(.*[\d.,])\s*([^\d\s.,+-][^\d\s]*)")
 CLOCK = re.compile(
     r"(?:\d{4}-\d\d-\d\d|\d\d?\.\d\d?\.\d{4}|\d\d?/\d\d?/\d{4})?[T ]?"
     r"\d\d?:\d\d:\d\d(?:[.,]\d+)?(?:Z|\s?[AaPp]\.?[Mm]\.?)?"
+    r"|\d\d?:\d\d[.,]\d+"
 )
-"""A date and time of day, or a time of day alone."""
+"""A date and time of day, a time of day alone, or minutes and seconds with a fraction."""
 
 
 def number(text: str, comma: bool) -> float | None:
@@ -109,6 +110,8 @@ def _date_and_time(text: str) -> tuple[str, str]:
     half = re.search(r"\s?([ap])\.?m\.?$", text, re.IGNORECASE)
     text = (text[: half.start()] if half else text).replace(" ", "T")
     date, _, time = text.rpartition("T")
+    if time.count(":") == 1:
+        time = f"0:{time}"
     hours, _, rest = time.partition(":")
     count = int(hours)
     if half:
