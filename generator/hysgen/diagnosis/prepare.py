@@ -62,6 +62,15 @@ LAGS = 0.3 * 1.5 ** np.arange(18.0)
 HALF_WIDTHS = np.array([0.15, 0.4, 0.8])
 """Plays of the quasi-static fit in half ranges: for small, medium and full strokes."""
 
+FORGETTING_WIDTHS = np.linspace(0.0, 1.0, 41)
+"""Plays of `_past_forgotten` in half ranges."""
+
+FORGOTTEN = 1e-3
+"""Difference of two pasts that no longer counts, in half ranges."""
+
+LATEST = 0.8
+"""Largest share of a held-out segment that is not scored because of its unknown past."""
+
 MOST_PATHS = 4
 """Cached columns of paths: some 50 for every sample."""
 
@@ -250,6 +259,11 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
             "record longer, or use more rows"
         )
     covered = [_range_covered(segment) for segment in joined.segments]
+    if holdout is not None and joined.samples > cut:
+        firsts = np.cumsum([0, *(segment.samples for segment in joined.segments)])
+        for at, (first, segment) in enumerate(zip(firsts.tolist(), joined.segments, strict=False)):
+            if first >= cut and not past[at]:
+                covered[at] = max(covered[at], _past_forgotten(segment, joined.u_range_V))
     known_past = _rows_from(joined, covered)
     rows = np.flatnonzero(known_past[:cut])
     if rows.size < FEWEST // 2:
@@ -295,6 +309,23 @@ def _rows_of_remembrance(record: Record, cut: int, past: Sequence[int]) -> NDArr
 def _rows_from(record: Record, firsts: Iterable[int]) -> NDArray[np.bool_]:
     """(n,) True from the given sample of each segment on."""
     return np.concatenate([np.arange(one.samples) >= first for first, one in zip(firsts, record.segments, strict=True)])
+
+
+def _past_forgotten(segment: Segment, range_V: tuple[float, float]) -> int:
+    """First sample at which a hysteresis over the range `range_V` has forgotten what its segment can make it forget.
+
+    Plays of evenly spaced widths follow the segment from where the lowest and from where the highest input leaves
+    them; d(k) is their mean difference, which the segment lowers to d(n-1), zero if it covers the range. The result is
+    the first k with d <= d(n-1) + FORGOTTEN from k on, and at most the share LATEST of the segment.
+    """
+    low_V, high_V = range_V
+    x = (2.0 * segment.u_V - (low_V + high_V)) / (high_V - low_V)
+    low, high = (
+        play_operators(np.concatenate([[end], x]), FORGETTING_WIDTHS, np.full(FORGETTING_WIDTHS.size, -end))[1:]
+        for end in (-1.0, 1.0)
+    )
+    later = np.maximum.accumulate(np.abs(high - low).mean(axis=1)[::-1])[::-1]
+    return min(int(np.argmax(later <= later[-1] + FORGOTTEN)), int(LATEST * x.size))
 
 
 def _range_covered(segment: Segment) -> int:

@@ -44,9 +44,9 @@ CONFIDENCE = "confidence: posterior probability of the cause over all chains of 
 
 def diagnosis_text(study: Study) -> str:
     """A diagnosis for the terminal: verdict, ladder, evidence, error profiles, certificates, next experiment."""
-    diagnosis, record = study.diagnosis, study.record
+    diagnosis = study.diagnosis
     blocks = [
-        f"{record.source}: {study.cut} rows to identify; scores are of the {record.samples - study.cut} held out",
+        _rows_of(study),
         "\n".join(verdict(study)),
         table(LADDER, study.ladder()) + f"\nnoise floor from {diagnosis.noise.source}"
         "; gain: fall of the rms, block bootstrap; of the error: share of its power above the noise"
@@ -64,6 +64,18 @@ def diagnosis_text(study: Study) -> str:
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
     return "\n\n".join(blocks)
+
+
+def _rows_of(study: Study) -> str:
+    """How many rows identify and how many score; of a held-out file, its first rows show what the stage remembers."""
+    rows, held = study.record.samples - study.cut, study.diagnosis.held_rows
+    scored = f"scores are of the {rows} held out"
+    if int(held[0]) > study.cut:
+        scored = (
+            f"scores are of {held.size} of the {rows} held out: the first rows of a file depend on the input before "
+            "it, which is unknown"
+        )
+    return f"{study.record.source}: {study.cut} rows to identify; {scored}"
 
 
 def _parameters(study: Study, name: str) -> str:
