@@ -53,6 +53,7 @@ TEXTS: dict[str, bytes] = {
     "French in Latin-1": "\n".join(
         ["Temps (s)\tTension (V)\tDéplacement (µm)", *rows(TIME_S, U_V, Y_UM, separator="\t", comma=True)]
     ).encode("latin-1"),
+    "words put together": "\n".join(["Zeitachse,DriveVoltage,Wegsensor", *ROWS]).encode(),
     "Chinese": "\n".join(["时间 (s),电压 (V),位移 (um)", *ROWS]).encode(),
     "Chinese in GBK": "\n".join(["时间 (s),电压 (V),位移 (um)", *ROWS]).encode("gbk"),
     "no header": "\n".join(ROWS).encode(),
@@ -139,6 +140,12 @@ def lvm_of_units_in_full(path: Path) -> None:
     path.write_text("\n".join([*lines, *rows(TIME_S, U_V, Y_UM, separator="\t")]))
 
 
+def lvm_of_a_german_computer(path: Path) -> None:
+    head = [line.replace("Separator\t.", "Separator\t,").replace("Volts\tnm", "Volt\tµm") for line in LVM]
+    head[-1] = "X_Value\tSpannung\tWegsensor\tComment"
+    path.write_text("\n".join([*head, *rows(TIME_S, U_V, Y_UM, separator="\t", comma=True)]), encoding="latin-1")
+
+
 def gcs_with_a_target(path: Path) -> None:
     head = [line.replace("DIM = 2", "DIM = 3") for line in GCS[:-1]]
     text = [*head, "# NAME2 = Target Position of axis 1", "# END_HEADER", *rows(U_V, Y_UM, Y_UM + 0.01, separator=" ")]
@@ -151,6 +158,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "bzip2": ("csv.bz2", lambda path: path.write_bytes(bz2.compress("\n".join(["t,u,y", *ROWS]).encode())) and None),
     "xz": ("csv.xz", lambda path: path.write_bytes(lzma.compress("\n".join(["t,u,y", *ROWS]).encode())) and None),
     "LVM with units in full": ("lvm", lvm_of_units_in_full),
+    "LVM of a German computer": ("lvm", lvm_of_a_german_computer),
     "GCS array with a target": ("dat", gcs_with_a_target),
 }
 

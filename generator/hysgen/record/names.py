@@ -4,7 +4,8 @@ A name is split into words and a unit: "Sensor 1 [nm]" is (sensor, 1) in nm. A r
 
     1  the name of hysgen's own files: time_s, voltage_V, displacement_um
     2  a word of the role, in English, German, French or Chinese
-    3  the unit, if no other column has a unit of the role
+    3  a word put together of words of that role and of no other: Wegsensor, InputData, DriveVoltage
+    4  the unit, if no other column has a unit of the role
 
 Only roles that the user did not name are guessed. Two columns that suit a role equally well are refused.
 """
@@ -74,6 +75,9 @@ WORDS: dict[str, tuple[str, ...]] = {
         "hub",
         "deflection",
         "travel",
+        "extension",
+        "elongation",
+        "dehnung",
         "ai0",
         "输出",
     ),
@@ -81,6 +85,9 @@ WORDS: dict[str, tuple[str, ...]] = {
 """Words of each role, the plainest first: an earlier word wins over a later one."""
 
 ROLES = tuple(WORDS)
+
+PART = 3
+"""Letters of a word that counts inside a longer one."""
 
 WANTED = ("target", "setpoint", "set", "demand", "desired", "reference", "soll", "sollwert", "consigne", "error")
 """Words of a displacement that was asked for or missed, not measured: it is chosen where there is no other."""
@@ -155,6 +162,7 @@ def _best(role: str, names: Sequence[str]) -> list[str]:
         if unit and unit not in UNITS[role] and any(unit in units for units in UNITS.values()):
             continue  # a length is no voltage, whatever it is called
         ranks = [WORDS[role].index(word) for word in words_of(name) if word in WORDS[role]]
+        ranks = ranks or [len(WORDS[role]) for word in words_of(name) if _compound(word) == {role}]
         if ranks:
             ranked.append((min(ranks), len(words_of(name)), name))
     if role == "displacement":
@@ -164,3 +172,12 @@ def _best(role: str, names: Sequence[str]) -> list[str]:
         least = min(ranked)[:2]
         return [name for *rank, name in ranked if tuple(rank) == least]
     return [name for name in names if plain_unit(split_unit(name)[1] or "") in UNITS[role]]
+
+
+def _compound(word: str) -> set[str]:
+    """The roles whose words a longer word contains.
+
+    >>> _compound("wegsensor"), sorted(_compound("outputvoltage"))
+    ({'displacement'}, ['displacement', 'voltage'])
+    """
+    return {role for role, parts in WORDS.items() if any(part in word for part in parts if len(part) >= PART)}
