@@ -35,6 +35,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ("call", "said"),
     [
         ("fit ok.csv -o ok.csv", "-o ok.csv: is an input of this call"),
+        ("fit ok.csv -o -", "-o -: is written to a file only"),
         ("fit ./ok.csv -o x.json --json ok.csv", "--json ok.csv: is an input of this call"),
         ("fit ok.csv -o x.json --json x.json", "-o x.json: is the file of --json too"),
         ("diagnose ok.csv --report thesis.html", "exists, and hysgen did not write it"),

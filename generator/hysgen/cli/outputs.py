@@ -54,8 +54,14 @@ def check_outputs(arguments: argparse.Namespace, own: Mapping[str, Output]) -> N
     taken: dict[Path, str] = {}
     for name, output in {**COMMON, **own}.items():
         text = getattr(arguments, name, None)
-        if text is None or text == "-" or (name == "output" and getattr(arguments, "check", False)):
+        if (
+            text is None
+            or (name == "json" and text == "-")
+            or (name == "output" and getattr(arguments, "check", False))
+        ):
             continue
+        if str(text) == "-":
+            raise HysgenError(f"{output.option} -: is written to a file only; name one, and --json - for the result")
         path = Path(text)
         if path.resolve() in inputs:
             raise HysgenError(f"{output.option} {text}: is an input of this call; choose another name, nothing is lost")
