@@ -120,12 +120,14 @@ class Scored:
 
 
 def resting_noise(scene: Scene, fit: Fit) -> float:
-    """Standard deviation in um of the residual while the stage rests, about its mean on each plateau of the command.
+    """Standard deviation in um of the residual while the stage rests, less two standard errors of its square.
 
-    The misfit of the hysteresis is constant there, so what moves is no misfit: noise of any colour, a vibration.
-    Samples that are not fitted, such as corrupted ones, do not count. 0 with fewer than RESTING samples at rest.
+    About its mean on each plateau of the command: the misfit of the hysteresis is constant there, so what moves is no
+    misfit, but noise of any colour, or a vibration. The standard error is that between plateaus, because slow noise has
+    few independent values on each. Samples that are not fitted, such as corrupted ones, do not count. 0 with fewer than
+    RESTING samples at rest.
     """
-    squares, count, first = 0.0, 0, 0
+    squares, counts, first = [], [], 0
     used = np.zeros(scene.samples, dtype=np.bool_)
     used[scene.dense] = True
     for run in scene.runs:
@@ -134,10 +136,14 @@ def resting_noise(scene: Scene, fit: Fit) -> float:
             rows = slice(first + begin + settle, first + end)
             error = fit.error[rows][used[rows]]
             if len(error) > 1:
-                squares += float(np.sum((error - error.mean()) ** 2))
-                count += len(error) - 1
+                squares.append(float(np.sum((error - error.mean()) ** 2)))
+                counts.append(len(error) - 1)
         first += len(run.u_V)
-    return math.sqrt(squares / count) if count >= RESTING else 0.0
+    if sum(counts) < RESTING:
+        return 0.0
+    power = sum(squares) / sum(counts)
+    apart = np.array(squares) - power * np.array(counts)
+    return math.sqrt(max(power - 2.0 * float(np.linalg.norm(apart)) / sum(counts), 0.0))
 
 
 def least_growth(independent: float, prior_odds: float) -> float:
