@@ -19,6 +19,7 @@ from hysgen.cli.options import parse_rows
 from hysgen.cli.progress import ProgressLine
 from hysgen.cli.verbs import NAMES, verb
 from hysgen.errors import RecordError
+from hysgen.record import load_record
 from hysgen.stage.demo_record import bundled_csv
 
 HEAD = "\n".join(bundled_csv().splitlines()[:2001]) + "\n"
@@ -161,3 +162,25 @@ def test_progress_is_repeated_while_a_computation_says_nothing(monkeypatch: pyte
     time.sleep(0.4)
     assert err.getvalue() == told, "text follows, so nothing is repeated"
     console.close()
+
+
+def test_quiet_and_verbose_stand_before_or_behind_the_verb(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    columns = ["--columns", "time=t,voltage=a,displacement=b"]
+    assert main(["-q", "fit", "r.csv", *columns, "-o", "a.json", "--method", "batch"]) == 0
+    assert "%" not in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        main(["-q"])
+
+
+def test_two_models_of_one_name_are_told_apart_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    columns = ["--columns", "time=t,voltage=a,displacement=b"]
+    assert main(["fit", "r.csv", *columns, "-o", "a.json", "--method", "batch", "-q"]) == 0
+    Path("b.json").write_text(Path("a.json").read_text())
+    capsys.readouterr()
+    assert main(["diff", "a.json", "b.json", "-q"]) == 0
+    assert "a.json -> b.json" in capsys.readouterr().out
+
+
+def test_an_open_file_is_refused_for_its_path(folder: Path) -> None:
+    with Path("r.csv").open() as opened, pytest.raises(RecordError, match=r"an open file is no name .* give its path"):
+        load_record(opened)  # type: ignore[arg-type]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import itertools
 import os
 import re
 import sys
@@ -109,7 +110,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fails(name, f"{file}{fault.strerror or fault}; the result is not complete")
 
 
+def _verb_first(words: list[str]) -> list[str]:
+    """The words with -q and -v behind the verb, where every verb has them."""
+    count = len(list(itertools.takewhile(lambda word: word in ("-q", "--quiet", "-v", "--verbose"), words)))
+    return [*words[count : count + 1], *words[:count], *words[count + 1 :]]
+
+
 def _run(words: list[str]) -> int:
+    words = _verb_first(words)
     if words in (["--help"], ["-h"], ["help"], []):
         print(overview(), flush=True)
         return 0 if words else 2

@@ -51,6 +51,8 @@ def load_record(
         raise RecordError(f"jitter: {jitter:g} is no share of the sampling period; choose 0 to below 1")
     if hasattr(path, "columns"):
         raise RecordError("a DataFrame is no file; give it to Record.from_dataframe")
+    if hasattr(path, "read"):
+        raise RecordError("an open file is no name of a file; give its path")
     try:
         paths = [Path(path)] if isinstance(path, (str, os.PathLike)) else [Path(one) for one in path]
     except TypeError as fault:

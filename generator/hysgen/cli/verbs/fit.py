@@ -280,12 +280,15 @@ def diff_arguments(parser: argparse.ArgumentParser) -> None:
 def run_diff(arguments: argparse.Namespace, console: Console) -> int:
     records = [read_records([path], arguments, console) for path in arguments.records]
     comparison = compare(load_model(arguments.old), load_model(arguments.new), records)
-    console.say(comparison_text(comparison))
+    console.say(comparison_text(comparison, f"{Path(arguments.old).name} -> {Path(arguments.new).name}"))
     return console.finish(comparison.to_json())
 
 
-def comparison_text(comparison: Comparison) -> str:
-    """Two tables: physical properties and free-run errors, old and new; change of each rule's consequents."""
+def comparison_text(comparison: Comparison, heading: str = "") -> str:
+    """Two tables: physical properties and free-run errors, old and new; change of each rule's consequents.
+
+    heading: what is compared, by default the names of both models.
+    """
     rows = [
         [
             f"{change.what} [{change.unit}]" if change.unit else change.what,
@@ -307,7 +310,7 @@ def comparison_text(comparison: Comparison) -> str:
     ]
     return "\n\n".join(
         [
-            table([f"{comparison.old} -> {comparison.new}", "old", "new", "change"], rows),
+            table([heading or f"{comparison.old} -> {comparison.new}", "old", "new", "change"], rows),
             table(["rule", "centre [um]", "q1 [um/um]", "q2 [um/V]", "q3 [um]"], rules),
         ]
     )
