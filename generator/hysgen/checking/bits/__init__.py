@@ -15,7 +15,7 @@ from typing import Final
 
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits.builds import COMPILERS, LEVELS, compiled, toolchains, versions
-from hysgen.checking.bits.comparison import compare
+from hysgen.checking.bits.comparison import compare, samples_to_compare
 from hysgen.checking.bits.random_models import (
     complete_model,
     low_gain_model,
@@ -88,15 +88,20 @@ def verify_texts(
         builds, unavailable = compiled(current.name, current_texts, installed)
         skipped += [reason for reason in unavailable if reason not in skipped]
 
-        def advance(compared: int, name: str = current.name) -> None:
-            nonlocal done
-            done += compared
+        begun, compared, planned = done, 0, samples_to_compare(builds[0].host, share)
+
+        def advance(
+            samples: int, name: str = current.name, begun: int = begun, share: int = share, planned: int = planned
+        ) -> None:
+            nonlocal compared
+            compared += samples
             if progress is not None:
-                progress(min(1.0, done / total), f"comparing {name}")
+                progress((begun + share * compared / planned) / total, f"comparing {name}")
 
         for run, wrong in compare(current, builds, share, seed, advance):
             runs.append(run)
             mismatches.extend(wrong)
+        done += share
     seconds = time.monotonic() - started
     labels = (*versions(installed), "with and without flush to zero" if not any("flush" in s for s in skipped) else "")
     return Report(

@@ -87,11 +87,23 @@ def compare(
         yield compare_selftest(model, builds)
     if builds[0].host.commits:
         yield compare_commit(model, builds, seed)
-    todo = tasks(builds[0].host)
-    functions = len({task.function for task in todo} - SETUP)
-    for task in todo:
-        share = START_SAMPLES if task.function in SETUP else math.ceil(SHARES[task.style] * samples / functions)
+    for task, share in _shares(builds[0].host, samples):
         yield compare_task(model, builds, task, share, seed, progress)
+
+
+def samples_to_compare(host: Host, samples: int) -> int:
+    """Samples of all tasks of `compare`: more than `samples`, by those of SETUP and by rounding."""
+    return sum(share for _, share in _shares(host, samples))
+
+
+def _shares(host: Host, samples: int) -> list[tuple[Task, int]]:
+    """Every task with its samples."""
+    todo = tasks(host)
+    functions = len({task.function for task in todo} - SETUP)
+    return [
+        (task, START_SAMPLES if task.function in SETUP else math.ceil(SHARES[task.style] * samples / functions))
+        for task in todo
+    ]
 
 
 def compare_selftest(model: Model, builds: Sequence[Build]) -> tuple[ComparedRun, list[Mismatch]]:
