@@ -30,9 +30,9 @@ from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable
-from hysgen.report.plots.diagnosis import pictures
+from hysgen.report.plots.diagnosis import pictures, profile_picture, time_picture
 from hysgen.report.plots.shares import error_shares
-from hysgen.report.plots.style import png_bytes, svg_bytes
+from hysgen.report.plots.style import plain_number, png_bytes, svg_bytes
 from hysgen.report.sections import uncertainty_section
 from hysgen.report.words import diagnosis_text, verdict
 from hysgen.stage import Stage
@@ -313,6 +313,28 @@ def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
     assert "Not compared: no C was generated" in shown
     assert all(f"{s.free_run.e_rms_um:.5f}" in shown for s in scores.values())
     assert "Equal in every bit" in read(pages["folder"]).text
+
+
+def test_an_error_map_has_no_line_where_the_record_has_no_such_samples(hum: Study) -> None:
+    first, *others = hum.before.profiles
+    gap = dataclasses.replace(first, rms_um=(first.rms_um[0], math.nan, *first.rms_um[2:]))
+    figure = profile_picture([("paper's model", dataclasses.replace(hum.before, profiles=(gap, *others)))], 0).figure
+    (steps,) = figure.axes[0].patches
+    heights = steps.get_path().vertices[:, 1]
+    assert np.nanmin(heights) >= 0.999 * np.nanmin(gap.rms_um)
+
+
+def test_each_error_in_time_fills_an_axis_of_its_own(hum: Study) -> None:
+    assert hum.improved
+    for axis in time_picture(hum).figure.axes:
+        (line,) = axis.lines
+        low, high = axis.get_ylim()
+        assert np.ptp(line.get_ydata()) > 0.5 * (high - low)
+    assert len(time_picture(hum).figure.axes) == 2
+
+
+def test_ticks_of_small_errors_have_no_exponent() -> None:
+    assert [plain_number(value) for value in (5e-5, 2e-4, 0.1, 20.0)] == ["0.00005", "0.0002", "0.1", "20"]
 
 
 def test_shares_of_the_error_are_those_of_each_window_and_sum_to_one() -> None:

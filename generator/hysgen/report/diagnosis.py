@@ -69,7 +69,7 @@ def diagnosis_page(
                     ("record SHA-256", study.record.digest),
                     ("identified on", f"rows 0 to {study.cut - 1}"),
                     ("scored on", f"rows {study.cut} to {study.record.samples - 1}"),
-                    ("sampling period", f"{study.record.Ts_s:.6g} s"),
+                    ("sampling period", f"{1e6 * study.record.Ts_s:.6g} µs"),
                 ],
             ),
         ],

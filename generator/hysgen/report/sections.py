@@ -29,7 +29,7 @@ def model_section(model: Model) -> PageSection:
         ["rules", f"{model.grid.rules} over {model.grid.ends_um[0]:.4g} .. {model.grid.ends_um[1]:.4g} um"],
         ["displacement range", f"{model.grid.y_min_um:.4g} .. {model.grid.y_max_um:.4g} um"],
         ["input range", f"{model.u_min_V:.4g} .. {model.u_max_V:.4g} V"],
-        ["sampling period", f"{model.Ts_s:.6g} s"],
+        ["sampling period", f"{1e6 * model.Ts_s:.6g} µs"],
         *[[f"term {term.kind}", term.describe()] for term in model.terms],
         *[[f"input {block.kind}", block.describe()] for block in model.blocks],
         *([["learner", f"forgetting {model.learner.forgetting:.9g}"]] if model.learner else []),

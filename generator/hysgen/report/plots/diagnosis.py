@@ -81,18 +81,22 @@ def horizon_picture(shown: list[tuple[str, ErrorMap]], study: Study) -> Picture:
 
 
 def time_picture(study: Study) -> Picture:
-    """The error against time over the held-out part."""
+    """The error against time over the held-out part. Each model has an axis of its own: on one, the smaller is flat."""
     held = study.held_out()
-    fig, axis = _figure("time [s]", "simulated - measured [µm]")
     runs = [(BASE, held.base_um), *([(EXTENDED, held.extended_um)] if study.improved else [])]
-    for label, simulated_um in runs:
+    fig = style.figure(*SIZE_IN)
+    panels = fig.subplots(len(runs), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, (label, simulated_um) in zip(panels, runs, strict=True):
         axis.plot(
             *envelope(held.t_s, simulated_um - held.measured_um),
             linewidth=0.8,
             label=label,
             color=LINES[label]["color"],
         )
-    axis.legend(loc="best")
+        axis.margins(y=0.25)
+        axis.legend(loc="upper left")
+    fig.supylabel("simulated - measured [µm]", fontsize="medium")
+    panels[-1].set_xlabel("time [s]")
     worst = "; ".join(f"{label} at most {float(np.abs(y - held.measured_um).max()):.3g} µm" for label, y in runs)
     return Picture("time", "Error in time", f"Error of the free run over the held-out part: {worst}.", fig)
 
@@ -120,8 +124,9 @@ def profile_picture(shown: list[tuple[str, ErrorMap]], number: int) -> Picture:
     for label, error in shown:
         profile = error.profiles[number]
         heights = np.array(profile.rms_um)
-        axis.stairs(np.where(heights > 0.0, heights, lowest), profile.edges, baseline=lowest, label=label,
-                    linewidth=1.4, **LINES[label])  # fmt: skip
+        # No line where the record has no such samples, and none down to the frame: both would look like an error of 0.
+        steps = np.where(heights > 0.0, heights, np.nan)
+        axis.stairs(steps, profile.edges, baseline=None, label=label, linewidth=1.4, **LINES[label])
     axis.set_yscale("log")
     axis.set_ylim(lowest, 3.0 * max(float(np.nanmax(levels)), lowest))
     _plain(axis, x=False)

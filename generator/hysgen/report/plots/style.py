@@ -81,7 +81,7 @@ def data_uri(fig: Figure) -> str:
 
 def plain_number(value: float, _: int | None = None) -> str:
     """Label of a tick without an exponent where it is short. No lambda: figures are pickled."""
-    return f"{value:g}"
+    return f"{value:.5f}".rstrip("0") if 1e-5 <= value < 1e-4 else f"{value:g}"
 
 
 def three_digits(value: float, _: int | None = None) -> str:

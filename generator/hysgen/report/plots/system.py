@@ -136,7 +136,7 @@ def correlation_picture(study: Study, held: HeldOut) -> Picture:
         axis.axhspan(-bound, bound, color=style.NOTE, alpha=0.3)
         axis.set(xlabel="lag [samples]", ylim=(-1.05, 1.05))
     left.set(ylabel="autocorrelation of the error")
-    right.set(ylabel="with the voltage")
+    right.set(ylabel="cross-correlation with the voltage")
     left.legend(loc="best")
     alt = f"Correlations of the error of the free run: {'; '.join(remarks)}; 99 % bound of white noise {bound:.2g}."
     return Picture("correlation", "What the error still follows", alt, fig, wide=True)
