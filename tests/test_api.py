@@ -76,6 +76,16 @@ def test_every_result_shows_itself_on_one_line_as_text_and_as_html(results: dict
         assert "axis & one" not in page, name
 
 
+def test_dynamics_certificates_and_comparison_are_printed_as_text_with_one_line_as_repr() -> None:
+    model = hysgen.load_model("appendix_a")
+    for result in (hysgen.describe(model), hysgen.certificates(model), hysgen.compare(model, model)):
+        assert "\n" not in repr(result)
+        assert len(repr(result)) < 200
+        assert len(str(result).splitlines()) > 2
+        assert max(map(len, str(result).splitlines())) < 200
+        assert "<p><strong>" in result._repr_html_()
+
+
 def test_results_say_what_matters(results: dict[str, Displayed], record: hysgen.Record) -> None:
     assert f"{record.samples} samples at 10 kHz" in repr(results["record"])
     assert "8 plays of degree 3" in str(results["model"])

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from hysgen.certify.enclosure import Extremum, gain_extrema, slope, slope_extremum
 from hysgen.certify.path_inverse import PathInverse, path_inverse
+from hysgen.display import Displayed, Summary
 from hysgen.machine.reproducible import geometric, rounded_down, rounded_up
 from hysgen.model.model import Model
 
@@ -34,8 +35,8 @@ has an error of 1e-14 of the largest; gain and slope of rules that nearly cancel
 digits are exact."""
 
 
-@dataclass(frozen=True)
-class Certificates:
+@dataclass(frozen=True, repr=False)
+class Certificates(Displayed):
     """The certificates of a model, with the points of their extrema.
 
     w_range: inputs of the rules, in w_unit ("V" or "um"). gain_lowest, gain_highest: extrema of b(y) in um per w_unit.
@@ -73,6 +74,12 @@ class Certificates:
     def w_name(self) -> str:
         """Symbol of the input of the rules: u without a response in the path, w behind one."""
         return "u" if self.w_unit == "V" else "w"
+
+    def summary(self) -> Summary:
+        """Content of the display."""
+        found = {"gain": self.gain_holds, "contraction": self.contraction_holds, "inverse": self.inverse_holds}
+        title = "; ".join(f"{name} {'holds' if holds else 'NOT certified'}" for name, holds in found.items())
+        return Summary(f"certificates: {title}", first=self.lines())
 
     def lines(self) -> tuple[str, ...]:
         """One line of text per certificate."""

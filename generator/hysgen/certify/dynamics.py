@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.enclosure import slope
+from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
@@ -65,8 +66,8 @@ class Loop:
     span_um: float
 
 
-@dataclass(frozen=True)
-class Dynamics:
+@dataclass(frozen=True, repr=False)
+class Dynamics(Displayed):
     """Steady states of a model, and its loops under sines of `amplitude_V` about `centre_V`."""
 
     model: str
@@ -80,6 +81,11 @@ class Dynamics:
         """Whether the loop is still open at the lowest frequency."""
         largest = max(loop.filling for loop in self.loops)
         return largest > 0.0 and self.loops[0].filling > CLOSED * largest
+
+    def summary(self) -> Summary:
+        """Content of the display."""
+        title, *first = self.describe().splitlines()
+        return Summary(title, first=first)
 
     def describe(self) -> str:
         """A few lines of text."""

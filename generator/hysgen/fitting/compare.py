@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hysgen.certify.dynamics import SAMPLES_PER_PERIOD, loop, steady_states
+from hysgen.display import Displayed, Summary, table
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
 from hysgen.model.scores import score
@@ -37,8 +38,8 @@ class Change:
         return 100.0 * (self.new - self.old) / abs(self.old) if self.old else None
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Displayed):
     """Differences between two models.
 
     centres_um: centre of each rule in the old and in the new model; rules: change of q1, q2, q3 of each.
@@ -51,6 +52,43 @@ class Comparison:
     centres_um: tuple[tuple[float, float], ...]
     rules: tuple[tuple[float, float, float], ...]
     scores: tuple[tuple[str, float, float], ...]
+
+    def summary(self) -> Summary:
+        """Content of the display."""
+        return Summary(f"{self.old} -> {self.new}", ["property", "old", "new", "change"], self._changed())
+
+    def text(self, heading: str = "") -> str:
+        """Two tables: physical properties and free-run errors, old and new; change of each rule's consequents.
+
+        heading: what is compared, by default the names of both models.
+        """
+        rules = [
+            [f"{number}", f"{before:.4g} -> {after:.4g}", *(f"{value:+.3g}" for value in rule)]
+            for number, (rule, (before, after)) in enumerate(zip(self.rules, self.centres_um, strict=True), start=1)
+        ]
+        return "\n\n".join(
+            [
+                table([heading or f"{self.old} -> {self.new}", "old", "new", "change"], self._changed()),
+                table(["rule", "centre [um]", "q1 [um/um]", "q2 [um/V]", "q3 [um]"], rules),
+            ]
+        )
+
+    def _changed(self) -> list[list[str]]:
+        """Rows of physical properties and of free-run errors: name with unit, old, new, change."""
+        physics = [
+            [
+                f"{change.what} [{change.unit}]" if change.unit else change.what,
+                f"{change.old:.5g}",
+                f"{change.new:.5g}",
+                "" if change.percent is None else f"{change.percent:+.1f} %",
+            ]
+            for change in self.changes
+        ]
+        errors = [
+            [f"free run on {source} [um rms]", f"{before:.4g}", f"{after:.4g}", ""]
+            for source, before, after in self.scores
+        ]
+        return physics + errors
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""

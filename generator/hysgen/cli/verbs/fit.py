@@ -20,10 +20,9 @@ from hysgen.codegen.manifest import MANIFEST, read_folder
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.evaluation import diagnose_and_evaluate
-from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, PathSize, fit
-from hysgen.fitting.compare import Comparison, compare
+from hysgen.fitting.compare import compare
 from hysgen.fitting.operator import MOST_PLAYS, RELAXING
 from hysgen.fitting.refit import refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, model_to_json, save_model
@@ -196,7 +195,7 @@ def run_refit(arguments: argparse.Namespace, console: Console) -> int:
     comparison = compare(old, new, [record])
     fits, why = structure_fits(old, scores)
     console.say(scores.table())
-    console.say("\n" + comparison_text(comparison) + "\n")
+    console.say("\n" + comparison.text() + "\n")
     result: dict[str, Any] = {
         "structure_fits": fits,
         "why": why,
@@ -280,40 +279,8 @@ def diff_arguments(parser: argparse.ArgumentParser) -> None:
 def run_diff(arguments: argparse.Namespace, console: Console) -> int:
     records = [read_records([path], arguments, console) for path in arguments.records]
     comparison = compare(load_model(arguments.old), load_model(arguments.new), records)
-    console.say(comparison_text(comparison, f"{Path(arguments.old).name} -> {Path(arguments.new).name}"))
+    console.say(comparison.text(f"{Path(arguments.old).name} -> {Path(arguments.new).name}"))
     return console.finish(comparison.to_json())
-
-
-def comparison_text(comparison: Comparison, heading: str = "") -> str:
-    """Two tables: physical properties and free-run errors, old and new; change of each rule's consequents.
-
-    heading: what is compared, by default the names of both models.
-    """
-    rows = [
-        [
-            f"{change.what} [{change.unit}]" if change.unit else change.what,
-            f"{change.old:.5g}",
-            f"{change.new:.5g}",
-            "" if change.percent is None else f"{change.percent:+.1f} %",
-        ]
-        for change in comparison.changes
-    ]
-    rows += [
-        [f"free run on {source} [um rms]", f"{before:.4g}", f"{after:.4g}", ""]
-        for source, before, after in comparison.scores
-    ]
-    rules = [
-        [f"{number}", f"{before:.4g} -> {after:.4g}", *(f"{value:+.3g}" for value in rule)]
-        for number, (rule, (before, after)) in enumerate(
-            zip(comparison.rules, comparison.centres_um, strict=True), start=1
-        )
-    ]
-    return "\n\n".join(
-        [
-            table([heading or f"{comparison.old} -> {comparison.new}", "old", "new", "change"], rows),
-            table(["rule", "centre [um]", "q1 [um/um]", "q2 [um/V]", "q3 [um]"], rules),
-        ]
-    )
 
 
 VERBS = {
