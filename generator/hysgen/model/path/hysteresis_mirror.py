@@ -335,8 +335,8 @@ def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest
     meet worst follows. Pasts are a sample: a larger residual of others sets the status bit INVERSE_RESIDUAL.
 
     The residual is a few tens of last bits of h. Models that differ in their last digits can therefore lie on both
-    sides of `largest` and take one step more or less; either number of steps is below half of what the status bit
-    allows, and only the price of the inverse differs.
+    sides of `largest` and take one step more or less. For ranges of w below 5.2 um, RESIDUAL_UM is above the residual
+    from which on the status bit is set, so the search may have met jumps that set it.
     """
     rng = np.random.default_rng(1)
     ends = drawn(rng, range_V.low, range_V.high, (JUMPS + 1) * LANES).reshape(JUMPS + 1, LANES).astype(np.float32)
