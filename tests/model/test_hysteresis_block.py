@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import math
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -20,11 +20,12 @@ from hysgen.checking.proof.eva.calls import prove_call
 from hysgen.checking.proof.warnings import wall
 from hysgen.codegen import Options, generate
 from hysgen.machine.native import Library, Toolchain, build
+from hysgen.model.file import load_model
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import block_from_json
-from hysgen.model.path.base import BlockBox
+from hysgen.model.path.base import TOLERANCE, BlockBox
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.hysteresis_mirror import HysteresisMirror
 
@@ -329,6 +330,41 @@ def test_the_steps_of_the_inverse_are_as_many_as_the_block_needs() -> None:
     wanted, _ = Compiled(block, float(v[0])).apply(v)
     _, reached, _ = fewer.follow(wanted)
     assert np.abs(reached - wanted).max() > 1e-5
+
+
+def scaled(block: Hysteresis, factor: float) -> Hysteresis:
+    """`factor` times the output."""
+    parts = {name: tuple(factor * x for x in getattr(block, name)) for name in ("curve_um", "plays_um", "duhem_um")}
+    return dataclasses.replace(block, **parts)
+
+
+def shipped() -> Hysteresis:
+    """The hysteresis of the model `extended`, 2.8 um."""
+    return next(block for block in load_model("extended").blocks if isinstance(block, Hysteresis))
+
+
+@pytest.mark.parametrize("factor", [0.02, 0.2, 1.0, 20.0])
+@pytest.mark.parametrize("source", [shipped, kinked])
+def test_random_jumps_leave_less_than_what_sets_the_status_bit(source: Callable[[], Hysteresis], factor: float) -> None:
+    """The limit of the status bit is a part of the range of w, whatever the range: 5e-6 um set it below 5.2 um."""
+    block, lanes = scaled(source(), factor), 20_000
+    rng = np.random.default_rng(3)
+    v = rng.uniform(block.low_V, block.high_V, (11, lanes)).astype(np.float32)
+    forward, inverse = (block.mirror(v[0], TS_S) for _ in range(2))
+    worst = 0.0
+    for jump in v[1:]:
+        wanted = forward.apply(jump)
+        reached = inverse.apply(inverse.solve(wanted))
+        forward.restore([word.view(np.uint32) for word in inverse.state()])
+        worst = max(worst, float(np.abs(reached - wanted).max()))
+    assert worst <= TOLERANCE * block.image(Interval(block.low_V, block.high_V)).width
+
+
+def test_no_step_is_taken_for_what_rounding_leaves() -> None:
+    """100 um beside 0: the residual of h is roundings of 100 um, above the tolerance of a range of 3 um."""
+    block = shipped()
+    away = dataclasses.replace(block, curve_um=(100.0 + block.curve_um[0], *block.curve_um[1:]))
+    assert away.steps <= block.steps
 
 
 def test_lanes_are_independent() -> None:

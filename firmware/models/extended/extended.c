@@ -641,7 +641,7 @@ EXTENDED_INLINE extended_hysteresis_ahead_t extended_hysteresis_duhem_ahead(floa
     return found;
 }
 
-/* The voltage for which extended_hysteresis_apply would return `wanted`; the state does not change. 3 Newton steps
+/* The voltage for which extended_hysteresis_apply would return `wanted`; the state does not change. 4 Newton steps
  *     x <- x - (f(x) - side wanted) / f'(x),   f(x) = side h(side x)
  * in the direction of `wanted`; the first x is that of the mean slope. */
 EXTENDED_CODE
@@ -676,7 +676,7 @@ static float extended_hysteresis_solve(const extended_hysteresis_t *self, float 
     taken[9] = side * self->play[9] + (extended_hysteresis_play[36] - 2.38418579e-07f);
     taken[10] = side * self->play[10] + (extended_hysteresis_play[40] - 2.38418579e-07f);
     taken[11] = side * self->play[11] + (extended_hysteresis_play[44] - 2.38418579e-07f);
-    for (uint32_t step = 0u; step < 3u; ++step) {
+    for (uint32_t step = 0u; step < 4u; ++step) {
         const float e0 = extended_power_of_two((x - turn) * extended_hysteresis_rate[0]);
         const float e1 = e0 * e0;
         const float e2 = e1 * e1;

@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define EXTENDED_NUMBERS_DIGEST "994a90af79ebbebf83ac7d3e8ed80492905e74c53e653c8b0c0283d1740afbcb"
-#define EXTENDED_NUMBERS_WORD 0x994a90afu
+#define EXTENDED_NUMBERS_DIGEST "30df79b5729f1a704c7ac52c1464a9a05b609bfe204c96c77edfe78dfe4e3f2c"
+#define EXTENDED_NUMBERS_WORD 0x30df79b5u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EXTENDED_Y_MIN_UM           -0.0555000007f  /* 0xbd6353f8 */
@@ -35,7 +35,7 @@
  * reference where no limit acts. */
 #define EXTENDED_PREDICT_ERROR_UM  8.39999984e-07f  /* 0x35617c5c */
 #define EXTENDED_PATH_ERROR        6.39999996e-07f  /* 0x352bcc77 */
-#define EXTENDED_INVERSE_ERROR_UM  5.20000015e-07f  /* 0x350b9621 */
+#define EXTENDED_INVERSE_ERROR_UM  4.99999999e-07f  /* 0x350637bd */
 
 #endif
 

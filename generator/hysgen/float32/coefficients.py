@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from hysgen.machine.reproducible import exp
 from hysgen.model.float32_constants import LEAST
 from hysgen.model.model import Model
+from hysgen.model.path.base import TOLERANCE
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -32,8 +33,6 @@ MOST_DENSE_RULES: Final = 12
 OCTAVES_PER_STEP: Final = 1.4426950408889634
 WINDOW_REACH: Final = 5
 WINDOW: Final = 2 * WINDOW_REACH + 1
-TOLERANCE: Final = 2.0**-20
-"""Tolerance of the inverse of the path, as a share of the range of w: 1e-5 um of 10 um, 20 roundings of w."""
 
 
 @dataclass(frozen=True)

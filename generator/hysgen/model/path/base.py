@@ -15,7 +15,7 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ from hysgen.model.structs import MirroredStruct
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Bits = NDArray[np.uint32]
+
+TOLERANCE: Final = 2.0**-20
+"""Tolerance of the inverse of the path, as a share of the range of w: 1e-5 um of 10 um, 20 roundings of w."""
 
 
 @dataclass(frozen=True)

@@ -40,12 +40,11 @@ from hysgen.model.path.hysteresis_mirror import (
     BARRIER,
     FROZEN,
     RELAXED,
-    RESIDUAL,
-    RESIDUAL_UM,
     SLACK,
     HysteresisMirror,
     Numbers,
     RelaxingMirror,
+    accepted_residual,
     newton_steps,
 )
 from hysgen.model.structs import Member, Quantity
@@ -387,7 +386,7 @@ def _numbers(block: Hysteresis) -> Numbers:
 @functools.lru_cache(maxsize=16)
 def _steps(block: Hysteresis) -> int:
     range_V = Interval(block.low_V, block.high_V)
-    return newton_steps(block, block.numbers, range_V, max(RESIDUAL_UM, RESIDUAL * block.image(range_V).width))
+    return newton_steps(block, block.numbers, range_V, accepted_residual(block.image(range_V)))
 
 
 def _range(coefficients: Floats, low: float, high: float) -> tuple[float, float]:

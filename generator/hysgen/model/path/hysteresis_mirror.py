@@ -40,7 +40,7 @@ from hysgen.machine.reproducible import drawn, total
 from hysgen.model.float32_arithmetic import bits_of, float_of, flushed, power_of_two
 from hysgen.model.float32_constants import LEAST, RECIPROCAL_SEED
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import Bits, BlockMirror, Floats, Floats32, InputBlock, limited
+from hysgen.model.path.base import TOLERANCE, Bits, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member
 from hysgen.model.twofloat import accumulate
 
@@ -51,10 +51,11 @@ LEAST_STEPS: Final = 3
 MOST_STEPS: Final = 6
 """Fewest and most Newton steps of `solve`. Two steps leave 1e-4 um of a stroke of 10 um at 100 Hz and 2 kHz."""
 
-RESIDUAL_UM: Final = 5e-6
-RESIDUAL: Final = 2.0**-21
-"""Residual of `solve` up to which no further step is taken, in um, or as a part of a range of h above 10 um: half of
-the largest that the inverse of the model may leave, and three times the rounding error of a range of 10 um."""
+SHARE: Final = 0.75
+ROUNDINGS: Final = 2.0**-21
+"""Residual of `solve` up to which no further step is taken: SHARE of what the inverse of the model leaves unflagged
+(TOLERANCE of the range). The rest is for roundings of the blocks behind and for pasts that no sample met. At least
+ROUNDINGS of the largest |h|, eight roundings: that much stays however many steps are taken."""
 
 RELAXED: Final = 8.0
 FROZEN: Final = np.float32(15.0)
@@ -328,6 +329,11 @@ class RelaxingMirror(HysteresisMirror):
         return h
 
 
+def accepted_residual(range_um: Interval) -> float:
+    """Largest residual in um with which `newton_steps` is content, for h in range_um."""
+    return max(SHARE * TOLERANCE * range_um.width, ROUNDINGS * range_um.magnitude)
+
+
 def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest: float) -> int:
     """Fewest Newton steps with which `solve` leaves at most `largest` um of random jumps, MOST_STEPS at most.
 
@@ -335,8 +341,7 @@ def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest
     meet worst follows. Pasts are a sample: a larger residual of others sets the status bit INVERSE_RESIDUAL.
 
     The residual is a few tens of last bits of h. Models that differ in their last digits can therefore lie on both
-    sides of `largest` and take one step more or less. For ranges of w below 5.2 um, RESIDUAL_UM is above the residual
-    from which on the status bit is set, so the search may have met jumps that set it.
+    sides of `largest` and take one step more or less.
     """
     rng = np.random.default_rng(1)
     ends = drawn(rng, range_V.low, range_V.high, (JUMPS + 1) * LANES).reshape(JUMPS + 1, LANES).astype(np.float32)
