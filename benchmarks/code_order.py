@@ -113,7 +113,7 @@ def cases(name: str, scheduled: bool) -> Iterator[Case]:
     """The images of a reference model with the learner; scheduled: with the kernels."""
     plain = load_model(name)
     model = plain if plain.learner is not None else with_learner(plain)
-    texts = firmware_model(model)
+    texts = firmware_model(model, aligned=scheduled)
     if scheduled:
         texts = with_kernels(name, texts, kernels(name, texts))
     sizes, calls = fetches(model, compile_image(texts))

@@ -25,8 +25,8 @@ from hysgen.c674x.schedule.dataflow import Memory, evaluate
 from hysgen.c674x.schedule.folder import Kernels, kernels, with_kernels
 from hysgen.c674x.schedule.from_c import kernel
 from hysgen.checking.host import Host
-from hysgen.codegen import generate
-from hysgen.errors import BuildError
+from hysgen.codegen import Options, generate
+from hysgen.errors import BuildError, TargetError
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.learner_settings import BIAS, LearnerSettings
 
@@ -189,8 +189,11 @@ def test_the_self_test_leaves_out_the_padding_of_an_aligned_learner() -> None:
     """With one parameter the learner has an odd number of words, and padding where it is aligned to 8 bytes."""
     need_compiler()
     learner = LearnerSettings(learned=BIAS)
-    odd = generate(dataclasses.replace(smooth(2), name="odd", learner=learner))
-    found = with_kernels("odd", odd, Kernels({}, {}, {}))
+    model = dataclasses.replace(smooth(2), name="odd", learner=learner)
+    odd = generate(model)
+    with pytest.raises(TargetError, match="aligned=True"):
+        with_kernels("odd", odd, Kernels({}, {}, {}))
+    found = with_kernels("odd", generate(model, Options(aligned=True)), Kernels({}, {}, {}))
     words = re.search(r"#define ODD_LEARNER_WORDS (\d+)u", found["odd.h"])
     assert words is not None
     assert int(words[1]) % 2, words[1]

@@ -76,7 +76,7 @@ def machine(scheduled: bool = False) -> Machine:
     scheduled: with the functions of a model of two rules as kernels; every function with a kernel has one.
     """
     need_compiler()
-    texts = firmware_model(plant(scheduled))
+    texts = firmware_model(plant(scheduled), aligned=scheduled)
     if scheduled:
         texts = with_kernels(plant(scheduled).name, texts, kernels(plant(scheduled).name, texts))
     generated = c_texts(texts)

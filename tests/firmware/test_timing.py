@@ -64,7 +64,7 @@ def test_with_kernels_the_extended_model_learns_within_its_period() -> None:
     """Interrupt in TRACK with the learner, behind the idle loop: 500 of 7500 cycles left at 12 cycles a missed line."""
     need_compiler()
     extended = with_learner(load_model("extended"))
-    texts = firmware_model(extended)
+    texts = firmware_model(extended, aligned=True)
     texts = with_kernels(extended.name, texts, kernels(extended.name, texts))
     found = tracked(extended, compile_image(texts).machine(), TRIM | LEARN, idle=True)
     assert found.left(7500, 12, found.warm) > 500

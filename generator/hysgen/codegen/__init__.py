@@ -31,7 +31,7 @@ from hysgen.codegen.parameters import (
 )
 from hysgen.codegen.render import Feature, context, render
 from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
-from hysgen.codegen.structs import structs
+from hysgen.codegen.structs import alignment, structs
 from hysgen.errors import CertificateError, HysgenError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.accuracy import Accuracy, accuracy
@@ -54,12 +54,14 @@ class Options:
     inverse: whether the inverse is generated. clock_Hz: clock of the processor.
     cycles: measured stall-free cycles by function; the cycles of functions that are not listed are estimated.
     budget_cycles: cycles that one sample may take; None: the sample period.
+    aligned: whether the learner is aligned to 8 bytes on the C674x, as its kernels demand.
     """
 
     inverse: bool = True
     clock_Hz: float = CLOCK_HZ
     cycles: Mapping[str, int] = field(default_factory=dict)
     budget_cycles: int | None = None
+    aligned: bool = False
 
 
 # Each function returns its feature, or None if the model does not need it; in the order of the generated text.
@@ -78,6 +80,7 @@ def generate(model: Model, options: Options | None = None) -> dict[str, str]:
         _require_inverse(model, certificates)
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
     facts = _facts(model, certificates, errors, inverse=chosen.inverse)
+    facts["alignment"] = alignment(model) if chosen.aligned else None
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
     counted = figures(model.name, _counted_texts(model.name, facts))
     unknown = sorted(set(chosen.cycles) - set(counted.operations))
@@ -192,6 +195,7 @@ def _facts(model: Model, certificates: Certificates, errors: Accuracy, *, invers
     return facts | {
         "prototypes": interface(model, inverse=inverse).prototypes,
         "structs": structs(model),
+        "alignment": None,
         "learns": model.learner is not None,
         "sections": sections,
         "numbers_digest": numbers_digest(sections),

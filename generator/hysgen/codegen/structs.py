@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -29,6 +30,37 @@ def structs(model: Model) -> tuple[Struct, ...]:
     declared += [bank_struct(model, numbers), instance_struct(model, numbers)]
     declared += [candidate_struct(model, numbers), learner_struct(model, numbers)] if model.learner else []
     return tuple(declared)
+
+
+ALIGNMENT: Final = 8
+"""Bytes to which the learner is aligned where kernels load and store 64 bits at a time."""
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """The learner `struct`, aligned to `multiple` bytes: its size in bytes and 32-bit words, and with padding."""
+
+    struct: str
+    bytes: int
+    multiple: int = ALIGNMENT
+
+    @property
+    def words(self) -> int:
+        """32-bit words without padding."""
+        return self.bytes // 4
+
+    @property
+    def padded(self) -> int:
+        """Bytes of the aligned struct: a multiple of its alignment."""
+        return -(-self.bytes // self.multiple) * self.multiple
+
+
+def alignment(model: Model) -> Alignment | None:
+    """How the learner of `model` is laid out for kernels; None for a model without."""
+    if model.learner is None:
+        return None
+    learner = learner_struct(model, coefficients(model))
+    return Alignment(learner.name, learner.bytes)
 
 
 def part_struct(model: Model, part: Term | InputBlock) -> Struct:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
-from hysgen.codegen import generate
+from hysgen.codegen import Options, generate
 from hysgen.codegen.parameters import Constant
 from hysgen.codegen.render import render
 from hysgen.errors import ModelError
@@ -29,13 +29,15 @@ TYPES: Final = ("t", "bank_t", "learner_t")
 DIGEST_WORDS: Final = 4
 
 
-def firmware_model(model: Model) -> dict[str, str]:
+def firmware_model(model: Model, *, aligned: bool = False) -> dict[str, str]:
     """The files of the model's folder in firmware/models by name: generated C and model.h.
+
+    aligned: whether the learner is aligned for kernels.
 
     Raises ModelError if the firmware cannot drive the model, and the errors of `generate`.
     """
     require_drivable(model)
-    return generate(model) | {BINDING: binding(model)}
+    return generate(model, Options(aligned=aligned)) | {BINDING: binding(model)}
 
 
 def require_drivable(model: Model) -> None:

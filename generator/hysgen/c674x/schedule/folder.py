@@ -78,19 +78,24 @@ def assembly_file(name: str) -> str:
 
 
 def with_kernels(name: str, texts: Mapping[str, str], found: Kernels) -> dict[str, str]:
-    """The generated folder `texts` with the file of the kernels; its manifest lists them with their cycles."""
+    """The generated folder `texts` with the file of the kernels; its manifest lists them with their cycles.
+
+    Raises TargetError if the learner in `texts` is not aligned (`Options.aligned`).
+    """
+    if f"}} {name}_learner_t;" in texts[f"{name}.h"]:
+        raise TargetError(
+            f"{name}.h: kernels load 64 bits of the learner at a time; generate with Options(aligned=True)"
+        )
     source = texts[f"{name}.c"]
     for function in found.schedules:
         source = _left_out(name, source, function)
     changed = dict(texts) | {
-        f"{name}.h": _aligned(name, texts[f"{name}.h"]),
-        f"{name}_selftest.c": _without_padding(name, texts[f"{name}_selftest.c"]),
         f"{name}.c": _choice(name, source),
         assembly_file(name): file_text(_header(name, found), found.schedules, found.tables),
         CMAKE: _with_assembly(name, texts[CMAKE]),
     }
     facts = json.loads(texts[MANIFEST])
-    for file in (f"{name}.h", f"{name}.c", f"{name}_selftest.c", assembly_file(name), CMAKE):
+    for file in (f"{name}.c", assembly_file(name), CMAKE):
         facts["files"][file] = digest(changed[file].encode())
     facts["files"] = dict(sorted(facts["files"].items()))
     facts["kernels"] = {
@@ -118,40 +123,6 @@ def _choice(name: str, source: str) -> str:
     if source.count(include) != 1:
         raise TargetError(f"{name}.c: {include.strip()} is expected once")
     return source.replace(include, "\n".join(lines) + "\n")
-
-
-def _aligned(name: str, header: str) -> str:
-    """The header with the learner aligned to 8 bytes on the C674x, for 64-bit loads and stores.
-
-    A struct with this alignment takes a multiple of 8 bytes, so the static assertion of its size changes, too.
-    """
-    upper, struct = name.upper(), f"{name}_learner_t"
-    end, size = f"}} {struct};\n", re.search(rf"\(sizeof\({struct}\) == (\d+)u\)", header)
-    if end not in header or size is None:
-        return header
-    lines = [
-        "#if defined(_TMS320C6X)",
-        f"#define {upper}_ALIGNED __attribute__((aligned(8))) /**< The kernels load and store 64 bits at a time. */",
-        f"#define {upper}_LEARNER_BYTES {-(-int(size[1]) // 8) * 8}u",
-        "#else",
-        f"#define {upper}_ALIGNED",
-        f"#define {upper}_LEARNER_BYTES {size[1]}u",
-        "#endif",
-        f"#define {upper}_LEARNER_WORDS {int(size[1]) // 4}u /**< without padding */",
-        "",
-    ]
-    start = header.rindex("/** A learner:", 0, header.index(end))
-    changed = header.replace(end, f"}} {upper}_ALIGNED {struct};\n")
-    changed = changed.replace(size[0], f"(sizeof({struct}) == {upper}_LEARNER_BYTES)")
-    return changed[:start] + "\n".join(lines) + "\n" + changed[start:]
-
-
-def _without_padding(name: str, selftest: str) -> str:
-    """The self-test, which hashes the words of the learner without the padding behind them."""
-    words = f"{name.upper()}_SELFTEST_WORDS"
-    for learner in ("learner", "*learner"):
-        selftest = selftest.replace(f"{words}({learner})", f"{name.upper()}_LEARNER_WORDS")
-    return selftest
 
 
 def _with_assembly(name: str, project: str) -> str:

@@ -49,7 +49,7 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
     if model.learner is None:
         model = with_learner(model)
         console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
-    texts = firmware_model(model)
+    texts = firmware_model(model, aligned=bool(arguments.kernels))
     if arguments.kernels:
         texts = scheduled(model.name, texts, console)
     if arguments.output:

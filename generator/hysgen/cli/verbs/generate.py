@@ -114,7 +114,7 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
     if arguments.assembler == "ti" and not arguments.kernels:
         raise HysgenError("--assembler ti is the syntax of the kernels' file; add --kernels c674x")
-    texts = generate(model, code_options(arguments))
+    texts = generate(model, dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels)))
     if arguments.kernels:
         texts = scheduled(model.name, texts, console)
         if arguments.assembler == "ti":
