@@ -134,6 +134,15 @@ def test_a_command_that_is_not_there_would_be_found() -> None:
         parser().parse_args(["polish", "x.csv"])
 
 
+def test_each_format_is_tested_on_files_of_the_library_that_the_table_names() -> None:
+    tests = "\n".join(path.read_text() for path in (ROOT / "tests" / "record").glob("*.py"))
+    cells = re.findall(r"^\|.*\| ([^|]*) \|$", (ROOT / "docs" / "records.md").read_text(), re.MULTILINE)
+    libraries = set(re.findall(r"`(\w+)`", " ".join(cells)))
+    assert {"nptdms", "asammdf", "pyuff", "openpyxl", "matio"} <= libraries
+    unused = [name for name in libraries if not re.search(rf'(import|from) {name}\b|library\("{name}"\)', tests)]
+    assert unused == []
+
+
 def test_reference_of_the_python_interface_names_all_of_it() -> None:
     assert sorted(hysgen.__all__) == sorted(api.__all__)
     page = (ROOT / "docs" / "api.md").read_text()

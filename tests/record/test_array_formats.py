@@ -40,6 +40,10 @@ def as_matrix(path: Path) -> None:
     scipy.io.savemat(path, {"data": np.column_stack([TIME_S, U_V, Y_UM])})
 
 
+def as_mat_v4(path: Path) -> None:
+    scipy.io.savemat(path, {"time": TIME_S, "voltage": U_V, "position_um": Y_UM}, format="4")
+
+
 def as_npy(path: Path) -> None:
     np.save(path, np.column_stack([TIME_S, U_V, Y_UM]))
 
@@ -74,6 +78,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "MATLAB timetable": ("mat", as_timetable),
     "MATLAB timetable, v7.3": ("mat", functools.partial(as_timetable, version="v7.3")),
     "NPY": ("npy", as_npy),
+    "MAT v4": ("mat", as_mat_v4),
     "HDF5 compound": ("h5", as_compound),
     "HDF5 attributes": ("h5", as_hdf5_with_attributes),
     "HDF5 with packed integers": ("h5", hdf5_of_packed_integers),

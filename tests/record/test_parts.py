@@ -36,6 +36,7 @@ def test_a_cut_segment_has_its_start_time() -> None:
     assert [one.samples for one in part.segments] == [20, 5]
     assert [one.start_s for one in part.segments] == [5.0 + 10 * 1e-3, 0.0]
     assert part.source == "arrays[30:55]"
+    assert part.rows(5, 10).source == "arrays[35:40]"
 
 
 def test_fraction_splits_at_the_nearest_row() -> None:

@@ -213,7 +213,7 @@ BAD = [
     ),
     Bad("no NPZ", "a.npz", text(), ("is not an NPZ file", "numpy.savez")),
     Bad("damaged NPZ", "a.npz", npz(**sound())[:-3000], ("not an NPZ file", "numpy.savez")),
-    Bad("no MAT", "a.mat", text(), ("is not a MAT file of version 5 or 7.3", "save it with")),
+    Bad("no MAT", "a.mat", text(), ("is not a MAT file of version 4, 5 or 7.3", "save it with")),
     Bad("damaged MAT", "a.mat", mat(**sound())[:900], ("is damaged", "save it again")),  # type: ignore[arg-type]
     Bad("no HDF5", "a.h5", text(), ("is no readable HDF5 file", "write it again")),
     Bad("missing array", "a.h5", hdf5(u=U_V), ("no voltage array 'voltage_V'", "it holds u", "voltage=NAME")),

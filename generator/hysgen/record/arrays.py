@@ -77,8 +77,8 @@ def read_mat(path: Path) -> dict[str, Array]:
     start = path.read_bytes()[: MATLAB_BLOCK + len(HDF5_MAGIC)]
     if start.startswith(HDF5_MAGIC) or start.endswith(HDF5_MAGIC):
         return read_hdf5(path)[0]
-    if not start.startswith(b"MATLAB 5.0 MAT-file"):
-        raise RecordError(f"{path.name}: is not a MAT file of version 5 or 7.3; save it with MATLAB's -v7 or -v7.3")
+    if not start.startswith(b"MATLAB 5.0 MAT-file") and not _is_mat_4(path):
+        raise RecordError(f"{path.name}: is not a MAT file of version 4, 5 or 7.3; save it with MATLAB's -v7 or -v7.3")
     try:
         content = scipy.io.loadmat(str(path), simplify_cells=True)
     except Exception as fault:  # SciPy's parser may raise any exception on a damaged file
@@ -87,6 +87,14 @@ def read_mat(path: Path) -> dict[str, Array]:
     if not arrays and any(isinstance(item, MatlabOpaque) for item in content.values()):
         raise MatlabObjectError(path.name)
     return arrays
+
+
+def _is_mat_4(path: Path) -> bool:
+    """Whether the first word of a file is the type of a matrix of version 4, which has no signature."""
+    try:
+        return bool(scipy.io.matlab.matfile_version(str(path))[0] == 0)
+    except (ValueError, OSError, scipy.io.matlab.MatReadError):
+        return False
 
 
 def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | None]:
