@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.prepare import IDENTIFY
 from hysgen.machine.kernels import lag_states
 from hysgen.record import Record
 from hysgen.stage import (
@@ -120,7 +121,7 @@ def family_scenario(family: str, category: str, seed: int) -> FamilyScenario:
     logged = dict(aux)
     if category == UNKNOWN:
         kind = OUTSIDE[int(rng.integers(len(OUTSIDE)))]
-        stage = stage.with_effects(**{kind.name: kind.draw(rng, Setting(u_V, Ts_s, stroke_um))})
+        stage = stage.with_effects(**{kind.name: _identified(kind.draw(rng, Setting(u_V, Ts_s, stroke_um)), u_V, Ts_s)})
     for name in names:
         share = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05))))
         setting = Setting(u_V, Ts_s, stroke_um, share, tuple(aux))
@@ -173,6 +174,17 @@ def _stage(
         memory=hysteresis,
         noise=NoiseEffect(white_um, white_um * float(rng.uniform(0.0, 0.5))),
     )
+
+
+def _identified(drawn: Effect, u_V: Floats, Ts_s: float) -> Effect:
+    """The drawn effect; a step of the gain in the middle half of the rows that a diagnosis identifies from.
+
+    Before them it is in the past, and behind them no cause is looked for.
+    """
+    if not isinstance(drawn, GainStepEffect):
+        return drawn
+    share = drawn.at_s / (Ts_s * len(u_V))
+    return dataclasses.replace(drawn, at_s=Ts_s * (PAST + share * IDENTIFY * (len(u_V) - PAST)))
 
 
 def _variant(rng: np.random.Generator, drawn: Effect, setting: Setting) -> Effect | list[Effect]:
