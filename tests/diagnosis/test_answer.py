@@ -81,6 +81,8 @@ def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]
     changed = Record.from_arrays(segment.u_V, y_um, record.Ts_s)
     other = diagnose(changed, settings=dataclasses.replace(QUICK, keep_all=True))
     assert other.names == found.names
+    assert found.held_change == ""
+    assert re.search(r"in the held-out rows the displacement changes its gain by -(4|5)\d\.\d+% at ", other.held_change)
     np.testing.assert_array_equal(other.model.parameters, found.model.parameters)
     assert other.extended_rms_um > 2 * found.extended_rms_um
 

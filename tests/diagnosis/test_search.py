@@ -24,11 +24,12 @@ from fixtures.linear_stage import (
     SPAN_S,
     T_S,
     TS_S,
+    named,
     scene,
 )
 from hysgen.diagnosis import search, search_steps
 from hysgen.diagnosis.advice import unexplained_structure
-from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes import Estimate, Residual, causes, saturation
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.delay import DelayPart
 from hysgen.diagnosis.causes.drift import DriftPart
@@ -38,7 +39,7 @@ from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
-from hysgen.diagnosis.score import LEAST_EVIDENCE, admissible, present
+from hysgen.diagnosis.score import LEAST_EVIDENCE, admissible
 from hysgen.diagnosis.search import SearchResult
 from hysgen.record.noise import NoiseFloor
 
@@ -63,11 +64,6 @@ def test_unexplained_structure_requires_a_quarter_per_cent_of_the_span_and_more_
     seen = SimpleNamespace(scene=SimpleNamespace(rows=np.arange(SAMPLES)), fit=SimpleNamespace(error=left_um))
     result = unexplained_structure(prepared, cast(SearchResult, seen), NoiseFloor(noise_um, "plateaus", SAMPLES))
     assert (result is not None) == said
-
-
-def named(found: SearchResult) -> list[str]:
-    """The causes of the chain beside "memory": the stage's operator has one column, with memory or without."""
-    return [name for name in present(found.fit.chain) if name != "memory"]
 
 
 @pytest.mark.parametrize("name", PLANTED)
@@ -101,6 +97,15 @@ def test_sudden_changes_are_located_and_no_slow_cause_is_named_for_them() -> Non
         np.testing.assert_allclose(sorted(times_s), at_s, atol=0.02)
 
 
+def test_a_gain_that_changes_before_a_slow_lag_changes_at_once() -> None:
+    slow = Chain(0.02, memory=False)
+    u_V = np.where(T_S >= 2.2, 1.05, 1.0) * COMMAND_V
+    more_um = 0.1 * (respond(u_V, slow, TS_S) - respond(COMMAND_V, slow, TS_S))
+    found = search.search(scene(slow, more_um))
+    assert named(found) == ["unknown"]
+    assert found.fit.chain.of(SuddenPart).gains[0][1] == pytest.approx(0.05, rel=0.1)
+
+
 @pytest.mark.parametrize(("beyond", "clips"), [(0.0, True), (0.3, False), (1.0, False)])
 def test_a_level_is_evident_if_the_output_is_flat_beyond_it_whatever_the_misfit(beyond: float, clips: bool) -> None:
     """The misfit: 0.2 um of a sine of the voltage, which the curve of the operator cannot follow.
@@ -112,6 +117,19 @@ def test_a_level_is_evident_if_the_output_is_flat_beyond_it_whatever_the_misfit(
     seen = scene(LAG, bent_um - 0.1 * respond(COMMAND_V, LAG, TS_S))
     clipped = refine(seen, LAG.having(SaturationPart(high_V=80.0)))
     assert (causes()["saturation"].evidence(seen, clipped) > LEAST_EVIDENCE) == clips
+
+
+@pytest.mark.parametrize(
+    ("slope", "error", "low", "high"),
+    [(0.0, 0.02, 8.0, 15.0), (1.0, 0.02, -3000.0, -1000.0), (0.0, 3.0, -0.5, 0.5), (-19.0, 0.1, -1e5, -1000.0)],
+    ids=["flat", "as inside", "unknown", "neither"],
+)
+def test_the_slope_beyond_a_level_is_evidence_as_far_as_it_is_known(
+    monkeypatch: pytest.MonkeyPatch, slope: float, error: float, low: float, high: float
+) -> None:
+    monkeypatch.setattr(saturation, "_slopes", lambda residual: [Estimate(slope, error)])
+    seen = scene(CLIPPED_AT_60)
+    assert low < causes()["saturation"].evidence(seen, linear_fit(seen, CLIPPED_AT_60)) < high
 
 
 def test_each_side_alone_is_refined_beside_the_better_pair() -> None:

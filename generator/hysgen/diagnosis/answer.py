@@ -72,6 +72,14 @@ class NamedCause:
             f"{low:.3g} .. {high:.3g} um (95 %); --keep-all keeps it"
         )
 
+    @property
+    def why_kept(self) -> str:
+        """The reason why its extension is in the model though its step is in doubt, "" if it is not."""
+        if not self.extended or self.beside is None:
+            return ""
+        low, high = self.beside.low_um, self.beside.high_um
+        return f"{self.name} gains {low:.3g} .. {high:.3g} um (95 %) beside the others, so it is kept"
+
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values (docs/diagnosis.md); null where a quantity does not exist or is not finite.
 
@@ -122,6 +130,7 @@ class Diagnosis:
     unexplained_fraction: part of the base error's power above the noise floor that remains; 0 if no power is above it.
     abilities: for every cause, whether this record could show it, from which size on, and what hides it.
     next_experiment: excitation that distinguishes causes which this record cannot distinguish; may be empty.
+    held_change: the sudden change in the held-out rows that spoils the scores, in words; empty if there is none.
     """
 
     causes: tuple[NamedCause, ...]
@@ -139,6 +148,7 @@ class Diagnosis:
     errors_um: tuple[tuple[str, Floats], ...] = field(repr=False)
     held_rows: NDArray[np.intp] = field(repr=False)
     probe_rms_um: float = math.nan
+    held_change: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -171,6 +181,7 @@ class Diagnosis:
             "noise_floor_from": self.noise.source,
             "unexplained_fraction": self.unexplained_fraction,
             "next_experiment": self.next_experiment,
+            "held_change": self.held_change,
             "could_show": [ability.to_json() for ability in self.abilities],
             "not_named": [{"name": refused.name, "why": refused.why} for refused in self.refused],
             "probe_rms_um": _finite(self.probe_rms_um),

@@ -70,11 +70,13 @@ class Study(Displayed):
         diagnosis = self.diagnosis
         named = ", ".join(self.names) or "no cause"
         notes = [f"{cause.name}: {cause.evidence}" for cause in diagnosis.causes]
-        notes += [cause.why_not_extended for cause in diagnosis.causes if cause.why_not_extended]
+        reasons = [cause.why_not_extended or cause.why_kept for cause in diagnosis.causes]
+        notes += [reason for reason in reasons if reason]
         if diagnosis.missing_certificates:
             notes.append(f"not certified in the extended model: {', '.join(diagnosis.missing_certificates)}")
         notes += [f"could show {one.name}: {one.text()}" for one in diagnosis.abilities if one.verdict != "named"]
         notes += [f"unknown: {diagnosis.unknown}"] if diagnosis.unknown else []
+        notes += [f"scores: {diagnosis.held_change}"] if diagnosis.held_change else []
         notes += [f"next experiment: {diagnosis.next_experiment}"] if diagnosis.next_experiment else []
         return Summary(f"Diagnosis of {self.record.source}: {named}", LADDER, self.ladder(), notes)
 

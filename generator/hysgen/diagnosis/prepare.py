@@ -173,14 +173,15 @@ class Prepared:
         """The scene, or the blocks of its rows to which the search looks (`excerpt`)."""
         return excerpt(self.scene(), self.lag)
 
-    def scene(self) -> Scene:
-        """The identification part, as the probe is fitted to it."""
-        part = self.identification()
+    def scene(self, whole: bool = False) -> Scene:
+        """The identification part, as the probe is fitted to it. whole: with the held-out rows."""
+        part = self.record if whole else self.identification()
         runs = tuple(Trace(s.u_V, s.y_um, dict(s.aux)) for s in part.segments)
         # Ranges over the whole record, because the probe must not extrapolate to inputs that are known in advance.
         low_V, high_V = self.record.u_range_V
-        rows = self.training_rows[self.use[self.training_rows] == Use.PROBE]
-        lost = np.flatnonzero(self.use[: self.cut] == Use.LOST)
+        rows = np.concatenate([self.training_rows, self.held_rows]) if whole else self.training_rows
+        rows = rows[self.use[rows] == Use.PROBE]
+        lost = np.flatnonzero(self.use[: part.samples] == Use.LOST)
         return Scene(runs, self.record.Ts_s, rows, Operator(low_V, high_V), self.record.aux_ranges, lost)
 
 

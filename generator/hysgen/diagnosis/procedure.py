@@ -17,6 +17,7 @@ from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.extension_forms import with_best_forms
+from hysgen.diagnosis.held_changes import change_in_held_rows
 from hysgen.diagnosis.identifiability import Ability, abilities
 from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_errors, fit_ladder
 from hysgen.diagnosis.outlier_detection import outlier_flags
@@ -25,6 +26,7 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.pruning import Pruned, prune
 from hysgen.diagnosis.score import LEAST_EVIDENCE
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
+from hysgen.diagnosis.slow_extensions import extensions_for
 from hysgen.fitting import FitSettings
 from hysgen.machine.checkpoint import forget, resumed, steps
 from hysgen.machine.processes import in_processes, several_processes
@@ -123,6 +125,7 @@ def diagnose(
     report = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
     inputs = _inputs(naming.prepared)
+    held_change = change_in_held_rows(naming.prepared, naming.found.fit.chain)
     naming = dataclasses.replace(naming, prepared=naming.prepared.without(_unpredictable(naming)))
     report(0.7, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
@@ -130,7 +133,7 @@ def diagnose(
     report(0.8, "measuring what each extension gains")
     made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
     report(0.85, "fitting rules, " + ", ".join(made))
-    fit_rung = functools.partial(fit_ladder, naming.prepared, naming.extensions, settings=chosen.fit)
+    fit_rung = functools.partial(_rung, naming, chosen.fit)
     ladder = Pruned(made, in_processes(fit_rung, [made[:count] for count in range(len(made) + 1)], cost=len), {})
     if not chosen.keep_all:
         report(0.95, "checking each extension on the held-out rows")
@@ -138,7 +141,7 @@ def diagnose(
     report(1.0, "done")
     if chosen.resume:
         forget(inputs, SOURCES)
-    return _scored(naming, alone, ladder, chosen)
+    return dataclasses.replace(_scored(naming, alone, ladder, chosen), held_change=held_change)
 
 
 @one_blas_thread()
@@ -234,6 +237,15 @@ def _extensions(found: SearchResult, whole: Residual, names: Sequence[str]) -> d
     return {name: causes()[name].extension(whole if causes()[name].on_all_rows else searched) for name in names}
 
 
+def _rung(naming: Naming, settings: FitSettings, names: Sequence[str]) -> Rung:
+    """The rung of the ladder with the extensions of `names`."""
+    return fit_ladder(naming.prepared, _extensions_for(naming, names), names, settings)
+
+
+def _extensions_for(naming: Naming, names: Sequence[str]) -> dict[str, Extension]:
+    return extensions_for(naming.found, naming.extensions, names)
+
+
 def _worth_extending(naming: Naming, settings: FitSettings) -> tuple[list[str], dict[str, Gain]]:
     """The named causes whose extensions lower the error of the model, and the gain of each extension beside the others.
 
@@ -294,8 +306,8 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
     above = levels[0] ** 2 - noise.rms_um**2
     span_s = naming.found.scene.span_s
     running = [
-        add_online_parts(rung.model, [naming.extensions[name] for name in rung.causes], span_s, noise.rms_um)
-        for rung in rungs
+        add_online_parts(rung.model, [extensions[name] for name in rung.causes], span_s, noise.rms_um)
+        for rung, extensions in ((rung, _extensions_for(naming, rung.causes)) for rung in rungs)
     ]
     price = settings.price
     prices = (

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves
-from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges
+from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges, block_left_out_error
 from hysgen.record.series import SHORTEST_PLATEAU, plateaus, residual_noise, resolution_um
 
 Floats = NDArray[np.float64]
@@ -41,6 +41,10 @@ REPEATING = 37
 
 SLOWEST = 10
 """Number of slow coefficients in `dispersion`: their mean has a standard deviation of 45 %."""
+
+LEFT_OUT = 0.75
+"""Power of the leverage in `Scored.left_out_error`: with 1/2 the scatter of a white error is right and that of coloured
+noise too small, with 1 both are too large (Bell and McCaffrey, 2002). The mean of both powers is used."""
 
 RESTING = 200
 """Least samples at rest from which a noise is taken: the standard error of its power is 10 %."""
@@ -99,24 +103,38 @@ class Scored:
         """Evidence of the causes beside the residual."""
         return math.fsum(cause.evidence(self.scene, self.fit) for cause in causes().values())
 
-    def fall_from(self, smaller: Scored) -> float:
-        """Fall of the score from a chain with fewer parts to this one."""
+    def fall_from(self, smaller: Scored, left_out: bool = False) -> float:
+        """Fall of the score from a chain with fewer parts to this one.
+
+        left_out: the samples that count as one are found from `left_out_error`. The weights of this chain fit coloured
+        noise too, most of all where they are many, so that its own residual looks whiter than the noise. Memory is then
+        judged by these samples alone: what is left of a vibration is no misfit of the hysteresis.
+        """
         rows, added = self.scene.rows, self._added_to(smaller.chain)
-        few = dispersion(self.fit.error[rows], (smaller.fit.error - self.fit.error)[rows])
-        independent = self.independent_samples(few, apart=self._apart(smaller.chain, added))
+        error = self.left_out_error if left_out else self.fit.error[rows]
+        few = dispersion(error, (smaller.fit.error - self.fit.error)[rows])
+        independent = self.independent_samples(few, apart=self._apart(smaller.chain, added, left_out))
         if any(part.flexible for part in added):
             independent = min(independent, smaller.independent_samples(few))
         return smaller.score(independent) - self.score(independent)
+
+    @cached_property
+    def left_out_error(self) -> Floats:
+        """(r,) residual as if the weights, which fit coloured noise too, were those of other blocks (LEFT_OUT)."""
+        columns = self.scene.training_columns(self.chain)
+        return block_left_out_error(columns, self.fit.error[self.scene.rows], LEFT_OUT)
 
     def _added_to(self, smaller: Chain) -> list[Part]:
         """The parts that only this chain has."""
         known = {(type(part), part.names) for part in smaller.parts}
         return [part for part in self.chain.parts if (type(part), part.names) not in known]
 
-    def _apart(self, smaller: Chain, added: Sequence[Part]) -> bool:
-        """Whether the misfit averages out along all added parts (`Part.apart`)."""
+    def _apart(self, smaller: Chain, added: Sequence[Part], left_out: bool) -> bool:
+        """Whether the misfit averages out along all that is added: `Part.apart`, memory if blocks are left out."""
+        if self.chain.memory != smaller.memory:
+            return left_out and not added
         runs, Ts_s = self.scene.runs, self.scene.Ts_s
-        return self.chain.memory == smaller.memory and bool(added) and all(part.apart(runs, Ts_s) for part in added)
+        return bool(added) and all(part.apart(runs, Ts_s) for part in added)
 
 
 def resting_noise(scene: Scene, fit: Fit) -> float:
@@ -215,4 +233,4 @@ def confidences(visited: list[Scored], final: Scored) -> dict[str, float]:
 
 def _rise(final: Scored, other: Scored) -> float:
     """Rise of the score from the final chain to another."""
-    return final.fall_from(other) if final.orders >= other.orders else -other.fall_from(final)
+    return final.fall_from(other, left_out=True) if final.orders >= other.orders else -other.fall_from(final)

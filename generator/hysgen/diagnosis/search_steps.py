@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hysgen.diagnosis.causes import Cause, Residual, causes, slow_causes
+from hysgen.diagnosis.causes import Cause, Residual, causes, slow_causes, without_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, refine, training_fit
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, present
 from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause, differs_in_its_slow_cause
@@ -89,9 +89,8 @@ def fall_of_addition(larger: Scored, current: Scored) -> float:
 
 def _accepted(state: State, one: Scored) -> bool:
     """Whether a larger chain is accepted because its score falls; for the first slow cause, the pooled score too."""
-    if fall_of_addition(one, state.current) <= LEAST_EVIDENCE:
-        return False
-    return rise_without(state, one, state.current) > LEAST_EVIDENCE
+    likelier = fall_of_addition(one, state.current) > LEAST_EVIDENCE
+    return likelier and rise_without(state, one, state.current) > LEAST_EVIDENCE
 
 
 def _slow_addition(state: State, added: dict[str, Scored]) -> Scored | None:
@@ -117,7 +116,7 @@ def _dropped_or_exchanged(state: State) -> Scored | None:
     less += [one for name in names for one in causes()[name].without_one_part(chain)]
     less += [causes()[name].without(chain) for name in names]
     if len(slow) > 1:
-        less.append(_without(chain, slow))
+        less.append(without_causes(chain, slow))
     dropped = state.scored(state.fits_of_smaller(list(dict.fromkeys(less))))
     for one in dropped:
         fewer = max(1, len(names) - len(present(one.chain)))
@@ -149,13 +148,6 @@ def _form_is_evident(state: State, one: Scored, dropped: Sequence[Scored]) -> bo
     return all(rise_without(state, one, less) >= LEAST_EVIDENCE for less in bare)
 
 
-def _without(chain: Chain, names: Sequence[str]) -> Chain:
-    """The chain without the named causes."""
-    for name in names:
-        chain = causes()[name].without(chain)
-    return chain
-
-
 def _best_with(state: State, bare: Scored, name: str) -> Scored | None:
     """The chain with the least score that adds the cause `name` to `bare`."""
     starts = _starts(causes()[name], Residual(state.scene, bare.fit))
@@ -166,7 +158,7 @@ def rise_without(state: State, larger: Scored, less: Scored) -> float:
     """Rise of the score from a chain to one with less; of the pooled score if they differ in the only slow cause."""
     if adds_first_slow_cause(larger, less) or differs_in_its_slow_cause(larger, less):
         return state.whitenings.pooled_fall(larger, less, LEAST_EVIDENCE)
-    return larger.fall_from(less)
+    return larger.fall_from(less, left_out=True)
 
 
 def _likelier(state: State, other: Scored, bare: Scored, slow: bool) -> bool:
@@ -226,4 +218,4 @@ def _refined_start(current: Scored, start: TrainingFit) -> Fit:
 def _with_acting_causes(part: Scene, fit: Fit, added: str) -> Fit:
     """The fit without the causes that an added cause leaves no effect for (`Cause.admissible`)."""
     idle = [name for name in present(fit.chain) if name != added and not causes()[name].admissible(part, fit)]
-    return refine(part, _without(fit.chain, idle), ROUNDS) if idle else fit
+    return refine(part, without_causes(fit.chain, idle), ROUNDS) if idle else fit

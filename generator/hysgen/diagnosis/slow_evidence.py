@@ -16,12 +16,12 @@ left of it is slow too and would be named as a second one.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from hysgen.diagnosis.causes import causes, slow_causes
+from hysgen.diagnosis.causes import slow_causes, without_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, refine
 from hysgen.diagnosis.probe.uncertainty import block_edges
 from hysgen.diagnosis.score import Scored, dispersion, present, prior_score, structure
@@ -55,7 +55,7 @@ class Whitenings:
 
         least: where the fall of the score alone makes the pooled one larger than this, a lower bound of it is returned.
         """
-        fall = larger.fall_from(smaller)
+        fall = larger.fall_from(smaller, left_out=True)
         worst = fall - _penalty(larger, smaller, float(len(self.scene.rows)))
         if worst > 2.0 * least:
             return 0.5 * worst
@@ -69,7 +69,7 @@ class Whitenings:
         """
         rows = self.scene.rows
         after = self.fit(larger.chain, smaller.fit)
-        less = _without_slow_parts(after.chain)
+        less = without_causes(after.chain, slow_causes())
         chains = [smaller.chain] if slow_part(smaller) else [smaller.chain, less]
         before = min((self.fit(chain, smaller.fit) for chain in chains), key=lambda fit: fit.rms_um)
         independent = len(rows) / dispersion(after.error[rows], (before.error - after.error)[rows])
@@ -122,14 +122,12 @@ def differs_in_its_slow_cause(larger: Scored, smaller: Scored) -> bool:
         len(slow) == 1
         and slow == slow_part(smaller)
         and larger.orders > smaller.orders
-        and structure(_without_slow_parts(larger.chain)) == structure(_without_slow_parts(smaller.chain))
+        and _beside_slow_causes(larger) == _beside_slow_causes(smaller)
     )
 
 
-def _without_slow_parts(chain: Chain) -> Chain:
-    for name in slow_causes():
-        chain = causes()[name].without(chain)
-    return chain
+def _beside_slow_causes(one: Scored) -> Hashable:
+    return structure(without_causes(one.chain, slow_causes()))
 
 
 def _penalty(larger: Scored, smaller: Scored, independent: float) -> float:

@@ -198,6 +198,8 @@ def _ladder(drawn: dict[str, Picture], study: Study) -> PageSection:
         pictures=[drawn["ladder"]],
         tables=[PageTable(LADDER, study.ladder())],
         notes=[
+            *(f"{cause.why_kept}." for cause in diagnosis.causes if cause.why_kept),
+            *([f"Scores: {diagnosis.held_change}."] if diagnosis.held_change else []),
             f"Free run over the held-out part; noise floor from {diagnosis.noise.source}. Gain: fall of the rms, 95 % "
             "interval by block bootstrap. Of the error: share of its power above the noise. Cycles: estimated, of the "
             "dearest of predict, simulate and inverse.",

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from hysgen.certify.certificates import certify
 from hysgen.codegen import Options, cost_figures
 from hysgen.codegen.operations.cycles import cycles_of, per_sample
@@ -38,6 +40,9 @@ SMALLEST_SHARE = 0.005
 FAR_ABOVE_NOISE = 5.0
 """Error over noise above which an answer without a cause lists the candidates that were refused."""
 
+AS_A_CONSTANT = 0.9
+"""Error over that of the mean from which on a model explains nothing: less than a fifth of the power."""
+
 CONFIDENCE = "confidence: posterior probability of the cause over all chains of causes that were compared"
 """What the column of that name holds."""
 
@@ -50,7 +55,9 @@ def diagnosis_text(study: Study) -> str:
         "\n".join(verdict(study)),
         table(LADDER, study.ladder()) + f"\nnoise floor from {diagnosis.noise.source}"
         "; gain: fall of the rms, block bootstrap; of the error: share of its power above the noise"
-        + (f"\n{CONFIDENCE}" if study.extended else ""),
+        + (f"\n{CONFIDENCE}" if study.extended else "")
+        + "".join(f"\n{cause.why_kept}" for cause in diagnosis.causes if cause.why_kept)
+        + (f"\nscores: {diagnosis.held_change}" if diagnosis.held_change else ""),
     ]
     evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in diagnosis.causes]
     evidence += [f"not named: {refused.name}: {refused.why}" for refused in diagnosis.refused]
@@ -106,6 +113,9 @@ def verdict(study: Study) -> list[str]:
         f"The simulation is wrong by {_percent(study.percent(diagnosis.base_rms_um))} of the stroke: "
         f"{diagnosis.base_rms_um:.3g} um rms in free run, held out; the noise is {diagnosis.noise.rms_um:.2g} um."
     )
+    if not _follows(study):
+        constant = "The displacement does not follow the voltage: a constant is as good as every model of it."
+        return [wrong, constant, *_left(diagnosis.unknown)]
     if not diagnosis.causes:
         if diagnosis.unknown:
             return [wrong, f"Something stands behind it that none of the known causes explains: {diagnosis.unknown}."]
@@ -140,6 +150,12 @@ def verdict(study: Study) -> list[str]:
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
     return [*lines, *left_out, *_left(diagnosis.unknown)]
+
+
+def _follows(study: Study) -> bool:
+    """Whether the extended model is better than a constant on the held-out rows."""
+    y_um = np.concatenate([segment.y_um for segment in study.record.segments])
+    return study.diagnosis.extended_rms_um < AS_A_CONSTANT * float(np.std(y_um[study.diagnosis.held_rows]))
 
 
 def _left(unknown: str | None) -> list[str]:

@@ -12,6 +12,7 @@ import pkgutil
 from collections.abc import Iterable, Mapping
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.probe import Chain
 
 __all__ = [
     "VOCABULARY",
@@ -23,6 +24,7 @@ __all__ = [
     "causes",
     "in_ladder_order",
     "slow_causes",
+    "without_causes",
 ]
 
 
@@ -48,6 +50,13 @@ def in_ladder_order(names: Iterable[str]) -> list[str]:
 def slow_causes() -> tuple[str, ...]:
     """Names of the slow causes (`Cause.slow`), in the order of the ladder."""
     return tuple(in_ladder_order(name for name, cause in causes().items() if cause.slow))
+
+
+def without_causes(chain: Chain, names: Iterable[str]) -> Chain:
+    """The chain without the parts of the named causes."""
+    for name in names:
+        chain = causes()[name].without(chain)
+    return chain
 
 
 VOCABULARY = tuple(in_ladder_order(causes()))

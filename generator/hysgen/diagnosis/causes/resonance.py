@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Mode, Part, RunSignals, ShapeParameter, standard_errors
 from hysgen.model.path.modes import Modes
+
+Floats = NDArray[np.float64]
 
 PER_DECADE = 45
 """Grid frequencies per decade; the responses of two modes half a step apart stay alike until they have decayed."""
 
 DAMPINGS = (0.03, 0.12)
+APART, MOST_STARTS = 0.25, 6
+"""Least distance of two proposed modes of one damping, in ln(f), and their number."""
 MOST_MODES = 3
 LEAST_DAMPING, MOST_DAMPING = 5e-4, 0.4
 """Damping ratios of a mode: below these a mode is a line, above them its response is that of a delay."""
@@ -32,7 +38,10 @@ MODE = (
 
 @dataclass(frozen=True)
 class ResonancePart(Part):
-    """Parallel second-order modes behind the hysteresis."""
+    """Parallel second-order modes behind the hysteresis.
+
+    Each adds two columns: what a movement before the record has left ringing.
+    """
 
     cause: ClassVar[str] = "resonance"
     order: ClassVar[int] = 40
@@ -49,6 +58,23 @@ class ResonancePart(Part):
     def with_values(self, values: Sequence[float]) -> Self:
         return type(self)(tuple(Mode(*values[i : i + 3]) for i in range(0, len(values), 3)))
 
+    @property
+    def added(self) -> int:
+        return 2 * len(self.modes)
+
+    @property
+    def weight_orders(self) -> float:
+        return 0.0  # a ringing that fades is known no better from a longer record
+
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        t_s = run.time_s(extent.Ts_s)
+        rates = (2.0 * math.pi * mode.f_Hz * complex(-mode.zeta, math.sqrt(1.0 - mode.zeta**2)) for mode in self.modes)
+        rings = [np.exp(rate * t_s) for rate in rates]
+        return [part for ring in rings for part in (ring.real, ring.imag)]
+
+    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
+        return tuple((mode.f_Hz, mode.zeta) for mode in self.modes)
+
 
 class ResonanceCause(Cause):
     name = "resonance"
@@ -64,39 +90,36 @@ class ResonanceCause(Cause):
         return [chain.having(ResonancePart(modes_kept)) if modes_kept else self.without(chain) for modes_kept in fewer]
 
     def proposals(self, residual: Residual) -> list[Chain]:
-        """The six modes of a grid whose responses explain most of the residual, one at a time."""
+        """The six modes of a grid whose responses explain most of the residual, one at a time, and two at once.
+
+        Of two strong modes, one alone may lower the error too little for a step of the search.
+        """
         chain, scene = residual.fit.chain, residual.scene
         if len(chain.modes) >= MOST_MODES:
             return []
-        low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
-        # The grid starts at a fiftieth of the corner frequency of the lag.
-        low_Hz = max(low_Hz, 0.02 / (2 * math.pi * chain.lag_s), 1e-3 * high_Hz)
+        grid = [Mode(f_Hz, zeta, 1.0) for zeta in DAMPINGS for f_Hz in _grid_Hz(residual)]
+        bare = residual.responses(self.without(chain))
+        rings = np.empty((len(grid), len(scene.rows)))
+        for i, mode in enumerate(grid):
+            single = residual.responses(chain.having(ResonancePart((mode,))))
+            ring = [seen - stiff for seen, stiff in zip(single, bare, strict=True)]
+            rings[i] = np.concatenate(ring)[scene.rows]
+        rings = residual.projector.orthogonal_part(rings)
         error = residual.projector.orthogonal_part(residual.fit.error[scene.rows])
-        still = self.without(chain)
-        bare = residual.responses(still)
-        candidates = []
-        count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
-        for zeta in DAMPINGS:
-            grid_Hz = np.geomspace(low_Hz, high_Hz, count).tolist()
-            rings = np.empty((count, len(scene.rows)))
-            for i, f_Hz in enumerate(grid_Hz):
-                single = chain.having(ResonancePart((Mode(f_Hz, zeta, 1.0),)))
-                ring = [seen - stiff for seen, stiff in zip(residual.responses(single), bare, strict=True)]
-                rings[i] = np.concatenate(ring)[scene.rows]
-            rings = residual.projector.orthogonal_part(rings)
-            powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
-            shares = rings @ error / powers
-            candidates += list(
-                zip((shares**2 * powers).tolist(), grid_Hz, [zeta] * count, shares.tolist(), strict=True)
-            )
-        candidates.sort(reverse=True)
         chosen: list[Mode] = []
-        for _, f_Hz, zeta, share in candidates:
-            if all(zeta != mode.zeta or abs(math.log(f_Hz / mode.f_Hz)) > 0.25 for mode in chosen):
-                chosen.append(Mode(f_Hz, zeta, float(np.clip(share, -1.0, 1.0))))
-            if len(chosen) == 6:
+        for mode in _by_power(grid, rings, error):
+            if all(mode.zeta != one.zeta or abs(math.log(mode.f_Hz / one.f_Hz)) > APART for one in chosen):
+                chosen.append(mode)
+            if len(chosen) == MOST_STARTS:
                 break
-        return [chain.having(ResonancePart((*chain.modes, mode))) for mode in chosen]
+        sets: list[tuple[Mode, ...]] = [(mode,) for mode in chosen]
+        if len(chain.modes) + 2 <= MOST_MODES:
+            first = rings[grid.index(dataclasses.replace(chosen[0], share=1.0))]
+            first = first / (np.linalg.norm(first) + 1e-300)
+            beside = rings - np.outer(rings @ first, first)
+            others = _by_power(grid, beside, error - (error @ first) * first)
+            sets.append((chosen[0], next(one for one in others if abs(math.log(one.f_Hz / chosen[0].f_Hz)) > APART)))
+        return [chain.having(ResonancePart((*chain.modes, *more))) for more in sets]
 
     def effect(self, residual: Residual) -> Effect:
         """Of a mode at a twentieth of the sampling rate."""
@@ -126,6 +149,26 @@ class ResonanceCause(Cause):
     def true_extension(self, known: Known) -> Extension:
         mode = Mode(*(known.parameters[f"resonance.{one.field}"] for one in MODE))
         return Extension(block=modes_block([mode], known.lag_s), lag_s=known.lag_s)
+
+
+def _grid_Hz(residual: Residual) -> list[float]:
+    """Frequencies of the modes that are proposed."""
+    scene = residual.scene
+    low_Hz, high_Hz = 6.0 / scene.span_s, 0.45 / scene.Ts_s
+    # From a fiftieth of the corner frequency of the lag on; without the mode that rings, a fit may take the lag away.
+    lag_s = max(residual.fit.chain.lag_s, scene.Ts_s)
+    low_Hz = max(low_Hz, 0.02 / (2 * math.pi * lag_s), 1e-3 * high_Hz)
+    count = max(20, int(PER_DECADE * math.log10(high_Hz / low_Hz)))
+    frequencies: list[float] = np.geomspace(low_Hz, high_Hz, count).tolist()
+    return frequencies
+
+
+def _by_power(grid: Sequence[Mode], rings: Floats, error: Floats) -> list[Mode]:
+    """The modes with their shares, those first that explain most of `error`, (n,); rings: (len(grid), n) responses."""
+    powers = np.einsum("ij,ij->i", rings, rings) + 1e-300
+    shares = rings @ error / powers
+    order = np.argsort(-(shares**2) * powers, kind="stable")
+    return [dataclasses.replace(grid[i], share=float(np.clip(shares[i], -1.0, 1.0))) for i in order.tolist()]
 
 
 def modes_block(modes: Sequence[Mode], lag_s: float) -> Modes:

@@ -12,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import (
-    FEWEST_LIMITED,
     Cause,
     Effect,
     Estimate,
     Known,
     Residual,
     Signature,
-    limited_rows,
 )
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors
@@ -132,22 +130,20 @@ class SaturationCause(Cause):
         part = fit.chain.get(SaturationPart)
         if part is None:
             return True
-        flat = all(abs(one.value) < MOST_SLOPE for one in _slopes(Residual(scene, fit)))
-        return flat and limited_rows(scene, fit.chain, SaturationPart) >= FEWEST_LIMITED
+        return all(abs(one.value) < MOST_SLOPE for one in _slopes(Residual(scene, fit)))
 
     def evidence(self, scene: Scene, fit: Fit) -> float:
-        """Sum over the levels of 2 ln(N(s; 0, e) / N(s; 1, FREE_SLOPE)), with the slope s beyond the level.
+        """Sum over the levels of 2 ln(N(s; 0, LIMIT_SLOPE) / N(s; 1, FREE_SLOPE)), with the slope s beyond the level.
 
-        The misfit of the hysteresis, which limits what a fall of the residual says, is absent beyond a limit.
-        e: standard error of s and LIMIT_SLOPE.
+        The misfit of the hysteresis, which limits what a fall of the residual says, is absent beyond a limit. Both
+        deviations are widened by the standard error of s.
         """
         if not self.present(fit.chain):
             return 0.0
         total = 0.0
         for one in _slopes(Residual(scene, fit)):
-            limit = math.hypot(LIMIT_SLOPE, one.standard_error)
-            total += ((one.value - 1.0) / FREE_SLOPE) ** 2 - (one.value / limit) ** 2
-            total -= 2.0 * math.log(limit / FREE_SLOPE)
+            limit, free = (math.hypot(wide, one.standard_error) for wide in (LIMIT_SLOPE, FREE_SLOPE))
+            total += ((one.value - 1.0) / free) ** 2 - (one.value / limit) ** 2 - 2.0 * math.log(limit / free)
         return total
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
@@ -158,9 +154,9 @@ class SaturationCause(Cause):
         return [chain.having(SaturationPart(high_V=part.high_V)), chain.having(SaturationPart(low_V=part.low_V))]
 
     def effect(self, residual: Residual) -> Effect:
-        """The highest level that FEWEST_LIMITED samples exceed."""
+        """The highest level that FEWEST_SLOPE samples exceed."""
         command_V = np.sort(np.concatenate([run.u_V for run in residual.scene.runs])[residual.scene.rows])
-        return Effect("V and lower levels", least=float(command_V[-FEWEST_LIMITED]))
+        return Effect("V and lower levels", least=float(command_V[-FEWEST_SLOPE]))
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Slope of the output over the command beyond the level, as a share of the mean slope of the record."""
@@ -219,8 +215,9 @@ def _slopes(residual: Residual) -> list[Estimate]:
         s = sum x e / sum x^2,   x = response at the mean gain to the voltage that the level takes away
 
     e: residual; both about their means over each excursion beyond the level, because hysteresis and drift move an
-    excursion as a whole. 0 if the output is constant beyond the level, 1 if the slope does not change there. Standard
-    error: the larger one of white noise and of the scatter between excursions.
+    excursion as a whole. 0 if the output is constant beyond the level, 1 if the slope does not change there. With fewer
+    than FEWEST_SLOPE rows, 1. Standard error: that of an error which keeps its sign to x over an excursion, because the
+    misfit of the hysteresis does so while the lag follows.
     """
     scene, fit = residual.scene, residual.fit
     part, u_V = fit.chain.of(SaturationPart), np.concatenate([run.u_V for run in scene.runs])
@@ -233,7 +230,7 @@ def _slopes(residual: Residual) -> list[Estimate]:
             for run, command in zip(scene.runs, scene.commands, strict=True)
         ]
         response = np.concatenate(scene.responses(taken, fit.chain))
-        beyond = np.abs(response) > LEAST_RESPONSE * np.abs(response).max()
+        beyond = np.abs(response) > LEAST_RESPONSE * np.abs(response[scene.rows]).max()
         rows = scene.rows[beyond[scene.rows]]
         excursions = np.cumsum(np.diff(beyond, prepend=False))[rows]
         if len(rows) < FEWEST_SLOPE:
@@ -243,8 +240,8 @@ def _slopes(residual: Residual) -> list[Estimate]:
         power = float(x @ x) + 1e-300
         share = float(x @ e) / power
         left = e - share * x
-        scatter = float(np.sum(np.bincount(excursions, x * left) ** 2))
-        slopes.append(Estimate(share, math.sqrt(max(float(np.mean(left * left)) * power, scatter)) / power))
+        held = float(np.mean(left * left) * np.sum(np.bincount(excursions, np.abs(x)) ** 2))
+        slopes.append(Estimate(share, math.sqrt(held) / power))
     return slopes
 
 

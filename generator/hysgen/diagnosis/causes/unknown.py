@@ -250,12 +250,14 @@ class _Rows:
         half = int(min(shown, count / (2 * BLOCKS)))
         near = slice(max(middle - half, 0), middle + half)
         since_s = self.t_s[near] - at_s
-        course = -np.expm1(-np.maximum(since_s, 0.0) / lag_s) if lag_s else since_s >= 0.0
-        change = effect[near] * course
+        # The fit takes the change as one at once, at the time of half of the one behind the lag.
+        found = error[near] + effect[near] * (since_s >= 0.0)
+        begun_s = np.maximum(since_s + math.log(2.0) * lag_s, 0.0)
+        change = effect[near] * (-np.expm1(-begun_s / lag_s) if lag_s else since_s >= 0.0)
         smooth = np.vstack([np.ones(len(change)), since_s, self.u_V[near]])
         own = change - np.linalg.lstsq(smooth.T, change, rcond=None)[0] @ smooth
         power = float(own @ own) + 1e-300
-        share = float(own @ (error[near] + change)) / power
+        share = float(own @ found) / power
         return bool(share > max(LEAST_AT_ONCE, CLEARLY * self.noise_um / math.sqrt(power)))
 
 

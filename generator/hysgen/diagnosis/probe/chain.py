@@ -28,6 +28,10 @@ FASTEST = 0.05
 LAG = ShapeParameter("lag_s", "s", lambda extent: (0.02 * extent.Ts_s, 0.3 * extent.span_s), logarithm=True)
 
 
+COMMON = 3
+"""Added columns of every chain: a constant, and those of the sensor's curve."""
+
+
 @dataclass(frozen=True)
 class Chain:
     """One hypothesis about the stage.
@@ -143,8 +147,8 @@ class Chain:
         return sum((part.gain_change(t_s) for part in self.parts), 0.0)
 
     def first_column(self, kind: type[Part]) -> int:
-        """Place of the first added column of a part among all added columns; the constant has place 0."""
-        count = 1
+        """Place of the first added column of a part among all added columns; behind the COMMON ones of every chain."""
+        count = COMMON
         for part in self.parts:
             if isinstance(part, kind):
                 break

@@ -308,15 +308,28 @@ class Scene:
         return self.hysteresis_size(chain) + chain.first_column(kind)
 
     def added_columns(self, chain: Chain) -> Floats:
-        """(q, n) a constant, then the columns that the parts of the chain add in their order."""
+        """(q, n) a constant, the columns of the sensor's curve, then those that the parts of the chain add in order."""
         adding = [part for part in chain.parts if part.added]
-        key: Hashable = tuple(part.columns_depend_on(chain.lag_s, chain.delay) for part in adding)
+        depends = tuple(part.columns_depend_on(chain.lag_s, chain.delay) for part in adding)
+        key: Hashable = (chain.lag_s, chain.delay, chain.amplifier, depends)
         return self._added.get(key, lambda: np.hstack([self._added_to(i, chain) for i in range(len(self.runs))]))
 
     def _lagged(self, signal: Floats, run: Trace, chain: Chain) -> Floats:
         """(n,) a channel behind the lag and the delay of the chain."""
         held, linear = run.held(signal[None], chain, self.Ts_s)
         return lagged(held[0], linear.lag_s, linear.delay, self.Ts_s * run.stride)
+
+    def _bend(self, run: Trace, chain: Chain) -> list[Floats]:
+        """COMMON - 1 columns, (n,) each, of a sensor with a curve: what it shows of a lag behind the ceramic's curve.
+
+            L(v)^2 - L(v^2),   L(v) L(v^2) - L(v^3)
+
+        v: the voltage, -1 .. 1 over the range; L: lag and delay. A quadratic curve of the sensor makes L(f)^2 of a
+        displacement L(f), where f = v + a v^2 of the ceramic; at rest, the curve of the operator holds both.
+        """
+        v = (chain.amplified(run.u_V, self.Ts_s * run.stride) - self.extent.middle_V) / self.extent.half_V
+        first, second, third = (self._lagged(power, run, chain) for power in (v, v * v, v**3))
+        return [first * first - second, first * second - third]
 
     def _added_to(self, i: int, chain: Chain) -> Floats:
         """(q, n_i) `added_columns` of run i."""
@@ -329,4 +342,5 @@ class Scene:
             )
 
         adding = [part for part in chain.parts if part.added]
-        return np.stack([np.ones(len(run.u_V)), *(column for part in adding for column in columns_of(part))])
+        common = [np.ones(len(run.u_V)), *self._bend(run, chain)]
+        return np.stack([*common, *(column for part in adding for column in columns_of(part))])

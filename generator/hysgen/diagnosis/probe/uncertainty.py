@@ -25,8 +25,8 @@ Floats = NDArray[np.float64]
 
 BLOCKS = 40
 
-MOST_LEVERAGE = 0.99
-"""Upper bound on the leverage of one block; at 1 the residual of a fit without the block does not exist."""
+LEAST_LEVERAGE, MOST_LEVERAGE = 1e-12, 0.99
+"""Bounds on the leverage of one block; at 1 the residual of a fit without the block does not exist."""
 
 
 @dataclass(frozen=True)
@@ -50,19 +50,21 @@ def standard_errors(scene: Scene, fit: Fit) -> StandardErrors:
     return StandardErrors(dict(zip(fit.chain.names(), shape.tolist(), strict=True)), linear)
 
 
-def block_left_out_error(columns: Floats, error: Floats) -> Floats:
+def block_left_out_error(columns: Floats, error: Floats, power: float = 1.0) -> Floats:
     """(n,) residual of each block for the linear fit on `columns`, (p, n), to all other blocks.
 
-        (I - L_b)^-1 e_b
+        (I - L_b)^-power e_b
 
-    error: (n,) residual of the fit to all blocks.
+    error: (n,) residual of the fit to all blocks. power: below 1, a residual between this one and that of the fit to
+    all blocks; at 1/2 it has the variance of a white error.
     """
     basis = Projector.of(columns).basis()
     parts = []
     for a, b in itertools.pairwise(block_edges(len(error))):
         part = basis[:, a:b]
         leverage, axes = np.linalg.eigh(part @ part.T)
-        weight = 1.0 / (1.0 - np.minimum(leverage, MOST_LEVERAGE))
+        leverage = np.clip(leverage, LEAST_LEVERAGE, MOST_LEVERAGE)
+        weight = np.expm1(-power * np.log1p(-leverage)) / leverage
         parts.append(error[a:b] + part.T @ (axes @ (weight * (axes.T @ (part @ error[a:b])))))
     return np.concatenate(parts)
 
