@@ -17,9 +17,10 @@ from fixtures.tools import need
 from hysgen.c674x import toolchain
 from hysgen.c674x.cost import cost, cost_of_texts
 from hysgen.c674x.cost.budget_file import changes, read
-from hysgen.c674x.cost.formulas import formulas
+from hysgen.c674x.cost.formulas import formula_lines, formulas, kernel_formulas
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.footprint import footprint
+from hysgen.c674x.schedule.folder import kernels
 from hysgen.checking.host import Host
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
@@ -33,6 +34,7 @@ from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
+from hysgen.model.path.hysteresis import Hysteresis
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
 STRAIGHT = [
@@ -236,10 +238,37 @@ def test_formulas_give_the_measured_cycles_within_the_error_that_they_state() ->
             assert abs(value - cycles) <= formula.error * cycles, f"{formula.function}: {value}, measured {cycles}"
 
 
+@pytest.mark.slow
+def test_formulas_of_the_kernels_give_their_cycles_within_the_error_that_they_state() -> None:
+    """Of sizes that were not fitted: 5 rules with 15 parameters, and 12 plays that share coefficients."""
+    small = dataclasses.replace(smooth(5), name="smooth", learner=LearnerSettings())
+    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:], learner=None)
+    for model, functions in ((small, 5), (plays, 3)):
+        schedules = kernels(model.name, generate(model, Options(clock_Hz=1e10))).schedules
+        found = kernel_formulas(model)
+        assert len(found) == functions
+        for formula, value in found:
+            cycles = schedules[f"{model.name}_{formula.function}"].cycles
+            assert abs(value - cycles) <= formula.error * cycles, f"{formula.function}: {value}, scheduled {cycles}"
+
+
+def test_no_formula_describes_an_inverse_of_more_newton_steps() -> None:
+    """The hysteresis of the shipped model `extended` takes four."""
+    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:])
+    steep = next(block for block in load_model("extended").blocks if isinstance(block, Hysteresis))
+    longer = dataclasses.replace(plays, blocks=(steep, *plays.blocks[1:]), u_min_V=22.0, u_max_V=56.0)
+    for found in (formulas, kernel_formulas):
+        assert "inverse" in {formula.function for formula, _ in found(plays)}
+        assert "inverse" not in {formula.function for formula, _ in found(longer)}
+
+
 def test_formulas_stand_beside_the_figures() -> None:
     text = "\n".join(cost_of_texts(load_model("appendix_a"), generate(load_model("appendix_a")), timed=False).notes())
     assert "predict = 120 + 7.6 L = 166 (+-13 %)" in text
     assert formulas(everything()) == []
+    lines = formula_lines("the kernels", kernel_formulas(load_model("appendix_a")))
+    assert "  predict = 109 + 2.14 L = 122 (+-3 %)" in lines
+    assert formula_lines("the kernels", []) == []
 
 
 @pytest.mark.slow

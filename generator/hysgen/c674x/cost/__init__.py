@@ -14,7 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from hysgen.c674x.cost.formulas import Formula, formulas
+from hysgen.c674x.cost.formulas import Formula, formula_lines, formulas
 from hysgen.checking.bits.functions import COMPARED_STRUCTS
 from hysgen.checking.bits.inputs import chunks
 from hysgen.checking.host import Host
@@ -111,13 +111,8 @@ class Cost(Displayed):
             f"one sample: {self.per_sample} of {self.budget} at {rate}, {100.0 * self.share:.1f} %",
             "~ before cycles: estimated from the operations, not measured on the target; stalls and caches left out",
             f"host ns: median of repeated runs on this machine ({self.host}); they say nothing about the DSP",
-            *self._formula_lines(),
+            *formula_lines("the C by gcc", self.formulas),
         ]
-
-    def _formula_lines(self) -> list[str]:
-        lines = [f"  {f.function} = {f} = {value} (+-{100 * f.error:.0f} %)" for f, value in self.formulas]
-        about = "C674x cycles of the C by gcc as formulas in rules L, plays m and parameters n:"
-        return [about, *lines] if lines else []
 
 
 def cost(folder: Path, cycles: Mapping[str, int] | None = None, *, timed: bool = True) -> Cost:

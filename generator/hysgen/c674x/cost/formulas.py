@@ -1,10 +1,16 @@
-"""Cycles on the C674x as formulas in rules L, plays m and learned parameters n, fitted to cycles of gcc's code.
+"""Cycles on the C674x as formulas in rules L, plays m and learned parameters n: of gcc's code, and of the kernels.
 
-Measured with `python benchmarks/target_cycles.py`, stall-free, longest way; least squares of the relative deviation.
-Valid for 2 to 12 rules and 6 to 24 parameters. The formulas behind a path hold for six rules and 4 to 24 plays, 2 Duhem
-states, 4 creep states and one mode; those of the steps lie between plays with coefficients of their own and plays that
-share them (least largest deviation). Plays that relax have formulas of their own, fitted to 4, 8 and 12 plays of degree
-3 with coefficients of their own and valid for 4 to 12 plays.
+FORMULAS: fitted to gcc's code, measured with `python benchmarks/target_cycles.py`, stall-free, longest way; least
+squares of the relative deviation. Valid for 2 to 12 rules and 6 to 24 parameters. The formulas behind a path hold for
+six rules and 4 to 24 plays, 2 Duhem states, 4 creep states and one mode; those of the steps lie between plays with
+coefficients of their own and plays that share them (least largest deviation). Plays that relax have formulas of their
+own, fitted to 4, 8 and 12 plays of degree 3 with coefficients of their own and valid for 4 to 12 plays. The inverse
+behind a path: with three Newton steps.
+
+KERNELS: fitted to the schedules of the same models, with 2 to 12 rules, with 6, 9, 12 and 18 parameters and with 4 to
+24 plays, those of the steps to 4 and 24 plays that share coefficients, too; least largest relative deviation. The
+errors include 5 rules, 6 plays and 12 plays that share coefficients, which were not fitted. With 24 parameters `learn`
+stays in C; behind a path, its formula is that of 18.
 """
 
 from __future__ import annotations
@@ -63,9 +69,28 @@ FORMULAS: Final[Sequence[Formula]] = (
     Formula("commit", ((69.0, ""), (33.9, "L"), (4.73, "L^2")), 0.15, path=True, relaxes=True),
 )
 
+KERNELS: Final[Sequence[Formula]] = (
+    Formula("predict", ((109.0, ""), (2.14, "L")), 0.03),
+    Formula("simulate", ((106.0, ""), (2.34, "L")), 0.03),
+    Formula("inverse", ((127.6, ""), (2.04, "L")), 0.03),
+    Formula("snapshot", ((5.1, ""), (30.4, "L")), 0.16),
+    Formula("learn", ((-49.0, ""), (63.3, "n")), 0.13),
+    Formula("predict", ((139.0, ""), (4.8, "m")), 0.09, path=True),
+    Formula("simulate", ((132.0, ""), (4.78, "m")), 0.11, path=True),
+    Formula("inverse", ((664.0, ""), (4.85, "m")), 0.04, path=True),
+    Formula("snapshot", ((169.0, ""),), 0.13, path=True),
+    Formula("learn", ((1176.0, ""), (8.0, "m")), 0.09, path=True),
+)
 
-def formulas(model: Model) -> list[tuple[Formula, int]]:
-    """The formulas that hold for the structure of `model`, each with its value."""
+NEWTON_STEPS: Final = 3
+"""Newton steps of the inverse behind the path that the formulas describe."""
+
+MOST_IN_KERNEL: Final = 18
+"""Most learned parameters of a learner that becomes one kernel."""
+
+
+def formulas(model: Model, among: Sequence[Formula] = FORMULAS) -> list[tuple[Formula, int]]:
+    """The formulas of `among` that hold for the structure of `model`, each with its value."""
     rules, kinds = model.grid.rules, [block.kind for block in model.blocks]
     if model.terms or not 2 <= rules <= 12 or (kinds and (kinds != PATH or rules != 6)):
         return []
@@ -73,10 +98,25 @@ def formulas(model: Model) -> list[tuple[Formula, int]]:
     relaxes, plays = any(block.relaxes for block in hysteresis), sum(block.plays for block in hysteresis)
     if relaxes and not (4 <= plays <= 12 and hysteresis[0].degree == 3):
         return []
+    longer = any(block.steps != NEWTON_STEPS for block in hysteresis)
     n = learner_numbers(model, coefficients(model)).size if model.learner else 0
     return [
         (formula, formula.cycles(rules, plays, n))
-        for formula in FORMULAS
+        for formula in among
         if (formula.path, formula.relaxes) == (bool(kinds), relaxes)
-        and (6 <= n <= 24 or formula.function not in ("learn", "commit"))
+        and (6 <= n <= 24 or formula.function not in ("learn", "commit", "snapshot"))
+        and not (longer and formula.function == "inverse")
     ]
+
+
+def kernel_formulas(model: Model) -> list[tuple[Formula, int]]:
+    """The formulas that hold for the kernels of `model`, each with its value."""
+    n = learner_numbers(model, coefficients(model)).size if model.learner else 0
+    learns = n == MOST_IN_KERNEL if model.blocks else n <= MOST_IN_KERNEL
+    return [each for each in formulas(model, KERNELS) if learns or each[0].function != "learn"]
+
+
+def formula_lines(about: str, found: Sequence[tuple[Formula, int]]) -> list[str]:
+    """A line of text for each formula with its value and error, below `about`; none without a formula."""
+    lines = [f"  {f.function} = {f} = {value} (+-{100 * f.error:.0f} %)" for f, value in found]
+    return [f"C674x cycles of {about} as formulas in rules L, plays m and parameters n:", *lines] if lines else []

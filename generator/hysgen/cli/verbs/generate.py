@@ -9,6 +9,7 @@ from pathlib import Path
 
 from hysgen.c674x.cost import Cost, cost
 from hysgen.c674x.cost.budget_file import FigureChange, changes, read, update
+from hysgen.c674x.cost.formulas import formula_lines, kernel_formulas
 from hysgen.c674x.footprint import footprint
 from hysgen.c674x.schedule.folder import kernels, with_kernels
 from hysgen.c674x.schedule.limits import kernel_costs, kernel_table
@@ -172,6 +173,7 @@ def run_cost(arguments: argparse.Namespace, console: Console) -> int:
     scheduled = kernel_costs(generated.model.name, generated.texts) if arguments.target else []
     if scheduled:
         console.say(kernel_table(scheduled))
+        console.say("\n".join(formula_lines("the kernels", kernel_formulas(generated.model))))
         answer["kernels"] = [each.to_json() for each in scheduled]
     different: list[FigureChange] = []
     if arguments.update_budget:
