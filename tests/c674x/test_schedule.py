@@ -55,6 +55,35 @@ float appendix_a_sum(float x)
     return s;
 }
 """
+DECIDED = """
+float appendix_a_decided(float x, float y, uint32_t rested)
+{
+    float kept = x;
+    float found = 0.0f;
+    uint32_t begun = 0u;
+    if (rested == 0u) {
+        if (y < 1.0f) {
+            kept = x * 2.0f;
+            begun = 1u;
+        }
+    }
+    if (begun != 0u) {
+        found = kept * 3.0f;
+    }
+    return found + kept;
+}
+"""
+LARGEST = """
+uint32_t appendix_a_largest(uint32_t a, uint32_t b, uint32_t c, uint32_t d, uint32_t e)
+{
+    const uint32_t values[5] = {a, b, c, d, e};
+    uint32_t largest = 0u;
+    for (uint32_t j = 0u; j < 5u; ++j) {
+        largest = (values[j] > largest) ? values[j] : largest;
+    }
+    return largest;
+}
+"""
 DOCS = Path(__file__).parents[2] / "docs" / "scheduled.md"
 
 
@@ -102,6 +131,30 @@ def test_pointers_that_may_overlap_are_refused(old: str, new: str) -> None:
     source["appendix_a.c"] += changed
     with pytest.raises(KernelRefusalError, match="two pointers"):
         kernel(Source("appendix_a", source), "appendix_a_two")
+
+
+def test_a_value_does_not_wait_for_a_condition_under_which_it_is_used() -> None:
+    source = dict(texts("appendix_a"))
+    source["appendix_a.c"] += DECIDED
+    dataflow = kernel(Source("appendix_a", source), "appendix_a_decided")
+    products = [op for op in dataflow.operations() if op.kind == "mpysp"]
+    assert len(products) == 2
+    assert products[0] in products[1].args
+    for y, rested, expected in ((0.5, 0, 16.0), (0.5, 7, 2.0), (1.5, 0, 2.0), (1.5, 1, 2.0)):
+        x_bits, y_bits, bits = (int(each) for each in np.array([2.0, y, expected], np.float32).view(np.uint32))
+        assert evaluate(dataflow, [x_bits, y_bits, rested], Memory({})) == bits
+
+
+def test_the_largest_of_many_words_is_found_by_pairs() -> None:
+    source = dict(texts("appendix_a"))
+    source["appendix_a.c"] += LARGEST
+    dataflow = kernel(Source("appendix_a", source), "appendix_a_largest")
+    length: dict[int, int] = {}
+    for op in dataflow.operations():
+        length[id(op)] = (op.kind == "select") + max((length[id(arg)] for arg in op.args), default=0)
+    assert max(length.values()) == 3
+    for words in ([1, 2, 3, 4, 5], [5, 4, 3, 2, 1], [7, 0xFFFF_FFFF, 7, 0x8000_0000, 0], [0, 0, 0, 0, 0]):
+        assert evaluate(dataflow, words, Memory({})) == max(words)
 
 
 @pytest.mark.slow

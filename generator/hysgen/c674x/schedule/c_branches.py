@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -65,27 +65,32 @@ class Branches:
         raise KernelRefusalError("the two sides of an if leave different pointers")
 
     def assumed(self, state: State, condition: Op) -> State:
-        """The state where a condition holds: choices by this condition, or by one that it implies, are made."""
-        known = set(map(id, _conjuncts(condition)))
+        """The state where a condition holds: choices that it decides are made."""
+        known = _facts(condition, True)
         cells = {
             key: self._decided(value, known) if isinstance(value, Op) else value for key, value in state.cells.items()
         }
         return State(cells, set(state.dirty))
 
-    def _decided(self, value: Op, known: set[int]) -> Op:
-        if value.kind != "select" or not value.args[0].truth:
+    def _decided(self, value: Op, known: Mapping[int, bool]) -> Op:
+        if value.kind != "select":
             return value
-        conjuncts = _conjuncts(value.args[0])
-        left = [each for each in conjuncts if id(each) not in known]
+        condition, yes, no = value.args
+        if id(condition) in known:
+            return self._decided(yes if known[id(condition)] else no, known)
+        conjuncts = _conjuncts(condition)
+        left = [each for each in conjuncts if not known.get(id(each), False)]
+        if any(known.get(id(each)) is False for each in left):
+            return self._decided(no, known)
         if len(left) == len(conjuncts):
             return value
-        yes = self._decided(value.args[1], known)
+        yes = self._decided(yes, known)
         if not left:
             return yes
         condition = left[0]
         for each in left[1:]:
             condition = self.graph.op("and", condition, each)
-        return self.graph.select(condition, yes, value.args[2])
+        return self.graph.select(condition, yes, no)
 
     def _stored_before(self, key: tuple[str, int], new: Leaf, old: Leaf) -> Leaf:
         """The word as a load, if an earlier `if` may have changed it.
@@ -96,6 +101,30 @@ class Branches:
         if self.memory.conditional or not isinstance(new, Op) or new is old:
             return old
         return self.memory.settled(key, old)
+
+
+def _facts(condition: Op, holds: bool) -> dict[int, bool]:
+    """Which values, by their ids, are known to be other than 0 (True) or 0 (False) where a condition holds or fails."""
+    found: dict[int, bool] = {}
+    pending = [(condition, holds)]
+    while pending:
+        op, here = pending.pop()
+        found[id(op)] = here
+        zeros = [arg.kind == "const" and not arg.number for arg in op.args]
+        match op.kind:
+            case "and" if here and all(arg.truth for arg in op.args):
+                pending += [(arg, True) for arg in op.args]
+            case "or" if not here:
+                pending += [(arg, False) for arg in op.args]
+            case "xor" if op.truth and op.args[1].kind == "const" and op.args[1].number:
+                pending.append((op.args[0], not here))
+            case "cmpeq" if zeros[1]:
+                pending.append((op.args[0], not here))
+            case "select" if here and zeros[1]:
+                pending += [(op.args[0], False), (op.args[2], True)]
+            case "select" if here and zeros[2]:
+                pending += [(op.args[0], True), (op.args[1], True)]
+    return found
 
 
 def _conjuncts(condition: Op) -> list[Op]:

@@ -92,10 +92,14 @@ class Kernel:
 
 @dataclass
 class Graph:
-    """Builder of operations: folds constants, and returns the same node for the same operation."""
+    """Builder of operations: folds constants, and returns the same node for the same operation.
+
+    compared: of each largest value, by its id, the values of which it is the largest.
+    """
 
     nodes: dict[tuple[object, ...], Op] = field(default_factory=dict)
     count: int = 0
+    compared: dict[int, tuple[Op, ...]] = field(default_factory=dict)
 
     def _node(
         self,
@@ -151,16 +155,34 @@ class Graph:
                 return self.op("and", condition, yes)
             if _is(yes, 1):
                 return self.op("or", condition, no)
+        if condition.kind == "cmpgtu" and condition.args == (yes, no):
+            return self._largest(yes, no)
         if no.kind == "select" and no.args[0] is condition:
             no = no.args[2]
         if yes.kind == "select" and yes.args[0] is condition:
             yes = yes.args[1]
         if yes.kind == "select" and yes.args[2] is no and condition.truth and yes.args[0].truth:
             return self.select(self.op("and", condition, yes.args[0]), yes.args[1], no)
-        if yes.kind == "select" and yes.args[1] is no and condition.truth and yes.args[0].truth:
-            fails = self.op("xor", yes.args[0], self.const(1))
+        if yes.kind == "select" and yes.args[1] is no and condition.truth:
+            fails = self.op("cmpeq", yes.args[0], self.const(0))
             return self.select(self.op("and", condition, fails), yes.args[2], no)
         return self._node("select", (condition, yes, no))
+
+    def _largest(self, one: Op, other: Op) -> Op:
+        """The larger one of two unsigned words; of many, by pairs, then pairs of pairs: a short chain of latencies."""
+        values = (*self.compared.get(id(other), (other,)), *self.compared.get(id(one), (one,)))
+        values = tuple(each for each in values if not _is(each, 0))
+        left = list(values)
+        while len(left) > 1:
+            pairs = [left[k : k + 2] for k in range(0, len(left), 2)]
+            left = [
+                self._node("select", (self._node("cmpgtu", (pair[1], pair[0])), pair[1], pair[0]))
+                if len(pair) == 2
+                else pair[0]
+                for pair in pairs
+            ]
+        self.compared[id(left[0])] = values
+        return left[0]
 
     def op(self, kind: str, *args: Op) -> Op:
         """An operation of `semantics`, simplified where the bits stay the same for all operands."""

@@ -131,9 +131,9 @@ class _Execution:
         before = self.memory.state
         returns = any(_returns(side) for side in sides)
         executed = [[*side, *rest] if returns else side for side in sides]
-        taken, (one, yes) = self.branches.execute(
-            self.branches.assumed(before, condition), lambda: self._block(executed[0], dict(scope))
-        )
+        assumed = self.branches.assumed(before, condition)
+        taken, (one, yes) = self.branches.execute(assumed, lambda: self._block(executed[0], dict(scope)))
+        taken.cells |= {key: before.cells[key] for key, value in assumed.cells.items() if taken.cells[key] is value}
         passed, (other, no) = self.branches.execute(before, lambda: self._block(executed[1], dict(scope)))
         self.memory.state = self.branches.merged(condition, taken, passed)
         if not returns:

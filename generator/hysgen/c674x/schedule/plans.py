@@ -60,12 +60,12 @@ _SPILLED: Final = (
     (2000, 4.0, 46, Plan(200, 0, 3, 0.5, saved=True, taper=0.08, ahead=100)),
 )
 _SPILLED_LONGEST: Final = (
-    (250, 4.0, 48, Plan(600, 0, 3, 0.05, saved=True, taper=0.05, ahead=130)),
-    (300, 4.0, 52, Plan(600, 0, 3, 0.5, saved=True, taper=0.04, ahead=160)),
+    (200, 1.5, 48, Plan(600, 0, 3, 2.0, saved=True, taper=0.06, ahead=300)),
+    (200, 6.0, 50, Plan(600, 0, 3, 0.5, saved=True, taper=0.03, ahead=200)),
     (100, 4.0, 46, _LOOKAHEAD),
 )
 """Window and slope of the order, registers and plan of the attempts that store values on the stack. Those for the
-longest kernels order stores of constants last; the first two are the shortest of up to 120 random attempts for the
+longest kernels order stores of constants last; the first two are the shortest of up to 60 random attempts for the
 `learn` of one model each, so another model may gain less from them."""
 
 FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
