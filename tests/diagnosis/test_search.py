@@ -140,6 +140,14 @@ def test_each_side_alone_is_refined_beside_the_better_pair() -> None:
     assert sides == {("low_V",), ("high_V",), ("low_V", "high_V")}
 
 
+def test_of_two_modes_at_once_the_lower_one_comes_first() -> None:
+    """The upper one is the stronger and is found first."""
+    both = LAG.having(ResonancePart((Mode(23.0, 0.03, 0.1), Mode(60.0, 0.03, 0.4))))
+    starts = causes()["resonance"].proposals(Residual(scene(both), refine(scene(both), LAG)))
+    pair = next(start for start in starts if len(start.modes) == 2)
+    np.testing.assert_allclose([mode.f_Hz for mode in pair.modes], [23.0, 60.0], rtol=0.1)
+
+
 def test_the_search_takes_parts_again_if_their_second_fit_is_better(monkeypatch: pytest.MonkeyPatch) -> None:
     """A mode, first in a local minimum, is dropped and found again; the same fit a second time ends the search."""
     seen = scene(RINGING)

@@ -119,7 +119,8 @@ class ResonanceCause(Cause):
             beside = rings - np.outer(rings @ first, first)
             others = _by_power(grid, beside, error - (error @ first) * first)
             sets.append((chosen[0], next(one for one in others if abs(math.log(one.f_Hz / chosen[0].f_Hz)) > APART)))
-        return [chain.having(ResonancePart((*chain.modes, *more))) for more in sets]
+        together = [sorted((*chain.modes, *more), key=lambda mode: mode.f_Hz) for more in sets]
+        return [chain.having(ResonancePart(tuple(modes))) for modes in together]
 
     def effect(self, residual: Residual) -> Effect:
         """Of a mode at a twentieth of the sampling rate."""
