@@ -7,6 +7,8 @@ is chosen by it: neither causes nor models depend on the held-out rows.
 
 from __future__ import annotations
 
+import dataclasses
+
 from hysgen.diagnosis.causes import Residual
 from hysgen.diagnosis.causes.unknown import CAUSE, SuddenPart
 from hysgen.diagnosis.excerpt import excerpt
@@ -15,16 +17,18 @@ from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import Chain, linear_fit, refine, rms
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored
 from hysgen.diagnosis.search import thinned
+from hysgen.machine.checkpoint import Steps
 
 LEAST_EXCESS = 2.0
 """Error on the held-out rows over that on the identification part from which on a change is looked for there: less
 spoils no score."""
 
 
-def change_in_held_rows(prepared: Prepared, chain: Chain) -> str:
+def change_in_held_rows(prepared: Prepared, chain: Chain, kept: Steps | None = None) -> str:
     """The sudden change in the held-out rows that lowers the score of a chain most, in words; "" if none is evident.
 
     "", too, if the held-out rows are another segment than the identification part, which has a zero of its own.
+    kept: fits of an interrupted diagnosis (`Scene`).
     """
     if len(prepared.record.segments) > 1 or not len(prepared.held_rows):
         return ""
@@ -35,7 +39,7 @@ def change_in_held_rows(prepared: Prepared, chain: Chain) -> str:
     clean = ~outlier_flags(known.error)[scene.rows]
     if rms(known.error[scene.rows[held & clean]]) < LEAST_EXCESS * rms(known.error[scene.rows[~held & clean]]):
         return ""
-    scene = thinned(scene.using(scene.rows[clean]))
+    scene = dataclasses.replace(thinned(scene.using(scene.rows[clean])), kept=kept)
     without = Scored.of(scene, refine(scene, chain))
     before = chain.get(SuddenPart) or SuddenPart()
     starts = [

@@ -125,7 +125,8 @@ def diagnose(
     report = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
     inputs = _inputs(naming.prepared)
-    held_change = change_in_held_rows(naming.prepared, naming.found.fit.chain)
+    kept = steps(inputs, SOURCES) if chosen.resume else None
+    held_change = change_in_held_rows(naming.prepared, naming.found.fit.chain, kept)
     naming = dataclasses.replace(naming, prepared=naming.prepared.without(_unpredictable(naming)))
     report(0.7, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)

@@ -74,12 +74,12 @@ KERNELS: Final[Sequence[Formula]] = (
     Formula("simulate", ((106.0, ""), (2.34, "L")), 0.03),
     Formula("inverse", ((127.6, ""), (2.04, "L")), 0.03),
     Formula("snapshot", ((5.1, ""), (30.4, "L")), 0.16),
-    Formula("learn", ((-49.0, ""), (63.3, "n")), 0.13),
+    Formula("learn", ((6.0, ""), (54.5, "n")), 0.06),
     Formula("predict", ((139.0, ""), (4.8, "m")), 0.09, path=True),
     Formula("simulate", ((132.0, ""), (4.78, "m")), 0.11, path=True),
     Formula("inverse", ((664.0, ""), (4.85, "m")), 0.04, path=True),
     Formula("snapshot", ((169.0, ""),), 0.13, path=True),
-    Formula("learn", ((1176.0, ""), (8.0, "m")), 0.09, path=True),
+    Formula("learn", ((1161.0, ""), (8.0, "m")), 0.1, path=True),
 )
 
 NEWTON_STEPS: Final = 3
