@@ -139,7 +139,10 @@ def test_a_gain_that_changes_sign_or_fades_is_not_certified() -> None:
     assert certify(model).gain_holds
     for factor, holds in ((-1.0, True), (1.0, True)):
         turned = model.consequents * [1.0, factor, 1.0]
-        assert certify(dataclasses.replace(model, consequents=turned)).gain_holds is holds
+        certificate = certify(dataclasses.replace(model, consequents=turned))
+        assert certificate.gain_holds is holds
+        negative = certificate.gain_highest.bound < 0.0
+        assert certificate.lines()[0].endswith("falls as u rises; check the record's signs" if negative else "holds")
     for weakest in (0.0, -0.5, 1e-4):
         fading = model.consequents.copy()
         fading[:3, 1] *= weakest

@@ -89,7 +89,11 @@ class Certificates(Displayed):
         low, high = self.gain_lowest, self.gain_highest
         unit = f"um/{self.w_unit}"
         at = f"gain {low.value:.4g} (y = {low.y_um:.4g} um) .. {high.value:.4g} (y = {high.y_um:.4g} um) {unit}"
-        return f"{at}: {'holds' if self.gain_holds else 'NOT certified, no inverse can be emitted'}"
+        if not self.gain_holds:
+            return f"{at}: NOT certified, no inverse can be emitted"
+        if high.bound < 0.0:
+            return f"{at}: of one sign, but negative: the model falls as {self.w_name} rises; check the record's signs"
+        return f"{at}: holds"
 
     def _contraction_line(self) -> str:
         slope, unit = self.slope, self.w_unit

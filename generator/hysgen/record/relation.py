@@ -129,8 +129,9 @@ def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
         time = "" if Ts_s is None else f" ({abs(lag.samples) * Ts_s:.3g} s)"
         way = "behind" if lag.samples > 0 else "ahead of"
         yield (
-            f"{names} runs {abs(lag.samples)} samples{time} {way} {run.u_name}: correlation {lag.correlation:.2f} "
-            f"there, {lag.at_zero:.2f} without a shift; if the stage is faster, the logs are not aligned: shift one"
+            f"{names} runs {abs(lag.samples)} samples{time} {way} {run.u_name}, lag and hysteresis of the stage "
+            f"included: correlation {lag.correlation:.2f} there, {lag.at_zero:.2f} without a shift; if the stage is "
+            "faster, the logs are not aligned: shift one"
         )
 
 
