@@ -133,19 +133,18 @@ class UnknownCause(Cause):
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         """Whether each change takes place at once (`_Rows.at_once`)."""
-        part = fit.chain.get(SuddenPart)
-        if part is None:
-            return True
-        at, sizes = _Rows.of(scene, fit.error), [*_jump_sizes_um(scene, fit), *part.values]
-        one_each = [np.ones(scene.samples)] * len(part.jumps_s)
-        if part.gains:
-            one_each += [Residual(scene, fit).about_zero_um()] * len(part.gains)
-        # A jump is one of the sensor or the frame; a gain may change before the lag.
-        lags_s = [0.0] * len(part.jumps_s) + [fit.chain.lag_s] * len(part.gains)
-        return all(
-            at.at_once(fit.error[at.rows], at_s, size * direction[at.rows], lag_s)
-            for at_s, size, direction, lag_s in zip(part.times_s, sizes, one_each, lags_s, strict=True)
-        )
+        at = _Rows.of(scene, fit.error)
+        return all(at.at_once(fit.error[at.rows], *change) for change in _changes(scene, fit, at.rows))
+
+    def evidence(self, scene: Scene, fit: Fit) -> float:
+        """Sum over the changes of 2 ln(likelihood ratio by the rows around it / number of rows).
+
+        A hysteresis has no jump between two samples, so its misfit, which limits what a fall of the residual says, is
+        no rival there; that the time may be that of any row is.
+        """
+        at = _Rows.of(scene, fit.error)
+        near = [at.near(fit.error[at.rows], *change) for change in _changes(scene, fit, at.rows)]
+        return math.fsum(max(one.evidence(at.noise_um) - 2.0 * math.log(len(at.rows)), 0.0) for one in near)
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """One and AT_ONCE more jumps where they lower the error most, one after the other, or a change of the gain."""
@@ -213,10 +212,45 @@ def _one_segment(scene: Scene) -> bool:
     return len(scene.runs) == 1 or (first > 0 and all(run.segment == first for run in scene.runs))
 
 
+def _changes(scene: Scene, fit: Fit, rows: Rows) -> list[tuple[float, Floats, float]]:
+    """Time, effect on the rows before it is cut off, and time constant of each change; empty without the part."""
+    part = fit.chain.get(SuddenPart)
+    if part is None:
+        return []
+    # A jump is one of the sensor or the frame; a gain may change before the lag.
+    one = np.ones(len(rows))
+    jumps = [(at_s, size * one, 0.0) for at_s, size in zip(part.jumps_s, _jump_sizes_um(scene, fit), strict=True)]
+    if not part.gains:
+        return jumps
+    about_zero_um = Residual(scene, fit).about_zero_um()[rows]
+    return [*jumps, *((at_s, change * about_zero_um, fit.chain.lag_s) for at_s, change in part.gains)]
+
+
 def _jump_sizes_um(scene: Scene, fit: Fit) -> list[float]:
     """Size of each jump of a fit whose chain has the part."""
     first = scene.column_of(fit.chain, SuddenPart)
     return [float(size_um) for size_um in fit.weights[first : first + fit.chain.of(SuddenPart).added]]
+
+
+@dataclass(frozen=True)
+class _Near:
+    """A change in the few rows around it.
+
+    share: of the change of the whole fit. power_um2: sum of squares of what is no line; left_um2: that of what the
+    change leaves there, on `count` rows.
+    """
+
+    share: float
+    power_um2: float
+    left_um2: float
+    count: int
+
+    def evidence(self, noise_um: float) -> float:
+        """2 ln of the likelihood ratio for the change by these rows alone; 0 where its size is not that of the fit."""
+        if abs(self.share - 1.0) > LEAST_AT_ONCE:
+            return 0.0
+        left_um2 = max(self.left_um2, self.count * noise_um**2)
+        return self.count * math.log1p(self.share**2 * self.power_um2 / left_um2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,12 +271,16 @@ class _Rows:
         return cls(rows, scene.time_s[rows], u_V[rows], residual_noise(error[scene.dense]), scene.span_s)
 
     def at_once(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> bool:
-        """Whether at least LEAST_AT_ONCE of a change, and CLEARLY standard errors, show in the rows around it.
+        """Whether at least LEAST_AT_ONCE of a change, and CLEARLY standard errors, show in the rows around it."""
+        near = self.near(error, at_s, effect, lag_s)
+        return near.share > max(LEAST_AT_ONCE, CLEARLY * self.noise_um / math.sqrt(near.power_um2))
 
-        By least squares of the residual without the change on a straight line in time, the command, and the change;
-        over as few rows as show the change with twice CLEARLY standard errors, and a 40th of all rows at most.
-        error: (r,) residual with the change; effect: (r,) change of the displacement, before it is cut off at at_s;
-        lag_s: time constant with which it shows.
+    def near(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> _Near:
+        """The change in the rows around it, by least squares of the residual without the change.
+
+        On a straight line in time, the command, and the change; over as few rows as show the change with twice CLEARLY
+        standard errors, and a 40th of all rows at most. error: (r,) residual with the change; effect: (r,) change of
+        the displacement, before it is cut off at at_s; lag_s: time constant with which it shows.
         """
         count, middle = len(self.rows), int(np.searchsorted(self.t_s, at_s))
         size_um = abs(float(effect[min(middle, count - 1)])) + 1e-300
@@ -258,7 +296,8 @@ class _Rows:
         own = change - np.linalg.lstsq(smooth.T, change, rcond=None)[0] @ smooth
         power = float(own @ own) + 1e-300
         share = float(own @ found) / power
-        return bool(share > max(LEAST_AT_ONCE, CLEARLY * self.noise_um / math.sqrt(power)))
+        left = found - np.linalg.lstsq(smooth.T, found, rcond=None)[0] @ smooth - share * own
+        return _Near(share, power, float(left @ left), len(left))
 
 
 @dataclass(frozen=True, eq=False)
