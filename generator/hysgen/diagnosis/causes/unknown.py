@@ -137,14 +137,16 @@ class UnknownCause(Cause):
         return all(at.at_once(fit.error[at.rows], *change) for change in _changes(scene, fit, at.rows))
 
     def evidence(self, scene: Scene, fit: Fit) -> float:
-        """Sum over the changes of 2 ln(likelihood ratio by the rows around it / number of rows).
+        """Sum over the jumps of 2 ln(likelihood ratio by the rows around it / number of rows).
 
         A hysteresis has no jump between two samples, so its misfit, which limits what a fall of the residual says, is
-        no rival there; that the time may be that of any row is.
+        no rival there; that the time may be that of any row is. A change of the gain behind the lag is no jump: a bend
+        of the misfit resembles it.
         """
         at = _Rows.of(scene, fit.error)
-        near = [at.near(fit.error[at.rows], *change) for change in _changes(scene, fit, at.rows)]
-        return math.fsum(max(one.evidence(at.noise_um) - 2.0 * math.log(len(at.rows)), 0.0) for one in near)
+        jumps = [change for change in _changes(scene, fit, at.rows) if change[2] == 0.0]
+        near = [at.near(fit.error[at.rows], *jump).evidence(at.noise_um) for jump in jumps]
+        return math.fsum(max(one - 2.0 * math.log(len(at.rows)), 0.0) for one in near)
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """One and AT_ONCE more jumps where they lower the error most, one after the other, or a change of the gain."""
@@ -255,11 +257,15 @@ class _Near:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """The fitted rows in the order of time: (r,) rows, t_s, u_V. noise_um: of the residual; span_s: of the record."""
+    """The fitted rows in the order of time: (r,) rows, t_s, u_V, and fitted_um, the displacement of the fit.
+
+    noise_um: of the residual; span_s: of the record.
+    """
 
     rows: Rows
     t_s: Floats
     u_V: Floats
+    fitted_um: Floats
     noise_um: float
     span_s: float
 
@@ -268,7 +274,8 @@ class _Rows:
         """error: (n,) residual of a fit."""
         rows = scene.rows[np.argsort(scene.time_s[scene.rows], kind="stable")]
         u_V = np.concatenate([run.u_V for run in scene.runs])
-        return cls(rows, scene.time_s[rows], u_V[rows], residual_noise(error[scene.dense]), scene.span_s)
+        fitted_um = (scene.y_um - error)[rows]
+        return cls(rows, scene.time_s[rows], u_V[rows], fitted_um, residual_noise(error[scene.dense]), scene.span_s)
 
     def at_once(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> bool:
         """Whether at least LEAST_AT_ONCE of a change, and CLEARLY standard errors, show in the rows around it."""
@@ -278,9 +285,10 @@ class _Rows:
     def near(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> _Near:
         """The change in the rows around it, by least squares of the residual without the change.
 
-        On a straight line in time, the command, and the change; over as few rows as show the change with twice CLEARLY
-        standard errors, and a 40th of all rows at most. error: (r,) residual with the change; effect: (r,) change of
-        the displacement, before it is cut off at at_s; lag_s: time constant with which it shows.
+        On a straight line in time, the command, the displacement of the fit, with which its misfit moves too, and the
+        change; over as few rows as show the change with twice CLEARLY standard errors, and a 40th of all rows at most.
+        error: (r,) residual with the change; effect: (r,) change of the displacement, before it is cut off at at_s;
+        lag_s: time constant with which it shows.
         """
         count, middle = len(self.rows), int(np.searchsorted(self.t_s, at_s))
         size_um = abs(float(effect[min(middle, count - 1)])) + 1e-300
@@ -292,7 +300,7 @@ class _Rows:
         found = error[near] + effect[near] * (since_s >= 0.0)
         begun_s = np.maximum(since_s + math.log(2.0) * lag_s, 0.0)
         change = effect[near] * (-np.expm1(-begun_s / lag_s) if lag_s else since_s >= 0.0)
-        smooth = np.vstack([np.ones(len(change)), since_s, self.u_V[near]])
+        smooth = np.vstack([np.ones(len(change)), since_s, self.u_V[near], self.fitted_um[near] - change])
         own = change - np.linalg.lstsq(smooth.T, change, rcond=None)[0] @ smooth
         power = float(own @ own) + 1e-300
         share = float(own @ found) / power
