@@ -12,7 +12,8 @@ import numpy as np
 from hysgen.diagnosis.causes import Cause, Residual, causes, slow_causes, without_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, refine, training_fit
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, present
-from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause, differs_in_its_slow_cause
+from hysgen.diagnosis.second_operator import SecondOperator
+from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause, differs_in_its_slow_cause, penalty
 from hysgen.machine.processes import in_processes
 
 LAGS = (0.3, 3.0, 30.0)
@@ -31,6 +32,10 @@ class State:
     whitenings: Whitenings
     visited: list[Scored]
     smaller: dict[Chain, Fit] = field(default_factory=dict)
+    second: SecondOperator = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.second = SecondOperator(self.scene)
 
     def fits_of_smaller(self, chains: Sequence[Chain]) -> list[Fit]:
         """The fits of chains with a part less, from the best lag, in their order; each chain is fitted once."""
@@ -155,9 +160,22 @@ def _best_with(state: State, bare: Scored, name: str) -> Scored | None:
 
 
 def rise_without(state: State, larger: Scored, less: Scored) -> float:
-    """Rise of the score from a chain to one with less; of the pooled score if they differ in the only slow cause."""
+    """Rise of the score from a chain to one with less; of the pooled score if they differ in the only slow cause.
+
+    Where the evidence is small, the mean with that by the second operator. It is not asked where it could not make the
+    mean smaller than LEAST_EVIDENCE: a larger chain leaves no larger residual.
+    """
+    rise = _rise_by_one_operator(state.whitenings, larger, less)
+    least = rise - penalty(larger, less, float(len(state.scene.rows)))
+    if rise <= 0.0 or least > 2.0 * LEAST_EVIDENCE:
+        return rise
+    both = [state.second.scored(one.chain) for one in (larger, less)]
+    return 0.5 * (rise + _rise_by_one_operator(state.second.whitenings, *both))
+
+
+def _rise_by_one_operator(whitenings: Whitenings, larger: Scored, less: Scored) -> float:
     if adds_first_slow_cause(larger, less) or differs_in_its_slow_cause(larger, less):
-        return state.whitenings.pooled_fall(larger, less, LEAST_EVIDENCE)
+        return whitenings.pooled_fall(larger, less, LEAST_EVIDENCE)
     return larger.fall_from(less, left_out=True)
 
 

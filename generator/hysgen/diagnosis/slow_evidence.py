@@ -56,7 +56,7 @@ class Whitenings:
         least: where the fall of the score alone makes the pooled one larger than this, a lower bound of it is returned.
         """
         fall = larger.fall_from(smaller, left_out=True)
-        worst = fall - _penalty(larger, smaller, float(len(self.scene.rows)))
+        worst = fall - penalty(larger, smaller, float(len(self.scene.rows)))
         if worst > 2.0 * least:
             return 0.5 * worst
         return 0.5 * (fall + self.whitened_fall(larger, smaller))
@@ -73,7 +73,7 @@ class Whitenings:
         chains = [smaller.chain] if slow_part(smaller) else [smaller.chain, less]
         before = min((self.fit(chain, smaller.fit) for chain in chains), key=lambda fit: fit.rms_um)
         independent = len(rows) / dispersion(after.error[rows], (before.error - after.error)[rows])
-        fall = 2.0 * independent * math.log(before.rms_um / after.rms_um) - _penalty(larger, smaller, independent)
+        fall = 2.0 * independent * math.log(before.rms_um / after.rms_um) - penalty(larger, smaller, independent)
         falls = np.add.reduceat((before.error**2 - after.error**2)[rows], block_edges(len(rows))[:-1])
         return fall if np.sort(falls)[:-LOUDEST].sum() > 0.0 else min(fall, 0.0)
 
@@ -130,7 +130,7 @@ def _beside_slow_causes(one: Scored) -> Hashable:
     return structure(without_causes(one.chain, slow_causes()))
 
 
-def _penalty(larger: Scored, smaller: Scored, independent: float) -> float:
+def penalty(larger: Scored, smaller: Scored, independent: float) -> float:
     """Rise of the score by the parameters and the prior odds of the larger chain alone."""
     rise = (larger.orders - smaller.orders) * math.log(independent) + len(larger.fit.weights) - len(smaller.fit.weights)
     return rise + prior_score(larger.chain) - prior_score(smaller.chain)
