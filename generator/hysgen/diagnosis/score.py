@@ -96,10 +96,10 @@ class Scored:
     def score(self, independent: float) -> float:
         """The score with a number of independent samples that is common to the compared chains."""
         penalty = self.orders * math.log(independent) + len(self.fit.weights) + prior_score(self.chain)
-        return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty - self._evidence
+        return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty - self.evidence
 
     @cached_property
-    def _evidence(self) -> float:
+    def evidence(self) -> float:
         """Evidence of the causes beside the residual."""
         return math.fsum(cause.evidence(self.scene, self.fit) for cause in causes().values())
 

@@ -163,11 +163,12 @@ def rise_without(state: State, larger: Scored, less: Scored) -> float:
     """Rise of the score from a chain to one with less; of the pooled score if they differ in the only slow cause.
 
     Where the evidence is small, the mean with that by the second operator. It is not asked where it could not make the
-    mean smaller than LEAST_EVIDENCE: a larger chain leaves no larger residual.
+    mean smaller than LEAST_EVIDENCE, because a larger chain leaves no larger residual, nor about causes that are seen
+    where the misfit of the hysteresis is absent.
     """
     rise = _rise_by_one_operator(state.whitenings, larger, less)
     least = rise - penalty(larger, less, float(len(state.scene.rows)))
-    if rise <= 0.0 or least > 2.0 * LEAST_EVIDENCE:
+    if rise <= 0.0 or least > 2.0 * LEAST_EVIDENCE or larger.evidence != less.evidence:
         return rise
     both = [state.second.scored(one.chain) for one in (larger, less)]
     return 0.5 * (rise + _rise_by_one_operator(state.second.whitenings, *both))
