@@ -226,3 +226,16 @@ def test_outside_the_range_the_operator_extrapolates_along_the_ends_of_the_major
     weights = np.random.default_rng(4).normal(size=operator.size)
     low, high, outside = (weights @ operator.at(u_V) for u_V in (20.0, 100.0, 0.0))
     assert outside == pytest.approx(low - 0.25 * (high - low))
+
+
+def test_a_reading_that_may_be_of_another_instant_is_not_corrupted() -> None:
+    """A step of the command, of which the sensor takes one sample a tenth of a period late."""
+    rng = np.random.default_rng(7)
+    moved_um = np.convolve(np.arange(1000) % 250 >= 125, 0.3 * 0.7 ** np.arange(40))[:1000]
+    error_um = 1e-4 * rng.normal(size=1000)
+    stepped = 1 + np.flatnonzero(np.diff(moved_um) > 0.2)
+    error_um[stepped] += 0.03
+    assert outlier_flags(error_um)[stepped].all()
+    assert not outlier_flags(error_um, 0.0, moved_um).any()
+    error_um[[60, 700]] += 0.03
+    assert np.flatnonzero(outlier_flags(error_um, 0.0, moved_um)).tolist() == [60, 700]

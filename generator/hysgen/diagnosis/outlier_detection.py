@@ -40,15 +40,17 @@ def outlier_flags(error_um: Floats, resolution_um: float = 0.0, predicted_um: Fl
     error_um: (n,) residual of a model, so that the motion of the stage is not counted as scatter. resolution_um: of the
     sensor; the standard deviation is at least resolution_um / sqrt(12). predicted_um: (n,) prediction of the model. If
     given, the standard deviation is that of the samples at which the prediction moves as fast, because a jitter of the
-    sampling instant adds an error in proportion to the speed.
+    sampling instant adds an error in proportion to the speed; and the limit is at least the move of the prediction to
+    either neighbour: a reading within it may have been taken at another instant.
     """
     flags = np.zeros(len(error_um), dtype=bool)
-    group = _speed_groups(error_um if predicted_um is None else predicted_um, predicted_um is not None)
     if len(error_um) < 6:
         return flags
+    group = _speed_groups(error_um if predicted_um is None else predicted_um, predicted_um is not None)
+    move_um = np.zeros(len(error_um)) if predicted_um is None else _move_um(predicted_um)
     bridged_um = error_um
     for _ in range(MOST_PASSES):
-        more = _deviating(bridged_um, resolution_um / math.sqrt(12.0), group) & ~flags
+        more = _deviating(bridged_um, resolution_um / math.sqrt(12.0), group, move_um) & ~flags
         more[:EDGE] = more[-EDGE:] = False
         if not more.any():
             break
@@ -58,7 +60,13 @@ def outlier_flags(error_um: Floats, resolution_um: float = 0.0, predicted_um: Fl
     return flags
 
 
-def _deviating(error_um: Floats, least_um: float, group: NDArray[np.intp]) -> Flags:
+def _move_um(predicted_um: Floats) -> Floats:
+    """(n,) the larger move to one of both neighbours."""
+    steps = np.abs(np.diff(predicted_um))
+    return np.maximum(np.append(steps, 0.0), np.append(0.0, steps))
+
+
+def _deviating(error_um: Floats, least_um: float, group: NDArray[np.intp], move_um: Floats) -> Flags:
     """Flags, (n,), of one pass of `outlier_flags`. group: (n,) samples with a common standard deviation."""
     n = len(error_um)
     deviation = np.abs(local_scatter(error_um))
@@ -66,12 +74,13 @@ def _deviating(error_um: Floats, least_um: float, group: NDArray[np.intp]) -> Fl
     # A group may hold slow and fast samples: the next faster one holds fast samples only.
     scale = np.maximum(np.maximum(scales, [*scales[1:], 0.0]), least_um)[group] + 1e-300
     neighbours = np.maximum(np.append(deviation[1:], 0.0), np.append(0.0, deviation[:-1]))
-    single = (deviation > LEAST_DEVIATION * scale) & (deviation > 2.0 * neighbours)
+    limit = np.maximum(LEAST_DEVIATION * scale, move_um)
+    single = (deviation > limit) & (deviation > 2.0 * neighbours)
     # Two samples k and k + 1 against the two samples before and the two after, which agree with each other.
     padded = np.pad(error_um, 2, mode="edge")
     outer = np.stack([padded[i : i + n - 1] for i in (0, 1, 4, 5)])
     off = np.abs(np.stack([error_um[:-1], error_um[1:]]) - np.median(outer, axis=0)).min(axis=0)
-    first = (off > LEAST_DEVIATION * np.maximum(scale[:-1], scale[1:])) & (off > 2.0 * np.ptp(outer, axis=0))
+    first = (off > np.maximum(limit[:-1], limit[1:])) & (off > 2.0 * np.ptp(outer, axis=0))
     return np.asarray(single | np.append(first, False) | np.append(False, first))
 
 

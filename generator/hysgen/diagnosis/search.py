@@ -165,15 +165,19 @@ def _start(scene: Scene) -> Fit:
 
 
 def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
-    """The scene without the corrupted samples in the residual of the fit, and their flags, (n,)."""
+    """The scene without the corrupted samples in the residual of the fit, and their flags, (n,).
+
+    Samples before the first fitted row of a run are not judged: what rang down before it is extrapolated there.
+    """
     edges = np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
     valid = np.delete(np.arange(scene.samples), scene.lost)
     error = np.interp(np.arange(scene.samples), valid, fit.error[valid])
     step_um = resolution_um(scene.y_um[scene.rows])
     predicted = scene.y_um - fit.error
-    corrupted = np.concatenate(
-        [outlier_flags(error[a:b], step_um, predicted[a:b]) for a, b in itertools.pairwise(edges)]
-    )
+    corrupted = np.zeros(scene.samples, dtype=np.bool_)
+    for begin, end in itertools.pairwise(edges):
+        first = int(scene.rows[(scene.rows >= begin) & (scene.rows < end)].min(initial=end))
+        corrupted[first:end] = outlier_flags(error[first:end], step_um, predicted[first:end])
     return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
 
 

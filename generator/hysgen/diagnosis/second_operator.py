@@ -31,9 +31,10 @@ class SecondOperator:
 
     @cached_property
     def scene(self) -> Scene:
-        """Twice the hat functions, a degree more than a third higher, and decay lengths between those of the first."""
+        """Twice the hat functions, polynomials of more degrees, decay lengths between those of the first operator."""
         own = self.first.operator
-        reaches = tuple(reach / 2.0**0.5 for reach in (*own.reaches, 2.0 * own.reaches[-1]))
+        last = own.reaches[-1:]
+        reaches = (*(0.5**0.5 * reach for reach in own.reaches), *(2.0**0.5 * reach for reach in last))
         finer = dataclasses.replace(own, hats=2 * own.hats, degree=own.degree + 2, curve=own.curve + 4, reaches=reaches)
         return dataclasses.replace(self.first.bare(), operator=finer)
 

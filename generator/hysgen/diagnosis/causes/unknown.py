@@ -43,7 +43,8 @@ CLEARLY = 3.0
 """Standard errors of a change in the rows around it: in noise the largest of BLOCKS places has 2.5."""
 
 FEWEST = 6
-"""Least rows on each side of a change for the fit of a line, the command and the change: 12 rows for 4 weights."""
+"""Least rows on each side of a change for the fit of a line, the command, the fitted displacement and the change: 12
+rows for 5 weights."""
 
 LAGS = 5.0
 """Time constants of the lag behind a change of the gain until it shows: all but 1 % of it."""
