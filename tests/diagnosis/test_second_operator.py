@@ -6,16 +6,17 @@ import dataclasses
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from fixtures.linear_stage import COMMAND_V, DRIFTING, LAG, SPAN_S, T_S, TS_S, named, scene
 from hysgen.diagnosis import search, search_steps
-from hysgen.diagnosis.causes import Cause
-from hysgen.diagnosis.causes.unknown import SuddenPart, UnknownCause
+from hysgen.diagnosis.causes.unknown import CAUSE, SuddenPart
 from hysgen.diagnosis.probe import Chain, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored
 from hysgen.diagnosis.second_operator import SecondOperator
 
+Floats = NDArray[np.float64]
 PLAIN = dataclasses.replace(LAG, memory=True)
 DRIFT = PLAIN.having(DRIFTING.parts[0])
 WAVES_UM = 0.2 * respond(np.sin(0.12 * np.pi * COMMAND_V), LAG, TS_S)
@@ -52,14 +53,21 @@ def test_the_second_operator_is_not_asked_where_it_could_not_change_the_decision
     assert search_steps.rise_without(state, drift, none) <= 0.0
 
 
-def test_jumps_below_the_misfit_are_evident_between_two_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Up, up and down: by the size of the residual alone they are no better than its misfit."""
-    stairs_um = 0.06 * sum(sign * (t_s <= T_S) for sign, t_s in ((1.0, 0.9), (1.0, 2.0), (-1.0, 3.1)))
+def test_jumps_below_the_misfit_are_evident_between_two_samples() -> None:
+    """Up, up and down, on a misfit twice as large."""
+    planted_s = (0.9, 2.0, 3.1)
+    stairs_um = 0.06 * sum(sign * (t_s <= T_S) for sign, t_s in zip((1.0, 1.0, -1.0), planted_s, strict=True))
     bent_um = 0.2 * respond(np.sin(0.06 * np.pi * COMMAND_V), LAG, TS_S)
+
+    def evidence(more_um: Floats, *times_s: float) -> float:
+        seen = scene(LAG, more_um)
+        return CAUSE.evidence(seen, refine(seen, LAG.having(SuddenPart(times_s))))
+
+    assert evidence(bent_um + stairs_um, *planted_s) > 3.0 * LEAST_EVIDENCE
+    assert evidence(bent_um + stairs_um, 1.4) == 0.0
+    assert evidence(bent_um, *planted_s) == 0.0
     found = search.search(scene(LAG, bent_um + stairs_um))
     assert named(found) == ["unknown"]
     for at_s in found.fit.chain.of(SuddenPart).times_s:
-        assert min(abs(at_s - planted_s) for planted_s in (0.9, 2.0, 3.1)) < 2.0 * TS_S
+        assert min(abs(at_s - true_s) for true_s in planted_s) < 2.0 * TS_S
     assert named(search.search(scene(LAG, bent_um))) == []
-    monkeypatch.setattr(UnknownCause, "evidence", Cause.evidence)
-    assert named(search.search(scene(LAG, bent_um + stairs_um))) != ["unknown"]

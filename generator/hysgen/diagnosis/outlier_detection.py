@@ -63,7 +63,7 @@ def outlier_flags(error_um: Floats, resolution_um: float = 0.0, predicted_um: Fl
 def _move_um(predicted_um: Floats) -> Floats:
     """(n,) the larger move to one of both neighbours."""
     steps = np.abs(np.diff(predicted_um))
-    return np.maximum(np.append(steps, 0.0), np.append(0.0, steps))
+    return np.asarray(np.maximum(np.append(steps, 0.0), np.append(0.0, steps)))
 
 
 def _deviating(error_um: Floats, least_um: float, group: NDArray[np.intp], move_um: Floats) -> Flags:

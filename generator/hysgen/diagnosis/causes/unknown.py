@@ -146,7 +146,8 @@ class UnknownCause(Cause):
         """
         at = _Rows.of(scene, fit.error)
         jumps = [change for change in _changes(scene, fit, at.rows) if change[2] == 0.0]
-        near = [at.near(fit.error[at.rows], *jump).evidence(at.noise_um) for jump in jumps]
+        fitted_um = (scene.y_um - fit.error)[at.rows]
+        near = [at.near(fit.error[at.rows], *jump, fitted_um).evidence(at.noise_um) for jump in jumps]
         return math.fsum(max(one - 2.0 * math.log(len(at.rows)), 0.0) for one in near)
 
     def proposals(self, residual: Residual) -> list[Chain]:
@@ -258,15 +259,11 @@ class _Near:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """The fitted rows in the order of time: (r,) rows, t_s, u_V, and fitted_um, the displacement of the fit.
-
-    noise_um: of the residual; span_s: of the record.
-    """
+    """The fitted rows in the order of time: (r,) rows, t_s, u_V. noise_um: of the residual; span_s: of the record."""
 
     rows: Rows
     t_s: Floats
     u_V: Floats
-    fitted_um: Floats
     noise_um: float
     span_s: float
 
@@ -275,21 +272,22 @@ class _Rows:
         """error: (n,) residual of a fit."""
         rows = scene.rows[np.argsort(scene.time_s[scene.rows], kind="stable")]
         u_V = np.concatenate([run.u_V for run in scene.runs])
-        fitted_um = (scene.y_um - error)[rows]
-        return cls(rows, scene.time_s[rows], u_V[rows], fitted_um, residual_noise(error[scene.dense]), scene.span_s)
+        return cls(rows, scene.time_s[rows], u_V[rows], residual_noise(error[scene.dense]), scene.span_s)
 
     def at_once(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> bool:
         """Whether at least LEAST_AT_ONCE of a change, and CLEARLY standard errors, show in the rows around it."""
         near = self.near(error, at_s, effect, lag_s)
         return near.share > max(LEAST_AT_ONCE, CLEARLY * self.noise_um / math.sqrt(near.power_um2))
 
-    def near(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> _Near:
+    def near(
+        self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0, fitted_um: Floats | None = None
+    ) -> _Near:
         """The change in the rows around it, by least squares of the residual without the change.
 
-        On a straight line in time, the command, the displacement of the fit, with which its misfit moves too, and the
-        change; over as few rows as show the change with twice CLEARLY standard errors, and a 40th of all rows at most.
-        error: (r,) residual with the change; effect: (r,) change of the displacement, before it is cut off at at_s;
-        lag_s: time constant with which it shows.
+        On a straight line in time, the command, and the change; over as few rows as show the change with twice CLEARLY
+        standard errors, and a 40th of all rows at most. error: (r,) residual with the change; effect: (r,) change of
+        the displacement, before it is cut off at at_s; lag_s: time constant with which it shows. fitted_um: (r,)
+        displacement of the fit, with which its misfit moves, if the line shall have a part of it, too.
         """
         count, middle = len(self.rows), int(np.searchsorted(self.t_s, at_s))
         size_um = abs(float(effect[min(middle, count - 1)])) + 1e-300
@@ -301,7 +299,8 @@ class _Rows:
         found = error[near] + effect[near] * (since_s >= 0.0)
         begun_s = np.maximum(since_s + math.log(2.0) * lag_s, 0.0)
         change = effect[near] * (-np.expm1(-begun_s / lag_s) if lag_s else since_s >= 0.0)
-        smooth = np.vstack([np.ones(len(change)), since_s, self.u_V[near], self.fitted_um[near] - change])
+        moving = [] if fitted_um is None else [fitted_um[near] - change]
+        smooth = np.vstack([np.ones(len(change)), since_s, self.u_V[near], *moving])
         own = change - np.linalg.lstsq(smooth.T, change, rcond=None)[0] @ smooth
         power = float(own @ own) + 1e-300
         share = float(own @ found) / power
