@@ -76,6 +76,17 @@ def test_refit_changes_the_numbers_and_verifies_the_c(folder: Path, tmp_path: Pa
     assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c", "--check"]) == 1
 
 
+@pytest.mark.slow
+def test_refit_keeps_every_option_with_which_the_folder_was_generated(folder: Path, tmp_path: Path) -> None:
+    """Learner, ranges, processor, measured cycles, kernels in both syntaxes: `generate --check` finds no difference."""
+    chosen = ["--learn", "bias", "--clock", "3e8", "--budget", "20000", "--cycles", "predict=300,simulate=290"]
+    chosen += ["--input-range", "20", "60", "--no-inverse", "--kernels", "c674x", "--assembler", "ti"]
+    assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c", *chosen]) == 0
+    call = ["refit", f"{folder}/axis.json", f"{folder}/second.csv", "-o", f"{tmp_path}/axis.json"]
+    assert main([*call, "--c", f"{tmp_path}/c"]) == 0
+    assert main(["generate", f"{tmp_path}/axis.json", "-o", f"{tmp_path}/c", "--check", *chosen]) == 0
+
+
 def test_diff_lists_changed_properties_and_scores_both_models_on_both_records(folder: Path, tmp_path: Path) -> None:
     old, new = f"{folder}/axis.json", f"{tmp_path}/axis.json"
     assert main(["refit", old, f"{folder}/second.csv", "-o", new]) == 0

@@ -8,12 +8,14 @@ import time
 from pathlib import Path
 from typing import Any
 
+from hysgen.c674x.schedule.ti import ti_file, with_ti_assembly
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_learner_options, add_record_options, parse_rows, read_records, with_learner
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs.generate import scheduled
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
 from hysgen.codegen.manifest import MANIFEST, read_folder
@@ -252,13 +254,27 @@ def as_before(model: Model, folder: Path) -> tuple[Model, Options]:
         raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
     options = before.facts.get("options", {})
     clock_Hz = float(options.get("clock_Hz", Options().clock_Hz))
+    stated = before.facts.get("cost", {}).get("cycles", {}).items()
+    measured = {function: int(cycles["value"]) for function, cycles in stated if cycles["measured"]}
     model = restricted_as(before.model, dataclasses.replace(model, learner=before.model.learner))
-    return model, Options(bool(options.get("inverse")), clock_Hz)
+    inverse, aligned = bool(options.get("inverse")), "kernels" in before.facts
+    return model, Options(inverse, clock_Hz, measured, options.get("budget_cycles"), aligned)
+
+
+def texts_as_before(model: Model, folder: Path, console: Console) -> dict[str, str]:
+    """The C of the new model with the options, kernels and assemblers of the folder. Raises HysgenError as above."""
+    model, options = as_before(model, folder)
+    texts = generate(model, options)
+    if options.aligned:
+        texts = scheduled(model.name, texts, console)
+        if ti_file(model.name) in read_folder(folder).texts:
+            texts = with_ti_assembly(model.name, texts)
+    return texts
 
 
 def regenerate(model: Model, folder: Path, console: Console) -> dict[str, Any]:
     """Write the C of the new model into its folder and compare it with its reference. Returns the result as JSON."""
-    texts = generate(*as_before(model, folder))
+    texts = texts_as_before(model, folder, console)
     changed = [item.name for item in stale(texts, folder)]
     write(texts, folder)
     console.say(f"changed in {folder}: {', '.join(changed) or 'nothing'}; as before: {len(texts) - len(changed)} files")
