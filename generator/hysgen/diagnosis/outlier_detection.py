@@ -22,6 +22,9 @@ MOST_PASSES = 4
 SPEED_GROUPS, FEWEST_IN_GROUP = 8, 200
 """Groups of samples by speed, each with its standard deviation, and samples that determine a median to 10 %."""
 
+JITTER = 0.25
+"""Largest error of a sampling instant, in periods: with more, the record has no rate of its own."""
+
 EDGE = 2
 """Samples at either end of a run that are never marked, because they have no neighbours on one side."""
 
@@ -40,14 +43,14 @@ def outlier_flags(error_um: Floats, resolution_um: float = 0.0, predicted_um: Fl
     error_um: (n,) residual of a model, so that the motion of the stage is not counted as scatter. resolution_um: of the
     sensor; the standard deviation is at least resolution_um / sqrt(12). predicted_um: (n,) prediction of the model. If
     given, the standard deviation is that of the samples at which the prediction moves as fast, because a jitter of the
-    sampling instant adds an error in proportion to the speed; and the limit is at least the move of the prediction to
-    either neighbour: a reading within it may have been taken at another instant.
+    sampling instant adds an error in proportion to the speed; and the limit is at least the move of the prediction in
+    JITTER periods, so that the one sample of a step is no corrupted one.
     """
     flags = np.zeros(len(error_um), dtype=bool)
     if len(error_um) < 6:
         return flags
     group = _speed_groups(error_um if predicted_um is None else predicted_um, predicted_um is not None)
-    move_um = np.zeros(len(error_um)) if predicted_um is None else _move_um(predicted_um)
+    move_um = np.zeros(len(error_um)) if predicted_um is None else JITTER * _move_um(predicted_um)
     bridged_um = error_um
     for _ in range(MOST_PASSES):
         more = _deviating(bridged_um, resolution_um / math.sqrt(12.0), group, move_um) & ~flags
