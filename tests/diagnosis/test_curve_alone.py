@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fixtures.linear_stage import LAG, SAMPLES, T_S, scene
+from fixtures.linear_stage import LAG, LINEAR, SAMPLES, T_S, scene
 from hysgen.diagnosis import search
 from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.causes.resonance import ResonancePart
-from hysgen.diagnosis.probe import Mode, refine
+from hysgen.diagnosis.probe import Mode, Scene, Trace, linear_fit, refine
+from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import Scored, present
 from hysgen.record import Record
@@ -68,3 +69,13 @@ def test_a_mode_that_rings_from_a_movement_before_the_record_is_found_as_it_is()
     assert fit.rms_um < 1.1e-3
     assert found.zeta == pytest.approx(mode.zeta, rel=0.01)
     assert found.share == pytest.approx(mode.share, rel=0.01)
+
+
+def test_a_curve_of_the_sensor_that_few_samples_show_is_not_extrapolated() -> None:
+    """A slow command with one step, which the fitted rows do not hold: at the step the fit predicts no other curve."""
+    t_s = 1e-3 * np.arange(20_000)
+    u_V = 50.0 + 40.0 * np.sin(0.4 * t_s) * np.where(t_s > 10.0, -1.0, 1.0)
+    y_um = 0.1 * respond(u_V, LAG, 1e-3) + 1e-3 * np.random.default_rng(8).normal(size=len(t_s))
+    rows = np.concatenate([np.arange(50, 9_990), np.arange(10_200, len(t_s))])
+    seen = Scene((Trace(u_V, y_um, {}),), 1e-3, rows, LINEAR)
+    assert np.abs(linear_fit(seen, LAG).error[50:]).max() < 0.01

@@ -27,6 +27,10 @@ HYSTERESES, ADDED, PARTS = 6, 16, 32
 HYSTERESES_BYTES = 200_000_000
 """Size up to which more hystereses are cached: on a short record a search asks half of them two or three times."""
 
+SEEN, LEAST_BEND = 0.01, 1e-4
+"""Share of the samples that show a curve of the sensor, and how much: 80 of the rows of a fit, and less than a step of
+16 bit for a curve of 10 % of the range."""
+
 CURVE_ALONE = 15
 """Degree of the curve of a chain without plays."""
 
@@ -325,11 +329,14 @@ class Scene:
             L(v)^2 - L(v^2),   L(v) L(v^2) - L(v^3)
 
         v: the voltage, -1 .. 1 over the range; L: lag and delay. A quadratic curve of the sensor makes L(f)^2 of a
-        displacement L(f), where f = v + a v^2 of the ceramic; at rest, the curve of the operator holds both.
+        displacement L(f), where f = v + a v^2 of the ceramic; at rest, the curve of the operator holds both. 0 where
+        fewer than SEEN of the samples show more than LEAST_BEND: so few rows, which a fit may not hold, determine no
+        weight, and what it would add at other samples is arbitrary.
         """
         v = (chain.amplified(run.u_V, self.Ts_s * run.stride) - self.extent.middle_V) / self.extent.half_V
         first, second, third = (self._lagged(power, run, chain) for power in (v, v * v, v**3))
-        return [first * first - second, first * second - third]
+        bent = (first * first - second, first * second - third)
+        return [one if np.quantile(np.abs(one), 1.0 - SEEN) > LEAST_BEND else np.zeros(len(one)) for one in bent]
 
     def _added_to(self, i: int, chain: Chain) -> Floats:
         """(q, n_i) `added_columns` of run i."""
