@@ -78,4 +78,4 @@ def test_a_curve_of_the_sensor_that_few_samples_show_is_not_extrapolated() -> No
     y_um = 0.1 * respond(u_V, LAG, 1e-3) + 1e-3 * np.random.default_rng(8).normal(size=len(t_s))
     rows = np.concatenate([np.arange(50, 9_990), np.arange(10_200, len(t_s))])
     seen = Scene((Trace(u_V, y_um, {}),), 1e-3, rows, LINEAR)
-    assert np.abs(linear_fit(seen, LAG).error[50:]).max() < 0.01
+    assert np.abs(linear_fit(seen, LAG).error[50:]).max() < 0.03

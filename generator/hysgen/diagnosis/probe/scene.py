@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.chain import Chain, Thinned
+from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned
 from hysgen.diagnosis.probe.dynamics import lagged, respond_into, respond_on_rows
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.fitting.operator import Operator
@@ -26,10 +26,6 @@ HYSTERESES, ADDED, PARTS = 6, 16, 32
 
 HYSTERESES_BYTES = 200_000_000
 """Size up to which more hystereses are cached: on a short record a search asks half of them two or three times."""
-
-SEEN, LEAST_BEND = 0.01, 1e-4
-"""Share of the samples that show a curve of the sensor, and how much: 80 of the rows of a fit, and less than a step of
-16 bit for a curve of 10 % of the range."""
 
 CURVE_ALONE = 15
 """Degree of the curve of a chain without plays."""
@@ -307,6 +303,11 @@ class Scene:
         zero = rest[:, None] if weights is None else weights @ rest
         seen += change * (seen - zero)
 
+    def curve_columns(self, chain: Chain) -> slice:
+        """Places of the columns of the sensor's curve among all columns."""
+        first = self.hysteresis_size(chain) + 1
+        return slice(first, first + COMMON - 1)
+
     def column_of(self, chain: Chain, kind: type[Part]) -> int:
         """Place of a part's first added column among all columns, and of its weight among the weights of a fit."""
         return self.hysteresis_size(chain) + chain.first_column(kind)
@@ -329,14 +330,11 @@ class Scene:
             L(v)^2 - L(v^2),   L(v) L(v^2) - L(v^3)
 
         v: the voltage, -1 .. 1 over the range; L: lag and delay. A quadratic curve of the sensor makes L(f)^2 of a
-        displacement L(f), where f = v + a v^2 of the ceramic; at rest, the curve of the operator holds both. 0 where
-        fewer than SEEN of the samples show more than LEAST_BEND: so few rows, which a fit may not hold, determine no
-        weight, and what it would add at other samples is arbitrary.
+        displacement L(f), where f = v + a v^2 of the ceramic; at rest, the curve of the operator holds both.
         """
         v = (chain.amplified(run.u_V, self.Ts_s * run.stride) - self.extent.middle_V) / self.extent.half_V
         first, second, third = (self._lagged(power, run, chain) for power in (v, v * v, v**3))
-        bent = (first * first - second, first * second - third)
-        return [one if np.quantile(np.abs(one), 1.0 - SEEN) > LEAST_BEND else np.zeros(len(one)) for one in bent]
+        return [first * first - second, first * second - third]
 
     def _added_to(self, i: int, chain: Chain) -> Floats:
         """(q, n_i) `added_columns` of run i."""

@@ -22,6 +22,10 @@ Floats = NDArray[np.float64]
 
 RIDGE = 1e-9
 
+CURVE_RIDGE = 1e-7
+"""Ridge of a weight of the sensor's curve, on a column of rms 1. A column that shows in few samples, perhaps in none of
+the rows, determines no weight: what it adds at the others would be arbitrary. From an rms of 1e-2 on it does nothing."""
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -42,11 +46,14 @@ class Projector:
     factor: tuple[NDArray[np.float64], bool]
 
     @classmethod
-    def of(cls, columns: Floats) -> Projector:
+    def of(cls, columns: Floats, curve: slice = slice(0)) -> Projector:
+        """Off columns, (p, n). curve: places of those of the sensor's curve (CURVE_RIDGE)."""
         scale = np.sqrt(np.einsum("ij,ij->i", columns, columns)) + 1e-300
         scaled = columns / scale[:, None]
         gram = scaled @ scaled.T
         gram[np.diag_indices_from(gram)] += RIDGE
+        at = np.arange(len(columns))[curve]
+        gram[at, at] += CURVE_RIDGE * columns.shape[1] / scale[at] ** 2
         return cls(scaled, scale, cho_factor(gram))
 
     def weights(self, signal: Floats) -> Floats:
@@ -82,15 +89,19 @@ class TrainingFit:
 def linear_fit(scene: Scene, chain: Chain) -> Fit:
     """Least squares over the linear weights with the shape parameters of the chain."""
     columns, y_um = scene.columns(chain), scene.y_um
-    weights = Projector.of(columns[:, scene.rows]).weights(y_um[scene.rows])
+    weights = Projector.of(columns[:, scene.rows], scene.curve_columns(chain)).weights(y_um[scene.rows])
     error = y_um - weights @ columns
     return Fit(chain, weights, error, rms(error[scene.rows]))
+
+
+def _projector(scene: Scene, chain: Chain) -> Projector:
+    return Projector.of(scene.training_columns(chain), scene.curve_columns(chain))
 
 
 def training_fit(scene: Scene, chain: Chain) -> TrainingFit:
     """`linear_fit` without the error outside the training rows."""
     columns, y_um = scene.training_columns(chain), scene.y_um[scene.rows]
-    projector = Projector.of(columns)
+    projector = Projector.of(columns, scene.curve_columns(chain))
     weights = projector.weights(y_um)
     return TrainingFit(chain, weights, rms(y_um - weights @ columns), projector)
 
@@ -115,7 +126,7 @@ def _refined(scene: Scene, best: TrainingFit, rounds: int) -> Chain:
     y_um = scene.y_um[scene.rows]
     damping = 1e-3
     for _ in range(rounds):
-        projector = best.projector or Projector.of(scene.training_columns(best.chain))
+        projector = best.projector or _projector(scene, best.chain)
         jacobian = sensitivities(scene, best, projector)
         error = projector.orthogonal_part(y_um)
         norm = np.sqrt((jacobian**2).sum(axis=1)) + 1e-300
