@@ -23,8 +23,8 @@ Floats = NDArray[np.float64]
 RIDGE = 1e-9
 
 CURVE_RIDGE = 1e-7
-"""Ridge of a weight of the sensor's curve, on a column of rms 1. A column that shows in few samples, perhaps in none of
-the rows, determines no weight: what it adds at the others would be arbitrary. From an rms of 1e-2 on it does nothing."""
+"""Ridge of a weight of the sensor's curve, on a column of rms 1; from an rms of 1e-2 on it has no effect. A column that
+shows in few samples, maybe in none of the rows, determines no weight: what it adds elsewhere would be arbitrary."""
 
 
 @dataclass(frozen=True, eq=False)
