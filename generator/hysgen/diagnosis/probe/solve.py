@@ -53,7 +53,7 @@ class Projector:
         gram = scaled @ scaled.T
         gram[np.diag_indices_from(gram)] += RIDGE
         at = np.arange(len(columns))[curve]
-        gram[at, at] += CURVE_RIDGE * columns.shape[1] / scale[at] ** 2
+        gram[at, at] += CURVE_RIDGE / np.maximum(scale[at] ** 2 / columns.shape[1], 1e-12)
         return cls(scaled, scale, cho_factor(gram))
 
     def weights(self, signal: Floats) -> Floats:
