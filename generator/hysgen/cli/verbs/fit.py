@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from hysgen.c674x.schedule.ti import ti_file, with_ti_assembly
+from hysgen.c674x.schedule.ti import ti_file
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify
 from hysgen.cli.console import Console
@@ -266,9 +266,7 @@ def texts_as_before(model: Model, folder: Path, console: Console) -> dict[str, s
     model, options = as_before(model, folder)
     texts = generate(model, options)
     if options.aligned:
-        texts = scheduled(model.name, texts, console)
-        if ti_file(model.name) in read_folder(folder).texts:
-            texts = with_ti_assembly(model.name, texts)
+        texts = scheduled(model.name, texts, console, ti_file(model.name) in read_folder(folder).texts)
     return texts
 
 

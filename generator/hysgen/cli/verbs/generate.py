@@ -65,12 +65,13 @@ def add_kernels(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def scheduled(name: str, texts: Mapping[str, str], console: Console) -> dict[str, str]:
-    """The generated `texts` with the kernels; warns of each function that stays in C."""
+def scheduled(name: str, texts: Mapping[str, str], console: Console, ti: bool = False) -> dict[str, str]:
+    """The generated `texts` with the kernels, ti: in TI's syntax, too; warns of each function that stays in C."""
     found = kernels(name, texts)
     for function, reason in found.refused.items():
         console.warn(f"{function} stays in C: {reason}")
-    return with_kernels(name, texts, found)
+    texts = with_kernels(name, texts, found)
+    return with_ti_assembly(name, texts) if ti else texts
 
 
 def add_code_options(parser: argparse.ArgumentParser) -> None:
@@ -117,9 +118,7 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError("--assembler ti is the syntax of the kernels' file; add --kernels c674x")
     texts = generate(model, dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels)))
     if arguments.kernels:
-        texts = scheduled(model.name, texts, console)
-        if arguments.assembler == "ti":
-            texts = with_ti_assembly(model.name, texts)
+        texts = scheduled(model.name, texts, console, arguments.assembler == "ti")
     folder = Path(arguments.output)
     if arguments.check:
         return check(texts, folder, console)
