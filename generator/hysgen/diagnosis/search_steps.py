@@ -32,10 +32,11 @@ class State:
     whitenings: Whitenings
     visited: list[Scored]
     smaller: dict[Chain, Fit] = field(default_factory=dict)
-    second: SecondOperator = field(init=False)
 
-    def __post_init__(self) -> None:
-        self.second = SecondOperator(self.scene)
+    @functools.cached_property
+    def second(self) -> SecondOperator:
+        """The scene by the second operator."""
+        return SecondOperator(self.scene)
 
     def fits_of_smaller(self, chains: Sequence[Chain]) -> list[Fit]:
         """The fits of chains with a part less, from the best lag, in their order; each chain is fitted once."""

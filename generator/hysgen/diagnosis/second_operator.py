@@ -1,11 +1,11 @@
-"""The evidence by a second hysteresis operator, of more weights and other plays.
+"""The evidence by a second hysteresis operator, of more weights and other decay lengths.
 
     fall = (fall by the operator of the search + fall by the second operator) / 2
 
 What an operator misses depends on its form: a misfit that resembles a cause by chance does so for one operator, the
-effect of a cause for each. The search has chosen the cause among all others by the first operator, the second one is
-not chosen by. Which of them describes the stage better is not known, so the mean of both logarithms of the odds counts
-(logarithmic pool; Genest and Zidek, 1986).
+effect of a cause for each. The search has chosen the cause among all others by the first operator; the second one took
+no part in that choice. Which of them describes the stage better is not known, so the mean of both logarithms of the
+odds counts (logarithmic pool; Genest and Zidek, 1986).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import dataclasses
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from hysgen.diagnosis.probe import Chain, Fit, Scene, refine
+from hysgen.diagnosis.probe import Chain, Scene, refine
 from hysgen.diagnosis.score import Scored
 from hysgen.diagnosis.slow_evidence import Whitenings
 
@@ -27,7 +27,7 @@ class SecondOperator:
     """The scene with the second operator, and the fits of chains to it; each is made once."""
 
     first: Scene
-    _fits: dict[Chain, Fit] = field(default_factory=dict)
+    _scored: dict[Chain, Scored] = field(default_factory=dict)
 
     @cached_property
     def scene(self) -> Scene:
@@ -44,6 +44,6 @@ class SecondOperator:
 
     def scored(self, chain: Chain) -> Scored:
         """The chain, fitted with this operator."""
-        if chain not in self._fits:
-            self._fits[chain] = refine(self.scene, chain, ROUNDS)
-        return Scored.of(self.scene, self._fits[chain])
+        if chain not in self._scored:
+            self._scored[chain] = Scored.of(self.scene, refine(self.scene, chain, ROUNDS))
+        return self._scored[chain]

@@ -134,8 +134,11 @@ class UnknownCause(Cause):
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         """Whether each change takes place at once (`_Rows.at_once`)."""
+        if not self.present(fit.chain):
+            return True
         at = _Rows.of(scene, fit.error)
-        return all(at.at_once(fit.error[at.rows], *change) for change in _changes(scene, fit, at.rows))
+        changes = [*_jumps(scene, fit, at.rows), *_gain_changes(scene, fit, at.rows)]
+        return all(at.at_once(fit.error[at.rows], *change) for change in changes)
 
     def evidence(self, scene: Scene, fit: Fit) -> float:
         """Sum over the jumps of 2 ln(likelihood ratio by the rows around it / number of rows).
@@ -144,10 +147,11 @@ class UnknownCause(Cause):
         no rival there; that the time may be that of any row is. A change of the gain behind the lag is no jump: a bend
         of the misfit resembles it.
         """
+        if not self.present(fit.chain):
+            return 0.0
         at = _Rows.of(scene, fit.error)
-        jumps = [change for change in _changes(scene, fit, at.rows) if change[2] == 0.0]
-        fitted_um = (scene.y_um - fit.error)[at.rows]
-        near = [at.near(fit.error[at.rows], *jump, fitted_um).evidence(at.noise_um) for jump in jumps]
+        error, fitted_um = fit.error[at.rows], (scene.y_um - fit.error)[at.rows]
+        near = [at.near(error, *jump, fitted_um).evidence(at.noise_um) for jump in _jumps(scene, fit, at.rows)]
         return math.fsum(max(one - 2.0 * math.log(len(at.rows)), 0.0) for one in near)
 
     def proposals(self, residual: Residual) -> list[Chain]:
@@ -216,18 +220,18 @@ def _one_segment(scene: Scene) -> bool:
     return len(scene.runs) == 1 or (first > 0 and all(run.segment == first for run in scene.runs))
 
 
-def _changes(scene: Scene, fit: Fit, rows: Rows) -> list[tuple[float, Floats, float]]:
-    """Time, effect on the rows before it is cut off, and time constant of each change; empty without the part."""
-    part = fit.chain.get(SuddenPart)
-    if part is None:
-        return []
-    # A jump is one of the sensor or the frame; a gain may change before the lag.
-    one = np.ones(len(rows))
-    jumps = [(at_s, size * one, 0.0) for at_s, size in zip(part.jumps_s, _jump_sizes_um(scene, fit), strict=True)]
-    if not part.gains:
-        return jumps
-    about_zero_um = Residual(scene, fit).about_zero_um()[rows]
-    return [*jumps, *((at_s, change * about_zero_um, fit.chain.lag_s) for at_s, change in part.gains)]
+def _jumps(scene: Scene, fit: Fit, rows: Rows) -> list[tuple[float, Floats, float]]:
+    """Time, effect on the rows before it is cut off, and time constant of each jump: 0, of the sensor or the frame."""
+    sizes_um = _jump_sizes_um(scene, fit)
+    times_s = fit.chain.of(SuddenPart).jumps_s
+    return [(at_s, np.full(len(rows), size_um), 0.0) for at_s, size_um in zip(times_s, sizes_um, strict=True)]
+
+
+def _gain_changes(scene: Scene, fit: Fit, rows: Rows) -> list[tuple[float, Floats, float]]:
+    """`_jumps` of each change of the gain, which may take place before the lag."""
+    gains = fit.chain.of(SuddenPart).gains
+    about_zero_um = Residual(scene, fit).about_zero_um()[rows] if gains else np.zeros(0)
+    return [(at_s, change * about_zero_um, fit.chain.lag_s) for at_s, change in gains]
 
 
 def _jump_sizes_um(scene: Scene, fit: Fit) -> list[float]:
