@@ -22,7 +22,7 @@ from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.outlier_detection import outlier_flags
-from hysgen.diagnosis.probe import Chain, Mode, Operator, Scene, Trace, refine, standard_errors
+from hysgen.diagnosis.probe import Chain, Mode, Operator, Projector, Scene, Trace, refine, standard_errors
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows, rate_limited
@@ -171,7 +171,7 @@ def test_the_residual_of_a_standard_error_is_that_of_a_fit_without_the_block() -
         weights = np.linalg.lstsq(np.delete(columns, block, axis=1).T, np.delete(y_um, block))[0]
         expected[block] = y_um[block] - weights @ columns[:, block]
     # The projector's ridge moves its columns by 1e-9 of their size.
-    np.testing.assert_allclose(block_left_out_error(columns, fitted), expected, atol=1e-7)
+    np.testing.assert_allclose(block_left_out_error(Projector.of(columns), fitted), expected, atol=1e-7)
 
 
 def test_isolated_finds_single_and_paired_corrupted_samples_and_no_steps() -> None:

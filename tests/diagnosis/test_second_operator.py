@@ -40,6 +40,22 @@ def test_small_evidence_is_the_mean_of_both_operators() -> None:
     assert search_steps.rise_without(state, drift, none) == pytest.approx(0.5 * (by_first + by_second), rel=1e-4)
 
 
+def test_a_cause_of_both_chains_that_is_observed_takes_no_part() -> None:
+    """The evidence of a jump differs a little with the drift beside it."""
+    jump_um = 0.4 * (T_S >= 2.0)
+    seen = scene(LAG, WAVES_UM + 0.04 * T_S / SPAN_S + jump_um)
+    none, drift = (Scored.of(seen, refine(seen, one.having(SuddenPart((2.0,))))) for one in (PLAIN, DRIFT))
+    state = search._begin(seen, none.fit)
+    assert none.evidence > 0.0
+    assert none.evidence != drift.evidence
+    by_first = search_steps._rise_by_one_operator(state.whitenings, drift, none)
+    by_second = search_steps._rise_by_one_operator(
+        state.second.whitenings, *(state.second.scored(one.chain) for one in (drift, none))
+    )
+    assert by_first > 0.0
+    assert search_steps.rise_without(state, drift, none) == pytest.approx(0.5 * (by_first + by_second), rel=1e-4)
+
+
 def test_the_second_operator_is_not_asked_where_it_could_not_change_the_decision(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

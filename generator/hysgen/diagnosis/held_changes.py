@@ -12,11 +12,10 @@ import dataclasses
 from hysgen.diagnosis.causes import Residual
 from hysgen.diagnosis.causes.unknown import CAUSE, SuddenPart
 from hysgen.diagnosis.excerpt import excerpt
-from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import Chain, linear_fit, refine, rms
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored
-from hysgen.diagnosis.search import thinned
+from hysgen.diagnosis.search import corrupted_samples, thinned
 from hysgen.machine.checkpoint import Steps
 
 LEAST_EXCESS = 2.0
@@ -36,7 +35,7 @@ def change_in_held_rows(prepared: Prepared, chain: Chain, kept: Steps | None = N
     cut_s = prepared.cut * prepared.record.Ts_s
     held = scene.time_s[scene.rows] >= cut_s
     known = linear_fit(thinned(scene.using(scene.rows[~held])), chain)
-    clean = ~outlier_flags(known.error)[scene.rows]
+    clean = ~corrupted_samples(scene, known)[scene.rows]
     if rms(known.error[scene.rows[held & clean]]) < LEAST_EXCESS * rms(known.error[scene.rows[~held & clean]]):
         return ""
     scene = dataclasses.replace(thinned(scene.using(scene.rows[clean])), kept=kept)

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import Residual, causes, in_ladder_order
 from hysgen.diagnosis.causes.base import Effect
-from hysgen.diagnosis.probe import Projector
+from hysgen.diagnosis.probe import Projector, projector_off
+from hysgen.diagnosis.probe.chain import COMMON
 from hysgen.diagnosis.probe.solve import sensitivities
 from hysgen.diagnosis.score import Scored, dispersion, least_growth
 
@@ -117,10 +118,10 @@ class _Information:
     def of(cls, residual: Residual) -> _Information:
         scene, fit = residual.scene, residual.fit
         columns = scene.columns(fit.chain)[:, scene.rows]
-        shape = sensitivities(scene, fit, Projector.of(columns))
+        shape = sensitivities(scene, fit, projector_off(scene, fit.chain, columns))
         size = scene.hysteresis_size(fit.chain)
-        # The constant and the lag belong to every chain.
-        parts = {"memory": columns[:size], "": np.vstack([columns[size : size + 1], shape[:1]])}
+        # The constant, the sensor's curve and the lag belong to every chain.
+        parts = {"memory": columns[:size], "": np.vstack([columns[size : size + COMMON], shape[:1]])}
         for part in fit.chain.parts:
             own = [i for i, name in enumerate(fit.chain.names()) if name.startswith(f"{part.cause}.")]
             first = scene.column_of(fit.chain, type(part))

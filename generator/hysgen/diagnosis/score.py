@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.prepare import PROBE_LAGS
-from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves
+from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves, projector_off
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges, block_left_out_error
 from hysgen.record.series import SHORTEST_PLATEAU, plateaus, residual_noise, resolution_um
 
@@ -101,7 +101,15 @@ class Scored:
     @cached_property
     def evidence(self) -> float:
         """Evidence of the causes beside the residual."""
-        return math.fsum(cause.evidence(self.scene, self.fit) for cause in causes().values())
+        return math.fsum(self._evidence_of.values())
+
+    def adds_observed(self, smaller: Scored) -> bool:
+        """Whether a part that the smaller chain has not is observed beside the residual, for or against it."""
+        return any(self._evidence_of[part.cause] != 0.0 for part in self._added_to(smaller.chain))
+
+    @cached_property
+    def _evidence_of(self) -> dict[str, float]:
+        return {name: cause.evidence(self.scene, self.fit) for name, cause in causes().items()}
 
     def fall_from(self, smaller: Scored, left_out: bool = False) -> float:
         """Fall of the score from a chain with fewer parts to this one.
@@ -121,8 +129,8 @@ class Scored:
     @cached_property
     def left_out_error(self) -> Floats:
         """(r,) residual as if the weights, which fit coloured noise too, were those of other blocks (LEFT_OUT)."""
-        columns = self.scene.training_columns(self.chain)
-        return block_left_out_error(columns, self.fit.error[self.scene.rows], LEFT_OUT)
+        projector = projector_off(self.scene, self.chain, self.scene.training_columns(self.chain))
+        return block_left_out_error(projector, self.fit.error[self.scene.rows], LEFT_OUT)
 
     def _added_to(self, smaller: Chain) -> list[Part]:
         """The parts that only this chain has."""

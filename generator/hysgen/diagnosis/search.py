@@ -165,7 +165,13 @@ def _start(scene: Scene) -> Fit:
 
 
 def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]:
-    """The scene without the corrupted samples in the residual of the fit, and their flags, (n,).
+    """The scene without the corrupted samples in the residual of the fit, and their flags, (n,)."""
+    corrupted = corrupted_samples(scene, fit)
+    return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
+
+
+def corrupted_samples(scene: Scene, fit: Fit) -> NDArray[np.bool_]:
+    """(n,) flags of the corrupted samples in the residual of the fit.
 
     Samples before the first fitted row of a run are not judged: what rang down before it is extrapolated there.
     """
@@ -178,7 +184,7 @@ def _without_outliers(scene: Scene, fit: Fit) -> tuple[Scene, NDArray[np.bool_]]
     for begin, end in itertools.pairwise(edges):
         first = int(scene.rows[(scene.rows >= begin) & (scene.rows < end)].min(initial=end))
         corrupted[first:end] = outlier_flags(error[first:end], step_um, predicted[first:end])
-    return scene.using(scene.rows[~corrupted[scene.rows]]), corrupted
+    return corrupted
 
 
 def thinned(scene: Scene) -> Scene:

@@ -169,7 +169,7 @@ def rise_without(state: State, larger: Scored, less: Scored) -> float:
     """
     rise = _rise_by_one_operator(state.whitenings, larger, less)
     least = rise - penalty(larger, less, float(len(state.scene.rows)))
-    if rise <= 0.0 or least > 2.0 * LEAST_EVIDENCE or larger.evidence != less.evidence:
+    if rise <= 0.0 or least > 2.0 * LEAST_EVIDENCE or larger.adds_observed(less):
         return rise
     both = [state.second.scored(one.chain) for one in (larger, less)]
     return 0.5 * (rise + _rise_by_one_operator(state.second.whitenings, *both))

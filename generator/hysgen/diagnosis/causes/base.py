@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit
+from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit, projector_off
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +40,8 @@ class Residual:
     @cached_property
     def projector(self) -> Projector:
         """The projector off the columns of the fitted chain, on the fitted rows."""
-        return Projector.of(self.scene.columns(self.fit.chain)[:, self.scene.rows])
+        chain = self.fit.chain
+        return projector_off(self.scene, chain, self.scene.columns(chain)[:, self.scene.rows])
 
     def amount(self, column: Floats) -> float:
         """Least-squares weight of `column`, (n,), for the residual, fitted jointly with all columns of the chain."""

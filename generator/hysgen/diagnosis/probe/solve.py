@@ -89,19 +89,20 @@ class TrainingFit:
 def linear_fit(scene: Scene, chain: Chain) -> Fit:
     """Least squares over the linear weights with the shape parameters of the chain."""
     columns, y_um = scene.columns(chain), scene.y_um
-    weights = _projector(scene, chain, columns[:, scene.rows]).weights(y_um[scene.rows])
+    weights = projector_off(scene, chain, columns[:, scene.rows]).weights(y_um[scene.rows])
     error = y_um - weights @ columns
     return Fit(chain, weights, error, rms(error[scene.rows]))
 
 
-def _projector(scene: Scene, chain: Chain, training_columns: Floats) -> Projector:
-    return Projector.of(training_columns, scene.curve_columns(chain))
+def projector_off(scene: Scene, chain: Chain, columns: Floats) -> Projector:
+    """The projector of the fits: off the columns of a chain, (p, r), or off more columns that follow them."""
+    return Projector.of(columns, scene.curve_columns(chain))
 
 
 def training_fit(scene: Scene, chain: Chain) -> TrainingFit:
     """`linear_fit` without the error outside the training rows."""
     columns, y_um = scene.training_columns(chain), scene.y_um[scene.rows]
-    projector = _projector(scene, chain, columns)
+    projector = projector_off(scene, chain, columns)
     weights = projector.weights(y_um)
     return TrainingFit(chain, weights, rms(y_um - weights @ columns), projector)
 
@@ -126,7 +127,7 @@ def _refined(scene: Scene, best: TrainingFit, rounds: int) -> Chain:
     y_um = scene.y_um[scene.rows]
     damping = 1e-3
     for _ in range(rounds):
-        projector = best.projector or _projector(scene, best.chain, scene.training_columns(best.chain))
+        projector = best.projector or projector_off(scene, best.chain, scene.training_columns(best.chain))
         jacobian = sensitivities(scene, best, projector)
         error = projector.orthogonal_part(y_um)
         norm = np.sqrt((jacobian**2).sum(axis=1)) + 1e-300

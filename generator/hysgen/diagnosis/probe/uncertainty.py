@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.scene import Scene
-from hysgen.diagnosis.probe.solve import Fit, Projector, sensitivities
+from hysgen.diagnosis.probe.solve import Fit, Projector, projector_off, sensitivities
 
 Floats = NDArray[np.float64]
 
@@ -40,8 +40,9 @@ class StandardErrors:
 def standard_errors(scene: Scene, fit: Fit) -> StandardErrors:
     """Cluster-robust standard errors of a fit; infinite for a coordinate without influence on the fitted rows."""
     columns = scene.columns(fit.chain)[:, scene.rows]
-    shape_columns = sensitivities(scene, fit, Projector.of(columns))
-    error = block_left_out_error(np.vstack([columns, shape_columns]), fit.error[scene.rows])
+    shape_columns = sensitivities(scene, fit, projector_off(scene, fit.chain, columns))
+    beside = projector_off(scene, fit.chain, np.vstack([columns, shape_columns]))
+    error = block_left_out_error(beside, fit.error[scene.rows])
     shape = _sandwich(shape_columns, error)
     # An added column counts with its component orthogonal to the columns of the hysteresis.
     size = scene.hysteresis_size(fit.chain)
@@ -50,15 +51,15 @@ def standard_errors(scene: Scene, fit: Fit) -> StandardErrors:
     return StandardErrors(dict(zip(fit.chain.names(), shape.tolist(), strict=True)), linear)
 
 
-def block_left_out_error(columns: Floats, error: Floats, power: float = 1.0) -> Floats:
-    """(n,) residual of each block for the linear fit on `columns`, (p, n), to all other blocks.
+def block_left_out_error(projector: Projector, error: Floats, power: float = 1.0) -> Floats:
+    """(n,) residual of each block for the linear fit to all other blocks, on the columns of `projector`.
 
         (I - L_b)^-power e_b
 
     error: (n,) residual of the fit to all blocks. power: below 1, a residual between this one and that of the fit to
     all blocks; at 1/2 it has the variance of a white error.
     """
-    basis = Projector.of(columns).basis()
+    basis = projector.basis()
     parts = []
     for a, b in itertools.pairwise(block_edges(len(error))):
         part = basis[:, a:b]
