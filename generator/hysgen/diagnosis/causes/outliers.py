@@ -19,8 +19,8 @@ from hysgen.record.series import MEDIAN_TO_DEVIATION
 
 Floats = NDArray[np.float64]
 
-FEWEST = 3
-"""Least number of corrupted samples for evidence."""
+FEWEST = 2
+"""Least number of places with corrupted samples: what happens once says nothing about the next record."""
 
 
 class OutliersCause(Cause):
@@ -32,9 +32,10 @@ class OutliersCause(Cause):
     on_all_rows = True
 
     def shown(self, residual: Residual) -> bool:
-        """Whether FEWEST samples are corrupted and have more error power than all other samples."""
+        """Whether samples are corrupted in FEWEST places and have more error power than all other samples."""
         count = int(residual.corrupted.sum())
-        if count < FEWEST:
+        places = int((np.diff(residual.corrupted.astype(np.int8), prepend=0) > 0).sum())
+        if places < FEWEST:
             return False
         return _size_um(residual) * math.sqrt(count / len(residual.corrupted)) > residual.fit.rms_um
 
