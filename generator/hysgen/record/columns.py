@@ -18,7 +18,14 @@ from hysgen.errors import RecordError
 UNITS: dict[str, dict[str, tuple[float, float]]] = {
     "time": {"s": (1.0, 1.0), "ms": (1.0, 1e3), "us": (1.0, 1e6), "ns": (1.0, 1e9), "min": (60.0, 1.0)},
     "voltage": {"V": (1.0, 1.0), "mV": (1.0, 1e3), "uV": (1.0, 1e6), "kV": (1e3, 1.0)},
-    "displacement": {"um": (1.0, 1.0), "nm": (1.0, 1e3), "pm": (1.0, 1e6), "mm": (1e3, 1.0), "m": (1e6, 1.0)},
+    "displacement": {
+        "um": (1.0, 1.0),
+        "nm": (1.0, 1e3),
+        "pm": (1.0, 1e6),
+        "angstrom": (1.0, 1e4),
+        "mm": (1e3, 1.0),
+        "m": (1e6, 1.0),
+    },
 }
 BASE = {"time": "s", "voltage": "V", "displacement": "um"}
 OWN = {"time": "time_s", "voltage": "voltage_V", "displacement": "displacement_um"}
@@ -34,6 +41,8 @@ class Columns:
         and a selection "u[:,0,:,:]": the first ':' is the time axis, each further ':' an axis of segments, a number an
         index). time = "" ignores any time column; then Ts_s must be given.
     time_unit, voltage_unit, displacement_unit: None takes the unit that ends the name ("x_nm" is nm), else s, V, um.
+        A number before the unit is what one in the file is: "10um" for a sensor of 10 um a volt, "-1um" for an inverted
+        one, "100V" for a monitor of 1:100.
     segment: column or array with the number of the unbroken run; used if the file has it.
     aux: further channels to read, each "name" or "new_name=name"; None reads every other numeric column, () reads none.
     separator: one character, or comma, semicolon, tab, space; None detects it in the header.
@@ -58,8 +67,11 @@ class Columns:
     def __post_init__(self) -> None:
         for role in UNITS:
             unit = getattr(self, f"{role}_unit")
-            if unit is not None and plain_unit(unit) not in UNITS[role]:
-                raise RecordError(f"{role}_unit: '{unit}' is not known; choose from {', '.join(UNITS[role])}")
+            if unit is not None and conversion(role, unit) is None:
+                raise RecordError(
+                    f"{role}_unit: '{unit}' is not known; choose from {', '.join(UNITS[role])}, or give what "
+                    f"one in the file is, as 10{BASE[role]}"
+                )
         if self.separator is not None and len(SEPARATORS.get(self.separator, self.separator)) != 1:
             raise RecordError(
                 f"separator: '{self.separator}' is not one character; choose from {', '.join(SEPARATORS)}, or give one"
@@ -78,7 +90,14 @@ class Columns:
         """
         known = [one.name for one in fields(cls)]
         given: dict[str, Any] = {}
-        for pair in re.findall(r"(?:\[[^\]]*\]|[^,\[])+", text):
+        pairs: list[str] = []
+        for part in re.findall(r"(?:\[[^\]]*\]|[^,\[])+", text):
+            # A name may hold a comma: "voltage=Voltage, V".
+            if pairs and "=" not in part and "=" in pairs[-1] and part.strip() not in known:
+                pairs[-1] += f",{part}"
+            else:
+                pairs.append(part)
+        for pair in pairs:
             key, equals, value = (part.strip() for part in pair.partition("="))
             if key in known and not equals:
                 raise RecordError(f"columns: '{key}' has no value; write {key}=NAME")
@@ -119,17 +138,22 @@ class Columns:
         _, text = split_unit(name)
         if text is None:
             return None
-        unit = plain_unit(text)
-        if unit not in UNITS[role]:
+        self.check_unit(role, text)
+        return plain_unit(text)
+
+    def check_unit(self, role: str, unit: str) -> None:
+        """Raises RecordError for a unit in a name or in a row of units that is none of the role's."""
+        if plain_unit(unit) not in UNITS[role]:
+            name = getattr(self, role)
+            scaled = f"; if one {unit} is 10 {BASE[role]}, {role}_unit=10{BASE[role]}" if role != "time" else ""
             raise RecordError(
-                f"the {role} '{name}' is in {text}, which is no unit of a {role}; if it is in {BASE[role]} "
-                f'all the same, give --columns "{role}={name},{role}_unit={BASE[role]}"'
+                f"the {role} '{name}' is in {unit}, which is no unit of a {role}; if it is in {BASE[role]} "
+                f'all the same, give --columns "{role}={name},{role}_unit={BASE[role]}"{scaled}'
             )
-        return unit
 
     def in_base_unit(self, role: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """`values` of `role` in s, V or um."""
-        multiply, divide = UNITS[role][self.unit(role)]
+        multiply, divide = conversion(role, self.unit(role)) or (1.0, 1.0)
         if multiply == divide:
             return values
         return values * multiply / divide
@@ -176,6 +200,25 @@ def plain_unit(unit: str) -> str:
     return IN_WORDS.get(lower) or {one.lower(): one for one in known}.get(lower, text)
 
 
+_SCALED = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*([^\d\s/.]+)(?:\s*/\s*\S+)?")
+
+
+def conversion(role: str, unit: str) -> tuple[float, float] | None:
+    """(multiply by, divide by) for s, V or um; None for a unit that is not known.
+
+    >>> conversion("displacement", "nm"), conversion("displacement", "2.5 um/V"), conversion("voltage", "m")
+    ((1.0, 1000.0), (2.5, 1.0), None)
+    """
+    units = UNITS[role]
+    if plain_unit(unit) in units:
+        return units[plain_unit(unit)]
+    scaled = _SCALED.fullmatch(unit.strip())
+    if scaled is None or plain_unit(scaled.group(2)) not in units or float(scaled.group(1)) == 0.0:
+        return None
+    multiply, divide = units[plain_unit(scaled.group(2))]
+    return float(scaled.group(1)) * multiply, divide
+
+
 def split_unit(name: str) -> tuple[str, str | None]:
     """A column's name without its unit, and the unit; None if the name has none.
 
@@ -184,7 +227,7 @@ def split_unit(name: str) -> tuple[str, str | None]:
     >>> [split_unit(text) for text in ("Sensor 1 [nm]", "x_nm", "U in V", "displacement_raw", "Position (%)")]
     [('Sensor 1', 'nm'), ('x', 'nm'), ('U', 'V'), ('displacement_raw', None), ('Position', '%')]
     """
-    text = name.strip()
+    text = re.sub(r"(?<=[\])>])\.\d+$", "", name.strip())
     bracketed = re.fullmatch(r"(.*?)[\s_]*(?:\[([^\[\]:,]*)\]|\(([^()]*)\)|<([^<>]*)>)", text)
     if bracketed and not re.fullmatch(r"-?\d+", unit := next(one for one in bracketed.groups()[1:] if one is not None)):
         return bracketed.group(1), unit.strip() or None
@@ -207,6 +250,8 @@ IN_WORDS = {
     "minutes": "min",
     "volt": "V",
     "volts": "V",
+    "vdc": "V",
+    "mvdc": "mV",
     "伏": "V",
     "秒": "s",
     "micron": "um",
@@ -226,10 +271,21 @@ IN_WORDS = {
     "metres": "m",
     "millivolt": "mV",
     "millivolts": "mV",
+    "å": "angstrom",
+    "millis": "ms",
+    "micros": "us",
     "微米": "um",
     "纳米": "nm",
     "nanometer": "nm",
     "nanometre": "nm",
     "毫秒": "ms",
+    "\N{CYRILLIC SMALL LETTER ES}": "s",
+    "мс": "ms",
+    "мкс": "us",
+    "\N{CYRILLIC SMALL LETTER VE}": "V",
+    "мв": "mV",
+    "мкм": "um",
+    "нм": "nm",
+    "мм": "mm",
 }
 """Units in full, lower case."""

@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import Columns, plain_unit, split_unit
+from hysgen.record.exports import as_table
 from hysgen.record.interludes import Parts, without_interludes
-from hysgen.record.layout import COMMENT, Layout, layout_of, split
-from hysgen.record.names import ROLES, guessed, words_of
+from hysgen.record.layout import Layout, layout_of
+from hysgen.record.lines import COMMENT, split
+from hysgen.record.names import ROLES, guessed, has_time
 from hysgen.record.spelling import FORTRAN, MINUS, clock_seconds, in_unit, is_clock, number, quantity
 from hysgen.record.text import text_of
 from hysgen.record.wrapped import unwrapped
@@ -52,26 +54,38 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     Raises RecordError with file, line, column and cure.
     """
     text, padding = text_of(source, data)
+    text, export = as_table(source, text)
     text, form = unwrapped(source, text)
     layout = layout_of(source, text, columns)
     first_row = next((fields for _, fields in layout.rows()), None)
     if first_row is None:
         raise RecordError(f"{layout.source}: holds a header and no rows; record some samples")
-    if columns.Ts_s is None and layout.Ts_s is not None and not _has_time(layout):
-        columns = replace(columns, Ts_s=layout.Ts_s, time="")
-    columns, guess = guessed(columns, layout.names, source) if layout.headed else _by_position(columns, layout, source)
+    given = columns
+    stated_s = _stated_period(layout, columns)
+    if stated_s is not None:
+        columns = replace(columns, Ts_s=stated_s, time="")
+    if layout.headed:
+        columns, guess = guessed(columns, layout.names, source, layout.units)
+    else:
+        columns, guess = _by_position(columns, layout, source)
+    _check_named_once(layout, columns, given)
     stated = {role: _stated_unit(layout, first_row, columns, role) for role in ROLES}
     units = {role: unit for role, unit in stated.items() if unit and getattr(columns, f"{role}_unit") is None}
-    columns = columns.named({}, units)
     for role in ROLES:
         try:
+            if role in units:
+                columns.check_unit(role, units[role])
             columns.unit(role)
         except RecordError as fault:
             raise RecordError(f"{source}: {fault}") from fault
+    columns = columns.named({}, units)
     _check_one_row_a_sample(layout, columns)
     wanted = {columns.time, columns.voltage, columns.displacement, columns.segment}
     wanted.update(name for _, name in columns.aux_pairs() or ())
-    use, remarks = [], [*padding, *form, *layout.remarks, *([guess] if guess else [])]
+    wanted.discard("")
+    use, remarks = [], [*padding, *export, *form, *layout.remarks, *([guess] if guess else [])]
+    if stated_s is not None:
+        remarks.append(f"{source}: is sampled every {stated_s:g} s, as the lines above the table say")
     remarks += (
         f"{source}: {getattr(columns, role)} is read in {unit}, as its cells say"
         for role, unit in units.items()
@@ -81,11 +95,12 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
         value = first_row[position] if position < len(first_row) else ""
         if name in wanted or (name and quantity(value, layout.comma) is not None):
             use.append(position)
-        elif name:
+        elif name and columns.aux is None:
             remarks.append(f"{layout.source}: column {name} holds '{value}', not numbers, and is left out")
     values, parts = _parse(layout, use)
     remarks += parts.remarks
     table = {layout.names[position]: values[:, place] for place, position in enumerate(use)}
+    table = _with_one_time(source, table, columns.time)
     names = tuple(filter(None, layout.names))
     return CsvTable(names, table, columns, layout.Ts_s, parts.layout.locate, tuple(remarks), parts.starts)
 
@@ -125,8 +140,37 @@ def _check_one_row_a_sample(layout: Layout, columns: Columns) -> None:
             )
 
 
-def _has_time(layout: Layout) -> bool:
-    return any("time" in words_of(name) or words_of(name) == ("x_value",) for name in layout.names)
+def _stated_period(layout: Layout, columns: Columns) -> float | None:
+    """The period that the preamble states, for a table without time; None where it is not needed."""
+    if columns.Ts_s is not None or columns.time in layout.names:
+        return None
+    timed = has_time(layout.names, layout.units) if layout.headed else len(layout.names) > 2
+    return None if timed else layout.Ts_s
+
+
+def _check_named_once(layout: Layout, columns: Columns, given: Columns) -> None:
+    """Raises RecordError for a voltage or displacement that was guessed and whose name stands twice."""
+    for role in ("voltage", "displacement"):
+        name = getattr(columns, role)
+        if f"{name}.1" in layout.names and getattr(given, role) == getattr(Columns(), role):
+            raise RecordError(
+                f"{layout.source}: the header names {name} twice; rename one of the two columns, or choose one: "
+                f'--columns "{role}={name}.1" is the second'
+            )
+
+
+def _with_one_time(source: str, table: dict[str, NDArray[np.float64]], time: str) -> dict[str, NDArray[np.float64]]:
+    """The table without further columns of the same times. Raises RecordError if their times differ."""
+    again = [name for name in table if time in table and name.removeprefix(time)[:1] == "." and name.startswith(time)]
+    for name in again:
+        apart = float(np.abs(table[name] - table[time]).max())
+        step = float(np.median(np.diff(table[time]))) if table[time].size > 1 else 0.0
+        if apart > 0.5 * abs(step):
+            raise RecordError(
+                f"{source}: {time} and {name} differ by up to {apart:.3g}: the channels were sampled at different "
+                "times; resample them to the same times"
+            )
+    return {name: values for name, values in table.items() if name not in again}
 
 
 def _by_position(columns: Columns, layout: Layout, source: str) -> tuple[Columns, str]:

@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from hysgen.record.layout import Layout, is_data, split
+from hysgen.record.layout import Layout
+from hysgen.record.lines import is_data, split
 from hysgen.record.spelling import is_clock, quantity
 
 MOST_FOOTER_LINES = 40

@@ -2,32 +2,29 @@
 
 Where a line names the voltage and the displacement as `columns` does, that line is the header. Otherwise the rows of
 numbers are found first: the first lines that split, with one separator and one decimal sign, into equally many fields
-of which at least two are numbers. The line before them is the header, unless it is a row of units.
+of which at least two are numbers; lines of a label and numbers give way to rows of numbers alone. The header is the
+line before them that names most roles, unless the preamble has the names; a row of units may stand between.
 """
 
 from __future__ import annotations
 
-import csv
 import io
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import SEPARATORS, UNITS, Columns, plain_unit
-from hysgen.record.spelling import THOUSANDS, is_clock, number, quantity
+from hysgen.record.columns import SEPARATORS, Columns
+from hysgen.record.header import Start, are_units, below_header, header, unique, units_by_name
+from hysgen.record.lines import CANDIDATES, COMMENT, is_data, split, split_header, without_comment
+from hysgen.record.preamble import Preamble, labels_names, preamble_of
+from hysgen.record.spelling import THOUSANDS, is_clock, quantity
 
-COMMENT = "#"
-COMMENTS = ("#", "%", "//", "!")
 HEAD_LINES = 400
 """Lines in which the first row of numbers has to be found."""
 
 ALIKE = 3
 """Consecutive rows of numbers that make the beginning of the table."""
-
-CANDIDATES = ("\t", ";", ",", "|", " ")
-RULER = re.compile(r"[\s|+:=,;-]*[-=]{3}[\s|+:=,;-]*")
-"""A line drawn under a header."""
 
 
 @dataclass(frozen=True)
@@ -98,59 +95,49 @@ def layout_of(source: str, text: str, columns: Columns) -> Layout:
     return _around(source, text, lines, columns, start)
 
 
-@dataclass(frozen=True)
-class _Start:
-    """The first row of numbers: its line, separator, decimal comma and number of fields."""
-
-    at: int
-    separator: str
-    comma: bool
-    fields: int
-
-
-def _around(source: str, text: str, lines: list[str], columns: Columns, start: _Start) -> Layout:
+def _around(source: str, text: str, lines: list[str], columns: Columns, start: Start) -> Layout:
     """The layout with the header, the row of units and the preamble before the first row of numbers."""
-    above = [i for i in range(start.at) if lines[i].strip() and lines[i].strip() != COMMENT]
-    preamble, Ts_s = _preamble(lines[: start.at])
+    above = [i for i in range(start.at) if is_data(lines[i]) or without_comment(lines[i])]
+    told = _told(lines[: start.at], start.separator, start.fields)
     labels = next((line.split("\t")[1:] for line in lines[: start.at] if line.startswith("Y_Unit_Label\t")), [])
-    remarks = []
-    names: tuple[str, ...] = ()
-    units: dict[str, str] = {}
-    if len(preamble) == start.fields:
-        names = preamble
-    elif above:
-        fields = _matching(lines[above[-1]], start)
-        if fields and _are_units(fields) and len(above) > 1 and (before := _matching(lines[above[-2]], start)):
-            names, units = before, _units_by_name(before, fields)
-        elif fields and not all(re.fullmatch(r"[\d.,+-]*", one) for one in fields):
-            names = fields
+    names, units = told.names, told.units
+    if not names:
+        names, beside = header(lines, above, start)
+        units = beside or units
+    by_name = units_by_name(names, units) if names and units else {}
     if names and names[0] == "X_Value":
-        units = {name: label for name, label in zip(names[1:], labels, strict=False) if label.strip()}
+        by_name = {name: label for name, label in zip(names[1:], labels, strict=False) if label.strip()}
     headed = bool(names)
     if not headed:
         names = tuple(str(position) for position in range(start.fields))
-    skipped = start.at - len(above[-1:]) - bool(units)
-    if skipped > 1 and headed:
-        remarks.append(f"{source}: the table begins in line {start.at + 1}")
+    skipped = start.at - len(above[-1:]) - bool(by_name)
+    remarks = (f"{source}: the table begins in line {start.at + 1}",) if skipped > 1 and headed else ()
     body = text[sum(len(line) + 1 for line in lines[: start.at]) :]
-    _check_unique(source, names)
-    found = Layout(source, names, start.separator, body, start.at + 1, start.comma, headed, units, Ts_s, tuple(remarks))
-    return found
+    first = start.at + 1
+    return Layout(source, names, start.separator, body, first, start.comma, headed, by_name, told.Ts_s, remarks)
+
+
+def _told(lines: Sequence[str], separator: str, fields: int) -> Preamble:
+    """What the lines above the table say, with names that differ from each other."""
+    told = preamble_of([without_comment(line) for line in lines], separator, fields)
+    return replace(told, names=unique(told.names))
 
 
 def _made(
     source: str, text: str, lines: list[str], columns: Columns, at: int, names: Sequence[str], separator: str
 ) -> Layout:
     """The layout with a known header in line `at`; a row of units may follow it."""
-    _check_unique(source, names)
-    units: dict[str, str] = {}
+    names = unique(names)
+    told = _told(lines[:at], separator, len(names))
+    units: dict[str, str] = units_by_name(names, told.units) if told.units else {}
     labels = next((line.split("\t")[1:] for line in lines[:at] if line.startswith("Y_Unit_Label\t")), [])
     if names[0] == "X_Value":
         units = {name: label for name, label in zip(names[1:], labels, strict=False) if label.strip()}
     after = next((i for i in range(at + 1, len(lines)) if is_data(lines[i])), None)
-    if after is not None and len(fields := split(lines[after], separator)) == len(names) and _are_units(fields):
-        units = _units_by_name(names, fields)
+    if after is not None and len(fields := split(lines[after], separator)) == len(names) and are_units(fields):
+        units = units_by_name(names, fields)
         at = after
+    at, remarks = below_header(source, lines, at, separator)
     row = next((split(lines[i], separator) for i in range(at + 1, len(lines)) if is_data(lines[i])), [])
     if len(names) == len(row) + 1 and names[-1].lower() in ("", "comment"):
         names = names[:-1]  # the column of remarks of LabVIEW, which rows leave out
@@ -161,17 +148,19 @@ def _made(
         and any("," in one and not THOUSANDS[False].fullmatch(one) for one in split(first, separator))
     )
     body = text[sum(len(line) + 1 for line in lines[: at + 1]) :]
-    _, Ts_s = _preamble(lines[:at])
-    return Layout(source, tuple(names), separator, body, at + 2, comma, True, units, Ts_s)
+    return Layout(source, tuple(names), separator, body, at + 2, comma, True, units, told.Ts_s, remarks)
 
 
 def _named_header(lines: list[str], columns: Columns, given: str | None) -> tuple[int, str] | None:
     """Line and separator of the line that names the voltage and the displacement; it may be a comment."""
     for at, line in enumerate(lines):
         if columns.voltage in line and columns.displacement in line:
-            bare = _without_comment(line)
+            bare = without_comment(line)
             for separator in [given] if given else CANDIDATES:
-                if {columns.voltage, columns.displacement} <= set(split_header(bare, separator)):
+                fields = split_header(bare, separator)
+                if {columns.voltage, columns.displacement} <= set(fields):
+                    if labels_names(fields):
+                        return None  # the preamble gives the names
                     return (at, separator) if is_data(line) or _numbers_follow(lines, at, separator) else None
     return None
 
@@ -181,7 +170,7 @@ def _numbers_follow(lines: list[str], at: int, separator: str) -> bool:
     return any(quantity(one, comma=separator != "," and "," in one) is not None for one in split(after, separator))
 
 
-def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> _Start | None:
+def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> Start | None:
     """The first row of numbers; of several separators, the one by which most fields of most rows are numbers."""
     best: tuple[float, int, int] = (0.0, 0, 0)
     found = None
@@ -195,64 +184,46 @@ def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> _St
             at, fields, numeric, filled = start
             rank = (numeric / filled, numeric, -order)
             if rank > best:
-                best, found = rank, _Start(at, separator, comma, fields)
+                best, found = rank, Start(at, separator, comma, fields)
     return found
 
 
 def _begin(lines: list[str], separator: str, comma: bool) -> tuple[int, int, int, int] | None:
-    """Line, fields, numeric fields and fields that are not empty of the first of ALIKE rows of numbers."""
+    """Line, fields, numeric fields and fields that are not empty of the first of ALIKE rows of numbers.
+
+    Of several blocks of such rows, the first with the largest share of numbers.
+    """
     data = [i for i, line in enumerate(lines) if is_data(line)]
-    for position, at in enumerate(data):
+    best: tuple[int, int, int, int] | None = None
+    position = 0
+    while position < len(data):
         rows = [split(lines[i], separator) for i in data[position : position + ALIKE]]
-        counts = [sum(quantity(one, comma) is not None or is_clock(one) for one in row) for row in rows]
-        if min(counts) >= 2 and len({len(row) for row in rows}) == 1:
-            return at, len(rows[0]), min(counts), max(sum(map(bool, row)) for row in rows)
-    return None
+        counts = [_numeric(row, comma) for row in rows]
+        worded = {_worded(row, comma) for row in rows}
+        if min(counts) < 2 or len({len(row) for row in rows}) > 1 or len(worded) > 1:
+            position += 1
+            continue
+        filled = max(sum(map(bool, row)) for row in rows)
+        if best is None or min(counts) / filled > best[2] / best[3]:
+            best = data[position], len(rows[0]), min(counts), filled
+        if best[2] == best[3]:
+            break
+        position += ALIKE
+        while position < len(data) and _numeric(row := split(lines[data[position]], separator), comma) >= 2:
+            if len(row) != len(rows[0]) or {_worded(row, comma)} != worded:
+                break
+            position += 1
+    return best
 
 
-def _matching(line: str, start: _Start) -> tuple[str, ...]:
-    """The fields of a line if they are as many as those of the rows; a trailing field may be missing or empty."""
-    bare = _without_comment(line)
-    separators = [start.separator, *(one for one in CANDIDATES if one != start.separator and start.separator == " ")]
-    for separator in separators:
-        fields = split_header(bare, separator)
-        if len(fields) == start.fields + 1 and (not fields[-1] or fields[-1].lower() == "comment"):
-            fields = fields[:-1]
-        if len(fields) == start.fields - 1:
-            fields = (*fields, "")
-        if len(fields) == start.fields and any(fields):
-            return fields
-    return ()
+def _numeric(row: Sequence[str], comma: bool) -> int:
+    return sum(quantity(one, comma) is not None or is_clock(one) for one in row)
 
 
-def _are_units(fields: Sequence[str]) -> bool:
-    """Whether the fields are units: all known ones, in brackets, or empty; at least one known."""
-    bare = [one.strip("[]() ") for one in fields]
-    known = [any(plain_unit(one) in units for units in UNITS.values()) for one in bare]
-    bracketed = [one[:1] in "[(" and one[-1:] in "])" for one in fields]
-    return any(known) and all(
-        is_known or is_bracketed or one in ("", "-", "1")
-        for is_known, is_bracketed, one in zip(known, bracketed, bare, strict=True)
-    )
-
-
-def _units_by_name(names: Sequence[str], fields: Sequence[str]) -> dict[str, str]:
-    """The units of a row of units, without brackets."""
-    return {name: unit.strip("[]() ") for name, unit in zip(names, fields, strict=True) if unit}
-
-
-def _preamble(lines: Sequence[str]) -> tuple[tuple[str, ...], float | None]:
-    """Column names and sampling period that a preamble gives: a GCS array of PI, the Delta_X of LabVIEW."""
-    names: dict[int, str] = {}
-    Ts_s = None
-    for line in lines:
-        bare = _without_comment(line)
-        if name := re.match(r"NAME(\d+)\s*=\s*(.+)", bare):
-            names[int(name.group(1))] = name.group(2).strip()
-        elif period := re.match(r"(?:SAMPLE_TIME\s*=|Delta_X\t)\s*([-+\d.,eE]+)", bare):
-            value = number(period.group(1), comma="," in period.group(1))
-            Ts_s = value if value and value > 0.0 else None
-    return tuple(names[key] for key in sorted(names)), Ts_s
+def _worded(row: Sequence[str], comma: bool) -> bool:
+    """Whether a row begins with a word, as a setting does."""
+    first = next(filter(None, row), "")
+    return quantity(first, comma) is None and not is_clock(first)
 
 
 def _check_upright(source: str, lines: Sequence[str], at: int, separator: str) -> None:
@@ -265,12 +236,6 @@ def _check_upright(source: str, lines: Sequence[str], at: int, separator: str) -
         )
 
 
-def _check_unique(source: str, names: Sequence[str]) -> None:
-    for name in names:
-        if name and names.count(name) > 1:
-            raise RecordError(f"{source}: the header names {name} twice; rename one of the two columns")
-
-
 def _head(text: str) -> list[str]:
     """The first HEAD_LINES lines without their ends."""
     lines: list[str] = []
@@ -281,30 +246,3 @@ def _head(text: str) -> list[str]:
         lines.append(text[start:end])
         start = end + 1
     return lines
-
-
-def split(line: str, separator: str) -> list[str]:
-    """The fields of one line, without quotes and without a comment at its end."""
-    hash_at = re.search(r"(?:^|\s)#", line)
-    line = (line[: hash_at.start()] if hash_at else line).strip(" \r\n")
-    if separator == " ":
-        return line.split()
-    fields = next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
-    return [one.strip() for one in fields]
-
-
-def split_header(line: str, separator: str) -> tuple[str, ...]:
-    """The names of a header, which may be a comment."""
-    return tuple(split(_without_comment(line), separator))
-
-
-def _without_comment(line: str) -> str:
-    bare = line.strip()
-    mark = next((mark for mark in COMMENTS if bare.startswith(mark)), "")
-    return bare[len(mark) :].strip(" ") if mark else line.strip(" \r\n")
-
-
-def is_data(line: str) -> bool:
-    """Neither blank, nor a comment, nor a ruler under a header."""
-    stripped = line.lstrip()
-    return bool(stripped.strip(" \t;,")) and not stripped.startswith(COMMENTS) and not RULER.fullmatch(stripped)

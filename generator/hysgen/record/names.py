@@ -3,9 +3,9 @@
 A name is split into words and a unit: "Sensor 1 [nm]" is (sensor, 1) in nm. A role is found by, in this order,
 
     1  the name of hysgen's own files: time_s, voltage_V, displacement_um
-    2  a word of the role, in English, German, French or Chinese
+    2  a word of the role, in English, German, French, Chinese, Japanese or Russian
     3  a word put together of words of that role and of no other: Wegsensor, InputData, DriveVoltage
-    4  the unit, if no other column has a unit of the role
+    4  the unit, in the name or in a row of units, if no other column has a unit of the role; a name may be a unit: us
 
 Only roles that the user did not name are guessed. Two columns that suit a role equally well are refused.
 """
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import OWN, UNITS, Columns, plain_unit, split_unit
@@ -26,6 +26,8 @@ WORDS: dict[str, tuple[str, ...]] = {
         "zeit",
         "temps",
         "时间",
+        "時間",
+        "время",
         "timestamp",
         "zeitstempel",
         "horodatage",
@@ -43,6 +45,8 @@ WORDS: dict[str, tuple[str, ...]] = {
         "spannung",
         "tension",
         "电压",
+        "電圧",
+        "напряжение",
         "drive",
         "command",
         "cmd",
@@ -66,6 +70,10 @@ WORDS: dict[str, tuple[str, ...]] = {
         "verschiebung",
         "deplacement",
         "位移",
+        "位置",
+        "変位",
+        "перемещение",
+        "положение",
         "sensor",
         "capteur",
         "output",
@@ -106,10 +114,15 @@ def words_of(name: str) -> tuple[str, ...]:
     return tuple(re.findall(r"[^\W\d_]+\d*|\d+", text))
 
 
-def guessed(columns: Columns, names: Sequence[str], source: str) -> tuple[Columns, str]:
+NOTHING: Mapping[str, str] = {}
+
+
+def guessed(
+    columns: Columns, names: Sequence[str], source: str, units: Mapping[str, str] = NOTHING
+) -> tuple[Columns, str]:
     """The columns with every role found among `names`, and a message that states them; "" if nothing was guessed.
 
-    A role that the user named is kept.
+    A role that the user named is kept. units: of a name, from a row of units.
     Raises RecordError for a role that two columns suit equally well.
     """
     found: dict[str, str] = {}
@@ -121,20 +134,28 @@ def guessed(columns: Columns, names: Sequence[str], source: str) -> tuple[Column
     for role in ("displacement", "voltage", "time"):
         if role not in missing or (role == "time" and columns.Ts_s is not None):
             continue
-        best = _best(role, [name for name in names if name and name not in taken])
+        best = _best(role, [name for name in names if name and name not in taken], units)
         if best:
             found[role] = best[0]
             taken.add(best[0])
+        if role == "time" and all(one == best[0] or one.startswith(f"{best[0]}.") for one in best):
+            continue  # each channel has a column of times
         if len(best) > 1:
             several[role] = best
     for role, best in several.items():
+        gain = ""
+        if role == "voltage" and "displacement" in missing and "displacement" not in found:
+            found["displacement"] = best[1]
+            unit = split_unit(best[1])[1] or units.get(best[1], "V")
+            gain = f"; of a sensor in {unit}, add what one {unit} is: displacement_unit=10um"
         raise RecordError(
             f"{source}: the {role} may be {' or '.join(repr(name) for name in best)}; "
-            f"choose one: {to_paste(columns, found, names)}"
+            f"choose one: {to_paste(columns, found, names)}{gain}"
         )
     if not found:
         return columns, ""
-    chosen = columns.named(found)
+    bare = {role: unit for role, name in found.items() if name not in units and (unit := _unit_alone(name))}
+    chosen = columns.named(found, {role: unit for role, unit in bare.items() if not getattr(columns, f"{role}_unit")})
     return chosen, f"{source}: read as {to_paste(chosen, {}, names)}"
 
 
@@ -154,11 +175,31 @@ def to_paste(columns: Columns, found: dict[str, str], names: Sequence[str]) -> s
     return '--columns "' + ",".join(pairs) + '"'
 
 
-def _best(role: str, names: Sequence[str]) -> list[str]:
+def roles_in(names: Sequence[str], units: Mapping[str, str] = NOTHING) -> int:
+    """How many roles have a column among the names."""
+    return sum(bool(_best(role, [name for name in names if name], units)) for role in ROLES)
+
+
+def has_time(names: Sequence[str], units: Mapping[str, str] = NOTHING) -> bool:
+    """Whether a column is a time, by its name or its unit."""
+    return bool(_best("time", [name for name in names if name], units))
+
+
+def _unit_alone(name: str) -> str:
+    """The unit that is the whole name, "" if it is none; a column "min" holds a minimum.
+
+    >>> _unit_alone("us"), _unit_alone("Millis"), _unit_alone("min"), _unit_alone("drive")
+    ('us', 'ms', '', '')
+    """
+    unit = plain_unit(name)
+    return unit if unit != "min" and any(unit in units for units in UNITS.values()) else ""
+
+
+def _best(role: str, names: Sequence[str], units: Mapping[str, str]) -> list[str]:
     """The names that suit a role best: by the first of its words, else by a unit of the role."""
+    own = {name: plain_unit(split_unit(name)[1] or units.get(name, "")) for name in names}
     ranked = []
-    for name in names:
-        unit = plain_unit(split_unit(name)[1] or "")
+    for name, unit in own.items():
         if unit and unit not in UNITS[role] and any(unit in units for units in UNITS.values()):
             continue  # a length is no voltage, whatever it is called
         ranks = [WORDS[role].index(word) for word in words_of(name) if word in WORDS[role]]
@@ -171,7 +212,9 @@ def _best(role: str, names: Sequence[str]) -> list[str]:
     if ranked:
         least = min(ranked)[:2]
         return [name for *rank, name in ranked if tuple(rank) == least]
-    return [name for name in names if plain_unit(split_unit(name)[1] or "") in UNITS[role]]
+    return [name for name, unit in own.items() if unit in UNITS[role]] or [
+        name for name in names if _unit_alone(name) in UNITS[role]
+    ]
 
 
 def _compound(word: str) -> set[str]:

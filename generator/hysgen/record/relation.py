@@ -153,7 +153,13 @@ def scale(runs: Sequence[Channels]) -> Iterator[str]:
 
 def rate(source: str, Ts_s: float) -> Iterator[str]:
     """A line for a sampling rate at which the unit of the time is in doubt."""
-    if Ts_s > 1.0 / SLOWEST_HZ:
-        yield (f"{source}: is sampled at {1.0 / Ts_s:.4g} Hz; if the time is in ms, give --columns time_unit=ms")
-    elif Ts_s < 1.0 / FASTEST_HZ:
-        yield f"{source}: is sampled at {1e-6 / Ts_s:.4g} MHz; check the unit of the time, --columns time_unit=s"
+    rate_Hz = 1.0 / Ts_s
+    if rate_Hz < SLOWEST_HZ:
+        units = {"ms": 1e3, "us": 1e6, "ns": 1e9}
+        unit = next((unit for unit, factor in units.items() if SLOWEST_HZ <= rate_Hz * factor <= FASTEST_HZ), None)
+        cures = [] if unit is None else [f"if the time is in {unit}, give --columns time_unit={unit}"]
+        if unit != "ms":
+            cures.append("if it counts samples or ticks, --columns time=,Ts_s=SECONDS")
+        yield f"{source}: is sampled at {rate_Hz:.4g} Hz; {'; '.join(cures)}"
+    elif rate_Hz > FASTEST_HZ:
+        yield f"{source}: is sampled at {1e-6 * rate_Hz:.4g} MHz; check the unit of the time, --columns time_unit=s"

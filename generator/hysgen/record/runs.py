@@ -49,6 +49,11 @@ def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
             cure = f"say which one it is: {to_paste(columns, {}, table.names)}"
             if role == "time":
                 cure += " or, without time stamps, --columns Ts_s=SECONDS"
+            if role != "time" and sum(one not in (columns.time, columns.segment) for one in there) == 1:
+                cure = (
+                    "the file holds one channel; put voltage and displacement into one, as with "
+                    "paste -d, VOLTAGE.csv DISPLACEMENT.csv > record.csv"
+                )
             if len(table.names) == 1:
                 cure = "give --columns separator=... if that is several names in one"
             raise RecordError(

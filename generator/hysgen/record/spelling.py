@@ -13,8 +13,8 @@ from hysgen.record.columns import UNITS, plain_unit
 MINUS = str.maketrans(dict.fromkeys("\N{MINUS SIGN}\N{EN DASH}\N{FULLWIDTH HYPHEN-MINUS}", "-"))
 """Signs that spreadsheets and typesetters put for a minus."""
 
-FORTRAN = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
-"""The D of a Fortran exponent, 1.0D+00."""
+FORTRAN = re.compile(r"(?<=[\d.])(?:[dD]|\*\^)(?=[+-]?\d)")
+"""The D of a Fortran exponent, 1.0D+00, and the *^ of Mathematica's, 1.0*^0."""
 
 _BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE} "
 _APART = "'\N{RIGHT SINGLE QUOTATION MARK}" + _BLANKS
@@ -27,7 +27,7 @@ THOUSANDS = {
 _VALUE_AND_UNIT = re.compile(r"(.*[\d.,])\s*([^\d\s.,+-][^\d\s]*)")
 CLOCK = re.compile(
     r"(?:\d{4}-\d\d-\d\d|\d\d?\.\d\d?\.\d{4}|\d\d?/\d\d?/\d{4})?[T ]?"
-    r"\d\d?:\d\d:\d\d(?:[.,]\d+)?(?:Z|\s?[AaPp]\.?[Mm]\.?)?"
+    r"\d\d?:\d\d:\d\d(?:[.,:]\d+)?(?:Z|\s?[AaPp]\.?[Mm]\.?)?"
     r"|\d\d?:\d\d[.,]\d+"
 )
 """A date and time of day, a time of day alone, or minutes and seconds with a fraction."""
@@ -112,6 +112,9 @@ def _date_and_time(text: str) -> tuple[str, str]:
     date, _, time = text.rpartition("T")
     if time.count(":") == 1:
         time = f"0:{time}"
+    if time.count(":") == 3:
+        whole, _, fraction = time.rpartition(":")
+        time = f"{whole}.{fraction}"
     hours, _, rest = time.partition(":")
     count = int(hours)
     if half:

@@ -26,6 +26,8 @@ def text_of(source: str, data: bytes) -> tuple[str, tuple[str, ...]]:
         text = data.decode("utf-16", errors="replace")
     elif len(head) > 20 and head[1::2].count(0) > 0.9 * len(head[1::2]) and 0 not in head[::2]:
         text = data.decode("utf-16-le", errors="replace")
+    elif len(head) > 20 and head[::2].count(0) > 0.9 * len(head[::2]) and 0 not in head[1::2]:
+        text = data.decode("utf-16-be", errors="replace")
     else:
         # A logger reserves room ahead in the file, as zeros; CP/M's sign for the end of a text lives on, too.
         filled = data.rstrip(b"\0\x1a")
@@ -70,11 +72,21 @@ def _names_in_one_line(text: str) -> str:
     return "\n".join(joined) + text[len(head) :]
 
 
+WORDS_BY_ENCODING = {"cp932": ("時間", "電圧", "変位"), "cp1251": ("время", "напряжение", "перемещение", "положение")}
+"""Encodings of Windows in which a header is told by a word; a wrong one gives other letters, and no fault."""
+
+
 def _encoding(data: bytes) -> str:
-    """GB 18030 (Chinese Windows) if all bytes above 0x7f come in pairs, else Latin-1, in which every byte is valid.
+    """The encoding in which the header has a word of a role; else GB 18030 (Chinese Windows) if all bytes above 0x7f
+    come in pairs, else Latin-1, in which every byte is valid.
 
     In European headers the bytes of a micro sign or an accent stand alone.
     """
+    for encoding, words in WORDS_BY_ENCODING.items():
+        if any(word in data[:4096].decode(encoding, errors="ignore").lower() for word in words):
+            with contextlib.suppress(UnicodeDecodeError):
+                data.decode(encoding)
+                return encoding
     runs = re.findall(rb"[\x80-\xff]+", data)
     if all(len(run) % 2 == 0 and min(run) > 0xA0 for run in runs):
         with contextlib.suppress(UnicodeDecodeError):
