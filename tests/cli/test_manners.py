@@ -150,6 +150,19 @@ def test_progress_says_seconds_and_quiet_says_nothing() -> None:
     assert silent.getvalue() == ""
 
 
+def test_the_time_left_does_not_rise_within_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 100.0
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    err = io.StringIO()
+    line = ProgressLine(err, verbose=True, started=80.0)
+    for seconds in range(0, 25, 5):
+        now = 100.0 + seconds
+        line.show(0.5, "searching")
+    line.stop()
+    left = [text.partition("about ")[2].partition(" s left")[0] for text in err.getvalue().splitlines()]
+    assert left == ["20", "15", "10", "5", ""]
+
+
 def test_progress_is_repeated_while_a_computation_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "SECONDS", 0.1)
     err = io.StringIO()

@@ -193,3 +193,30 @@ def test_help_lists_the_verbs_in_groups_and_loads_no_library() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.index("  diagnose") < done.stdout.index("  generate") < done.stdout.index("  endurance")
+
+
+def test_a_home_that_cannot_be_written_gives_the_pictures_another_folder(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Otherwise matplotlib prints two lines of its own."""
+    monkeypatch.setenv("HOME", "/proc/nowhere")
+    monkeypatch.setenv("HYSGEN_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("MPLCONFIGDIR", "unset below")
+    monkeypatch.delenv("MPLCONFIGDIR")
+    assert main(["describe", "appendix_a", "-q"]) == 0
+    assert os.environ["MPLCONFIGDIR"] == str(tmp_path / "cache" / "matplotlib")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("MPLCONFIGDIR")
+    assert main(["describe", "appendix_a", "-q"]) == 0
+    assert "MPLCONFIGDIR" not in os.environ
+
+
+def test_no_verb_but_the_demo_loads_pictures_before_they_are_asked_for() -> None:
+    code = (
+        "import sys; from hysgen.cli.verbs import NAMES, verb\n"
+        "for name in NAMES:\n"
+        "    if name != 'demo':\n"
+        "        verb(name)\n"
+        "        assert 'matplotlib' not in sys.modules, name\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

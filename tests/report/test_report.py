@@ -233,7 +233,7 @@ def test_an_extension_that_is_kept_in_doubt_says_what_it_gains_beside_the_others
 
 def test_a_displacement_that_no_model_follows_is_no_plain_hysteresis(hum: Study) -> None:
     found = dataclasses.replace(hum.diagnosis, causes=(), extended_rms_um=hum.span_um)
-    assert verdict(dataclasses.replace(hum, diagnosis=found))[1].startswith("The displacement does not follow the volt")
+    assert verdict(dataclasses.replace(hum, diagnosis=found))[1].endswith("it does not follow the voltage.")
 
 
 def test_cause_that_is_named_but_not_extended_is_listed_separately(hum: Study) -> None:
@@ -359,3 +359,14 @@ def test_shares_of_the_error_are_those_of_each_window_and_sum_to_one() -> None:
     noise, left = [0.0625, 0.0625], [0.0625, 0.9375]
     assert shares == pytest.approx(np.array([noise, left, [0.75, 0.0], [0.125, 0.0]]))
     assert shares.sum(axis=0) == pytest.approx(np.ones(2))
+
+
+def test_logs_that_are_not_aligned_are_said_before_the_causes(hum: Study) -> None:
+    record = hum.record
+    (segment,) = record.segments
+    without = [abs(np.corrcoef(segment.u_V, np.roll(segment.y_um, shift))[0, 1]) for shift in range(1000)]
+    apart = dataclasses.replace(segment, y_um=np.roll(segment.y_um, int(np.argmin(without))))
+    shifted = dataclasses.replace(record, segments=(apart,))
+    first, *_ = verdict(dataclasses.replace(hum, record=shifted))
+    assert "the logs are not aligned, and what follows describes their shift." in first
+    assert "aligned" not in "".join(verdict(hum))

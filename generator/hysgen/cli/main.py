@@ -12,8 +12,10 @@ import itertools
 import os
 import re
 import sys
+import tempfile
 import textwrap
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 from hysgen.cli.completion import SHELLS, options_of, script
@@ -137,6 +139,7 @@ def _run(words: list[str]) -> int:
 
         raise HysgenError(f"{words[0]}: is no verb{nearest(words[0], NAMES)}; hysgen --help lists them")
     require_room(LIBRARIES)
+    _place_matplotlib()
     arguments = parser(names).parse_args(_negative_rows_joined(words))
     console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)
@@ -146,6 +149,21 @@ def _run(words: list[str]) -> int:
         console.close()
     sys.stdout.flush()
     return code
+
+
+def _place_matplotlib() -> None:
+    """Give matplotlib a folder for its settings where the home cannot be written; else it says so on stderr."""
+    if "MPLCONFIGDIR" in os.environ:
+        return
+    home = Path(os.environ.get("HOME", "/"))
+    try:
+        with tempfile.TemporaryFile(dir=next(one for one in (home, *home.parents) if one.exists())):
+            pass
+    except OSError:
+        from hysgen.machine.native import cache_folder  # imports NumPy, which --version does without
+
+        with contextlib.suppress(HysgenError):
+            os.environ["MPLCONFIGDIR"] = str(cache_folder() / "matplotlib")
 
 
 def _negative_rows_joined(words: Sequence[str]) -> list[str]:

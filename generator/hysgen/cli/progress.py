@@ -17,6 +17,9 @@ SECONDS_ON_TERMINAL: Final = 0.5
 LEAST_SECONDS: Final = 3.0
 """Run time in seconds from which on a line states the time passed and the time left."""
 
+LEAST_FRACTION: Final = 0.05
+"""Fraction done from which on a line states the time left."""
+
 
 @dataclass
 class ProgressLine:
@@ -31,6 +34,7 @@ class ProgressLine:
     started: float = field(default_factory=time.monotonic)
     _printed: float = 0.0
     _last: tuple[float, str] | None = None
+    _estimated: tuple[float, float, float] = (0.0, 0.0, 0.0)
     _open: bool = False
     _lock: threading.RLock = field(default_factory=threading.RLock)
     _ended: threading.Event = field(default_factory=threading.Event)
@@ -40,6 +44,10 @@ class ProgressLine:
         """Print the fraction done and what is being done."""
         with self._lock:
             self._last = None if fraction >= 1.0 else (fraction, what)
+            if fraction != self._estimated[0]:
+                now = time.monotonic()
+                left = (now - self.started) * (1.0 - fraction) / fraction if fraction > LEAST_FRACTION else 0.0
+                self._estimated = fraction, now, left
             if self.verbose or fraction >= 1.0 or time.monotonic() - self._printed >= self._interval():
                 self._print(fraction, what)
             if self._thread is None and self._last is not None:
@@ -84,9 +92,13 @@ class ProgressLine:
         self._printed = now
 
     def _seconds(self, fraction: float, now: float) -> str:
-        """Seconds since the start, and those that are left if the rest goes as fast."""
+        """Seconds since the start, and those that are left if the rest goes as fast.
+
+        The time left is estimated where the fraction changes and counts down from there, until nothing is left.
+        """
         passed = now - self.started
         if passed < LEAST_SECONDS:
             return ""
-        left = f", about {passed * (1.0 - fraction) / fraction:.0f} s left" if 0.05 < fraction < 1.0 else ""
-        return f"  ({passed:.0f} s{left})"
+        _, at, estimate = self._estimated
+        left = estimate - (now - at)
+        return f"  ({passed:.0f} s{f', about {left:.0f} s left' if left >= 0.5 and fraction < 1.0 else ''})"

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,16 @@ SLOWEST_HZ, FASTEST_HZ = 100.0, 20e6
 """Sampling rates outside of which the unit of the time is in doubt."""
 
 
+class Run(Protocol):
+    """Voltage and displacement of consecutive samples, (n,) each."""
+
+    @property
+    def u_V(self) -> Floats: ...
+
+    @property
+    def y_um(self) -> Floats: ...
+
+
 @dataclass(frozen=True)
 class Lag:
     """correlation: c at the peak, at the lag `samples`, which is positive if y follows u. at_zero: c(0)."""
@@ -57,7 +68,7 @@ class Lag:
     at_zero: float
 
 
-def lag_of(run: Channels) -> Lag | None:
+def lag_of(run: Run) -> Lag | None:
     """The lag of the peak of |c| nearest to 0 among the high ones; None for short or constant channels."""
     n = min(run.u_V.size, MOST)
     u, y = (values[:n] - values[:n].mean() for values in (run.u_V, run.y_um))
@@ -76,6 +87,12 @@ def lag_of(run: Channels) -> Lag | None:
     end = int(bounds[bounds > near].min(initial=c.size))
     chosen = begin + int(np.argmax(np.abs(c[begin:end])))
     return Lag(int(lags[chosen]), float(c[chosen]), float(cross[0]))
+
+
+def misaligned(runs: Sequence[Run]) -> Lag | None:
+    """The lag of the longest run if it is so large that the two logs may not be aligned, else None."""
+    lag = lag_of(max(runs, key=lambda one: one.u_V.size))
+    return lag if lag is not None and lag.correlation >= LATE and lag.at_zero < TOGETHER else None
 
 
 def coherent_share(run: Channels) -> float:

@@ -17,6 +17,7 @@ from hysgen.diagnosis.evaluation import LADDER, Study
 from hysgen.display import table
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model.model import Model
+from hysgen.record.relation import misaligned
 
 UNITS = {
     "half_widths": "of each half-width per factor e of time",
@@ -113,9 +114,12 @@ def verdict(study: Study) -> list[str]:
         f"The simulation is wrong by {_percent(study.percent(diagnosis.base_rms_um))} of the stroke: "
         f"{diagnosis.base_rms_um:.3g} um rms in free run, held out; the noise is {diagnosis.noise.rms_um:.2g} um."
     )
+    apart = _apart(study)
     if not _follows(study):
-        constant = "The displacement does not follow the voltage: a constant is as good as every model of it."
-        return [wrong, constant, *_left(diagnosis.unknown)]
+        constant = "A constant is as good as every model of the displacement"
+        constant += " as it is logged." if apart else ": it does not follow the voltage."
+        return [wrong, *apart, constant, *_left(diagnosis.unknown)]
+    wrong = "\n".join([wrong, *apart])
     if not diagnosis.causes:
         if diagnosis.unknown:
             return [wrong, f"Something stands behind it that none of the known causes explains: {diagnosis.unknown}."]
@@ -150,6 +154,18 @@ def verdict(study: Study) -> list[str]:
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
     return [*lines, *left_out, *_left(diagnosis.unknown)]
+
+
+def _apart(study: Study) -> list[str]:
+    """The sentence about logs of voltage and displacement that may not be aligned, if they may not."""
+    lag = misaligned(study.record.segments)
+    if lag is None:
+        return []
+    way = "behind" if lag.samples > 0 else "ahead of"
+    return [
+        f"The displacement runs {abs(lag.samples)} samples ({abs(lag.samples) * study.record.Ts_s:.3g} s) {way} the "
+        "voltage: unless the stage is so slow, the logs are not aligned, and what follows describes their shift."
+    ]
 
 
 def _follows(study: Study) -> bool:

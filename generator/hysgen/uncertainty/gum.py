@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 COVERAGE: Final = 0.95
 Shape = Literal["normal", "rectangular"]
@@ -65,7 +65,7 @@ class Budget:
         """Coverage factor k, two-sided, of Student's t with nu_eff truncated to an integer as in G.4.1."""
         freedom = self.freedom
         whole = max(1.0, math.floor(freedom)) if math.isfinite(freedom) else 1e12
-        return float(student.ppf(0.5 + 0.5 * self.coverage, whole))
+        return float(stdtrit(whole, 0.5 + 0.5 * self.coverage))
 
     @property
     def expanded_um(self) -> float:

@@ -12,7 +12,6 @@ from hysgen.cli.options import add_model, add_record_options, parse_rows, read_r
 from hysgen.cli.verbs import Verb
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
-from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import Score, score, score_lines
 from hysgen.model.simulate import free_run, one_step
 
@@ -67,6 +66,8 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         result["beside"] = {name: one.to_json() for name, one in beside.items()}
     rivals: list[tuple[str, Score]] = []
     if arguments.rivals:
+        from hysgen.model.rivals import fit_rivals, score_rivals
+
         known = whole.rows(*parse_rows(arguments.rivals, whole.samples, whole.Ts_s))
         unscored = arguments.settle if scores.unknown_past is None else scores.unknown_past.rows
         rivals = score_rivals(fit_rivals(known), record, unscored)

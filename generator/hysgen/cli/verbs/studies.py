@@ -14,8 +14,6 @@ from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.display import table
 from hysgen.errors import HysgenError
-from hysgen.report.plots import style
-from hysgen.report.plots.experiments import modelling_figures, tracking_figure
 from hysgen.stage.families import FAMILIES
 from hysgen.studies.bank import CATEGORIES, OWN, Judgement, limits, limits_table
 from hysgen.studies.bank import run as judge_bank
@@ -59,6 +57,9 @@ def run_experiments(arguments: argparse.Namespace, console: Console) -> int:
     results = repeat_all(console.progress)
     console.say(results.text())
     if arguments.output:
+        from hysgen.report.plots import style
+        from hysgen.report.plots.experiments import modelling_figures, tracking_figure
+
         folder = Path(arguments.output)
         for outcome in results.modelling:
             for name, figure in modelling_figures(outcome).items():

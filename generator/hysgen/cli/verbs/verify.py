@@ -20,7 +20,6 @@ from hysgen.codegen.manifest import read_folder
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.machine.files import write_whole
-from hysgen.report.model import folder_page
 
 VERIFY_HELP = """\
 Prove that generated C equals its NumPy reference, bit for bit.
@@ -105,6 +104,8 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
     report = verify(Path(arguments.folder), settings, console.progress)
     console.say("\n".join(report.lines()))
     if arguments.report:
+        from hysgen.report.model import folder_page
+
         folder = read_folder(Path(arguments.folder))
         price = cost_of_texts(folder.model, folder.texts, timed=False)
         write_whole(Path(arguments.report), folder_page(folder.model, report, price).html())
