@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -13,7 +14,9 @@ import pytest
 import hysgen
 from fixtures.bank_records import record_of
 from hysgen.checking.proof.checks import CheckSettings
+from hysgen.cli.verbs import NAMES
 from hysgen.display import Displayed
+from hysgen.firmware.image import Label
 from hysgen.report.plots.results import Drawing
 from hysgen.stage import Stage, run
 from hysgen.stage.signals import nested_amplitudes
@@ -78,7 +81,7 @@ def test_every_result_shows_itself_on_one_line_as_text_and_as_html(results: dict
 
 def test_dynamics_certificates_and_comparison_are_printed_as_text_with_one_line_as_repr() -> None:
     model = hysgen.load_model("appendix_a")
-    for result in (hysgen.describe(model), hysgen.certificates(model), hysgen.compare(model, model)):
+    for result in (hysgen.describe(model), hysgen.certificates(model), hysgen.diff(model, model)):
         assert "\n" not in repr(result)
         assert len(repr(result)) < 200
         assert len(str(result).splitlines()) > 2
@@ -219,7 +222,7 @@ def test_what_the_command_line_does_is_in_the_interface(
     assert "time constant" in hysgen.describe(model).describe()
     assert hysgen.certificates(model).inverse_holds
     again, scores = hysgen.refit(model, record)
-    assert hysgen.compare(model, again, [record]).scores[0][1] == pytest.approx(scores.free_run.e_rms_um, rel=0.5)
+    assert hysgen.diff(model, again, [record]).scores[0][1] == pytest.approx(scores.free_run.e_rms_um, rel=0.5)
     assert set(hysgen.rivals(record[:3000], record[3000:])) == {
         "Prandtl-Ishlinskii, 20 plays",
         "proportional",
@@ -234,6 +237,39 @@ def test_what_the_command_line_does_is_in_the_interface(
     assert proof.to_json()["model"] == model.name
     with pytest.raises(hysgen.HysgenError, match="--only misa: is not a check"):
         hysgen.prove(hysgen.generate(model), ["misa"])
+
+
+def test_every_verb_has_a_name_in_python() -> None:
+    """The table of docs/api.md: each verb of the command line, and names that exist."""
+    page = (Path(__file__).parents[1] / "docs" / "api.md").read_text(encoding="utf-8")
+    table = page.partition("Each verb of the command line in Python")[2].partition("\n\n`record.split")[0]
+    cells = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("| `")]
+    pairs = {verb.strip(" `"): names for row in cells for verb, names in zip(row[::2], row[1::2], strict=True)}
+    assert set(pairs) == set(NAMES)
+    for names in pairs.values():
+        for name in names.replace("`", "").split(","):
+            room, _, function = name.strip().rpartition(".")
+            assert callable(getattr(importlib.import_module(room or "hysgen"), function))
+
+
+def test_a_model_goes_into_other_tools_and_to_the_firmware(
+    model: hysgen.Model, record: hysgen.Record, tmp_path: Path
+) -> None:
+    written = hysgen.write_export(model, "cmake", tmp_path / "cmake")
+    assert (tmp_path / "cmake" / "CMakeLists.txt") in written
+    with pytest.raises(hysgen.HysgenError, match=r"cmaek: is no target \(did you mean 'cmake'\?\); choose from"):
+        hysgen.write_export(model, "cmaek", tmp_path)
+    files = hysgen.firmware_files(model)
+    assert files.model.learner is not None
+    assert "model.h" in files.texts
+    assert hysgen.image(model, Label(device=3)) != hysgen.image(model)
+    for name, one in {"1.json": model, "2.json": hysgen.refit(model, record)[0]}.items():
+        hysgen.save_model(one, tmp_path / name)
+    assert len(hysgen.history(tmp_path).files) == 2
+    assert hysgen.schema("score")["$id"] == "hysgen-score-1"
+    with pytest.raises(hysgen.HysgenError, match="scores: no such schema"):
+        hysgen.schema("scores")
+    assert len(hysgen.demo_record()) == 67_248
 
 
 def test_the_estimator_is_fitted_scored_and_cloned_by_its_parameters(record: hysgen.Record) -> None:

@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import json
 import os
+import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -31,7 +33,10 @@ from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
 from hysgen.errors import FitError, HysgenError, RecordError, RecordWarning
 from hysgen.estimator import HysteresisRegressor
-from hysgen.firmware.image import encode
+from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.image import NO_KEY, Label, encode
+from hysgen.firmware.link import BAUD, Client, open_line
+from hysgen.firmware.reference_models import with_learner
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
 from hysgen.fitting.compare import Comparison
@@ -45,6 +50,8 @@ from hysgen.record import Columns, Record, check_for_fit, check_validation, load
 from hysgen.record.columns import nearest
 from hysgen.record.inspection import inspect
 from hysgen.report.words import price_of
+from hysgen.uncertainty.history import LIMIT_PERCENT, History
+from hysgen.uncertainty.history import history as history_of
 
 if TYPE_CHECKING:
     from hysgen.report.page import Page
@@ -65,12 +72,16 @@ __all__ = [
     "Scores",
     "Study",
     "certificates",
-    "compare",
+    "connect",
     "cost",
+    "demo_record",
     "describe",
     "diagnose",
+    "diff",
+    "firmware_files",
     "fit",
     "generate",
+    "history",
     "image",
     "inspect",
     "load_model",
@@ -80,8 +91,10 @@ __all__ = [
     "refit",
     "rivals",
     "save_model",
+    "schema",
     "score",
     "verify",
+    "write_export",
 ]
 
 Progress = Callable[[float, str], None]
@@ -139,9 +152,14 @@ def refit(model: Model, record: Record | Any, progress: Progress | None = None) 
     return refit_model(model, _record(record), progress)
 
 
-def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Comparison:
+def diff(old: Model, new: Model, records: Sequence[Record | Any] = ()) -> Comparison:
     """What changed from one model to another of the same structure; free-run errors of both on `records`."""
-    return compare_models(old, new, list(records))
+    return compare_models(old, new, [_record(one) for one in records])
+
+
+def history(folder: str | Path, limit_percent: float = LIMIT_PERCENT) -> History:
+    """What moved over all refits of a stage: its model files in one folder, ordered by name. Raises HysgenError."""
+    return history_of(Path(folder), limit_percent)
 
 
 def rivals(known: Record, unseen: Record) -> dict[str, Score]:
@@ -179,9 +197,55 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     return made
 
 
-def image(model: Model) -> bytes:
-    """The model's numbers as a parameter image, which running firmware takes if it is whole, right and certified."""
-    return encode(model)
+def write_export(model: Model, target: str, folder: str | Path, options: Options | None = None) -> list[Path]:
+    """Write a folder for another tool, with its binaries. Returns the paths of its files.
+
+    target: sfunction, fmu, a2l, cmake, shared or cortexm. Raises HysgenError for any other, BuildError without a
+    compiler.
+    """
+    room = importlib.import_module("hysgen.export")
+    if target not in room.TARGETS:
+        known = ", ".join(room.TARGETS)
+        raise HysgenError(f"{target}: is no target{nearest(target, room.TARGETS)}; choose from {known}")
+    written: list[Path] = room.write_export(model, target, Path(folder), options)
+    return written
+
+
+def firmware_files(model: Model) -> Generated:
+    """The C of a model as the firmware takes it, with model.h and, if the model has no learner, one of its rules."""
+    chosen = model if model.learner is not None else with_learner(model)
+    return Generated(chosen, firmware_model(chosen))
+
+
+def image(model: Model, label: Label | None = None, key: bytes = NO_KEY) -> bytes:
+    """The model's numbers as a parameter image, which running firmware takes if it is whole, right and certified.
+
+    label: device, build and counter of the image; key: the firmware's 16 bytes (`hysgen.firmware.image`).
+    """
+    return encode(model, label or Label(), key)
+
+
+def connect(port: str, baud: int = BAUD) -> Client:
+    """Running firmware over its serial line: `with hysgen.connect("/dev/ttyUSB0") as stage: stage.status()`.
+
+    Needs pyserial. Raises HysgenError if the port cannot be opened.
+    """
+    return Client(open_line(port, baud))
+
+
+def schema(name: str) -> dict[str, Any]:
+    """The JSON Schema of the result of a verb ("score", "score-1"), of "model" or "manifest". Raises HysgenError."""
+    found: dict[str, Any] = json.loads(importlib.import_module("hysgen.cli.schemas").text_of(name))
+    return found
+
+
+def demo_record() -> Record:
+    """The bundled record: the laboratory's stage at 50 kHz; its first 46003 rows are for identification."""
+    text = importlib.import_module("hysgen.stage.demo_record").bundled_csv()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "demo.csv"
+        path.write_text(text, encoding="utf-8")
+        return load_record(path)
 
 
 def _record(given: Any) -> Record:
