@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import html
 import importlib
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,6 +30,19 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -
         return "  ".join(cell.ljust(w) if j < left else cell.rjust(w) for j, (cell, w) in columns).rstrip()
 
     return "\n".join([line(cells[0]), "  ".join("-" * width for width in widths), *[line(row) for row in cells[1:]]])
+
+
+def decimal(value: float, digits: int) -> str:
+    """A number with at most `digits` significant digits, without an exponent between 1e-6 and 1e9.
+
+    >>> decimal(13824.0, 2), decimal(1.63e-5, 2), decimal(0.25, 4), decimal(3e-9, 2)
+    ('14000', '0.000016', '0.25', '3e-09')
+    """
+    text = f"{value:.{digits}g}"
+    if not 1e-6 <= abs(value) < 1e9:
+        return text
+    rounded = float(text)
+    return f"{rounded:.{max(0, digits - 1 - math.floor(math.log10(abs(rounded))))}f}" if "e" in text else text
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ def test_the_unit_of_a_parameter_is_printed_behind_its_value(found: Diagnosis) -
     rates = {"rate_V_per_s": Estimate(800.0, 3.0), "ramp_um_per_s": Estimate(0.5, math.nan)}
     memory = dataclasses.replace(found.causes[1], parameters={**rates, "per_s": Estimate(0.1, 0.01)})
     study: Any = SimpleNamespace(diagnosis=dataclasses.replace(found, causes=(memory,)))
-    assert parameter_text(study, "memory") == "rate 800 ± 3 V/s, ramp 0.5 um/s, per s 0.1 ± 0.01"
+    assert parameter_text(study, "memory") == "rate 800.0 ± 3.0 V/s, ramp 0.5 um/s, per s 0.100 ± 0.010"
 
 
 def planted(samples: int) -> tuple[Scene, Fit]:

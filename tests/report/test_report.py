@@ -22,19 +22,21 @@ from fixtures.bank_records import hum_study
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
 from hysgen.diagnosis.bootstrap import Gain
+from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.evaluation import LADDER, Study
-from hysgen.display import table
+from hysgen.display import decimal, table
 from hysgen.fitting import FitSettings, fit
 from hysgen.model.file import load_model
 from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.report.model import ScoredModels, model_page
-from hysgen.report.page import readable
-from hysgen.report.plots.diagnosis import pictures, profile_picture, time_picture
+from hysgen.report.page import readable, sentence
+from hysgen.report.plots.diagnosis import BAR, held_out_runs, pictures, profile_picture
 from hysgen.report.plots.shares import error_shares
+from hysgen.report.plots.simulated import time_picture
 from hysgen.report.plots.style import plain_number, png_bytes, svg_bytes
 from hysgen.report.sections import uncertainty_section
-from hysgen.report.words import diagnosis_text, verdict
+from hysgen.report.words import diagnosis_text, parameter_text, verdict
 from hysgen.stage import Stage
 from hysgen.stage import run as measure
 from hysgen.stage.signals import nested_amplitudes
@@ -56,7 +58,7 @@ SECTIONS = (
     "Glossary",
     "Provenance",
 )
-PICTURES = 18
+PICTURES = 22
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 
 
@@ -325,7 +327,7 @@ def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
         assert "Certificates over the whole range" in reader.text, name
     shown = read(pages["models"]).text
     assert "t <&>" in shown
-    assert "Not compared: no C was generated" in shown
+    assert "Cost against budget" not in shown  # no C was generated
     assert all(f"{s.free_run.e_rms_um:.5f}" in shown for s in scores.values())
     assert "Equal in every bit" in read(pages["folder"]).text
 
@@ -341,11 +343,11 @@ def test_an_error_map_has_no_line_where_the_record_has_no_such_samples(hum: Stud
 
 def test_each_error_in_time_fills_an_axis_of_its_own(hum: Study) -> None:
     assert hum.improved
-    for axis in time_picture(hum).figure.axes:
+    for axis in time_picture(held_out_runs(hum)).figure.axes:
         (line,) = axis.lines
         low, high = axis.get_ylim()
         assert np.ptp(line.get_ydata()) > 0.5 * (high - low)
-    assert len(time_picture(hum).figure.axes) == 2
+    assert len(time_picture(held_out_runs(hum)).figure.axes) == 2
 
 
 def test_ticks_of_small_errors_have_no_exponent() -> None:
@@ -370,3 +372,46 @@ def test_logs_that_are_not_aligned_are_said_before_the_causes(hum: Study) -> Non
     first, *_ = verdict(dataclasses.replace(hum, record=shifted))
     assert "the logs are not aligned, and what follows describes their shift." in first
     assert "aligned" not in "".join(verdict(hum))
+
+
+def test_intervals_of_the_ladder_lie_in_its_frame_and_tell_a_certain_gain_from_a_doubtful_one(hum: Study) -> None:
+    """A gain of almost the whole error, whose interval goes beyond the error itself, and one that may be negative."""
+    first, second = hum.diagnosis.causes
+    large = dataclasses.replace(first, step=Gain(1.0, 0.01, 0.8, 1.2, 1.0))
+    doubtful = dataclasses.replace(second, step=Gain(0.01, 0.009, -0.001, 0.003, 0.9))
+    other = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(large, doubtful)))
+    (axis,) = next(picture for picture in pictures(other) if picture.name == "ladder").figure.axes
+    bars = [line.get_xdata() for line in axis.lines if line.get_linewidth() == BAR]
+    low, high = axis.get_xlim()
+    assert len(bars) == 2
+    assert all(low <= end <= high for bar in bars for end in bar)
+    assert min(bars[0]) > 0.01
+    assert min(bars[1]) < 0.009 < max(bars[1])
+
+
+def test_parameters_are_rounded_to_their_standard_errors(hum: Study) -> None:
+    first = hum.diagnosis.causes[0]
+    found = {
+        "f_Hz": Estimate(49.99812, 0.0084),
+        "amplitude_um": Estimate(0.0019683, 1.6e-5),
+        "from_s": Estimate(0.00996, math.nan),
+    }
+    one = dataclasses.replace(first, parameters=found)
+    study = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(one,)))
+    assert (
+        parameter_text(study, first.name) == "f 49.9981 ± 0.0084 Hz, amplitude 0.001968 ± 0.000016 um, from 0.00996 s"
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [(13824.0, 2, "14000"), (1.63e-5, 2, "0.000016"), (0.25, 4, "0.25"), (3e-9, 2, "3e-09")],
+)
+def test_numbers_for_people_have_no_exponent_where_they_are_short(value: float, digits: int, text: str) -> None:
+    assert decimal(value, digits) == text
+    assert decimal(-value, digits) == f"-{text}"
+
+
+def test_sentences_of_a_page_begin_with_a_capital_and_names_do_not() -> None:
+    told = [sentence(text) for text in ("resonance is named", "record.csv: 50 samples", "stage: a lag", "")]
+    assert told == ["Resonance is named", "record.csv: 50 samples", "stage: a lag", ""]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import shutil
 import sys
 import textwrap
@@ -111,3 +112,10 @@ def folded(text: str, width: int | None) -> str:
                 line, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
             )
     return "\n".join(lines)
+
+
+def command_line() -> str:
+    """The command line of this process; "" where another program called this module."""
+    program = Path(sys.argv[0])
+    own = program.name == "hysgen" or (program.name == "__main__.py" and program.parent.name == "hysgen")
+    return " ".join(["hysgen", *map(shlex.quote, sys.argv[1:])]) if own else ""

@@ -94,7 +94,7 @@ class Study(Displayed):
                     f"+ {cause.name}",
                     *self._size(cause.step.after_um),
                     f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g}",
-                    f"{100.0 * cause.share:.1f} %",
+                    share_text(cause),
                     f"{price.cycles:+}" if price and price.cycles else "",
                     f"{price.bytes:+}" if price and price.bytes else "",
                     confidence_text(cause),
@@ -147,6 +147,12 @@ class Study(Displayed):
             "error_of_base": self.before.to_json(),
             "error_of_extended": self.after.to_json(),
         }
+
+
+def share_text(cause: NamedCause) -> str:
+    """The share of the error's power that the extension of a cause removes, as text."""
+    percent = 100.0 * cause.share
+    return "< 0.1 %" if 0.0 < percent < 0.05 else f"{percent:.1f} %"
 
 
 def confidence_text(cause: NamedCause) -> str:

@@ -25,6 +25,7 @@ from hysgen.diagnosis.probe import Projector, projector_off
 from hysgen.diagnosis.probe.chain import COMMON
 from hysgen.diagnosis.probe.solve import sensitivities
 from hysgen.diagnosis.score import Scored, dispersion, least_growth
+from hysgen.display import decimal
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +40,8 @@ class Ability:
     """Whether a record could show a cause.
 
     verdict: "named"; "above", only an effect of at least `least`; "hidden" by the part `hidden_by`, at least `least`;
-    or "not excited". experiment: what to record so that the cause shows.
+    or "not excited". limit: the cause is a limit, at most `least` to be seen. experiment: what to record so that the
+    cause shows.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Ability:
     unit: str = ""
     hidden_by: str = ""
     experiment: str = ""
+    limit: bool = False
 
     def text(self) -> str:
         """The verdict in words."""
@@ -56,8 +59,9 @@ class Ability:
                 return "named"
             case "not excited":
                 return f"not excited: {self.experiment}"
-        level = f"only from {self.least:.3g} {self.unit} on"
-        return f"{level}, hidden by {self.hidden_by}: {self.experiment}" if self.hidden_by else level
+        amount = "a limit of at most" if self.limit else "an effect of at least"
+        level = f"only {amount} {decimal(self.least or 0.0, 3)} {self.unit}"
+        return f"{level}, because {self.hidden_by} hides it; {self.experiment}" if self.hidden_by else level
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values; null where a quantity does not exist."""
@@ -95,7 +99,7 @@ def abilities(residual: Residual, whole: Residual, named: Mapping[str, object]) 
 def _ability(name: str, effect: Effect, information: _Information) -> Ability:
     cause = causes()[name]
     if effect.column is None:
-        return Ability(name, "above", effect.least, effect.unit, experiment=cause.experiment)
+        return Ability(name, "above", effect.least, effect.unit, experiment=cause.experiment, limit=effect.limit)
     least, share, hidden_by = information.least(name, effect.column)
     if not least < effect.most:
         return Ability(name, "not excited", experiment=cause.experiment)

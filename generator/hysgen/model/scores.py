@@ -1,7 +1,7 @@
 """Scores of a model on a record: one-step error, error over the horizon, and free-run error.
 
     e_rms  = sqrt(sum_k (y(k) - yhat(k))^2 / N)
-    e_r    = max_k |y(k) - yhat(k)| / (max_k y(k) - min_k y(k)) * 100 %
+    e_r    = max_k |y(k) - yhat(k)| / (max_k y(k) - min_k y(k)) * 100 %    over the record and its known past
 
 The paper's "maximum e_r" (section 4) divides by max y, which depends on where the sensor has its zero; the paper's
 records start at 0, where both are equal. The errors are shown with the one-step error of persistence, yhat(k+1) = y(k),
@@ -40,8 +40,9 @@ Floats = NDArray[np.float64]
 class Score:
     """The error of one prediction of a record.
 
-    e_rms_um; largest_um: max |y - yhat|; e_r_percent: largest_um relative to the span of the record, of_span_percent:
-    e_rms relative to the span; None and 0 for a record of constant displacement. samples: number of scored samples.
+    e_rms_um; largest_um: max |y - yhat|; e_r_percent: largest_um relative to the stroke, the range of the displacement
+    over the record and its known past; of_span_percent: e_rms relative to the stroke; None and 0 for a record of
+    constant displacement. samples: number of scored samples.
     """
 
     e_rms_um: float
@@ -115,7 +116,7 @@ class Scores(Displayed):
         rows = [("free run", self.free_run), ("one step", self.one_step), ("persistence, one step", self.persistence)]
         curve = zip(self.horizon.steps, self.horizon.rms_um, strict=True)
         notes = [
-            f"noise floor {self.noise.describe()}",
+            self.noise_note(),
             "rms after steps: " + ", ".join(f"{steps}: {rms:.4g}" for steps, rms in curve) + " um",
         ]
         if self.y_clamped or self.u_clamped:
@@ -126,6 +127,13 @@ class Scores(Displayed):
         title = f"{self.model} on {self.source}: {self.free_run.samples} samples scored"
         first = [f"warning: {line}" for line in self.warnings]
         return Summary(title, SCORE_HEADER, score_rows(rows), notes, first=first)
+
+    def noise_note(self) -> str:
+        """The noise floor, its source, and why a one-step error may lie below it."""
+        note = f"noise floor {self.noise.describe()}"
+        if self.one_step.e_rms_um < self.noise.rms_um:
+            note += "; one-step errors are below it, because hum and ringing on a resting input count as noise here"
+        return note
 
     def table(self) -> str:
         """The summary as text."""
@@ -177,7 +185,7 @@ def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int
             f"{record.source}: settle: {max(counts)} samples at the start of each segment leave none of "
             f"{record.samples} to score; choose fewer"
         )
-    low, high = record.y_range_um
+    low, high = record.whole().y_range_um
     rms, largest, span = math.sqrt(float(np.mean(error * error))), float(np.abs(error).max()), high - low
     return Score(
         e_rms_um=rms,

@@ -7,12 +7,12 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.codegen import Options, generate
-from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text
+from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text, share_text
 from hysgen.errors import HysgenError
 from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
 from hysgen.report.plots.diagnosis import pictures
+from hysgen.report.plots.simulated import fit_percent
 from hysgen.report.plots.style import Picture
-from hysgen.report.plots.system import fit_percent
 from hysgen.report.sections import (
     cost_section,
     equivalence_section,
@@ -116,7 +116,7 @@ def _record(drawn: dict[str, Picture], study: Study) -> PageSection:
     return PageSection(
         "The record",
         text=[f"{study.record.one_line()}."],
-        pictures=[drawn["record"], drawn["record-spectrum"]],
+        pictures=[drawn[name] for name in ("record", "record-loops", "record-spectrum")],
         notes=[f"Warning: {line}." for line in study.record.warnings],
     )
 
@@ -125,16 +125,13 @@ def _loops(drawn: dict[str, Picture]) -> PageSection:
     return PageSection(
         "Measured and simulated",
         text=["Held-out part of the record. Grey is measured."],
-        pictures=[drawn[name] for name in ("free-run", "loops-before", "loops-after", "response") if name in drawn],
+        pictures=[drawn[name] for name in ("free-run", "zoom", "loops-1", "loops-2", "gain", "phase") if name in drawn],
     )
 
 
 def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
-    chosen = [
-        drawn[name]
-        for name in drawn
-        if name in ("horizon", "time", "spectrum", "correlation") or name.startswith("error-by-")
-    ]
+    chosen = [drawn[name] for name in ("time", "horizon", "autocorrelation", "cross-correlation", "spectrum")]
+    chosen += [picture for name, picture in drawn.items() if name.startswith("error-by-")]
     after = f", {100 * study.after.above_noise:.0f} % of that of the extended model" if study.improved else ""
     return PageSection(
         "Where the error lies",
@@ -144,8 +141,8 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
         ],
         pictures=chosen,
         notes=[
-            "Empty where the record has no such samples. Error: simulated - measured. Grey band of the correlations: "
-            "white noise, 99 %."
+            "Error: simulated - measured. A gap in a line: the record has no such samples. Grey band of the "
+            "correlations: 99 % of those of white noise."
         ],
     )
 
@@ -156,7 +153,7 @@ def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
     rows = [
         [
             cause.name,
-            f"{100 * cause.share:.1f} %" if cause.extended else "not extended",
+            share_text(cause) if cause.extended else "not extended",
             confidence_text(cause),
             cause.evidence,
             parameter_text(study, cause.name),
@@ -167,7 +164,7 @@ def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
     if diagnosis.unknown:
         rows.append(["unknown", f"{100 * diagnosis.unexplained_fraction:.1f} %", "", diagnosis.unknown, ""])
     tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
-    shown = [[one.name, one.text()] for one in diagnosis.abilities]
+    shown = [[one.name, "yes: named" if one.verdict == "named" else one.text()] for one in diagnosis.abilities]
     tables.append(PageTable(["cause", "could this record show it?"], shown, "What this record can tell", left=2))
     if diagnosis.refused:
         refused = [[item.name, item.why] for item in diagnosis.refused]
@@ -201,9 +198,11 @@ def _ladder(drawn: dict[str, Picture], study: Study) -> PageSection:
             *(f"{cause.why_kept}." for cause in diagnosis.causes if cause.why_kept),
             *([f"Scores: {diagnosis.held_change}."] if diagnosis.held_change else []),
             f"Free run over the held-out part; noise floor from {diagnosis.noise.source}. Gain: fall of the rms, 95 % "
-            "interval by block bootstrap. Of the error: share of its power above the noise. Cycles: estimated, of the "
-            "dearest of predict, simulate and inverse.",
-            f"Not explained: {100 * diagnosis.unexplained_fraction:.1f} % of the base error's power above the noise.",
+            "interval by block bootstrap. Bar: this interval, from the point to the right; where the bar reaches left "
+            "of the point, the gain of the step is not certain. Of the error: share of its power above the noise. "
+            "Cycles: estimated, of the dearest of predict, simulate and inverse.",
+            f"Not explained: {100 * diagnosis.unexplained_fraction:.1f} % of the power of the error of the paper's "
+            "model above the noise.",
         ],
     )
 

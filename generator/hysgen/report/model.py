@@ -6,6 +6,8 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from hysgen.c674x.cost import Cost
 from hysgen.checking.bits.report import Report
 from hysgen.model.model import Model
@@ -15,11 +17,27 @@ from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
 from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
 from hysgen.report.plots import style
+from hysgen.report.plots.simulated import (
+    Simulated,
+    correlation_pictures,
+    fit_percent,
+    free_run_pictures,
+    loop_pictures,
+    response_pictures,
+    time_picture,
+)
 from hysgen.report.plots.style import Picture
-from hysgen.report.plots.traces import horizon, loops, validation
-from hysgen.report.sections import cost_section, equivalence_section, model_section, provenance_section
+from hysgen.report.plots.traces import horizon
+from hysgen.report.sections import (
+    cost_section,
+    equivalence_section,
+    glossary_section,
+    model_section,
+    provenance_section,
+)
 
-COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE)
+COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE, "#cc79a7", "#e69f00", "#56b4e9")
+"""Of the models, in their order: Okabe and Ito (2008), as in `style`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,44 +65,69 @@ class ScoredModels:
         return rows + [(f"{name}, free run", score) for name, score in self.rivals]
 
 
-def model_page(title: str, scored: ScoredModels, report: Report | None = None, price: Cost | None = None) -> Page:
-    """The report of models on a record. report, price: of the C of the last model, None if no C was generated."""
+def model_page(
+    title: str, scored: ScoredModels, report: Report | None = None, price: Cost | None = None, command: str = ""
+) -> Page:
+    """The report of models on a record. report, price: of the C of the last model, None if no C was generated.
+
+    command: the command line that repeats the report, if there is one.
+    """
     best, record = list(scored.models.values())[-1], scored.record
+    shown, pictures = _pictures(scored)
     return Page(
         title=title,
         lead=[
-            f"Free run over {record.samples} samples that no fit has seen: "
+            f"Free run over {record.samples} samples: "
             + ", ".join(f"{name} {s.free_run.e_rms_um:.3g} um rms" for name, s in scored.scores.items())
             + f"; the noise is {scored.noise.rms_um:.2g} um."
         ],
-        figures=_key_figures(scored, report, price),
+        figures=_key_figures(scored, shown, report, price),
         sections=[
-            PageSection("Measured and simulated", pictures=_pictures(scored)),
             PageSection(
                 "Scores",
                 tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()))],
                 notes=[
-                    f"Noise floor {scored.noise.describe()}.",
+                    f"{next(iter(scored.scores.values())).noise_note()}.",
+                    *(f"Warning: {line}." for s in scored.scores.values() for line in s.warnings),
+                    "e_r: largest error. Stroke: range of the displacement over the record and the rows before it. "
                     "One-step errors are small for every model; the free run decides.",
                 ],
             ),
+            PageSection(
+                "Measured and simulated",
+                text=["Grey is measured."],
+                pictures=pictures,
+                notes=["Error: simulated - measured. Grey band of the correlations: 99 % of those of white noise."],
+            ),
             model_section(best),
-            equivalence_section(report, "no C was generated"),
-            cost_section(price, "no C was generated"),
-            provenance_section(best, [("record", record.source), ("record SHA-256", record.digest)]),
+            *([equivalence_section(report), cost_section(price)] if report or price else []),
+            glossary_section(),
+            provenance_section(
+                best,
+                [
+                    *([("command", command)] if command else []),
+                    ("record", record.source),
+                    ("record SHA-256", record.digest),
+                ],
+            ),
         ],
     )
 
 
-def _key_figures(scored: ScoredModels, report: Report | None, price: Cost | None) -> list[KeyFigure]:
+def _key_figures(scored: ScoredModels, shown: Simulated, report: Report | None, price: Cost | None) -> list[KeyFigure]:
     """Free-run errors and noise floor; with generated C its cost and the equality of its bits."""
     figures = [
         KeyFigure(
-            f"free run, {name}", f"{s.free_run.e_rms_um:.3g} µm", f"{s.free_run.of_span_percent:.2g} % of the stroke"
+            f"free run, {name}",
+            f"{s.free_run.e_rms_um:.3g} µm",
+            f"{s.free_run.of_span_percent:.2g} % of the stroke; fit (NRMSE) "
+            f"{fit_percent(shown.measured_um, shown.runs[name]):.4g} %",
         )
         for name, s in scored.scores.items()
     ]
-    figures.append(KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", "lower bound for any model"))
+    figures.append(
+        KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", scored.noise.describe().partition(" rms ")[2])
+    )
     if price is not None:
         figures.append(KeyFigure("one sample", _cycles(price), f"{100 * price.share:.2g} % of its period"))
     if report is not None:
@@ -93,27 +136,31 @@ def _key_figures(scored: ScoredModels, report: Report | None, price: Cost | None
     return figures
 
 
-def _pictures(scored: ScoredModels) -> list[Picture]:
-    """Loops of each model, displacement and error in time, error against the horizon."""
+def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
+    """The free runs over the longest scored segment and their pictures, error against the horizon among them."""
     record, scores = scored.record, scored.scores
-    runs = {name: free_run(model, record)[0].y_um for name, model in scored.models.items()}
-    colours = dict(zip(scored.models, itertools.cycle(COLOURS), strict=False))
-    pictures: list[Picture] = []
-    for name, y_um in runs.items():
-        alt = f"Displacement over voltage: {name} misses the loops by {scores[name].free_run.e_rms_um:.3g} µm rms."
-        figure = loops(record, {name: y_um}, "", colours)
-        pictures.append(Picture(f"loops-{len(pictures)}", f"Measured loops, model: {name}", alt, figure))
-    errors = ", ".join(f"{name} at most {s.free_run.largest_um:.3g} µm" for name, s in scores.items())
-    drawn = validation(record, runs, "", colours)
-    pictures.append(Picture("time", "Free run in time", f"Error of the free run: {errors}.", drawn, wide=True))
-    curves = {name: s.horizon for name, s in scores.items()}
-    levels = {"noise floor": scored.noise.rms_um}
-    ends = ", ".join(f"{name} {c.rms_um[0]:.2g} to {c.rms_um[-1]:.2g} µm" for name, c in curves.items())
-    alt = f"Error rms from one step to the longest horizon: {ends}."
-    pictures.append(
-        Picture("horizon", "Error against the horizon", alt, horizon(curves, levels, record.Ts_s, "", colours))
+    number = int(np.argmax([segment.samples for segment in record.segments]))
+    segment = record.segments[number]
+    lines = {name: {"color": colour} for name, colour in zip(scored.models, itertools.cycle(COLOURS), strict=False)}
+    shown = Simulated(
+        segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64),
+        segment.u_V,
+        segment.y_um,
+        {name: free_run(model, record)[number].y_um for name, model in scored.models.items()},
+        lines,
     )
-    return pictures
+    curves = {name: s.horizon for name, s in scores.items()}
+    ends = ", ".join(f"{name} {c.rms_um[0]:.2g} to {c.rms_um[-1]:.2g} µm" for name, c in curves.items())
+    colours = {name: line["color"] for name, line in lines.items()}
+    drawn = horizon(curves, {"noise floor": scored.noise.rms_um}, record.Ts_s, "", colours)
+    return shown, [
+        *free_run_pictures(shown),
+        *response_pictures(shown),
+        *correlation_pictures(shown),
+        *loop_pictures(shown),
+        time_picture(shown),
+        Picture("horizon", "Error against the horizon", f"Error rms from one step on: {ends}.", drawn),
+    ]
 
 
 def _cycles(price: Cost) -> str:

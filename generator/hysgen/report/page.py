@@ -102,7 +102,18 @@ class Page:
 def _environment() -> jinja2.Environment:
     environment = template_environment(autoescape=True)
     environment.filters["readable"] = readable
+    environment.filters["sentence"] = sentence
     return environment
+
+
+def sentence(text: str) -> str:
+    """The text with a capital at its beginning; a name (`record.csv`, `stage_t`, `stage:`) is kept.
+
+    >>> sentence("resonance is named"), sentence("record.csv: 50 samples"), sentence("stage: first-order lag")
+    ('Resonance is named', 'record.csv: 50 samples', 'stage: first-order lag')
+    """
+    first = text.split(maxsplit=1)[:1]
+    return text if not first or re.search(r"[._]\w|:$", first[0]) else text[0].upper() + text[1:]
 
 
 def readable(text: str) -> str:

@@ -30,8 +30,8 @@ def model_section(model: Model) -> PageSection:
         ["displacement range", f"{model.grid.y_min_um:.4g} .. {model.grid.y_max_um:.4g} um"],
         ["input range", f"{model.u_min_V:.4g} .. {model.u_max_V:.4g} V"],
         ["sampling period", f"{1e6 * model.Ts_s:.6g} µs"],
-        *[[f"term {term.kind}", term.describe()] for term in model.terms],
-        *[[f"input {block.kind}", block.describe()] for block in model.blocks],
+        *[[f"path: {block.kind}", block.describe()] for block in model.blocks],
+        *[[f"disturbance: {term.kind}", term.describe()] for term in model.terms],
         *([["learner", f"forgetting {model.learner.forgetting:.9g}"]] if model.learner else []),
     ]
     verdicts = [
@@ -46,7 +46,10 @@ def model_section(model: Model) -> PageSection:
             PageTable(["part", "what it is"], facts, "Model", left=2),
             PageTable(["certificate", "holds", "how close"], verdicts, "Certificates over the whole range", left=3),
         ],
-        notes=[f"{3 * model.grid.rules} consequents and {model.weights.size} weights of terms."],
+        notes=[
+            f"Fitted beside the path: {3 * model.grid.rules} consequents of the rules, {model.weights.size} weights of "
+            "disturbances. The model file holds every number."
+        ],
     )
 
 

@@ -14,7 +14,7 @@ from hysgen.diagnosis.answer import Price
 from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.error_map import range_in_words
 from hysgen.diagnosis.evaluation import LADDER, Study
-from hysgen.display import table
+from hysgen.display import decimal, table
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model.model import Model
 from hysgen.record.relation import misaligned
@@ -44,6 +44,9 @@ FAR_ABOVE_NOISE = 5.0
 AS_A_CONSTANT = 0.9
 """Error over that of the mean from which on a model explains nothing: less than a fifth of the power."""
 
+MOST_PLACES = 9
+"""Decimal places above which a parameter is written with an exponent."""
+
 CONFIDENCE = "confidence: posterior probability of the cause over all chains of causes that were compared"
 """What the column of that name holds."""
 
@@ -68,7 +71,8 @@ def diagnosis_text(study: Study) -> str:
     header = ["error rms by", "paper's model", *(["extended"] if study.improved else [])]
     blocks.append(table(header, where_rows(study), left=3))
     model = diagnosis.model
-    blocks.append("\n".join([f"model of {len(model.parameters)} parameters", *certify(model).lines()]))
+    parts = [f"{model.grid.rules} rules", *(part.kind for part in (*model.blocks, *model.terms))]
+    blocks.append("\n".join([f"model: {', '.join(parts)}", *certify(model).lines()]))
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
     return "\n\n".join(blocks)
@@ -206,8 +210,16 @@ def _with_unit(key: str, estimate: Estimate) -> str:
     """A parameter as text: name, value, standard error and unit; a name that is only a unit does not change."""
     end = next((end for end in UNITS if key == end or key.endswith(f"_{end}")), key)
     name, unit = (key, "") if key == end else (key.removesuffix(f"_{end}"), f" {UNITS[end]}")
-    error = f" ± {estimate.standard_error:.2g}" if math.isfinite(estimate.standard_error) else ""
-    return f"{name.replace('_', ' ')} {estimate.value:.4g}{error}{unit}"
+    return f"{name.replace('_', ' ')} {_with_error(estimate)}{unit}"
+
+
+def _with_error(estimate: Estimate) -> str:
+    """Value and standard error, rounded to the second digit of the error; four digits of a value without one."""
+    value, error = estimate.value, estimate.standard_error
+    if not (math.isfinite(error) and error > 0.0):
+        return decimal(value, 4)
+    places = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{places}f} ± {error:.{places}f}" if places <= MOST_PLACES else f"{value:.4g} ± {error:.2g}"
 
 
 def _percent(value: float) -> str:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import shlex
-import sys
 from pathlib import Path
 
-from hysgen.cli.console import Console
+from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_record_options, parse_rows, read_records
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
@@ -99,13 +97,6 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
         write_whole(Path(arguments.report), diagnosis_page(study, found, command=command_line()).html())
         console.say(f"written: {arguments.report}")
     return console.finish(study.to_json() | ({"uncertainty": found.to_json()} if found else {}))
-
-
-def command_line() -> str:
-    """The command line of this process; "" where another program made the study."""
-    program = Path(sys.argv[0])
-    own = program.name == "hysgen" or (program.name == "__main__.py" and program.parent.name == "hysgen")
-    return " ".join(["hysgen", *map(shlex.quote, sys.argv[1:])]) if own else ""
 
 
 def scored(study: Study) -> Model:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hysgen.certify.certificates import certify
 from hysgen.certify.dynamics import dynamics
-from hysgen.cli.console import Console
+from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_model, add_record_options, parse_rows, read_records
 from hysgen.cli.verbs import Verb
 from hysgen.machine.files import write_whole
@@ -79,7 +79,8 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
 
         name = Path(arguments.model).stem if beside else model.name
         scored = ScoredModels(record, {**others, name: model}, {**beside, name: scores}, rivals)
-        write_whole(Path(arguments.report), model_page(f"{', '.join(scored.models)} on {record.source}", scored).html())
+        title = f"{', '.join(scored.models)} on {record.source}"
+        write_whole(Path(arguments.report), model_page(title, scored, command=command_line()).html())
         console.say(f"\nwritten: {arguments.report}")
     if arguments.plot:
         # matplotlib takes half a second to import.
@@ -101,10 +102,10 @@ def run_describe(arguments: argparse.Namespace, console: Console) -> int:
     model = load_model(arguments.model)
     system, certificates = dynamics(model), certify(model)
     console.say(system.describe())
-    for term in model.terms:
-        console.say(f"term {term.kind}: {term.describe()}")
     for block in model.blocks:
-        console.say(f"input {block.kind}: {block.describe()}")
+        console.say(f"path: {block.kind}: {block.describe()}")
+    for term in model.terms:
+        console.say(f"disturbance: {term.kind}: {term.describe()}")
     console.say()
     console.say("\n".join(certificates.lines()))
     return console.finish({"dynamics": system.to_json(), "certificates": certificates.to_json()})

@@ -82,7 +82,9 @@ class AgingCause(Cause):
         )
 
     def effect(self, residual: Residual) -> Effect:
-        return Effect("1/s", residual.scene.time_s * np.concatenate(residual.responses(residual.fit.chain)))
+        return Effect(
+            "of the gain per s", residual.scene.time_s * np.concatenate(residual.responses(residual.fit.chain))
+        )
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The change of the gain divided by its standard error, by the whitened fit."""

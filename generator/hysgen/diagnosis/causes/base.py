@@ -107,13 +107,15 @@ class Effect:
     """The effect of a cause beside a chain without it, for what a record can tell (`identifiability`).
 
     column: (n,) change of the prediction per unit of the amount, in um; None if `least` is known without a fit.
-    most: amount from which on the effect is not physical.
+    most: amount from which on the effect is not physical. limit: the cause is a limit, whose effect grows as the amount
+    falls; `least` is then the largest limit that acts.
     """
 
     unit: str
     column: Floats | None = None
     most: float = math.inf
     least: float = math.nan
+    limit: bool = False
 
 
 def limited_rows(scene: Scene, chain: Chain, kind: type[Part]) -> int:

@@ -15,6 +15,7 @@ from scipy.fft import rfft
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, ShapeParameter, standard_errors
+from hysgen.display import decimal
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.record.series import turning_rows
 
@@ -108,7 +109,7 @@ class PeriodicCause(Cause):
             suffix = "" if i == 0 else f"_{i + 1}"
             parameters[f"f{suffix}_Hz"] = Estimate(line_Hz, errors[f"periodic.{i}.f_Hz"])
             parameters[f"amplitude{suffix}_um"] = Estimate(amplitude_um, amplitude_um / np.sqrt(max(ratio, 1e-9)))
-            texts.append(f"line at {line_Hz:.5g} Hz, {amplitude_um:.3g} um, {ratio:.2g} times its background")
+            texts.append(f"line at {line_Hz:.5g} Hz, {amplitude_um:.3g} um, {decimal(ratio, 2)} times its background")
         least, steady = min(ratio for _, ratio, _ in evidence), all(keeps for _, _, keeps in evidence)
         texts.append("phase kept throughout" if steady else "phase not kept")
         return Signature(float(np.sqrt(least)), "; ".join(texts), parameters)

@@ -156,7 +156,7 @@ class SaturationCause(Cause):
     def effect(self, residual: Residual) -> Effect:
         """The highest level that FEWEST_SLOPE samples exceed."""
         command_V = np.sort(np.concatenate([run.u_V for run in residual.scene.runs])[residual.scene.rows])
-        return Effect("V and lower levels", least=float(command_V[-FEWEST_SLOPE]))
+        return Effect("V", limit=True, least=float(command_V[-FEWEST_SLOPE]))
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Slope of the output over the command beyond the level, as a share of the mean slope of the record."""

@@ -92,7 +92,7 @@ class SlewCause(Cause):
         """The highest rate of the command that FEWEST_LIMITED samples exceed."""
         scene = residual.scene
         rates = np.concatenate([np.abs(np.diff(run.u_V)) / run.stride for run in scene.runs])
-        return Effect("V/s and lower rates", least=float(np.sort(rates)[-FEWEST_LIMITED]) / scene.Ts_s)
+        return Effect("V/s", limit=True, least=float(np.sort(rates)[-FEWEST_LIMITED]) / scene.Ts_s)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The rate divided by its standard error, and the number of samples at which the limit delays the command."""

@@ -174,7 +174,7 @@ class UnknownCause(Cause):
     def effect(self, residual: Residual) -> Effect:
         """Of a jump in the middle of the record."""
         t_s = residual.scene.time_s
-        return Effect("um of a jump", (t_s >= 0.5 * residual.scene.span_s).astype(np.float64))
+        return Effect("um in one jump", (t_s >= 0.5 * residual.scene.span_s).astype(np.float64))
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The least change divided by its standard error."""

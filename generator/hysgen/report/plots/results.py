@@ -19,7 +19,8 @@ from hysgen.model.scores import Scores
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.report.plots import style
-from hysgen.report.plots.diagnosis import LOOP_POINTS, pictures
+from hysgen.report.plots.diagnosis import pictures
+from hysgen.report.plots.measured import LOOP_POINTS
 from hysgen.report.plots.traces import envelope, horizon, validation
 
 

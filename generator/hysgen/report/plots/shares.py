@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.evaluation import Study
 from hysgen.report.plots import style
+from hysgen.report.plots.measured import time_label
 from hysgen.report.plots.style import Picture
 
 Floats = NDArray[np.float64]
@@ -42,14 +43,14 @@ def shares_picture(study: Study) -> Picture:
     colours = ["#cccccc", "#666666", *(COLOURS[i % len(COLOURS)] for i in range(len(names) - 2))]
     fig = style.figure(9.6, 3.1)
     axis = fig.subplots()
-    axis.set(xlabel="time [s], segments end to end", ylabel="share of the error's power [%]")
+    axis.set(xlabel=time_label(study), ylabel="share of the error's power [%]")
     time_s = record.Ts_s * edges
     # Each window is a step, so that no slope is drawn that was not measured.
     steps = np.repeat(100.0 * shares, 2, axis=1)
     axis.stackplot(np.repeat(time_s, 2)[1:-1], steps, labels=names, colors=colours)
     axis.axvline(record.Ts_s * study.cut, color=style.MEASURED, linestyle=":", linewidth=1.0)
     axis.annotate(
-        "scored",
+        "held out",
         (record.Ts_s * study.cut, 1.0),
         xycoords=("data", "axes fraction"),
         xytext=(3, 2),

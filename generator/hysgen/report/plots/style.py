@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import base64
 import io
+import pickle
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from hysgen.machine.files import write_whole
 
@@ -19,6 +23,24 @@ SIMULATED = "#d55e00"
 EXTENDED = "#0072b2"
 BASELINE = "#009e73"
 NOTE = "#999999"
+BEHIND = "#777777"
+"""Colour of the measured displacement where a simulation is drawn over it."""
+
+BASE_MODEL, EXTENDED_MODEL = "paper's model", "extended model"
+LINES: dict[str, dict[str, Any]] = {
+    BASE_MODEL: {"color": SIMULATED, "linestyle": (0, (4, 1.5))},
+    EXTENDED_MODEL: {"color": EXTENDED, "linestyle": "solid"},
+}
+"""Line of each model in the pictures of a diagnosis."""
+
+LETTERS_BESIDE = 56
+"""Letters that stand side by side in a legend over half the page; each line of a legend takes the place of six."""
+
+HALF_IN = (4.7, 3.1)
+"""Size of a picture that stands beside another one."""
+
+WIDE_IN = (9.6, 3.4)
+"""Size of a picture over the whole width of the page; letters appear as large as in the others."""
 
 _SETTINGS: Any = {
     "font.size": 9.0,
@@ -59,10 +81,31 @@ def figure(width_in: float = 7.2, height_in: float = 4.2) -> Figure:
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
+def legend_above(axis: Axes) -> None:
+    """The legend above the axes, where it covers no curve: in one line if it fits, or in two columns."""
+    names = axis.get_legend_handles_labels()[1]
+    columns = len(names) if sum(map(len, names)) + 6 * len(names) <= LETTERS_BESIDE else 2
+    axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2, columnspacing=1.2)
+
+
+def decimal_ticks(axis: Axes, x: bool = True) -> None:
+    """Decimal tick labels on logarithmic axes: of y, and of x if that is logarithmic, too."""
+    decimal_ticks_of(axis.yaxis)
+    if x:
+        axis.xaxis.set_major_formatter(FuncFormatter(plain_number))
+
+
+def decimal_ticks_of(line: Axis) -> None:
+    """Decimal tick labels on a logarithmic axis, at 1, 2 and 5 of each decade."""
+    line.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=20))
+    line.set_minor_formatter(NullFormatter())
+    line.set_major_formatter(FuncFormatter(plain_number))
+
+
 def png_bytes(fig: Figure, dpi: int = 150) -> bytes:
     """The figure as PNG without version and date: the same figure gives the same bytes."""
     stream = io.BytesIO()
-    fig.savefig(stream, format="png", dpi=dpi, metadata={"Software": "hysgen"})
+    _undrawn(fig).savefig(stream, format="png", dpi=dpi, metadata={"Software": "hysgen"})
     return stream.getvalue()
 
 
@@ -70,8 +113,14 @@ def svg_bytes(fig: Figure) -> bytes:
     """The figure as SVG, text as outlines, element names salted, no date: the same figure gives the same bytes."""
     matplotlib.rcParams.update(_SETTINGS)
     stream = io.BytesIO()
-    fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    _undrawn(fig).savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     return stream.getvalue()
+
+
+def _undrawn(fig: Figure) -> Figure:
+    """A copy to draw: drawing moves the axes of a figure, and the next drawing begins where they are."""
+    copy: Figure = pickle.loads(pickle.dumps(fig))
+    return copy
 
 
 def data_uri(fig: Figure) -> str:

@@ -85,7 +85,7 @@ def horizon(
     colours: Mapping[str, str],
 ) -> Figure:
     """Error rms against the horizon, both axes logarithmic, with a horizontal line for each of `levels_um`."""
-    fig = style.figure(6.4, 3.8)
+    fig = style.figure(*style.HALF_IN)
     axes: Axes = fig.subplots()
     for name, curve in curves.items():
         steps = np.array(curve.steps, dtype=np.float64)
@@ -102,7 +102,11 @@ def horizon(
             color="#555555",
         )
     axes.set(xlabel="horizon [ms]", ylabel="error rms [µm]", title=title)
-    axes.legend(loc="upper left")
+    style.decimal_ticks(axes)
+    if title:
+        axes.legend(loc="upper left")
+    else:
+        style.legend_above(axes)
     return fig
 
 
