@@ -192,6 +192,13 @@ def test_data_frames_come_in_and_go_out(record: hysgen.Record) -> None:
     assert hysgen.fit(record.to_dataframe(), method="batch", rules=4).grid.rules == 4
 
 
+def test_a_data_frame_with_dates_as_index_of_any_name_is_a_record(record: hysgen.Record) -> None:
+    pandas = pytest.importorskip("pandas")
+    stamps = pandas.Timestamp("2026-11-23") + pandas.to_timedelta(record.time_s, unit="s").round("us")
+    frame = pandas.DataFrame({"voltage": record.u_V, "position": record.y_um}, index=stamps.rename("when"))
+    assert hysgen.Record.from_dataframe(frame).Ts_s == pytest.approx(TS_S)
+
+
 def test_a_record_is_cut_like_an_array(record: hysgen.Record) -> None:
     part = record[1000:3000]
     assert (len(part), part.past_samples) == (2000, (1000,))

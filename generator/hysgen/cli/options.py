@@ -17,7 +17,7 @@ from hysgen.record.checks import ACCEPTABLE
 from hysgen.record.sampling import JITTER
 
 
-def add_model(parser: argparse.ArgumentParser, shipped: str = "appendix_a, appendix_b") -> None:
+def add_model(parser: argparse.ArgumentParser, shipped: str = "appendix_a, appendix_b, extended") -> None:
     """MODEL, a file or the name of a shipped model."""
     parser.add_argument("model", metavar="MODEL", help=f"model file, or a shipped one: {shipped}")
 

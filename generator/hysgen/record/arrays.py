@@ -20,6 +20,7 @@ from scipy.io.matlab import MatlabOpaque
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import nearest
+from hysgen.record.pandas_hdf5 import TYPE, frame_arrays
 
 Array = NDArray[np.generic]
 
@@ -103,14 +104,22 @@ def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | Non
     The fields of a compound dataset are arrays of their own, "table/field". Units are attributes `unit` or `units`,
     in any case; values that were packed with `scale_factor` and `add_offset` are unpacked;
     the period is a scalar attribute of a group or dataset with a name in PERIODS.
+    DataFrames of pandas are read by `pandas_hdf5`; the indices of PyTables (_i_table) are left out.
     MATLAB stores the axes of an array in reverse order. Datasets with MATLAB's attribute are transposed, and their
     vectors made one-dimensional, so that indices have the order of MATLAB. Links are not followed.
     """
     arrays: dict[str, Array] = {}
     units: dict[str, str] = {}
     periods: list[float] = []
+    frames: list[str] = []
 
     def take(name: str, item: Any) -> None:
+        if name.startswith(tuple(frames)) or re.search(r"(^|/)_i_", name):
+            return
+        if isinstance(item, h5py.Group) and TYPE in item.attrs:
+            frames.append(f"{name}/")
+            arrays.update(frame_arrays(name, item))
+            return
         period = period_in({str(key): item.attrs[key] for key in item.attrs})
         if period is not None:
             periods.append(period)

@@ -57,6 +57,8 @@ def kept(aux: Mapping[str, Floats], without: Mapping[str, str]) -> dict[str, Flo
 def _reason(columns: Sequence[Floats], runs: Sequence[Channels]) -> str | None:
     if min(values.size for values in columns) < FEWEST_ROWS:
         return None
+    if all(np.ptp(values) == 0.0 for values in columns) and len({float(values[0]) for values in columns}) == 1:
+        return "it is constant"
     if all(_counts(values) for values in columns):
         return "it counts: a clock or a sample counter"
     longest = max(range(len(runs)), key=lambda number: runs[number].u_V.size)

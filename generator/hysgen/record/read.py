@@ -103,7 +103,8 @@ def record_of_frame(frame: Any, columns: Columns | str | Mapping[str, Any] | Non
     arrays = {str(name): np.asarray(frame[name]) for name in frame.columns}
     index = getattr(frame, "index", None)
     if index is not None and type(index).__name__ != "RangeIndex":
-        arrays[str(index.name or "time")] = np.asarray(index)
+        values = np.asarray(index)
+        arrays["time" if values.dtype.kind in "mM" else str(index.name or "time")] = values
     for name, values in arrays.items():
         if values.dtype.kind in "mM":
             stamps = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")

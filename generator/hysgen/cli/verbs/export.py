@@ -23,7 +23,7 @@ exit code 1 says that some differ.
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    add_model(parser, "appendix_a, appendix_b, extended")
+    add_model(parser)
     parser.add_argument("--to", required=True, choices=tuple(TARGETS), help="the target")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     parser.add_argument("--check", type=int, metavar="N", help="run N samples of every mode and compare the bits")
