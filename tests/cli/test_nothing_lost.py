@@ -111,6 +111,16 @@ def test_a_full_device_is_found_before_the_computation(
     assert not Path("x.json").exists()
 
 
+def test_a_demo_without_a_compiler_says_so_before_the_diagnosis(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PATH", f"{folder}")
+    assert main(["demo", "-o", "new"]) == 2
+    captured = capsys.readouterr()
+    assert captured.err.endswith("none of gcc, clang is installed; install one to verify with\n")
+    assert (captured.err.count("\n"), captured.out, Path("new").exists()) == (1, "", False)
+
+
 def test_a_device_or_a_pipe_that_takes_the_output_gets_it(folder: Path) -> None:
     assert main(["describe", "appendix_a", "--json", "/dev/null"]) == 0
     os.mkfifo("pipe")
