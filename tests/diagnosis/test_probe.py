@@ -104,6 +104,26 @@ def test_training_columns_are_rows_of_all_columns_bit_for_bit(aging: float) -> N
     parts = (CreepPart(0.02, 0.01), DelayPart(1.4), *((AgingPart(aging),) if aging else ()))
     scene, chain = Scene(runs, TS_S, rows, Operator(0.0, 10.0)), Chain(0.004, parts)
     assert scene.training_columns(chain).tobytes() == scene.columns(chain)[:, rows].tobytes()
+    weights = rng.normal(size=len(scene.columns(chain)))
+    paths = scene.paths(chain, weights)
+    seen = scene.seen(paths, chain, weights)
+    # A product with all columns and one with some of them round differently.
+    np.testing.assert_allclose(
+        scene.seen_on_rows(paths, chain, weights), seen[rows], rtol=0.0, atol=1e-13 * np.abs(seen).max()
+    )
+
+
+def test_columns_of_the_curve_follow_lag_delay_and_level() -> None:
+    """Each chain gets its own columns although the scene keeps them: L(v)^2 - L(v^2), L(v) L(v^2) - L(v^3)."""
+    u_V = staircase(np.random.default_rng(4), 300)
+    scene = Scene((Trace(u_V, u_V, {}),), TS_S, np.arange(300), Operator(0.0, 10.0))
+    plain = Chain(0.004)
+    chains = [plain, Chain(0.006), plain.having(DelayPart(1.4)), plain.having(SaturationPart(high_V=7.0)), plain]
+    for chain in chains:
+        v = np.minimum(u_V, 7.0 if chain.amplifier else np.inf) / 5.0 - 1.0
+        first, second, third = (respond(v**power, Chain(chain.lag_s, chain.parts), TS_S) for power in (1, 2, 3))
+        expected = [first * first - second, first * second - third]
+        np.testing.assert_allclose(scene.added_columns(chain)[1:3], expected, rtol=0.0, atol=1e-14)
 
 
 def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:

@@ -47,7 +47,7 @@ class LruCache(Generic[Result]):
         result = compute()
         with self._lock:
             self._results[key] = result
-            while len(self._results) > self._capacity and self._bytes() > self._most_bytes:
+            while len(self._results) > self._capacity and not (self._most_bytes and self._bytes() <= self._most_bytes):
                 del self._results[next(iter(self._results))]
         return result
 

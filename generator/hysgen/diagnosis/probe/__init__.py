@@ -6,7 +6,7 @@ followed by a linear chain. If the residual is only noise, every needed part of 
 
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.part import Extent, Mode, Part, RunSignals, ShapeParameter, SlowStates, octaves
-from hysgen.diagnosis.probe.scene import NO_HISTORY, History, Scene, Trace
+from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import (
     Fit,
     Projector,
@@ -18,6 +18,7 @@ from hysgen.diagnosis.probe.solve import (
     sensitivities,
     training_fit,
 )
+from hysgen.diagnosis.probe.trace import NO_HISTORY, History, Trace
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
 from hysgen.diagnosis.probe.whitened import WhitenedScene, whitened_fit
 from hysgen.fitting.operator import Operator

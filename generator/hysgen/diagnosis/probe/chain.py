@@ -128,7 +128,7 @@ class Chain:
         return next((states for states in candidates if states is not None), SlowStates(0.0, np.zeros(0)))
 
     def seen_every(self, stride: int, Ts_s: float) -> Thinned:
-        """The part of the chain behind the hysteresis for samples `stride` periods apart (`scene.Trace.thinned`)."""
+        """The part of the chain behind the hysteresis for samples `stride` periods apart (`trace.Trace.held`)."""
         return Thinned(self.lag_s, self.parts, self.memory, stride=stride, Ts_s=Ts_s)
 
     @property

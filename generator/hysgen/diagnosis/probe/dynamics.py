@@ -47,12 +47,12 @@ def _linear_part(chain: Chain, Ts_s: float, samples: float) -> LinearPart:
     return LinearPart(slow.share, slow.keep, branches, whole)
 
 
-def lagged(signal: Floats, lag_s: float, delay: float, Ts_s: float) -> Floats:
-    """Response of the lag and the delay alone to a signal, (n,), constant before its first sample."""
-    out = np.empty((1, len(signal)))
+def lagged(signals: Floats, lag_s: float, delay: float, Ts_s: float) -> Floats:
+    """(m, n) response of the lag and the delay alone to signals, (m, n), constant before their first sample."""
+    out = np.empty(signals.shape)
     branches, whole = _branches(lag_s, delay, (), Ts_s)
-    linear_response(signal[None], LinearPart(0.0, np.zeros(0), branches, whole), out, 0)
-    return np.asarray(out[0])
+    linear_response(signals, LinearPart(0.0, np.zeros(0), branches, whole), out, 0)
+    return out
 
 
 def _branches(lag_s: float, delay: float, modes: Sequence[Mode], Ts_s: float) -> tuple[list[Branch], int]:

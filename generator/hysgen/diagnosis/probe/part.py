@@ -176,7 +176,7 @@ class Part:
         return u_V
 
     def amplify_held(self, u_V: Floats, held: NDArray[np.int64], Ts_s: float) -> Floats:
-        """`amplify` for voltages u_V, (k,), that follow each other after held, (k,), samples (`scene.History`)."""
+        """`amplify` for voltages u_V, (k,), that follow each other after held, (k,), samples (`trace.History`)."""
         return self.amplify(u_V, Ts_s)
 
     def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned
 from hysgen.diagnosis.probe.dynamics import lagged, respond_into, respond_on_rows
 from hysgen.diagnosis.probe.part import Extent, Part
+from hysgen.diagnosis.probe.trace import Trace
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
 from hysgen.machine.checkpoint import Steps
@@ -19,86 +20,15 @@ from hysgen.machine.kernels import lag_sums
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
-Samples = NDArray[np.int64]
 
-HYSTERESES, ADDED, PARTS = 6, 16, 32
-"""Entries of the caches of a scene: four threads that refine one chain each, with the chain and a changed parameter."""
+HYSTERESES, PARTS = 6, 64
+"""Entries of the caches of a scene: a chain and its forward differences, also in an excerpt of many runs."""
 
 HYSTERESES_BYTES = 200_000_000
 """Size up to which more hystereses are cached: on a short record a search asks half of them two or three times."""
 
 CURVE_ALONE = 15
 """Degree of the curve of a chain without plays."""
-
-
-@dataclass(frozen=True, eq=False)
-class History:
-    """The command of a segment before a run at selected samples: u_V, (k,); held: samples from each to the next.
-
-    ages: (m + 1,) ends of intervals of ages in samples, counted back from the run. stand_for: (m,) the selected sample
-    that stands for each interval. The selected samples contain every extreme that a hysteresis remembers, so the plays
-    are exact.
-    """
-
-    u_V: Floats
-    held: Samples
-    ages: Samples
-    stand_for: Rows
-
-    def __len__(self) -> int:
-        return len(self.u_V)
-
-    @property
-    def samples(self) -> int:
-        """Samples of the segment before the run."""
-        return int(self.held.sum())
-
-    def slow_states(self, h: Floats, keep: Floats) -> Floats:
-        """(m, s) states s(k+1) = keep s(k) + (1 - keep) h(k) at the start of the run, for h, (m, k).
-
-        Before the segment h is constant.
-        """
-        left = np.exp(self.ages[:, None] * np.log(keep))
-        return np.asarray(h[:, self.stand_for] @ (left[:-1] - left[1:]) + h[:, :1] * left[-1])
-
-
-_NONE: Samples = np.zeros(0, dtype=np.int64)
-NO_HISTORY = History(np.zeros(0), _NONE, _NONE, np.zeros(0, dtype=np.intp))
-
-
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """One unbroken run: u_V, y_um (n,), auxiliary channels, initial state of the plays (`Operator.columns`).
-
-    history: the command of the same segment before the run. segment: samples of this segment; 0 for those of the run.
-    stride: periods from each sample to the next; above 1, the signals are straight lines between fitted samples.
-    share: (n,) share of the move from each sample to the next in the mean of the command between them; 1/2 for a line.
-    """
-
-    u_V: Floats
-    y_um: Floats
-    aux: Mapping[str, Floats]
-    start: float = 0.0
-    history: History = NO_HISTORY
-    segment: int = 0
-    stride: int = 1
-    share: Floats = field(default_factory=lambda: np.full(1, 0.5))
-
-    @property
-    def whole(self) -> int:
-        """Samples of the segment."""
-        return self.segment or len(self.u_V)
-
-    def time_s(self, Ts_s: float) -> Floats:
-        """(n,) time since the start of the segment."""
-        return np.asarray(Ts_s * (self.history.samples + self.stride * np.arange(len(self.u_V), dtype=np.float64)))
-
-    def held(self, h: Floats, chain: Chain, Ts_s: float) -> tuple[Floats, Chain]:
-        """Input, (m, n), of the part of the chain behind the hysteresis for h, (m, n), and this part (`Thinned`)."""
-        if self.stride == 1:
-            return h, chain
-        thinned = chain.seen_every(self.stride, Ts_s)
-        return thinned.input(h), thinned
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +41,8 @@ class Scene:
     known_ranges: lowest and highest value of auxiliary channels over all rows that will be simulated; for a channel
     without an entry, the range in the runs is used.
     kept: fits of an interrupted search (`solve.refine`); None: no fit is kept.
-    The columns of at least the last HYSTERESES settings of the amplifier, of the last ADDED sets of added columns and
-    of the last PARTS parts of a run that add columns are cached.
+    The columns of at least the last HYSTERESES settings of the amplifier, and of the last PARTS parts of a run that add
+    columns, are cached.
     """
 
     runs: tuple[Trace, ...]
@@ -126,7 +56,6 @@ class Scene:
     _hysteresis: LruCache[list[Floats]] = field(
         default_factory=lambda: LruCache(HYSTERESES, HYSTERESES_BYTES), repr=False
     )
-    _added: LruCache[Floats] = field(default_factory=lambda: LruCache(ADDED), repr=False)
     _parts: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(PARTS), repr=False)
 
     @property
@@ -172,7 +101,7 @@ class Scene:
     def bare(self) -> Scene:
         """The scene with empty caches."""
         empty: LruCache[list[Floats]] = LruCache(HYSTERESES, HYSTERESES_BYTES)
-        return dataclasses.replace(self, _hysteresis=empty, _added=LruCache(ADDED), _parts=LruCache(PARTS))
+        return dataclasses.replace(self, _hysteresis=empty, _parts=LruCache(PARTS))
 
     @property
     def dense(self) -> Rows:
@@ -215,9 +144,9 @@ class Scene:
 
     def columns(self, chain: Chain) -> Floats:
         """(p, n) columns of the linear parameters: chain's response to the columns of h, then `added_columns`."""
-        size, below = self.hysteresis_size(chain), self.added_columns(chain)
-        out = np.empty((size + len(below), self.samples))
-        out[size:] = below
+        size = self.hysteresis_size(chain)
+        out = np.empty((size + self._added_size(chain), self.samples))
+        out[size:] = self.added_columns(chain)
         first = 0
         for run, h in zip(self.runs, self.hysteresis(chain), strict=True):
             self._respond_into(out[:size], first, run, h, chain)
@@ -230,19 +159,27 @@ class Scene:
 
         In Fortran order, as an array indexed by rows is: sums over the rows depend on the order in their last bits.
         """
-        if any(run.stride != 1 or len(run.history) or run.segment not in (0, len(run.u_V)) for run in self.runs):
+        if not self._complete:
             return self.columns(chain)[:, self.rows]
-        size, below = self.hysteresis_size(chain), self.added_columns(chain)
-        out = np.empty((len(self.rows), size + len(below))).T
-        out[size:] = below[:, self.rows]
-        first = 0
-        for run, h in zip(self.runs, self.hysteresis(chain), strict=True):
-            low, high = np.searchsorted(self.rows, (first, first + len(run.u_V)))
-            inside = self.rows[low:high] - first
-            out[:size, low:high] = respond_on_rows(h, chain, self.Ts_s, inside)
-            self._age(out[:size, low:high], run.time_s(self.Ts_s)[inside], chain)
-            first += len(run.u_V)
+        size = self.hysteresis_size(chain)
+        out = np.empty((len(self.rows), size + self._added_size(chain))).T
+        for i, (run, h) in enumerate(zip(self.runs, self.hysteresis(chain), strict=True)):
+            here, inside = self._rows_of(i)
+            out[:size, here] = respond_on_rows(h, chain, self.Ts_s, inside)
+            self._age(out[:size, here], run.time_s(self.Ts_s)[inside], chain)
+            self._add_to(out[size:, here], i, inside, chain)
         return out
+
+    @property
+    def _complete(self) -> bool:
+        """Whether every run is a whole segment with all of its samples."""
+        return all(run.stride == 1 and not len(run.history) and run.segment in (0, len(run.u_V)) for run in self.runs)
+
+    def _rows_of(self, i: int) -> tuple[slice, Rows]:
+        """Places of the training rows of run i among all of them, and their samples in the run."""
+        first = sum(len(run.u_V) for run in self.runs[:i])
+        low, high = np.searchsorted(self.rows, (first, first + len(self.runs[i].u_V)))
+        return slice(low, high), self.rows[low:high] - first
 
     def _respond_into(self, out: Floats, first: int, run: Trace, h: Floats, chain: Chain) -> None:
         """Response of the linear part to h, (m, k + n), on the samples of the run: out[:, first : first + n].
@@ -289,6 +226,20 @@ class Scene:
             self._age(part, run.time_s(self.Ts_s), chain, weights[:size])
         return np.concatenate(parts) + weights[size:] @ self.added_columns(chain)
 
+    def seen_on_rows(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
+        """(r,) the training rows of `seen`, computed without the other rows where no run has a history."""
+        if not self._complete:
+            return self.seen(paths, chain, weights)[self.rows]
+        size = self.hysteresis_size(chain)
+        out, added = np.empty(len(self.rows)), np.empty((self._added_size(chain), len(self.rows)))
+        for i, (run, path) in enumerate(zip(self.runs, paths, strict=True)):
+            here, inside = self._rows_of(i)
+            part = respond_on_rows(path[None], chain, self.Ts_s, inside)[0]
+            self._age(part, run.time_s(self.Ts_s)[inside], chain, weights[:size])
+            out[here] = part
+            self._add_to(added[:, here], i, inside, chain)
+        return out + weights[size:] @ added
+
     def zero_um(self, chain: Chain, weights: Floats) -> float:
         """Displacement at 0 V in um, mean of both branches of the major loop."""
         size = self.hysteresis_size(chain)
@@ -312,19 +263,44 @@ class Scene:
         """Place of a part's first added column among all columns, and of its weight among the weights of a fit."""
         return self.hysteresis_size(chain) + chain.first_column(kind)
 
+    def _added_size(self, chain: Chain) -> int:
+        """Number of added columns."""
+        return COMMON + sum(part.added for part in chain.parts)
+
     def added_columns(self, chain: Chain) -> Floats:
         """(q, n) a constant, the columns of the sensor's curve, then those that the parts of the chain add in order."""
-        adding = [part for part in chain.parts if part.added]
-        depends = tuple(part.columns_depend_on(chain.lag_s, chain.delay) for part in adding)
-        key: Hashable = (chain.lag_s, chain.delay, chain.amplifier, depends)
-        return self._added.get(key, lambda: np.hstack([self._added_to(i, chain) for i in range(len(self.runs))]))
+        out = np.empty((self._added_size(chain), self.samples))
+        first = 0
+        for i, run in enumerate(self.runs):
+            self._add_to(out[:, first : first + len(run.u_V)], i, slice(None), chain)
+            first += len(run.u_V)
+        return out
 
-    def _lagged(self, signal: Floats, run: Trace, chain: Chain) -> Floats:
-        """(n,) a channel behind the lag and the delay of the chain."""
-        held, linear = run.held(signal[None], chain, self.Ts_s)
-        return lagged(held[0], linear.lag_s, linear.delay, self.Ts_s * run.stride)
+    def _add_to(self, out: Floats, i: int, samples: Rows | slice, chain: Chain) -> None:
+        """Write `added_columns` at some samples of run i to `out`, (q, k)."""
+        out[0] = 1.0
+        for row, column in zip(out[1:], self._added_to(i, chain), strict=True):
+            row[:] = column[samples]
 
-    def _bend(self, run: Trace, chain: Chain) -> list[Floats]:
+    def _added_to(self, i: int, chain: Chain) -> list[Floats]:
+        """The added columns of run i behind the constant, (n_i,) each; do not modify them."""
+        run = self.runs[i]
+
+        def columns_of(part: Part) -> list[Floats]:
+            key = (i, part.cause, part.columns_depend_on(chain.lag_s, chain.delay))
+            return self._parts.get(
+                key, lambda: part.columns(run, self.extent, lambda signal: self._lagged(signal[None], run, chain)[0])
+            )
+
+        curve = self._parts.get((i, chain.amplifier, chain.lag_s, chain.delay), lambda: self._curve_columns(run, chain))
+        return [*curve, *(column for part in chain.parts if part.added for column in columns_of(part))]
+
+    def _lagged(self, signals: Floats, run: Trace, chain: Chain) -> Floats:
+        """(m, n) signals behind the lag and the delay of the chain."""
+        held, linear = run.held(signals, chain, self.Ts_s)
+        return lagged(held, linear.lag_s, linear.delay, self.Ts_s * run.stride)
+
+    def _curve_columns(self, run: Trace, chain: Chain) -> list[Floats]:
         """COMMON - 1 columns, (n,) each, of a sensor with a curve: what it shows of a lag behind the ceramic's curve.
 
             L(v)^2 - L(v^2),   L(v) L(v^2) - L(v^3)
@@ -333,19 +309,5 @@ class Scene:
         displacement L(f), where f = v + a v^2 of the ceramic; at rest, the curve of the operator holds both.
         """
         v = (chain.amplified(run.u_V, self.Ts_s * run.stride) - self.extent.middle_V) / self.extent.half_V
-        first, second, third = (self._lagged(power, run, chain) for power in (v, v * v, v**3))
+        first, second, third = self._lagged(np.stack([v, v * v, v * v * v]), run, chain)
         return [first * first - second, first * second - third]
-
-    def _added_to(self, i: int, chain: Chain) -> Floats:
-        """(q, n_i) `added_columns` of run i."""
-        run = self.runs[i]
-
-        def columns_of(part: Part) -> list[Floats]:
-            key = (i, part.cause, part.columns_depend_on(chain.lag_s, chain.delay))
-            return self._parts.get(
-                key, lambda: part.columns(run, self.extent, lambda signal: self._lagged(signal, run, chain))
-            )
-
-        adding = [part for part in chain.parts if part.added]
-        common = [np.ones(len(run.u_V)), *self._bend(run, chain)]
-        return np.stack([*common, *(column for part in adding for column in columns_of(part))])

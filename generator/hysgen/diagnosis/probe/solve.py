@@ -153,7 +153,7 @@ def sensitivities(scene: Scene, fit: Fit | TrainingFit, projector: Projector) ->
     where a limit begins to act.
     """
     paths = scene.paths(fit.chain, fit.weights)
-    base = scene.seen(paths, fit.chain, fit.weights)[scene.rows]
+    base = scene.seen_on_rows(paths, fit.chain, fit.weights)
     at = fit.chain.coordinates()
     moved = np.empty((len(at), len(base)))
     for i, size in enumerate(fit.chain.steps(scene.extent)):
@@ -161,7 +161,7 @@ def sensitivities(scene: Scene, fit: Fit | TrainingFit, projector: Projector) ->
         shifted[i] += size
         chain = fit.chain.at(shifted)
         here = paths if chain.amplifier == fit.chain.amplifier else scene.paths(chain, fit.weights)
-        moved[i] = (scene.seen(here, chain, fit.weights)[scene.rows] - base) / size
+        moved[i] = (scene.seen_on_rows(here, chain, fit.weights) - base) / size
     return projector.orthogonal_part(moved)
 
 

@@ -68,6 +68,9 @@ class WhitenedScene(Scene):
     def seen(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
         return self.whitening.of(super().seen(paths, chain, weights))
 
+    def seen_on_rows(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
+        return self.seen(paths, chain, weights)[self.rows]
+
     @classmethod
     def of(cls, scene: Scene, fit: Fit) -> Self:
         """The scene, whitened for the model error and the noise in the residual of a fit (maximum likelihood)."""

@@ -10,7 +10,14 @@
 #define WIDEST
 #endif
 
-enum { MOST = 128, BLOCK = 64 };
+#define INLINE static inline __attribute__((always_inline))
+#if defined(__GNUC__) && !defined(__clang__)
+#define UNROLLED _Pragma("GCC unroll 8")
+#else
+#define UNROLLED
+#endif
+
+enum { MOST = 128, BLOCK = 64, TOGETHER = 8 };
 
 #define BEND (1.0 / 32.0) /* curvature of the barrier: 4 ln(attempts per sample) = 32 */
 #define FROZEN 15.0       /* distance from the threshold, in units of s, from which on a play rests */
@@ -20,14 +27,61 @@ enum { MOST = 128, BLOCK = 64 };
  *
  *     z <- z + s exp(-a (1 + a/32)) sign(v - z),   a = (r - |v - z|) / s,   |z| <= min(1, 1 - r + 8 s)
  */
-static double relaxed(double z, double v, double r, double share)
+INLINE double relaxed(double z, double v, double r, double share)
 {
-    const double s = share * r, way = v - z, a = fmax((r - fabs(way)) / s, 0.0);
-    const double end = fmin(1.0, 1.0 - r + RELAXED * s);
+    const double s = share * r, way = v - z, inside = (r - fabs(way)) / s, a = inside > 0.0 ? inside : 0.0;
+    const double reach = 1.0 - r + RELAXED * s, end = reach < 1.0 ? reach : 1.0;
     if (a > FROZEN) {
         return z;
     }
-    return fmax(-end, fmin(end, z + copysign(s * exp(-a * (1.0 + BEND * a)), way)));
+    const double to = z + copysign(s * exp(-a * (1.0 + BEND * a)), way), most = to < end ? to : end;
+    return most > -end ? most : -end;
+}
+
+/* z[j][k] for the plays j < count and the samples k < n of a block; state: z before the block, on return after it.
+ * Several plays at once, because each step of a play waits for the one before it.
+ */
+INLINE void moved(const size_t count, size_t n, const double *u, const double *radius, const double share,
+                  double *restrict state, double (*restrict z)[BLOCK])
+{
+    double now[TOGETHER];
+    for (size_t j = 0; j < count; j++) {
+        now[j] = state[j];
+    }
+    for (size_t k = 0; k < n; k++) {
+        UNROLLED for (size_t j = 0; j < count; j++) {
+            const double low = u[k] - radius[j], high = u[k] + radius[j];
+            now[j] = now[j] > high ? high : now[j];
+            now[j] = now[j] < low ? low : now[j];
+            z[j][k] = now[j];
+            now[j] = share > 0.0 ? relaxed(now[j], u[k], radius[j], share) : now[j];
+        }
+    }
+    for (size_t j = 0; j < count; j++) {
+        state[j] = now[j];
+    }
+}
+
+/* next[k] = T_(p+1)(z[k]), from now = T_p and before = T_(p-1) on a whole block. */
+INLINE void next_polynomial(const double *z, const double *before, const double *now, double *restrict next)
+{
+    for (size_t k = 0; k < BLOCK; k++) {
+        next[k] = 2.0 * z[k] * now[k] - before[k];
+    }
+}
+
+/* total[k] = or += weight now[k] for k < n. */
+INLINE void add(int begins, size_t n, double weight, const double *now, double *restrict total)
+{
+    if (begins) {
+        for (size_t k = 0; k < n; k++) {
+            total[k] = weight * now[k];
+        }
+    } else {
+        for (size_t k = 0; k < n; k++) {
+            total[k] += weight * now[k];
+        }
+    }
 }
 
 /* out[m][k] for k < samples: T_1(v) .. T_curve(v), then for each power p = 1 .. degree and each hat b
@@ -40,7 +94,7 @@ static double relaxed(double z, double v, double r, double share)
 WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double share,
                             double *state, size_t hats, const double *hat, size_t curve, size_t degree, double *out)
 {
-    double sum[MOST][BLOCK], z[BLOCK], before[BLOCK], now[BLOCK];
+    double u[BLOCK] = {0.0}, places[TOGETHER][BLOCK] = {{0.0}}, one[BLOCK], polynomials[3][BLOCK];
     /* A hat is zero outside the few neighbouring plays first .. last - 1. */
     size_t first[MOST], last[MOST];
     for (size_t b = 0; b < hats; b++) {
@@ -53,62 +107,49 @@ WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const
             }
         }
     }
+    for (size_t k = 0; k < BLOCK; k++) {
+        one[k] = 1.0;
+    }
+    for (size_t m = 0; m < degree * hats; m++) {
+        for (size_t k = 0; first[m % hats] == plays && k < samples; k++) {
+            out[(curve + m) * samples + k] = 0.0;
+        }
+    }
     for (size_t start = 0; start < samples; start += BLOCK) {
         const size_t n = samples - start < BLOCK ? samples - start : BLOCK;
-        const double *u = v + start;
         double *column = out + start;
         for (size_t k = 0; k < n; k++) {
-            before[k] = 1.0;
-            now[k] = u[k];
+            u[k] = v[start + k];
         }
+        const double *before = one, *now = u;
         for (size_t m = 0; m < curve; m++, column += samples) {
-            for (size_t k = 0; k < n; k++) {
-                column[k] = now[k];
-                const double next = 2.0 * u[k] * now[k] - before[k];
-                before[k] = now[k];
-                now[k] = next;
-            }
-        }
-        for (size_t m = 0; m < degree * hats; m++) {
-            for (size_t k = 0; k < BLOCK; k++) {
-                sum[m][k] = 0.0;
-            }
+            double *next = polynomials[m % 3];
+            add(1, n, 1.0, now, column);
+            next_polynomial(u, before, now, next);
+            before = now;
+            now = next;
         }
         for (size_t i = 0; i < plays; i++) {
-            double last_z = state[i];
-            for (size_t k = 0; k < n; k++) {
-                const double low = u[k] - radius[i], high = u[k] + radius[i];
-                last_z = last_z > high ? high : last_z;
-                last_z = last_z < low ? low : last_z;
-                z[k] = last_z;
-                last_z = share > 0.0 ? relaxed(last_z, u[k], radius[i], share) : last_z;
+            const double *z = places[i % TOGETHER];
+            if (i % TOGETHER == 0 && plays - i < TOGETHER) {
+                moved(plays - i, n, u, radius + i, share, state + i, places);
+            } else if (i % TOGETHER == 0 && share > 0.0) {
+                moved(TOGETHER, n, u, radius + i, share, state + i, places);
+            } else if (i % TOGETHER == 0) {
+                moved(TOGETHER, n, u, radius + i, 0.0, state + i, places);
             }
-            state[i] = last_z;
-            for (size_t k = 0; k < n; k++) {
-                before[k] = 1.0;
-                now[k] = z[k];
-            }
+            before = one;
+            now = z;
             for (size_t p = 0; p < degree; p++) {
                 for (size_t b = 0; b < hats; b++) {
-                    const double weight = hat[i * hats + b];
-                    double *total = sum[p * hats + b];
-                    if (i < first[b] || i >= last[b]) {
-                        continue;
-                    }
-                    for (size_t k = 0; k < n; k++) {
-                        total[k] += weight * now[k];
+                    if (i >= first[b] && i < last[b]) {
+                        add(i == first[b], n, hat[i * hats + b], now, column + (p * hats + b) * samples);
                     }
                 }
-                for (size_t k = 0; k < n; k++) {
-                    const double next = 2.0 * z[k] * now[k] - before[k];
-                    before[k] = now[k];
-                    now[k] = next;
-                }
-            }
-        }
-        for (size_t m = 0; m < degree * hats; m++, column += samples) {
-            for (size_t k = 0; k < n; k++) {
-                column[k] = sum[m][k];
+                double *next = polynomials[p % 3];
+                next_polynomial(z, before, now, next);
+                before = now;
+                now = next;
             }
         }
     }

@@ -45,7 +45,7 @@ struct pass {
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* crept(k) += s_i(k) / 2 of n samples, for the states i = first .. first + count - 1. */
+/* crept(k) += s_i(k) of n samples, for the states i = first .. first + count - 1. */
 INLINE void slow_states(const struct linear *linear, size_t first, const size_t count, const size_t vectors, size_t n,
                         struct pass *at)
 {
@@ -60,7 +60,7 @@ INLINE void slow_states(const struct linear *linear, size_t first, const size_t 
             const Lanes x = at->x[k][v];
             Lanes crept = at->crept[k][v];
             for (size_t i = 0; i < count; i++) {
-                crept += 0.5 * s[i][v];
+                crept += s[i][v];
                 s[i][v] = linear->intake[first + i] * x + linear->decay[first + i] * s[i][v];
             }
             at->crept[k][v] = crept;
@@ -90,7 +90,7 @@ INLINE void creep(const struct linear *linear, const size_t vectors, size_t n, s
     }
     for (size_t k = 0; k < n; k++) {
         for (size_t v = 0; v < vectors; v++) {
-            at->crept[k][v] = at->x[k][v] + linear->creep * at->crept[k][v];
+            at->crept[k][v] = at->x[k][v] + linear->creep * (0.5 * at->crept[k][v]);
         }
     }
 }
