@@ -7,6 +7,7 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -192,6 +193,32 @@ def test_data_frames_come_in_and_go_out(record: hysgen.Record) -> None:
     assert hysgen.fit(record.to_dataframe(), method="batch", rules=4).grid.rules == 4
 
 
+def test_every_function_of_a_record_takes_a_frame_or_a_file_and_of_a_model_a_file(
+    record: hysgen.Record, model: hysgen.Model, tmp_path: Path
+) -> None:
+    pytest.importorskip("pandas")
+    frame, file = record.to_dataframe(), tmp_path / "stage.json"
+    hysgen.save_model(model, file)
+    expected = hysgen.score(model, hysgen.Record.from_dataframe(frame)).to_json()
+    assert expected["free_run"] == hysgen.score(model, record).to_json()["free_run"]
+    assert hysgen.score(file, frame).to_json() == expected
+    assert str(hysgen.inspect(frame)).splitlines()[1:] == str(hysgen.inspect(record)).splitlines()[1:]
+    assert hysgen.rivals(frame[:3000], frame[3000:]).keys() == hysgen.rivals(record[:3000], record[3000:]).keys()
+    assert hysgen.describe(str(file)).describe() == hysgen.describe(model).describe()
+    assert hysgen.generate(file).texts == hysgen.generate(model).texts
+    assert hysgen.diff(file, model, [frame]).scores[0][1] == expected["free_run"]["e_rms_um"]
+
+
+def test_numbers_as_text_in_a_data_frame_are_numbers(record: hysgen.Record) -> None:
+    frame = pytest.importorskip("pandas") and record.to_dataframe()
+    frame["voltage_V"] = frame["voltage_V"].map(repr)
+    np.testing.assert_array_equal(hysgen.Record.from_dataframe(frame).u_V, record.u_V)
+
+
+def test_a_number_as_memory_is_that_of_the_plays(record: hysgen.Record) -> None:
+    assert "4 plays" in str(hysgen.fit(record[:3000], memory=4, method="batch"))
+
+
 def test_a_data_frame_with_dates_as_index_of_any_name_is_a_record(record: hysgen.Record) -> None:
     pandas = pytest.importorskip("pandas")
     stamps = pandas.Timestamp("2026-11-23") + pandas.to_timedelta(record.time_s, unit="s").round("us")
@@ -207,6 +234,7 @@ def test_a_record_is_cut_like_an_array(record: hysgen.Record) -> None:
 
 
 def test_every_error_of_the_interface_is_a_hysgen_error(record: hysgen.Record, model: hysgen.Model) -> None:
+    frame = pytest.importorskip("pandas").DataFrame({"a": record.u_V, "b": record.y_um})
     calls = {
         "rulez: is not known \\(did you mean 'rules'": lambda: hysgen.fit(record, rulez=8),
         "a dict is no record": lambda: hysgen.fit({"u": 1}),
@@ -215,6 +243,15 @@ def test_every_error_of_the_interface_is_a_hysgen_error(record: hysgen.Record, m
         "a float is no description of columns": lambda: hysgen.load_record("x.csv", 3.0),
         "give either Ts_s in seconds or fs_Hz": lambda: hysgen.Record.from_arrays([1.0], [1.0]),
         "index a record by rows": lambda: record[5],
+        "rules: '8' is no number; give a whole one": lambda: hysgen.fit(record, rules="8"),
+        "rules: 2.5 is no number; give a whole one": lambda: hysgen.fit(record, rules=2.5),
+        "memory: 'yes' is no size": lambda: hysgen.fit(record, memory="yes"),
+        "a int is no name of a model": lambda: hysgen.load_model(3),
+        "a dict is no model": lambda: hysgen.generate({}),
+        "mine.json: cannot be read": lambda: hysgen.score("mine.json", record),
+        "a float is no record": lambda: hysgen.inspect(3.0),
+        "Ts_s: is missing": lambda: hysgen.HysteresisRegressor().fit(record.u_V, record.y_um),
+        'it holds a, b; say which one it is: columns="voltage=NAME"': lambda: hysgen.Record.from_dataframe(frame),
         "nothing to plot": lambda: hysgen.score(model, record).plot("bode"),
     }
     for said, call in calls.items():
@@ -289,6 +326,17 @@ def test_the_estimator_is_fitted_scored_and_cloned_by_its_parameters(record: hys
     assert copy.set_params(rules=4).rules == 4
     with pytest.raises(hysgen.HysgenError, match="is no parameter"):
         copy.set_params(colour="red")
+
+
+def test_the_estimator_answers_what_scikit_learn_asks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """scikit-learn 1.9 asks for tags in its own types before it cross-validates; here these types are stand-ins."""
+    kinds = {name: SimpleNamespace for name in ("Tags", "TargetTags", "RegressorTags", "InputTags")}
+    monkeypatch.setitem(sys.modules, "sklearn.utils", SimpleNamespace(**kinds))
+    estimator = hysgen.HysteresisRegressor()
+    tags = estimator.__sklearn_tags__()
+    assert tags.estimator_type == "regressor"
+    assert tags.target_tags.required
+    assert not estimator.__sklearn_is_fitted__()
 
 
 def test_importing_hysgen_leaves_the_threads_of_the_notebook_alone() -> None:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import json
-import os
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -31,7 +30,7 @@ from hysgen.codegen.manifest import read_folder
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
-from hysgen.errors import FitError, HysgenError, RecordError, RecordWarning
+from hysgen.errors import FitError, HysgenError, RecordWarning
 from hysgen.estimator import HysteresisRegressor
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.image import NO_KEY, Label, encode
@@ -42,13 +41,16 @@ from hysgen.fitting import fit as fit_model
 from hysgen.fitting.compare import Comparison
 from hysgen.fitting.compare import compare as compare_models
 from hysgen.fitting.refit import refit as refit_model
-from hysgen.model.file import load_model, save_model
+from hysgen.model.file import load_model, model_of, save_model
 from hysgen.model.model import Model
 from hysgen.model.rivals import fit_rivals, score_rivals
-from hysgen.model.scores import Score, Scores, score
+from hysgen.model.scores import Score, Scores
+from hysgen.model.scores import score as score_model
 from hysgen.record import Columns, Record, check_for_fit, check_validation, load_record
 from hysgen.record.columns import nearest
-from hysgen.record.inspection import inspect
+from hysgen.record.inspection import Inspection
+from hysgen.record.inspection import inspect as inspect_record
+from hysgen.record.read import record_of
 from hysgen.report.words import price_of
 from hysgen.uncertainty.history import LIMIT_PERCENT, History
 from hysgen.uncertainty.history import history as history_of
@@ -126,20 +128,20 @@ def fit(
     record: Record | Any,
     settings: FitSettings | None = None,
     *,
-    memory: bool | PathSize = False,
+    memory: bool | int | PathSize = False,
     progress: Progress | None = None,
     **changes: Any,
 ) -> Model:
     """A model of a record: by default the paper's structure with refined free run, otherwise as in `settings`.
 
-    record: a Record, a DataFrame, or the name of a file. memory: whether the path before the rules holds a hysteresis,
-    and its size if not the default `PathSize()`. changes: fields of FitSettings, as rules=8.
-    Raises FitError or RecordError.
+    record: a Record, a DataFrame, or the name of a file. memory: whether the path holds a hysteresis: True, the number
+    of its plays, or a PathSize. changes: fields of FitSettings, as rules=8. Raises FitError or RecordError.
     """
-    record = _record(record)
+    record = record_of(record)
     chosen = _with(settings or FitSettings(), changes)
     if memory is not False:
-        chosen = dataclasses.replace(chosen, memory=PathSize() if memory is True else memory)
+        size = PathSize(plays=memory) if isinstance(memory, int) and memory is not True else memory
+        chosen = dataclasses.replace(chosen, memory=PathSize() if size is True else size)
     parameters = 3 * chosen.rules
     if chosen.memory is not None:
         parameters += chosen.memory.operator(*record.u_range_V).size
@@ -147,14 +149,28 @@ def fit(
     return fit_model(record, chosen, progress=progress)
 
 
+def score(model: Model | str | Path, record: Record | Any, settle: int | None = None) -> Scores:
+    """Errors of a model on a record: one step, against the horizon, in free run; persistence; noise floor.
+
+    settle: samples at the start that are not scored; by default those that depend on an unknown past. Raises ModelError
+    or RecordError.
+    """
+    return score_model(model_of(model), record_of(record), settle)
+
+
+def inspect(record: Record | Any) -> Inspection:
+    """Ranges, noise and excitation of a record, and what each cause needs to show. Raises RecordError."""
+    return inspect_record(record_of(record))
+
+
 def refit(model: Model, record: Record | Any, progress: Progress | None = None) -> tuple[Model, Scores]:
     """The same structure fitted to another record, and its scores there. Raises ModelError, RecordError or FitError."""
-    return refit_model(model, _record(record), progress)
+    return refit_model(model_of(model), record_of(record), progress)
 
 
 def diff(old: Model, new: Model, records: Sequence[Record | Any] = ()) -> Comparison:
     """What changed from one model to another of the same structure; free-run errors of both on `records`."""
-    return compare_models(old, new, [_record(one) for one in records])
+    return compare_models(model_of(old), model_of(new), [record_of(one) for one in records])
 
 
 def history(folder: str | Path, limit_percent: float = LIMIT_PERCENT) -> History:
@@ -164,17 +180,17 @@ def history(folder: str | Path, limit_percent: float = LIMIT_PERCENT) -> History
 
 def rivals(known: Record, unseen: Record) -> dict[str, Score]:
     """Free-run scores on `unseen` of the paper's rivals (Prandtl-Ishlinskii, proportional, ARX), fitted to `known`."""
-    return dict(score_rivals(fit_rivals(known), unseen))
+    return dict(score_rivals(fit_rivals(record_of(known)), record_of(unseen)))
 
 
 def certificates(model: Model) -> Certificates:
     """Contraction of the free run, gain and inverse over the whole range of a model."""
-    return certify(model)
+    return certify(model_of(model))
 
 
 def describe(model: Model) -> Dynamics:
     """A model as a dynamic system: time constant, gain, loop against frequency."""
-    return dynamics(model)
+    return dynamics(model_of(model))
 
 
 def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model], Record], title: str = "") -> Page:
@@ -207,12 +223,13 @@ def write_export(model: Model, target: str, folder: str | Path, options: Options
     if target not in room.TARGETS:
         known = ", ".join(room.TARGETS)
         raise HysgenError(f"{target}: is no target{nearest(target, room.TARGETS)}; choose from {known}")
-    written: list[Path] = room.write_export(model, target, Path(folder), options)
+    written: list[Path] = room.write_export(model_of(model), target, Path(folder), options)
     return written
 
 
 def firmware_files(model: Model) -> Generated:
     """The C of a model as the firmware takes it, with model.h and, if the model has no learner, one of its rules."""
+    model = model_of(model)
     chosen = model if model.learner is not None else with_learner(model)
     return Generated(chosen, firmware_model(chosen))
 
@@ -222,7 +239,7 @@ def image(model: Model, label: Label | None = None, key: bytes = NO_KEY) -> byte
 
     label: device, build and counter of the image; key: the firmware's 16 bytes (`hysgen.firmware.image`).
     """
-    return encode(model, label or Label(), key)
+    return encode(model_of(model), label or Label(), key)
 
 
 def connect(port: str, baud: int = BAUD) -> Client:
@@ -246,20 +263,6 @@ def demo_record() -> Record:
         path = Path(folder) / "demo.csv"
         path.write_text(text, encoding="utf-8")
         return load_record(path)
-
-
-def _record(given: Any) -> Record:
-    """A Record from itself, from a DataFrame, or from the name of a file. Raises RecordError for anything else."""
-    if isinstance(given, Record):
-        return given
-    if isinstance(given, (str, os.PathLike)):
-        return load_record(given)
-    if hasattr(given, "columns"):
-        return Record.from_dataframe(given)
-    raise RecordError(
-        f"a {type(given).__name__} is no record; give a Record, a DataFrame or the name of a file, or make one with "
-        "Record.from_arrays(u_V, y_um, Ts_s)"
-    )
 
 
 def _with(settings: Settings, changes: Mapping[str, Any]) -> Settings:
@@ -288,7 +291,7 @@ def diagnose(
     Structure and parameters come from `record` (from its first 65 % if `holdout` is None); scores are held out.
     changes: fields of DiagnoseSettings, as keep_all=True. Raises RecordError or FitError.
     """
-    record, holdout = _record(record), None if holdout is None else _record(holdout)
+    record, holdout = record_of(record), None if holdout is None else record_of(holdout)
     chosen = _with(settings or DiagnoseSettings(), changes)
     if chosen.price is None:
         chosen = dataclasses.replace(chosen, price=price_of)
@@ -303,6 +306,7 @@ def generate(model: Model, options: Options | None = None) -> Generated:
 
     Raises CertificateError if the inverse in `options` is not certified, BudgetError if a sample exceeds its period.
     """
+    model = model_of(model)
     chosen = options or Options(inverse=certify(model).inverse_holds)
     return Generated(model, generate_texts(model, chosen))
 

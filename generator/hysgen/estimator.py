@@ -8,6 +8,7 @@ run. Rows are samples in time: split them in blocks (TimeSeriesSplit), never shu
 
 from __future__ import annotations
 
+import importlib
 from typing import Any, Self
 
 import numpy as np
@@ -25,12 +26,16 @@ Floats = NDArray[np.float64]
 
 
 class HysteresisRegressor:
-    """Ts_s: sampling period in s. rules: fuzzy rules. memory: a hysteresis before the rules. method: as FitSettings.
+    """A hysteresis model as an estimator.
 
-    model_: the fitted model, after `fit`. Raises FitError and RecordError as `fit` of a record does.
+    Ts_s: sampling period in s, which `fit` needs. rules: fuzzy rules. memory: a hysteresis before the rules. method: as
+    FitSettings. model_: the fitted model, after `fit`. Raises FitError and RecordError as `fit` of a record does.
     """
 
-    def __init__(self, Ts_s: float = 1.0, rules: int = 6, memory: bool = True, method: str = "refined") -> None:
+    _estimator_type = "regressor"
+    """How scikit-learn before 1.6 knows a regressor."""
+
+    def __init__(self, Ts_s: float | None = None, rules: int = 6, memory: bool = True, method: str = "refined") -> None:
         self.Ts_s = Ts_s
         self.rules = rules
         self.memory = memory
@@ -68,7 +73,22 @@ class HysteresisRegressor:
         about = measured[first:] - measured[first:].mean()
         return 1.0 - float(error @ error) / max(float(about @ about), 1e-300)
 
+    def __sklearn_tags__(self) -> Any:
+        """What scikit-learn from 1.6 on asks of a regressor, in its own types; only scikit-learn calls this."""
+        kinds = importlib.import_module("sklearn.utils")
+        return kinds.Tags(
+            estimator_type="regressor",
+            target_tags=kinds.TargetTags(required=True),
+            regressor_tags=kinds.RegressorTags(),
+            input_tags=kinds.InputTags(),
+        )
+
+    def __sklearn_is_fitted__(self) -> bool:
+        return hasattr(self, "model_")
+
     def _record(self, X: ArrayLike, y: ArrayLike) -> Record:
+        if self.Ts_s is None:
+            raise FitError("Ts_s: is missing; give the sampling period in s, as HysteresisRegressor(Ts_s=2e-5)")
         return Record.from_arrays(series(X, "X"), series(y, "y"), self.Ts_s)
 
     def _fitted(self) -> Model:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -14,6 +15,7 @@ from hysgen.model.path import InputBlock
 from hysgen.model.regression import Starts, Trust
 
 Method = Literal["rls", "batch", "refined"]
+REALS = ("forgetting", "alpha", "epsilon", "margin", "slope_limit")
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,12 @@ class FitSettings:
     def __post_init__(self) -> None:
         if self.method not in get_args(Method):
             raise FitError(f"method: {self.method!r} is unknown; choose one of {', '.join(get_args(Method))}")
+        for field, kind in (("rules", "whole"), ("iterations", "whole"), *((one, "real") for one in REALS)):
+            value = getattr(self, field)
+            if not isinstance(value, numbers.Integral if kind == "whole" else numbers.Real):
+                raise FitError(f"{field}: {value!r} is no number; give a {kind} one")
+        if self.memory is not None and not isinstance(self.memory, PathSize):
+            raise FitError(f"memory: {self.memory!r} is no size; give a PathSize, or None for no hysteresis")
         _demand(0.0 < self.forgetting <= 1.0, "forgetting", self.forgetting, "above 0 and at most 1")
         _demand(0.0 < self.alpha < math.inf, "alpha", self.alpha, "positive and finite")
         _demand(math.isfinite(self.epsilon), "epsilon", self.epsilon, "finite")

@@ -106,11 +106,24 @@ def parse_model(text: str, source: str) -> Model:
         raise ModelError(f"{source}: {fault}") from fault
 
 
+def model_of(given: Any) -> Model:
+    """A Model from itself, or from the name of a file or of a shipped model. Raises ModelError for anything else."""
+    if isinstance(given, Model):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return load_model(Path(given))
+    raise ModelError(f"a {type(given).__name__} is no model; give a Model, or the name of its file")
+
+
 def load_model(path_or_name: Path | str) -> Model:
     """A model from a file, or one that ships with hysgen by its name (`shipped_models`).
 
     Raises ModelError if the file is missing, unreadable or malformed.
     """
+    if not isinstance(path_or_name, (str, os.PathLike)):
+        raise ModelError(
+            f"a {type(path_or_name).__name__} is no name of a model; give a path, or a shipped model's name"
+        )
     path = Path(path_or_name)
     if str(path_or_name) in shipped_models() and not path.exists():
         text = (_shipped() / f"{path_or_name}{SUFFIX}").read_text(encoding="utf-8")

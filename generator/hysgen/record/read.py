@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -109,9 +111,34 @@ def record_of_frame(frame: Any, columns: Columns | str | Mapping[str, Any] | Non
         if values.dtype.kind in "mM":
             stamps = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")
             arrays[name] = (stamps - stamps[0]).astype(np.int64) * 1e-9
+        elif values.dtype.kind in "OUT":
+            with contextlib.suppress(ValueError, TypeError):
+                arrays[name] = values.astype(np.float64)
     numeric = {name: values for name, values in arrays.items() if values.dtype.kind in "fiub"}
-    content = _of_file_arrays("DataFrame", FileArrays(numeric), columns_of(columns))
-    return _checked("DataFrame", content, JITTER, (), False)
+    try:
+        content = _of_file_arrays("DataFrame", FileArrays(numeric), columns_of(columns))
+        return _checked("DataFrame", content, JITTER, (), False)
+    except RecordError as fault:
+        raise RecordError(re.sub(r'--columns ("[^"]*"|[^\s;,]+)', _as_argument, str(fault))) from fault
+
+
+def record_of(given: Any) -> Record:
+    """A Record from itself, from a DataFrame, or from the name of a file. Raises RecordError for anything else."""
+    if isinstance(given, Record):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return load_record(given)
+    if hasattr(given, "columns"):
+        return record_of_frame(given)
+    raise RecordError(
+        f"a {type(given).__name__} is no record; give a Record, a DataFrame or the name of a file, or make one with "
+        "Record.from_arrays(u_V, y_um, Ts_s)"
+    )
+
+
+def _as_argument(option: re.Match[str]) -> str:
+    """The option of the command line as the argument of Python."""
+    return f'columns="{option.group(1).strip(chr(34))}"'
 
 
 def columns_of(given: Columns | str | Mapping[str, Any] | None) -> Columns:
