@@ -16,6 +16,7 @@ import pytest
 from hysgen.cli import main
 from hysgen.errors import HysgenError
 from hysgen.machine import native
+from hysgen.machine.processes import processes
 
 ROWS = "time_s,voltage_V,displacement_um\n" + "".join(f"{k * 1e-3:.3f},{k % 7},{k % 5}\n" for k in range(50))
 
@@ -219,6 +220,21 @@ def test_a_home_that_cannot_be_written_gives_the_pictures_another_folder(
     monkeypatch.delenv("MPLCONFIGDIR")
     assert main(["describe", "appendix_a", "-q"]) == 0
     assert "MPLCONFIGDIR" not in os.environ
+
+
+@pytest.mark.parametrize("closed", [1, 2])
+def test_a_job_without_standard_streams_is_done(closed: int, folder: Path) -> None:
+    command = f"{sys.executable} -m hysgen describe appendix_a --json d.json {closed}>&-"
+    own = {**os.environ, "PYTHONPATH": str(Path(native.__file__).parents[2])}
+    assert subprocess.run(["sh", "-c", command], check=False, env=own).returncode == 0
+    assert (folder / "d.json").stat().st_size > 100
+
+
+@pytest.mark.parametrize("text", ["two", "0", "-3", "1.5"])
+def test_a_number_of_processes_that_is_none_is_refused(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HYSGEN_PROCESSES", text)
+    with pytest.raises(HysgenError, match=rf"HYSGEN_PROCESSES={text}: is no number of processes; give 1 or more"):
+        processes()
 
 
 def test_no_verb_but_the_demo_loads_pictures_before_they_are_asked_for() -> None:

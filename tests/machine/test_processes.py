@@ -127,7 +127,7 @@ def test_one_process_inside_workers_and_where_it_is_asked_for(monkeypatch: pytes
     assert processes() == 1
     with several_processes("math"):
         assert set(in_processes(subprocess.getoutput, ["echo $PPID"] * 3)) == {str(os.getpid())}
-    monkeypatch.setenv("HYSGEN_PROCESSES", "many")
+    monkeypatch.delenv("HYSGEN_PROCESSES")
     assert 1 <= processes() <= 4
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import math
 import os
 import pickle
@@ -376,3 +377,47 @@ def test_bare_pickle_under_any_suffix_is_refused_and_does_not_run(suffix: str, t
     with pytest.raises(RecordError):
         load_record(path)
     assert not proof.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "said"),
+    [
+        ("photo.png", b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "is a picture; give"),
+        ("log.csv", b"%PDF-1.7\n" + bytes(range(256)), "is a PDF; export its table as CSV"),
+        (
+            "log.xls",
+            b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600),
+            "is a document of old Office; save it as .xlsx or CSV",
+        ),
+        ("log.tar", bytes(257) + b"ustar" + bytes(250), "is a tar archive; unpack it and name the record"),
+        ("log.csv.gz", gzip.compress(bytes(257) + b"ustar" + bytes(250)), "is a tar archive"),
+        ("log.zip", b"PK\x05\x06" + bytes(18), "is an empty zip archive"),
+        ("log.csv", b"version https://git-lfs.github.com/spec/v1\noid sha256:4d\nsize 12\n", "is a pointer of Git LFS"),
+        ("log.pkl", b"\x80\x04\x95" + bytes(40), "is a pickle, which could run code"),
+        (
+            "mail.txt",
+            b"Dear all,\nplease find the data, attached.\nBest, K.\n",
+            "line 1: holds no columns ('Dear all,')",
+        ),
+    ],
+)
+def test_a_file_of_another_kind_is_named_by_its_kind(name: str, data: bytes, said: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(RecordError) as caught:
+        load_record(tmp_path / name)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("part", ["word/document.xml", "content.xml"])
+def test_a_document_in_a_zip_is_named_by_its_kind(part: str, tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "log.docx", "w") as archive:
+        archive.writestr("[Content_Types].xml", "<x/>")
+        archive.writestr(part, "<x/>")
+    with pytest.raises(RecordError, match=r"log\.docx: is (a Word document|an OpenDocument file); save"):
+        load_record(tmp_path / "log.docx")
+
+
+def test_an_address_is_no_file() -> None:
+    with pytest.raises(RecordError, match="is an address, not a file; download it first"):
+        load_record("https://example.org/log.csv")

@@ -16,7 +16,7 @@ import tempfile
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 from hysgen.cli.completion import SHELLS, options_of, script
 from hysgen.cli.console import Console
@@ -89,6 +89,7 @@ def overview() -> str:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one verb. Returns the exit code. An error of the user or of the machine is one line without traceback."""
+    sys.stdout, sys.stderr = sys.stdout or _nowhere(), sys.stderr or _nowhere()
     words = list(sys.argv[1:] if argv is None else argv)
     name = next((word for word in words if not word.startswith("-")), "")
     try:
@@ -181,6 +182,11 @@ def _fails(name: str, text: str) -> int:
     with contextlib.suppress(OSError):
         print(f"hysgen {name}: {' '.join(text.split())}", file=sys.stderr, flush=True)
     return 2
+
+
+def _nowhere() -> TextIO:
+    """What takes the place of a standard stream that a scheduler has closed."""
+    return os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")
 
 
 def _discard_stdout() -> None:

@@ -28,6 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
+from hysgen.errors import HysgenError
 from hysgen.machine.memory import THREAD, has_room
 from hysgen.machine.threads import one_blas_thread
 
@@ -52,10 +53,13 @@ def processes() -> int:
     """Processes that a computation uses: HYSGEN_PROCESSES, or one for each core that it may use up to MOST_PROCESSES.
 
     1 inside a worker of a process pool, because its siblings use the other cores.
+    Raises HysgenError if HYSGEN_PROCESSES is no number from 1 on.
     """
     chosen = os.environ.get("HYSGEN_PROCESSES", "")
     if chosen.isdecimal() and int(chosen):
         return int(chosen)
+    if chosen:
+        raise HysgenError(f"HYSGEN_PROCESSES={chosen}: is no number of processes; give 1 or more, or leave it out")
     if multiprocessing.parent_process() is not None:
         return 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -23,6 +23,7 @@ import numpy as np
 
 from hysgen.errors import RecordError
 from hysgen.record.arrays import HDF5_MAGIC, MATLAB_BLOCK, Array, MatlabObjectError, read_hdf5, read_mat, read_npz
+from hysgen.record.foreign import check_kind, check_parts
 from hysgen.record.lvm import MARK, X, read_lvm
 from hysgen.record.text import text_of
 from hysgen.record.timetable import read_tables
@@ -50,6 +51,7 @@ def unpacked(path: Path) -> bytes | FileArrays:
                 return _inner(path, path.name.removesuffix(path.suffix), unpack(path.read_bytes()))
             except (OSError, EOFError, ValueError, lzma.LZMAError) as fault:
                 raise RecordError(f"{path.name}: is no whole {what} file ({fault}); pack it again") from fault
+    check_kind(path.name, head)
     if head[:4] == b"PK\x03\x04":
         return _of_zip(path)
     for magic, reader in BY_MAGIC.items():
@@ -200,6 +202,7 @@ def _of_zip(path: Path) -> bytes | FileArrays:
     try:
         with zipfile.ZipFile(path) as archive:
             names = [one for one in archive.namelist() if not one.endswith("/") and not one.startswith("__MACOSX/")]
+            check_parts(path.name, names)
             if "[Content_Types].xml" in names:
                 return read_excel(path)
             if len(names) == 1 and not names[0].endswith(".npy"):

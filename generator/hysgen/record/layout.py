@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import SEPARATORS, Columns
-from hysgen.record.header import Start, are_units, below_header, header, unique, units_by_name
+from hysgen.record.header import Start, are_units, below_header, header, is_value, unique, units_by_name
 from hysgen.record.lines import CANDIDATES, COMMENT, is_data, split, split_header, without_comment
 from hysgen.record.preamble import Preamble, labels_names, preamble_of
 from hysgen.record.spelling import THOUSANDS, is_clock, quantity
@@ -25,6 +25,11 @@ HEAD_LINES = 400
 
 ALIKE = 3
 """Consecutive rows of numbers that make the beginning of the table."""
+
+
+def _holds_numbers(line: str) -> bool:
+    """Whether two fields of a line are values, by any separator."""
+    return is_data(line) and any(sum(map(is_value, split(line, one))) >= 2 for one in CANDIDATES)
 
 
 @dataclass(frozen=True)
@@ -86,7 +91,7 @@ def layout_of(source: str, text: str, columns: Columns) -> Layout:
         _check_upright(source, lines, at, separator)
     start = _first_numbers(lines, columns, given)
     if start is None:
-        if given is None and separator not in lines[at] and sum(map(is_data, lines)) > 1:
+        if given is None and sum(map(is_data, lines)) > 1 and not any(_holds_numbers(line) for line in lines):
             raise RecordError(
                 f"{source}: line {at + 1}: holds no columns ('{lines[at].strip()[:40]}'); save time, voltage and "
                 "displacement as columns, or give --columns separator=..."

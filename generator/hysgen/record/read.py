@@ -220,6 +220,8 @@ class _Content:
 
 
 def _content(path: Path, columns: Columns) -> _Content:
+    if re.match(r"(https?|ftp):/", str(path)):
+        raise RecordError(f"{path}: is an address, not a file; download it first and give its name")
     if path.is_dir():
         raise RecordError(f"{path}: is a folder; name the record in it")
     if path.is_symlink() and not path.exists():
