@@ -46,7 +46,7 @@ def unexplained_structure(prepared: Prepared, result: Residual, noise: NoiseFloo
     if level < UNKNOWN_ABOVE * span or level < OVER_NOISE * noise_um:
         return None
     words = residual_in_words(residual, prepared, rows)
-    return f"{1e3 * level:.3g} nm are left ({100 * level / span:.2g} % of the span), {words}"
+    return f"{1e3 * level:.3g} nm are left ({100 * level / span:.2g} % of the stroke), {words}"
 
 
 def unpredictable_um(residual: Floats) -> float:

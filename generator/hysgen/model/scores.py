@@ -117,7 +117,7 @@ class Scores(Displayed):
         curve = zip(self.horizon.steps, self.horizon.rms_um, strict=True)
         notes = [
             self.noise_note(),
-            "rms after steps: " + ", ".join(f"{steps}: {rms:.4g}" for steps, rms in curve) + " um",
+            "rms um after " + ", ".join(f"{1e3 * self.Ts_s * steps:.4g} ms: {rms:.4g}" for steps, rms in curve),
         ]
         if self.y_clamped or self.u_clamped:
             outside = f"y {self.y_clamped}, u {self.u_clamped} samples"

@@ -168,19 +168,25 @@ def _cycles(price: Cost) -> str:
     return f"{'' if price.per_sample.measured else '~'}{price.per_sample.value} cycles"
 
 
-def folder_page(model: Model, report: Report, price: Cost) -> Page:
-    """The report of a folder of generated C: equality of bits, cost, certificates, provenance."""
+def folder_page(model: Model, report: Report, price: Cost, command: str = "") -> Page:
+    """The report of a folder of generated C: equality of bits, cost, certificates, glossary, provenance.
+
+    command: the command line that repeats the report, if there is one.
+    """
     return Page(
         title=f"Generated C of model {model.name}",
         lead=[report.summary().title + "."],
         figures=[
-            KeyFigure("bits", "equal" if report.equal else "NOT EQUAL", f"{report.samples} samples per build"),
+            KeyFigure(
+                "generated C", "equal bits" if report.equal else "NOT EQUAL", f"{report.samples} samples per build"
+            ),
             KeyFigure("one sample", _cycles(price), f"of {price.budget}"),
         ],
         sections=[
             equivalence_section(report),
             cost_section(price),
             model_section(model),
-            provenance_section(model, []),
+            glossary_section(),
+            provenance_section(model, [("command", command)] if command else []),
         ],
     )

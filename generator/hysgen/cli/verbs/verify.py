@@ -13,7 +13,7 @@ from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, 
 from hysgen.checking.proof.emulated.contraction import contraction, contraction_rows
 from hysgen.checking.proof.emulated.equality import EmulationSettings, equality
 from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
-from hysgen.cli.console import Console
+from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_folder
 from hysgen.cli.verbs import Verb
 from hysgen.codegen.manifest import read_folder
@@ -108,7 +108,7 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
 
         folder = read_folder(Path(arguments.folder))
         price = cost_of_texts(folder.model, folder.texts, timed=False)
-        write_whole(Path(arguments.report), folder_page(folder.model, report, price).html())
+        write_whole(Path(arguments.report), folder_page(folder.model, report, price, command_line()).html())
         console.say(f"written: {arguments.report}")
     return console.finish(report.to_json(), report.equal)
 

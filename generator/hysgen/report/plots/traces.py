@@ -22,20 +22,24 @@ MOST_POINTS = 20_000
 def validation(record: Record, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]) -> Figure:
     """Displacement against time, measured and simulated, and below it the errors, simulated - measured.
 
-    Shows the first segment of the record. simulated_um: (n,) by name in the legend; colours: by the same names.
+    Each error has an axis of its own: on one axis, the smaller is flat. Shows the first segment of the record.
+    simulated_um: (n,) by name in the legend; colours: by the same names.
     """
     measured_um, t_s = record.segments[0].y_um, times_s(record)
-    fig = style.figure(7.2, 5.0)
-    above, below = fig.subplots(2, 1, sharex=True)
+    count = len(simulated_um)
+    fig = style.figure(7.2, 3.2 + 1.4 * count)
+    above, *others = fig.subplots(1 + count, 1, sharex=True, height_ratios=[2.0] + [1.0] * count)
     keep = thinned(t_s.size)
     above.plot(t_s[keep], measured_um[keep], color=style.MEASURED, label="measured")
-    for name, y_um in simulated_um.items():
+    for below, (name, y_um) in zip(others, simulated_um.items(), strict=True):
         above.plot(t_s[keep], y_um[keep], color=colours[name], linestyle="--")
         error_um = y_um - measured_um
         rms_um = float(np.sqrt(np.mean(error_um**2)))
         below.plot(t_s[keep], error_um[keep], color=colours[name], label=f"{name}: {rms_um:.2g} µm rms")
     above.set(ylabel="displacement [µm]", title=title)
-    below.set(xlabel="time [s]", ylabel="simulated - measured [µm]")
+    others[-1].set(xlabel="time [s]")
+    # In the middle of all axes of errors: of the middle one, or between the two.
+    others[(count - 1) // 2].set_ylabel("simulated - measured [µm]", y=0.5 if count % 2 else 0.0)
     fig.legend(loc="outside lower center", ncols=2)
     return fig
 
@@ -59,7 +63,10 @@ def loops(record: Record, simulated_um: Mapping[str, Floats], title: str, colour
 def tracking(
     t_s: Floats, reference_um: Floats, reached_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
 ) -> Figure:
-    """Reference and reached displacement, tracking error in nm, reached against reference (ideally a straight line)."""
+    """Reference and reached displacement, tracking error in nm, reached against reference (ideally a straight line).
+
+    Error: reached - reference.
+    """
     fig = style.figure(8.4, 4.2)
     grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
     above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
@@ -68,10 +75,10 @@ def tracking(
     above.plot(t_s[keep], reference_um[keep], color=style.MEASURED, label="reference")
     for name, y_um in reached_um.items():
         above.plot(t_s[keep], y_um[keep], color=colours[name], label=name, linestyle="--")
-        below.plot(t_s[keep], 1e3 * (reference_um - y_um)[keep], color=colours[name])
+        below.plot(t_s[keep], 1e3 * (y_um - reference_um)[keep], color=colours[name])
         side.plot(reference_um[keep], y_um[keep], color=colours[name], label=name)
     above.set(ylabel="displacement [µm]", title=title)
-    below.set(xlabel="time [s]", ylabel="error [nm]")
+    below.set(xlabel="time [s]", ylabel="reached - reference [nm]")
     side.set(xlabel="reference [µm]", ylabel="reached [µm]", title="compensated loop")
     side.legend(loc="upper left")
     return fig
