@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import hysgen
 from hysgen.errors import RecordError
@@ -63,6 +64,8 @@ SECOND_READINGS = {
     "set_point": np.roll(Y_UM, -3) + 0.01,
     "position_error": np.roll(Y_UM, -3) - Y_UM,
     "monitor": U_V / 10 + 0.01 * RNG.normal(size=N),
+    "late": np.concatenate([np.full(700, Y_UM[0]), Y_UM[:-700]]),
+    "slow": lfilter([0.01], [1.0, -0.99], Y_UM - Y_UM[0]),
 }
 
 
@@ -78,9 +81,11 @@ def test_a_second_reading_is_no_channel_unless_it_is_named(name: str, tmp_path: 
 def test_clocks_and_counters_are_no_channels_and_another_quantity_is(tmp_path: Path) -> None:
     k = np.arange(N)
     other_axis = np.interp(k, np.arange(0, N + 100, 100), RNG.normal(size=N // 100 + 2)[: len(range(0, N + 100, 100))])
-    path = written(tmp_path / "r.csv", count=k, byte=k % 256, clock_ms=1e3 * TS_S * k, axis2_um=other_axis)
+    warming = 20.0 + 1.0 - np.exp(-3.0 * k / N) + 0.02 * RNG.normal(size=N)
+    others = {"axis2_um": other_axis, "temperature": warming, "slow_sine": np.sin(2.0 * np.pi * k / N)}
+    path = written(tmp_path / "r.csv", count=k, byte=k % 256, clock_ms=1e3 * TS_S * k, **others)
     record = load_record(path)
-    assert record.aux_names == ("axis2_um",)
+    assert set(record.aux_names) == set(others)
     assert sum("a clock or a sample counter" in line for line in record.warnings) == 3
     # With a given period, the time column is no channel either.
     timed = load_record(written(tmp_path / "t.csv"), Columns(time="", Ts_s=TS_S))

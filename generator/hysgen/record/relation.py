@@ -59,6 +59,14 @@ class Run(Protocol):
     def y_um(self) -> Floats: ...
 
 
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two series, (n,) each, as what drives and what follows."""
+
+    u_V: Floats
+    y_um: Floats
+
+
 @dataclass(frozen=True)
 class Lag:
     """correlation: c at the peak, at the lag `samples`, which is positive if y follows u. at_zero: c(0)."""
@@ -68,8 +76,8 @@ class Lag:
     at_zero: float
 
 
-def lag_of(run: Run) -> Lag | None:
-    """The lag of the peak of |c| nearest to 0 among the high ones; None for short or constant channels."""
+def correlations(run: Run) -> tuple[NDArray[np.int64], Floats] | None:
+    """The lags L of up to a quarter of the run, and c(L); None for short or constant series."""
     n = min(run.u_V.size, MOST)
     u, y = (values[:n] - values[:n].mean() for values in (run.u_V, run.y_um))
     scale = float(np.sqrt((u @ u) * (y @ y)))
@@ -78,7 +86,15 @@ def lag_of(run: Run) -> Lag | None:
     size = next_fast_len(n + n // 4 + 1, real=True)
     cross = irfft(np.conj(rfft(u, size)) * rfft(y, size), size) / scale
     lags = np.arange(-(n // 4), n // 4 + 1)
-    c = cross[lags]
+    return lags, cross[lags]
+
+
+def lag_of(run: Run) -> Lag | None:
+    """The lag of the peak of |c| nearest to 0 among the high ones; None for short or constant channels."""
+    found = correlations(run)
+    if found is None:
+        return None
+    lags, c = found
     # A periodic input has a peak in every half period, of alternating sign: the first high one is the stage's.
     high = np.flatnonzero(np.abs(c) >= FIRST_PEAK * np.abs(c).max())
     near = int(high[np.argmin(np.abs(lags[high]))])
@@ -86,7 +102,7 @@ def lag_of(run: Run) -> Lag | None:
     begin = int(bounds[bounds < near].max(initial=-1)) + 1
     end = int(bounds[bounds > near].min(initial=c.size))
     chosen = begin + int(np.argmax(np.abs(c[begin:end])))
-    return Lag(int(lags[chosen]), float(c[chosen]), float(cross[0]))
+    return Lag(int(lags[chosen]), float(c[chosen]), float(c[lags == 0][0]))
 
 
 def misaligned(runs: Sequence[Run]) -> Lag | None:
