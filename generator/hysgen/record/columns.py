@@ -48,6 +48,8 @@ class Columns:
     separator: one character, or comma, semicolon, tab, space; None detects it in the header.
     decimal: "." or ","; None means a comma if commas are not the separator and the first row has one in a number.
     Ts_s: sampling period in s, for files without time; with a time column both must agree.
+    shift: rows by which the displacement is taken later than it was written; negative: earlier. The rows at the ends
+        that then lack one of both are left out. Further channels stay with the voltage.
 
     Raises RecordError for an unknown unit, a separator that is not one character, or a period that is not positive.
     """
@@ -63,6 +65,7 @@ class Columns:
     separator: str | None = None
     decimal: str | None = None
     Ts_s: float | None = None
+    shift: int = 0
 
     def __post_init__(self) -> None:
         for role in UNITS:
@@ -113,6 +116,11 @@ class Columns:
                     given[key] = float(value)
                 except ValueError:
                     raise RecordError(f"columns: Ts_s '{value}' is not a number; give seconds, as 2e-5") from None
+            elif key == "shift":
+                try:
+                    given[key] = int(value)
+                except ValueError:
+                    raise RecordError(f"columns: shift '{value}' is no whole number; give rows, as 1 or -20") from None
             else:
                 given[key] = value
         return cls(**given)

@@ -174,6 +174,8 @@ def _checked(source: str, content: _Content, jitter: float, accept: Collection[s
         check_finite(run.channels)
     if split_at_gaps:
         runs = [part for run in runs for part in at_gaps(run)]
+    if columns.shift:
+        runs = [run.shifted(columns.shift) for run in runs]
     runs, dropped = _with_channels(runs, source, columns)
     warnings = check_values([run.channels for run in runs], accept)
     stamps = [Stamps(source, run.time_s, columns.time, run.channels.locate) for run in runs if run.time_s is not None]

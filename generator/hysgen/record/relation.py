@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from hysgen.record.channels import Channels
+from hysgen.record.same_row import same_row
 
 Floats = NDArray[np.float64]
 
@@ -138,8 +139,9 @@ def coherent_share(run: Channels) -> float:
 def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
     """A line for a displacement that does not follow the voltage, falls as it rises, or follows at another time.
 
-    Judged on the longest run. Ts_s: sampling period in s, None if not known yet.
+    Judged on the longest run, and on the steps of all (`same_row`). Ts_s: sampling period in s, None if not known yet.
     """
+    yield from same_row(runs)
     run = max(runs, key=lambda one: one.u_V.size)
     lag = lag_of(run)
     if lag is None:
@@ -164,7 +166,7 @@ def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
         yield (
             f"{names} runs {abs(lag.samples)} samples{time} {way} {run.u_name}, lag and hysteresis of the stage "
             f"included: correlation {lag.correlation:.2f} there, {lag.at_zero:.2f} without a shift; if the stage is "
-            "faster, the logs are not aligned: shift one"
+            f"faster, the logs are not aligned: --columns shift={-lag.samples} moves the displacement by all of it"
         )
 
 

@@ -39,6 +39,19 @@ class RawRun:
         )
         return RawRun(name, None if self.time_s is None else self.time_s[start:stop], channels)
 
+    def shifted(self, rows: int) -> RawRun:
+        """The run with the displacement taken `rows` later than it was written, earlier if negative.
+
+        Raises RecordError if no row is left.
+        """
+        known = len(self.channels.u_V)
+        count = known - abs(rows)
+        if count <= 0:
+            raise RecordError(f"{self.channels.source}: shift={rows} leaves no row of {known}; give fewer rows")
+        cut = self.cut(self.name, max(rows, 0), max(rows, 0) + count)
+        y_um = self.channels.y_um[max(-rows, 0) :][:count]
+        return replace(cut, channels=replace(cut.channels, y_um=y_um))
+
 
 def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
     """The runs of a CSV file. Raises RecordError for a missing column, with the names that exist."""
