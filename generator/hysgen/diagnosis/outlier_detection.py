@@ -22,8 +22,8 @@ MOST_PASSES = 4
 SPEED_GROUPS, FEWEST_IN_GROUP = 8, 200
 """Groups of samples by speed, each with its standard deviation, and samples that determine a median to 10 %."""
 
-JITTER = 0.25
-"""Largest error of a sampling instant, in periods: with more, the record has no rate of its own."""
+JITTER = 1.0
+"""Largest error of a sampling instant, in periods: the displacement may be logged a row early or late."""
 
 EDGE = 2
 """Samples at either end of a run that are never marked, because they have no neighbours on one side."""
