@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from types import SimpleNamespace
 from typing import Any, cast
@@ -14,10 +15,13 @@ from fixtures.linear_stage import (
     AGED_UM,
     AGING,
     AXIS2_V,
+    CLIPPED,
     COMMAND_V,
     CREEP,
     LAG,
     LATE,
+    LINEAR,
+    NOISE_UM,
     PLANTED,
     RINGING,
     SAMPLES,
@@ -37,7 +41,7 @@ from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
-from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
+from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.score import LEAST_EVIDENCE, admissible
 from hysgen.diagnosis.search import SearchResult
@@ -117,6 +121,29 @@ def test_a_level_is_evident_if_the_output_is_flat_beyond_it_whatever_the_misfit(
     seen = scene(LAG, bent_um - 0.1 * respond(COMMAND_V, LAG, TS_S))
     clipped = refine(seen, LAG.having(SaturationPart(high_V=80.0)))
     assert (causes()["saturation"].evidence(seen, clipped) > LEAST_EVIDENCE) == clips
+
+
+@pytest.mark.parametrize("rests", [True, False])
+def test_a_level_beyond_which_the_command_only_rests_is_no_evidence(rests: bool) -> None:
+    """The curve bends above 80 V. One step leads there; at rest, any level below it fits as well."""
+    u_V = np.minimum(COMMAND_V, 80.0)
+    u_V[2000:2400] = 95.0 if rests else 87.5 + 7.5 * np.sin(0.05 * np.arange(400))
+    y_um = 0.1 * respond(np.minimum(u_V, 82.0), LAG, TS_S) + NOISE_UM * np.random.default_rng(6).normal(size=SAMPLES)
+    seen = Scene((Trace(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
+    clipped = refine(seen, LAG.having(SaturationPart(high_V=82.0)))
+    assert (causes()["saturation"].evidence(seen, clipped) > LEAST_EVIDENCE) == (not rests)
+
+
+@pytest.mark.parametrize(("error_V", "admissible"), [(6.0, True), (7.0, False)])
+def test_a_level_is_clear_of_the_end_of_the_command(
+    monkeypatch: pytest.MonkeyPatch, error_V: float, admissible: bool
+) -> None:
+    """The command goes 20 V beyond the level."""
+    seen = scene(CLIPPED)
+    known = saturation.standard_errors(seen, linear_fit(seen, CLIPPED))
+    errors = dataclasses.replace(known, coordinates={"saturation.high_V": error_V})
+    monkeypatch.setattr(saturation, "standard_errors", lambda scene, fit: errors)
+    assert causes()["saturation"].admissible(seen, linear_fit(seen, CLIPPED)) == admissible
 
 
 @pytest.mark.parametrize(

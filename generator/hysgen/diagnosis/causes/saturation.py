@@ -49,8 +49,18 @@ FREE_SLOPE = 0.4
 FEWEST_SLOPE = 5
 """Least rows beyond a level for a slope."""
 
+KNOWN = 3.0
+"""Least distance of a level from the end of the command in its standard errors: nearer, there may be no limit at all,
+and the level that fits best makes its few rows flat."""
+
 LEAST_RESPONSE = 0.05
 """Least share of the largest response to what a level takes away, in the rows from which a slope follows."""
+
+LEAST_MOVING = 0.1
+"""Least rms response to the moves of the command beyond a level, as a share of that to all the level takes away."""
+
+UNSEEN = Estimate(0.0, math.inf)
+"""Slope beyond a level at which the command only rests."""
 
 
 def _least_V(extent: Extent) -> float:
@@ -130,7 +140,14 @@ class SaturationCause(Cause):
         part = fit.chain.get(SaturationPart)
         if part is None:
             return True
-        return all(abs(one.value) < MOST_SLOPE for one in _slopes(Residual(scene, fit)))
+        if any(abs(one.value) >= MOST_SLOPE for one in _slopes(Residual(scene, fit))):
+            return False
+        errors = standard_errors(scene, fit).coordinates
+        u_V = np.concatenate([run.u_V for run in scene.runs])[scene.rows]
+        return all(
+            float((sign * (u_V - level_V)).max()) > KNOWN * errors[f"saturation.{name}"]
+            for name, level_V, sign in part.levels
+        )
 
     def evidence(self, scene: Scene, fit: Fit) -> float:
         """Sum over the levels of 2 ln(N(s; 0, LIMIT_SLOPE) / N(s; 1, FREE_SLOPE)), with the slope s beyond the level.
@@ -142,6 +159,8 @@ class SaturationCause(Cause):
             return 0.0
         total = 0.0
         for one in _slopes(Residual(scene, fit)):
+            if one is UNSEEN:
+                continue
             limit, free = (math.hypot(wide, one.standard_error) for wide in (LIMIT_SLOPE, FREE_SLOPE))
             total += ((one.value - 1.0) / free) ** 2 - (one.value / limit) ** 2 - 2.0 * math.log(limit / free)
         return total
@@ -165,7 +184,8 @@ class SaturationCause(Cause):
         parameters, texts, slopes = {}, [], _slopes(residual)
         for (name, level_V, _), slope in zip(part.levels, slopes, strict=True):
             parameters[name] = Estimate(level_V, errors[f"saturation.{name}"])
-            texts.append(f"beyond {level_V:.4g} V the slope is {slope.value:.2f} of that inside")
+            flat = "the command only rests" if slope is UNSEEN else f"the slope is {slope.value:.2f} of that inside"
+            texts.append(f"beyond {level_V:.4g} V {flat}")
         return Signature(
             z=float(min((1.0 - abs(one.value)) / 0.1 for one in slopes)),
             text="; ".join(texts),
@@ -214,10 +234,10 @@ def _slopes(residual: Residual) -> list[Estimate]:
 
         s = sum x e / sum x^2,   x = response at the mean gain to the voltage that the level takes away
 
-    e: residual; both about their means over each excursion beyond the level, because hysteresis and drift move an
-    excursion as a whole. 0 if the output is constant beyond the level, 1 if the slope does not change there. With fewer
-    than FEWEST_SLOPE rows, 1. Standard error: that of an error which keeps its sign to x over an excursion, because the
-    misfit of the hysteresis does so while the lag follows.
+    e: residual; the voltage, x and e about their means over each excursion beyond the level, because hysteresis and
+    drift move an excursion as a whole. 0 if the output is constant beyond the level, 1 if the slope does not change
+    there; UNSEEN if the command rests there, and 1 with fewer than FEWEST_SLOPE rows. Standard error: that of an error
+    which keeps its sign to x over an excursion, because the misfit of the hysteresis does so while the lag follows.
     """
     scene, fit = residual.scene, residual.fit
     part, u_V = fit.chain.of(SaturationPart), np.concatenate([run.u_V for run in scene.runs])
@@ -232,17 +252,26 @@ def _slopes(residual: Residual) -> list[Estimate]:
         response = np.concatenate(scene.responses(taken, fit.chain))
         beyond = np.abs(response) > LEAST_RESPONSE * np.abs(response[scene.rows]).max()
         rows = scene.rows[beyond[scene.rows]]
-        excursions = np.cumsum(np.diff(beyond, prepend=False))[rows]
         if len(rows) < FEWEST_SLOPE:
             slopes.append(Estimate(1.0, 1.0))
             continue
-        x, e = (_about_means(values[rows], excursions) for values in (response, fit.error))
+        excursions = np.cumsum(np.diff(beyond, prepend=False))[rows]
+        moving = np.concatenate(scene.responses([_about_means(one, _excursions(one)) for one in taken], fit.chain))
+        x, e = (_about_means(values[rows], excursions) for values in (moving, fit.error))
         power = float(x @ x) + 1e-300
+        if power < LEAST_MOVING**2 * float(response[rows] @ response[rows]):
+            slopes.append(UNSEEN)
+            continue
         share = float(x @ e) / power
         left = e - share * x
         held = float(np.mean(left * left) * np.sum(np.bincount(excursions, np.abs(x)) ** 2))
         slopes.append(Estimate(share, math.sqrt(held) / power))
     return slopes
+
+
+def _excursions(taken: Floats) -> NDArray[np.intp]:
+    """(n,) number of the excursion beyond a level, or of the time between two; taken: (n,) what is beyond it."""
+    return np.asarray(np.cumsum(np.diff(taken != 0.0, prepend=False)))
 
 
 def _about_means(values: Floats, groups: NDArray[np.intp]) -> Floats:
