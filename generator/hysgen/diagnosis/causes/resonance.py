@@ -24,6 +24,10 @@ PER_DECADE = 45
 DAMPINGS = (0.03, 0.12)
 APART, MOST_STARTS = 0.25, 6
 """Least distance of two proposed modes of one damping, in ln(f), and their number."""
+
+OTHER_LAGS = (0.3, 3.0, 30.0)
+"""Lags in samples from which a first mode starts, beside that of the chain."""
+
 MOST_MODES = 3
 LEAST_DAMPING, MOST_DAMPING = 5e-4, 0.4
 """Damping ratios of a mode: below these a mode is a line, above them its response is that of a delay."""
@@ -120,7 +124,8 @@ class ResonanceCause(Cause):
             others = _by_power(grid, beside, error - (error @ first) * first)
             sets.append((chosen[0], next(one for one in others if abs(math.log(one.f_Hz / chosen[0].f_Hz)) > APART)))
         together = [sorted((*chain.modes, *more), key=lambda mode: mode.f_Hz) for more in sets]
-        return [chain.having(ResonancePart(tuple(modes))) for modes in together]
+        proposed = [chain.having(ResonancePart(tuple(modes))) for modes in together]
+        return proposed if chain.modes else proposed + _with_other_lags(chain, chosen[0], scene.Ts_s)
 
     def effect(self, residual: Residual) -> Effect:
         """Of a mode at a twentieth of the sampling rate."""
@@ -150,6 +155,18 @@ class ResonanceCause(Cause):
     def true_extension(self, known: Known) -> Extension:
         mode = Mode(*(known.parameters[f"resonance.{one.field}"] for one in MODE))
         return Extension(block=modes_block([mode], known.lag_s), lag_s=known.lag_s)
+
+
+def _with_other_lags(chain: Chain, mode: Mode, Ts_s: float) -> list[Chain]:
+    """Chains with a mode that carries half of the motion or all of it, behind the OTHER_LAGS.
+
+    Beside a mode that rings as large as the motion, the lag of the chain without it is far off, and so is the share.
+    """
+    return [
+        dataclasses.replace(chain.having(ResonancePart((dataclasses.replace(mode, share=share),))), lag_s=lag * Ts_s)
+        for lag in OTHER_LAGS
+        for share in (0.5, 1.0)
+    ]
 
 
 def _grid_Hz(residual: Residual) -> list[float]:
