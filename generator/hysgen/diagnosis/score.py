@@ -226,17 +226,21 @@ def admissible(scene: Scene, fit: Fit) -> bool:
 
 
 def confidences(visited: list[Scored], final: Scored) -> dict[str, float]:
-    """Posterior probability of each cause over the visited chains.
+    """Posterior probability of each cause over the sets of causes of the visited chains.
 
-        p(cause) = sum over chains with the cause of exp(-rise/2) / sum over all chains
+        p(cause) = sum over sets with the cause of exp(-rise/2) / sum over all sets
 
-    rise: of the score from the final chain to another, by the independent samples of what the larger of the two adds.
+    rise: least rise of the score from the final chain to one with this set, by the independent samples of what the
+    larger of the two adds; at least 0, because the search has refused every other chain, by more than this one number.
+    The final chain counts as visited.
     """
-    rises = [(set(present(one.chain)), _rise(final, one)) for one in visited]
-    least = min(rise for _, rise in rises)
-    weights = [(names, math.exp(0.5 * (least - rise))) for names, rise in rises]
-    total = math.fsum(weight for _, weight in weights)
-    return {name: math.fsum(w for names, w in weights if name in names) / total for name in causes()}
+    rises = {frozenset(present(final.chain)): 0.0}
+    for one in visited:
+        names = frozenset(present(one.chain))
+        rises[names] = min(rises.get(names, math.inf), max(_rise(final, one), 0.0))
+    weights = {names: math.exp(-0.5 * rise) for names, rise in rises.items()}
+    total = math.fsum(weights.values())
+    return {name: math.fsum(w for names, w in weights.items() if name in names) / total for name in causes()}
 
 
 def _rise(final: Scored, other: Scored) -> float:

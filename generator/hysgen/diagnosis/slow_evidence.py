@@ -92,7 +92,8 @@ class Whitenings:
     def confidence(self, current: Scored, bare: Scored, bayes: float, visited: Sequence[Scored]) -> float:
         """Posterior probability of the only slow cause of the current chain, against none and against each other one.
 
-        bare: the chain without it; bayes: rise of the pooled score to that. visited: the chains that the search scored.
+        bare: the chain without it; bayes: rise of the pooled score to that. visited: the chains that the search scored;
+        each is at most as likely, because the search did not exchange the cause.
         """
         others = set(present(current.chain)) - slow_part(current)
         rivals: dict[str, Scored] = {}
@@ -101,7 +102,7 @@ class Whitenings:
                 if set(present(one.chain)) == {*others, name}:
                     rivals.setdefault(name, one)
         own, *scores = self.scores([current, *rivals.values()], bare.fit)
-        odds_against = [math.exp(-0.5 * bayes), *(math.exp(min(0.5 * (own - score), 100.0)) for score in scores)]
+        odds_against = [math.exp(-0.5 * bayes), *(math.exp(min(0.5 * (own - score), 0.0)) for score in scores)]
         return 1.0 / (1.0 + math.fsum(odds_against))
 
 
