@@ -127,6 +127,8 @@ def test_schemas_are_listed_printed_and_exist_for_every_verb(capsys: pytest.Capt
     schema = json.loads(capsys.readouterr().out)
     assert schema["$id"] == "hysgen-score-1"
     assert "free_run" in schema["required"]
+    assert main(["schema", "fit"]) == 0
+    assert '"$id": "hysgen-model-1"' in capsys.readouterr().out
     assert main(["schema", "scores"]) == 2
     assert "scores: no such schema; choose from" in capsys.readouterr().err
 

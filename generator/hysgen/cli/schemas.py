@@ -22,8 +22,11 @@ def names() -> list[str]:
 
 
 def text_of(name: str) -> str:
-    """The text of the schema `score` (its newest version), `score-1` or `hysgen-score`. Raises HysgenError."""
-    wanted = name.removeprefix("hysgen-")
+    """The text of the schema `score` (its newest version), `score-1` or `hysgen-score`. Raises HysgenError.
+
+    `fit` writes a model, so its schema is that of the model file.
+    """
+    wanted = "model" if name == "fit" else name.removeprefix("hysgen-")
     found = [each for each in names() if wanted in (each, each.rpartition("-")[0])]
     if not found:
         raise HysgenError(f"{name}: no such schema; choose from {', '.join(names())}")
