@@ -14,10 +14,12 @@ import pytest
 from hysgen.cli import main, progress
 from hysgen.cli.completion import options_of, script
 from hysgen.cli.console import Console, folded
+from hysgen.cli.folding import folded
 from hysgen.cli.main import parser
 from hysgen.cli.options import parse_rows
 from hysgen.cli.progress import ProgressLine
 from hysgen.cli.verbs import NAMES, verb
+from hysgen.display import table
 from hysgen.errors import RecordError
 from hysgen.record import load_record
 from hysgen.stage.demo_record import bundled_csv
@@ -199,3 +201,23 @@ def test_two_models_of_one_name_are_told_apart_by_their_files(folder: Path, caps
 def test_an_open_file_is_refused_for_its_path(folder: Path) -> None:
     with Path("r.csv").open() as opened, pytest.raises(RecordError, match=r"an open file is no name .* give its path"):
         load_record(opened)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+def test_help_and_tables_of_text_fit_the_terminal(
+    columns: int, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    calls = [["--help"], ["describe", "--help"], ["inspect", "r.csv", "--columns", "time=t,voltage=a,displacement=b"]]
+    for call in calls:
+        with contextlib.suppress(SystemExit):
+            main(call)
+        wide = [line for line in capsys.readouterr().out.splitlines() if len(line) > columns]
+        assert [line for line in wide if not line.startswith("  hysgen ")] == []
+
+
+def test_a_table_of_numbers_is_not_folded() -> None:
+    text = table(
+        ["step", "free run um", "of stroke"], [["paper's model", "0.0430", "1.3 %"], ["memory", "0.0082", "0.2 %"]]
+    )
+    assert folded(f"{text}\nnoise floor of the record", 30) == f"{text}\nnoise floor of the record"

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import shlex
 import shutil
 import sys
-import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
 
+from hysgen.cli.folding import folded
 from hysgen.cli.progress import ProgressLine
 from hysgen.machine.files import write_whole
 from hysgen.machine.installed import version
 
 SCHEMA_VERSION = 1
 """Version of the JSON of all verbs: it rises when a key changes its meaning or goes; new keys may come at any time."""
-
-CELLS = re.compile(r"\S {2,}\S")
-"""Two blanks inside a line: a row of a table, which is not folded."""
 
 
 @dataclass
@@ -91,27 +87,6 @@ class Console:
         """Write the result as JSON. Returns the exit code: 0 if the answer is yes, else 1."""
         self.write_json(result)
         return 0 if holds else 1
-
-
-def folded(text: str, width: int | None) -> str:
-    """The text with sentences folded at `width` columns; rows of tables stay as they are.
-
-    >>> print(folded("noise floor 0.001 um rms from rests of the input", 24))
-    noise floor 0.001 um rms
-        from rests of the
-        input
-    """
-    if width is None:
-        return text
-    lines: list[str] = []
-    for line in text.split("\n"):
-        if len(line) <= width or CELLS.search(line):
-            lines.append(line)
-        else:
-            lines += textwrap.wrap(
-                line, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
-            )
-    return "\n".join(lines)
 
 
 def command_line() -> str:

@@ -11,6 +11,7 @@ import contextlib
 import itertools
 import os
 import re
+import shutil
 import sys
 import tempfile
 import textwrap
@@ -20,6 +21,7 @@ from typing import NoReturn, TextIO
 
 from hysgen.cli.completion import SHELLS, options_of, script
 from hysgen.cli.console import Console
+from hysgen.cli.folding import folded
 from hysgen.cli.outputs import check_outputs
 from hysgen.cli.project import project_options
 from hysgen.cli.verbs import GROUPS, NAMES, verb
@@ -31,17 +33,18 @@ _DESCRIPTION = (
     "From measured voltage/displacement records of a piezo stage to verified float32 C: "
     "fit a fuzzy hysteresis model, see what its simulation gets wrong, and generate prediction, learning and inverse."
 )
-_FIRST_STEPS = """\
-first steps:
-  hysgen demo                                                  the whole way on the bundled record
-  hysgen inspect record.csv                                    what the file holds
-  hysgen diagnose record.csv -o stage.json --report page.html  causes of the error, an extended model
-  hysgen generate stage.json -o c && hysgen verify c           its C, equal to the reference in every bit
-
-`hysgen VERB --help` has options and examples; `hysgen completion bash` completes them; hysgen.toml in the working
-folder holds options for every call ([record] columns = "...").
+_FIRST_STEPS = {
+    "hysgen demo": "the whole way on the bundled record",
+    "hysgen inspect record.csv": "what the file holds",
+    "hysgen diagnose record.csv -o stage.json": "causes of the error, an extended model",
+    "hysgen generate stage.json -o c": "its C",
+    "hysgen verify c": "equal to the reference in every bit",
+}
+_BELOW = """\
+`hysgen VERB --help` has options and examples; `hysgen completion bash` completes them.
+hysgen.toml in the working folder holds options for every call ([record] columns = "...").
 Exit codes: 0 done, 1 done with a negative answer, 2 not done.
-HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder);
+HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder).
 HYSGEN_PROCESSES is the number of processes of a diagnosis (default: one for each core, at most 4)."""
 
 
@@ -63,9 +66,9 @@ def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
         chosen = verb(name)
         sub = verbs.add_parser(
             name,
-            description=chosen.help,
+            description=_paragraphs(chosen.help),
             formatter_class=argparse.RawDescriptionHelpFormatter,
-            epilog="examples:\n" + textwrap.indent("\n".join(chosen.examples), "  ") if chosen.examples else None,
+            epilog=_examples(chosen.examples) if chosen.examples else None,
         )
         chosen.arguments(sub)
         sub.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE, or to stdout with -")
@@ -78,13 +81,37 @@ def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
     return top
 
 
+def _paragraphs(text: str) -> str:
+    """The text with each paragraph folded to the terminal; indented lines stay."""
+    columns = shutil.get_terminal_size().columns
+    parts = text.strip("\n").split("\n\n")
+    return "\n\n".join(one if one.startswith(" ") else textwrap.fill(one, columns) for one in parts)
+
+
+def _examples(lines: Sequence[str]) -> str:
+    """The examples; where one is too long for the terminal, what it does stands in a line of its own."""
+    columns = shutil.get_terminal_size().columns
+    made = []
+    for line in lines:
+        command, _, comment = line.partition("   ")
+        fits = len(line) + 2 <= columns or not comment
+        made += [f"  {line}"] if fits else [f"  {command}", f"      {comment.strip()}"]
+    return "\n".join(["examples:", *made])
+
+
 def overview() -> str:
     """The text of `hysgen --help`: the verbs in groups, without importing any of them."""
-    lines = ["usage: hysgen VERB ... [--help]", "", *textwrap.wrap(_DESCRIPTION, 80), ""]
-    width = max(map(len, NAMES)) + 2
-    for title, verbs in GROUPS.items():
-        lines += [f"{title}:", *(f"  {name:<{width}}{summary}" for name, (_, summary) in verbs.items()), ""]
-    return "\n".join([*lines, _FIRST_STEPS])
+    columns = shutil.get_terminal_size().columns
+    lines = ["usage: hysgen VERB ... [--help]", "", *textwrap.wrap(_DESCRIPTION, columns), ""]
+    groups = {title: {name: summary for name, (_, summary) in verbs.items()} for title, verbs in GROUPS.items()}
+    for title, entries in {**groups, "first steps": _FIRST_STEPS}.items():
+        width = max(map(len, entries if title == "first steps" else NAMES)) + 2
+        lines.append(f"{title}:")
+        for name, summary in entries.items():
+            first, *rest = textwrap.wrap(summary, max(columns - width - 2, 20))
+            lines += [f"  {name:<{width}}{first}", *(" " * (width + 2) + line for line in rest)]
+        lines.append("")
+    return "\n".join([*lines, folded(_BELOW, columns)])
 
 
 def main(argv: Sequence[str] | None = None) -> int:

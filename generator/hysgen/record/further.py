@@ -90,7 +90,7 @@ def _counts(values: Floats) -> bool:
 
 
 def _late_copy(values: Floats, run: Channels) -> str | None:
-    """What to say of a column that is a displacement before it, None if it is none; a shift by L leaves 1 - L/n of c."""
+    """What to say of a column that is a displacement before it, None if it is none."""
     found = correlations(Pair(run.y_um, values))
     if found is None:
         return None
