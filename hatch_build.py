@@ -1,8 +1,9 @@
-"""Build hook of the wheel: it holds the compiled kernels where a C compiler is at hand, and none otherwise."""
+"""Hooks of the build: compiled kernels in the wheel where a C compiler is at hand; a description without dead links."""
 
 from __future__ import annotations
 
 import importlib.util
+import re
 import subprocess
 import sysconfig
 import tempfile
@@ -10,6 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
+
+PICTURE = re.compile(r"^!\[[^\]]*\]\((?!https?:)[^)]*\)\n+", re.MULTILINE)
+LINK = re.compile(r"\[([^\]]*)\]\((?!https?:|#)[^)]*\)")
 
 
 class KernelsHook(BuildHookInterface):  # type: ignore[type-arg]
@@ -44,3 +49,12 @@ class KernelsHook(BuildHookInterface):  # type: ignore[type-arg]
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         if self._scratch is not None:
             self._scratch.cleanup()
+
+
+class DescriptionHook(MetadataHookInterface):
+    """The README as description of the package: beside an index, files of the sources are named and not linked."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        text = (Path(self.root) / "README.md").read_text(encoding="utf-8")
+        text = LINK.sub(r"\1", PICTURE.sub("", text))
+        metadata["readme"] = {"content-type": "text/markdown", "text": text}

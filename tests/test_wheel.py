@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -50,6 +51,14 @@ def test_the_wheel_generates_c_outside_the_checkout(site: Path, tmp_path: Path) 
     assert (site / "hysgen" / "stage" / "demo_stage.csv").exists()
     run(site, tmp_path, "generate appendix_a -o out")
     assert (tmp_path / "out" / "appendix_a.c").exists()
+
+
+def test_the_description_for_an_index_links_to_no_file_of_the_sources(site: Path) -> None:
+    (metadata,) = site.glob("hysgen-*.dist-info/METADATA")
+    text = metadata.read_text(encoding="utf-8").partition("\n\n")[2]
+    assert text.startswith("# hysgen")
+    assert "docs/tutorial.md" in text
+    assert not re.findall(r"\]\((?!https?:|#)", text)
 
 
 def test_fit_score_and_describe_need_no_compiler(site: Path, tmp_path: Path) -> None:

@@ -184,7 +184,7 @@ def run_prove(arguments: argparse.Namespace, console: Console) -> int:
     checks: dict[str, Checked] = {}
     for name in names:
         checks[name] = CHECKS[name](folder.model, folder.texts, settings, console.progress)
-        console.say(f"{name}: " + "\n".join(checks[name].answer.lines()) + "\n")
+        console.say("\n".join([f"{name}:", *checks[name].answer.lines()]) + "\n")
     proof = Proof(folder.model.name, checks)
     return console.finish({**proof.to_json(), "altered": list(folder.altered)}, proof.clean)
 
