@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import subprocess
@@ -13,7 +14,7 @@ import pytest
 
 from hysgen.cli import main, progress
 from hysgen.cli.completion import options_of, script
-from hysgen.cli.console import Console, folded
+from hysgen.cli.console import Console
 from hysgen.cli.folding import folded
 from hysgen.cli.main import parser
 from hysgen.cli.options import parse_rows
