@@ -40,6 +40,9 @@ _FIRST_STEPS = {
     "hysgen generate stage.json -o c": "its C",
     "hysgen verify c": "equal to the reference in every bit",
 }
+LEAST_BESIDE = 24
+"""Columns that the meaning of a command needs beside it; in fewer it stands below."""
+
 _BELOW = """\
 `hysgen VERB --help` has options and examples; `hysgen completion bash` completes them.
 hysgen.toml in the working folder holds options for every call ([record] columns = "...").
@@ -107,9 +110,12 @@ def overview() -> str:
     for title, entries in {**groups, "first steps": _FIRST_STEPS}.items():
         width = max(map(len, entries if title == "first steps" else NAMES)) + 2
         lines.append(f"{title}:")
+        # Beside long commands there may be no room.
+        beside = columns - width - 2 >= LEAST_BESIDE
         for name, summary in entries.items():
-            first, *rest = textwrap.wrap(summary, max(columns - width - 2, 20))
-            lines += [f"  {name:<{width}}{first}", *(" " * (width + 2) + line for line in rest)]
+            parts = textwrap.wrap(summary, columns - width - 2 if beside else columns - 6)
+            first = f"  {name:<{width}}{parts.pop(0)}" if beside else f"  {name}"
+            lines += [first, *(" " * (width + 2 if beside else 6) + part for part in parts)]
         lines.append("")
     return "\n".join([*lines, folded(_BELOW, columns)])
 
