@@ -237,6 +237,19 @@ def test_a_number_of_processes_that_is_none_is_refused(text: str, monkeypatch: p
         processes()
 
 
+def test_an_interrupt_while_modules_are_loaded_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Interrupts:
+        @property
+        def main(self) -> None:
+            raise KeyboardInterrupt
+
+    monkeypatch.setitem(sys.modules, "hysgen.cli", Interrupts())
+    assert importlib.import_module("hysgen.__main__").run() == 130
+    assert capsys.readouterr().err == "\nhysgen: interrupted before anything was done\n"
+
+
 def test_no_verb_but_the_demo_loads_pictures_before_they_are_asked_for() -> None:
     code = (
         "import sys; from hysgen.cli.verbs import NAMES, verb\n"

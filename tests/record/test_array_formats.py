@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import functools
+import json
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 import pytest
 import scipy.io
 
-from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, N, check, library
+from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, K, N, check, library
+from hysgen.errors import RecordError
 from hysgen.record import load_record
 
 
@@ -114,6 +117,29 @@ def frame_of_dates(path: Path) -> None:
         group["table"].attrs["index_kind"] = np.bytes_("datetime64[ns]")
 
 
+COLUMNS = {"time": TIME_S.tolist(), "voltage": U_V.tolist(), "position_nm": (1e3 * Y_UM).tolist()}
+
+
+def json_of(path: Path, content: Any) -> None:
+    path.write_text(json.dumps(content))
+
+
+def json_rows(path: Path) -> None:
+    json_of(path, [dict(zip(COLUMNS, row, strict=True)) for row in zip(*COLUMNS.values(), strict=True)])
+
+
+def json_split(path: Path) -> None:
+    json_of(path, {"columns": list(COLUMNS), "index": K.tolist(), "data": list(zip(*COLUMNS.values(), strict=True))})
+
+
+def json_of_pandas(path: Path) -> None:
+    json_of(path, {name: {str(k): value for k, value in enumerate(values)} for name, values in COLUMNS.items()})
+
+
+def json_with_a_period(path: Path) -> None:
+    json_of(path, {"u": COLUMNS["voltage"], "pos_nm": COLUMNS["position_nm"], "fs": 1.0 / TS_S, "note": "run 1"})
+
+
 WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "Simulink structure": ("mat", as_simulink),
     "dSPACE structure": ("mat", as_dspace),
@@ -125,6 +151,11 @@ WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "HDF5 compound": ("h5", as_compound),
     "HDF5 attributes": ("h5", as_hdf5_with_attributes),
     "HDF5 with packed integers": ("h5", hdf5_of_packed_integers),
+    "JSON, arrays": ("json", lambda path: json_of(path, COLUMNS)),
+    "JSON, rows": ("json", json_rows),
+    "JSON, split": ("json", json_split),
+    "JSON of pandas": ("json", json_of_pandas),
+    "JSON, arrays and a rate": ("json", json_with_a_period),
     "DataFrame in HDF5, fixed": ("h5", frame_of_blocks),
     "DataFrame in HDF5, table": ("h5", frame_as_table),
     "DataFrame in HDF5, dates": ("h5", frame_of_dates),
@@ -137,6 +168,15 @@ def test_a_file_of_arrays_is_read_without_options(form: str, tmp_path: Path) -> 
     path = tmp_path / f"log.{suffix}"
     write(path)
     check(load_record(path))
+
+
+@pytest.mark.parametrize(
+    "text", ['{"schema": "hysgen-model", "rules": {"q": [1, 2]}}', "[1, 2]", "{", '{"a": [1, [2]]}']
+)
+def test_json_without_columns_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "log.json").write_text(text)
+    with pytest.raises(RecordError, match=r"log\.json: is (JSON without columns of numbers|no whole JSON)"):
+        load_record(tmp_path / "log.json")
 
 
 def test_groups_of_an_hdf5_file_that_hold_the_same_names_are_segments(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ import numpy as np
 from hysgen.errors import RecordError
 from hysgen.record.arrays import HDF5_MAGIC, MATLAB_BLOCK, Array, MatlabObjectError, read_hdf5, read_mat, read_npz
 from hysgen.record.foreign import check_kind, check_parts
+from hysgen.record.json_columns import read_json
 from hysgen.record.lvm import MARK, X, read_lvm
 from hysgen.record.text import text_of
 from hysgen.record.timetable import read_tables
@@ -69,7 +70,7 @@ def unpacked(path: Path) -> bytes | FileArrays:
         found = read_lvm(path.name, text_of(path.name, path.read_bytes())[0])
         return FileArrays(found.arrays, found.units, None if any(X in key for key in found.arrays) else found.Ts_s)
     if head.lstrip()[:1] in (b"{", b"[") and path.suffix.lower() == ".json":
-        raise RecordError(f"{path.name}: is JSON, not a record; save the columns as CSV")
+        return FileArrays(read_json(path))
     return path.read_bytes()
 
 
