@@ -265,6 +265,8 @@ def test_terminal_notebook_and_page_show_one_table_of_the_ladder(hum: Study, pag
 def test_uncertainty_of_a_diagnosis_is_a_section_of_its_report(hum: Study) -> None:
     found = characterise(hum, sensor_uncertainty("5nm,k=2"))
     section = uncertainty_section(found)
+    words = {"contribution", "type", "from"}
+    assert {section.tables[0].header[place - 1] for place in section.tables[0].numbers}.isdisjoint(words)
     causes = [f"model error, {cause.name}" for cause in hum.diagnosis.causes]
     assert [row[0] for row in section.tables[0].cells] == ["sensor", "noise", *causes, "model error, rest"]
     assert found.budget.combined_um == pytest.approx(

@@ -40,12 +40,21 @@ class KeyFigure:
 
 @dataclass(frozen=True)
 class PageTable:
-    """A table of the page. cells: rows as long as `header`; the first `left` columns hold words, the others numbers."""
+    """A table of the page. cells: rows as long as `header`.
+
+    The first `left` and the last `right` columns hold words, the others numbers.
+    """
 
     header: Sequence[str]
     cells: Sequence[Sequence[str]]
     caption: str = ""
     left: int = 1
+    right: int = 0
+
+    @property
+    def numbers(self) -> range:
+        """The columns that hold numbers, counted from 1."""
+        return range(self.left + 1, len(self.header) - self.right + 1)
 
     @property
     def csv_uri(self) -> str:

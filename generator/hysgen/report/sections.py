@@ -72,7 +72,7 @@ def equivalence_section(report: Report | None, why_not: str = "") -> PageSection
     return PageSection(
         title,
         text=[answer],
-        tables=[PageTable(["model", "function", "samples", "builds", "result"], list(rows.values()), left=2)],
+        tables=[PageTable(["model", "function", "samples", "builds", "result"], list(rows.values()), left=2, right=1)],
         notes=[
             f"Builds: {', '.join(report.builds)}.",
             *(f"Not compared: {reason}." for reason in report.skipped),
@@ -121,8 +121,10 @@ def uncertainty_section(found: Characterisation) -> PageSection:
     head = ["contribution", "type", "standard uncertainty um", "degrees of freedom", "of the variance", "from"]
     removed = [[name, f"{size_um:.3g}"] for name, size_um in found.removed]
     tables = [
-        PageTable(head, budget.rows(), f"Budget: {budget.measurand}", left=1),
-        PageTable(["quantity", "um", ""], found.positions.rows(), "Positions of the levels that the record holds"),
+        PageTable(head, budget.rows(), f"Budget: {budget.measurand}", left=2, right=1),
+        PageTable(
+            ["quantity", "um", ""], found.positions.rows(), "Positions of the levels that the record holds", right=1
+        ),
     ]
     if removed:
         tables.append(

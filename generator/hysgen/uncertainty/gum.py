@@ -15,6 +15,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from scipy.special import stdtrit
 
+from hysgen.display import decimal
+
 COVERAGE: Final = 0.95
 Shape = Literal["normal", "rectangular"]
 
@@ -79,7 +81,7 @@ class Budget:
             [
                 c.name,
                 c.evaluation,
-                f"{c.contribution_um:.3g}",
+                decimal(c.contribution_um, 3),
                 "inf" if math.isinf(c.freedom) else f"{c.freedom:.0f}" if c.freedom >= 10.0 else f"{c.freedom:.2g}",
                 f"{100.0 * c.contribution_um**2 / total:.1f} %" if total > 0.0 else "",
                 c.about,
