@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hysgen.cli.verbs.fit import as_before
+from hysgen.cli.verbs.refit import as_before
 from hysgen.codegen import generate, write
 from hysgen.errors import ModelError
 from hysgen.fitting import FitSettings, PathSize, fit
