@@ -56,6 +56,7 @@ def test_a_project_file_holds_options_and_the_command_line_wins(
         ("[fit]\nrules = 'many'", "rules = 'many' does not suit --rules"),
         ("[fit]\nmethod = 'magic'", "method = 'magic': choose from rls, batch, refined"),
         ("[fit", "hysgen.toml: cannot be read"),
+        ('[record]\ncolums = "time=t"', "[record] colums: hysgen fit has no option --colums (did you mean 'columns'?)"),
     ],
 )
 def test_a_fault_in_the_project_file_is_one_line(

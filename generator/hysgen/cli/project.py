@@ -50,9 +50,12 @@ def project_options(verb: str, parser: argparse.ArgumentParser, known: tuple[str
             action = actions.get(key.replace("_", "-"))
             if action is not None:
                 found[action.dest] = _converted(action, key, value)
-            elif table == verb:
+            elif table == verb or "columns" in actions:
+                from hysgen.record.columns import nearest  # imports NumPy, which --help does without
+
                 raise HysgenError(
-                    f"{NAME}: [{verb}] {key}: hysgen {verb} has no option --{key}; see hysgen {verb} --help"
+                    f"{NAME}: [{table}] {key}: hysgen {verb} has no option --{key}{nearest(key, actions)}; "
+                    f"see hysgen {verb} --help"
                 )
     return found
 
