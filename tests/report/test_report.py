@@ -334,6 +334,19 @@ def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
     assert "Equal in every bit" in read(pages["folder"]).text
 
 
+def test_the_noise_floor_of_a_page_is_explained_if_the_one_step_error_of_any_model_is_below_it() -> None:
+    record = small_record()
+    models = {name: fit(record, FitSettings(rules=rules, method="batch")) for name, rules in (("two", 2), ("four", 4))}
+    scores = {name: score(model, record) for name, model in models.items()}
+    errors = [one.one_step.e_rms_um for one in scores.values()]
+    assert errors[0] > errors[1]
+    for level, explained in ((0.5 * errors[1], False), (0.5 * sum(errors), True)):
+        floor = dataclasses.replace(scores["two"].noise, rms_um=level)
+        shown = {name: dataclasses.replace(one, noise=floor) for name, one in scores.items()}
+        text = read(model_page("", ScoredModels(record, models, shown)).html()).text
+        assert ("one-step errors are below it" in text) == explained
+
+
 def test_an_error_map_has_no_line_where_the_record_has_no_such_samples(hum: Study) -> None:
     first, *others = hum.before.profiles
     gap = dataclasses.replace(first, rms_um=(first.rms_um[0], math.nan, *first.rms_um[2:]))

@@ -87,7 +87,7 @@ def model_page(
                 "Scores",
                 tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()))],
                 notes=[
-                    f"{next(iter(scored.scores.values())).noise_note()}.",
+                    f"{min(scored.scores.values(), key=lambda s: s.one_step.e_rms_um).noise_note()}.",
                     *(f"Warning: {line}." for s in scored.scores.values() for line in s.warnings),
                     "e_r: largest error. Stroke: range of the displacement over the record and the rows before it. "
                     "One-step errors are small for every model; the free run decides.",

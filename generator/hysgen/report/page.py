@@ -128,7 +128,9 @@ def sentence(text: str) -> str:
 def readable(text: str) -> str:
     """The text with the micro sign in units and the sign ±; terminals get the ASCII `um` and `+-`.
 
+    A compiler's option is not broken behind its hyphen: a word joiner follows.
+
     >>> readable("0.47 +- 0.01 um, umbra, 3 um/V")
     '0.47 ± 0.01 µm, umbra, 3 µm/V'
     """
-    return re.sub(r"\bum\b", "µm", text).replace(" +- ", " ± ")
+    return re.sub(r"-(?=O\d)", "-\u2060", re.sub(r"\bum\b", "µm", text).replace(" +- ", " ± "))
