@@ -19,14 +19,20 @@ from hysgen.c674x.cycles import bounds
 from hysgen.c674x.equality import verify_on_target
 from hysgen.c674x.footprint import c_texts
 from hysgen.c674x.interpreter import PipelineState
+from hysgen.c674x.schedule import plans
 from hysgen.c674x.schedule.c_source import KernelRefusalError, Source
 from hysgen.c674x.schedule.checker import function_packets, inspect
 from hysgen.c674x.schedule.dataflow import Memory, evaluate
+from hysgen.c674x.schedule.emit import file_text
 from hysgen.c674x.schedule.folder import Kernels, kernels, with_kernels
 from hysgen.c674x.schedule.from_c import kernel
+from hysgen.c674x.schedule.placement import TooLongError
+from hysgen.c674x.schedule.scheduler import planned, unlimited
+from hysgen.c674x.schedule.selection import select
 from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
 from hysgen.errors import BuildError, TargetError
+from hysgen.firmware.reference_models import with_learner
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.learner_settings import BIAS, LearnerSettings
 
@@ -174,6 +180,47 @@ def test_the_limits_of_the_issue_are_kept() -> None:
     cycles = {function.removeprefix("appendix_a_"): each.cycles for function, each in found.schedules.items()}
     assert cycles["predict"] <= 140, cycles
     assert cycles["inverse"] <= 160, cycles
+
+
+def test_learn_of_18_parameters_takes_at_most_900_cycles() -> None:
+    """The zeros of a restart are stored 64 bits at a time; scheduled in at most 10 s of processor time."""
+    started = time.process_time()
+    found = kernels("learning", generate(model("learning"), Options(aligned=True)), ("learn",))
+    assert time.process_time() - started < 10.0
+    learn = found.schedules["learning_learn"]
+    assert learn.cycles <= 900
+    assert sum(each.node.mnemonic == "stdw" for each in learn.placements) >= 153 // 2
+    program = assembled(file_text("", found.schedules, found.tables))
+    assert inspect(function_packets(program.image, program.packets, "learning_learn"), 3) == []
+
+
+def test_an_inverse_behind_a_fractional_delay_is_a_kernel() -> None:
+    """Its result has the register of an argument that most instructions read, and comes last."""
+    found = kernels("extended", texts("extended"), ("inverse",))
+    assert not found.refused
+    assert found.schedules["extended_inverse"].cycles <= 1200
+    program = assembled(file_text("", found.schedules, found.tables))
+    assert inspect(function_packets(program.image, program.packets, "extended_inverse"), 3) == []
+
+
+@pytest.mark.slow
+def test_an_inverse_too_large_for_the_program_cache_beside_learn_stays_in_c() -> None:
+    """With both as kernels the firmware of `extended` missed 402 lines of the cache in every sample, not 183."""
+    portable = generate(with_learner(model("extended")), Options(aligned=True))
+    found = kernels("extended", portable, ("inverse", "learn"))
+    assert set(found.schedules) == {"extended_learn"}
+    assert set(found.tables) == set(kernels("extended", portable, ("learn",)).tables)
+    assert "program cache" in found.refused["extended_inverse"]
+
+
+def test_a_schedule_is_shorter_than_the_one_that_is_known() -> None:
+    """The end of the stack frame counts, too."""
+    selected = select(kernel(Source("appendix_a", texts("appendix_a")), "appendix_a_predict"))
+    issue = unlimited(selected)
+    cycles = planned(selected, plans.FRAMED[0], issue).cycles
+    with pytest.raises(TooLongError):
+        planned(selected, plans.FRAMED[0], issue, cycles)
+    assert planned(selected, plans.FRAMED[0], issue, cycles + 1).cycles == cycles
 
 
 def test_an_interrupt_between_any_two_packets_changes_nothing() -> None:

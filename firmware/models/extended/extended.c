@@ -584,12 +584,12 @@ static float extended_hysteresis_init(extended_hysteresis_t *self, float v)
     return extended_hysteresis_apply(self, v);
 }
 
-/* 1/x of a slope, relative error at most 0.27 %: a Newton step converges with it by a factor of 370 or more. */
-EXTENDED_INLINE float extended_hysteresis_rough_reciprocal(float x)
+/* missed / slope, relative error at most 0.27 %: a Newton step converges with it by a factor of 370 or more. */
+EXTENDED_INLINE float extended_hysteresis_rough_quotient(float missed, float slope)
 {
-    const float r = extended_float(0x7ef311c7u - extended_bits(x));
+    const float r = extended_float(0x7ef311c7u - extended_bits(slope));
 
-    return r * (2.0f - x * r);
+    return (missed * r) * (2.0f - slope * r);
 }
 
 /** h [um] and dh/dx [um per half range]. */
@@ -635,8 +635,9 @@ EXTENDED_INLINE extended_hysteresis_ahead_t extended_hysteresis_duhem_ahead(floa
 {
     const float ahead = left * e;
     const float d = 1.0f - ahead;
-    const float bent = duhem[1] * extended_hysteresis_magnitude(d);
-    const extended_hysteresis_ahead_t found = { d * (duhem[0] + bent), (duhem[0] + (bent + bent)) * (ahead * duhem[2]) };
+    const float size = extended_hysteresis_magnitude(d);
+    const float twice = duhem[1] + duhem[1];
+    const extended_hysteresis_ahead_t found = { d * (duhem[0] + duhem[1] * size), (duhem[0] + twice * size) * (ahead * duhem[2]) };
 
     return found;
 }
@@ -692,10 +693,18 @@ static float extended_hysteresis_solve(const extended_hysteresis_t *self, float 
         float missed = moved.um + (side * self->sum_um[n] - aim);
         float slope = moved.slope;
 
-        missed = missed + (d0.um + d1.um + d2.um + d3.um + d4.um);
-        slope = slope + (d0.slope + d1.slope + d2.slope + d3.slope + d4.slope);
+        missed = missed + d0.um;
+        slope = slope + d0.slope;
+        missed = missed + d1.um;
+        slope = slope + d1.slope;
+        missed = missed + d2.um;
+        slope = slope + d2.slope;
+        missed = missed + d3.um;
+        slope = slope + d3.slope;
+        missed = missed + d4.um;
+        slope = slope + d4.slope;
         slope = extended_limited(slope, extended_hysteresis_range[3], extended_hysteresis_range[4], &beyond);
-        x = extended_limited(x - missed * extended_hysteresis_rough_reciprocal(slope), start, 1.0f, &beyond);
+        x = extended_limited(x - extended_hysteresis_rough_quotient(missed, slope), start, 1.0f, &beyond);
         x = extended_flushed(x);
     }
     return extended_hysteresis_range[0] + (side * x) * extended_hysteresis_range[1];

@@ -569,12 +569,12 @@ static float diagnosed_hysteresis_init(diagnosed_hysteresis_t *self, float v)
     return diagnosed_hysteresis_apply(self, v);
 }
 
-/* 1/x of a slope, relative error at most 0.27 %: a Newton step converges with it by a factor of 370 or more. */
-DIAGNOSED_INLINE float diagnosed_hysteresis_rough_reciprocal(float x)
+/* missed / slope, relative error at most 0.27 %: a Newton step converges with it by a factor of 370 or more. */
+DIAGNOSED_INLINE float diagnosed_hysteresis_rough_quotient(float missed, float slope)
 {
-    const float r = diagnosed_float(0x7ef311c7u - diagnosed_bits(x));
+    const float r = diagnosed_float(0x7ef311c7u - diagnosed_bits(slope));
 
-    return r * (2.0f - x * r);
+    return (missed * r) * (2.0f - slope * r);
 }
 
 /** h [um] and dh/dx [um per half range]. */
@@ -612,8 +612,9 @@ DIAGNOSED_INLINE diagnosed_hysteresis_ahead_t diagnosed_hysteresis_duhem_ahead(f
 {
     const float ahead = left * e;
     const float d = 1.0f - ahead;
-    const float bent = duhem[1] * diagnosed_hysteresis_magnitude(d);
-    const diagnosed_hysteresis_ahead_t found = { d * (duhem[0] + bent), (duhem[0] + (bent + bent)) * (ahead * duhem[2]) };
+    const float size = diagnosed_hysteresis_magnitude(d);
+    const float twice = duhem[1] + duhem[1];
+    const diagnosed_hysteresis_ahead_t found = { d * (duhem[0] + duhem[1] * size), (duhem[0] + twice * size) * (ahead * duhem[2]) };
 
     return found;
 }
@@ -660,10 +661,12 @@ static float diagnosed_hysteresis_solve(const diagnosed_hysteresis_t *self, floa
         float missed = moved.um + (side * self->sum_um[n] - aim);
         float slope = moved.slope;
 
-        missed = missed + (d0.um + d1.um);
-        slope = slope + (d0.slope + d1.slope);
+        missed = missed + d0.um;
+        slope = slope + d0.slope;
+        missed = missed + d1.um;
+        slope = slope + d1.slope;
         slope = diagnosed_limited(slope, diagnosed_hysteresis_range[3], diagnosed_hysteresis_range[4], &beyond);
-        x = diagnosed_limited(x - missed * diagnosed_hysteresis_rough_reciprocal(slope), start, 1.0f, &beyond);
+        x = diagnosed_limited(x - diagnosed_hysteresis_rough_quotient(missed, slope), start, 1.0f, &beyond);
         x = diagnosed_flushed(x);
     }
     return diagnosed_hysteresis_range[0] + (side * x) * diagnosed_hysteresis_range[1];

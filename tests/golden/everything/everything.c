@@ -556,12 +556,12 @@ static float everything_hysteresis_init(everything_hysteresis_t *self, float v)
     return everything_hysteresis_apply(self, v);
 }
 
-/* 1/x of a slope, relative error at most 0.27 %: a Newton step converges with it by a factor of 370 or more. */
-EVERYTHING_INLINE float everything_hysteresis_rough_reciprocal(float x)
+/* missed / slope, relative error at most 0.27 %: a Newton step converges with it by a factor of 370 or more. */
+EVERYTHING_INLINE float everything_hysteresis_rough_quotient(float missed, float slope)
 {
-    const float r = everything_float(0x7ef311c7u - everything_bits(x));
+    const float r = everything_float(0x7ef311c7u - everything_bits(slope));
 
-    return r * (2.0f - x * r);
+    return (missed * r) * (2.0f - slope * r);
 }
 
 /** h [um] and dh/dx [um per half range]. */
@@ -598,8 +598,9 @@ EVERYTHING_INLINE everything_hysteresis_ahead_t everything_hysteresis_duhem_ahea
 {
     const float ahead = left * e;
     const float d = 1.0f - ahead;
-    const float bent = duhem[1] * everything_hysteresis_magnitude(d);
-    const everything_hysteresis_ahead_t found = { d * (duhem[0] + bent), (duhem[0] + (bent + bent)) * (ahead * duhem[2]) };
+    const float size = everything_hysteresis_magnitude(d);
+    const float twice = duhem[1] + duhem[1];
+    const everything_hysteresis_ahead_t found = { d * (duhem[0] + duhem[1] * size), (duhem[0] + twice * size) * (ahead * duhem[2]) };
 
     return found;
 }
@@ -640,10 +641,12 @@ static float everything_hysteresis_solve(const everything_hysteresis_t *self, fl
         float missed = moved.um + (side * self->sum_um[n] - aim);
         float slope = moved.slope;
 
-        missed = missed + (d0.um + d1.um);
-        slope = slope + (d0.slope + d1.slope);
+        missed = missed + d0.um;
+        slope = slope + d0.slope;
+        missed = missed + d1.um;
+        slope = slope + d1.slope;
         slope = everything_limited(slope, everything_hysteresis_range[3], everything_hysteresis_range[4], &beyond);
-        x = everything_limited(x - missed * everything_hysteresis_rough_reciprocal(slope), start, 1.0f, &beyond);
+        x = everything_limited(x - everything_hysteresis_rough_quotient(missed, slope), start, 1.0f, &beyond);
         x = everything_flushed(x);
     }
     return everything_hysteresis_range[0] + (side * x) * everything_hysteresis_range[1];

@@ -59,7 +59,7 @@ FORMULAS: Final[Sequence[Formula]] = (
     Formula("commit", ((69.0, ""), (33.9, "L"), (4.73, "L^2")), 0.15),
     Formula("predict", ((363.0, ""), (12.0, "m")), 0.06, path=True),
     Formula("simulate", ((362.0, ""), (11.1, "m")), 0.06, path=True),
-    Formula("inverse", ((914.0, ""), (19.3, "m")), 0.04, path=True),
+    Formula("inverse", ((891.0, ""), (19.4, "m")), 0.06, path=True),
     Formula("learn", ((1333.0, ""), (9.08, "n"), (6.93, "n^2"), (12.1, "m")), 0.05, path=True),
     Formula("commit", ((69.0, ""), (33.9, "L"), (4.73, "L^2")), 0.15, path=True),
     Formula("predict", ((320.0, ""), (146.0, "m")), 0.06, path=True, relaxes=True),
@@ -74,12 +74,12 @@ KERNELS: Final[Sequence[Formula]] = (
     Formula("simulate", ((106.0, ""), (2.34, "L")), 0.03),
     Formula("inverse", ((127.6, ""), (2.04, "L")), 0.03),
     Formula("snapshot", ((5.1, ""), (30.4, "L")), 0.16),
-    Formula("learn", ((6.0, ""), (54.5, "n")), 0.06),
-    Formula("predict", ((139.0, ""), (4.8, "m")), 0.09, path=True),
-    Formula("simulate", ((132.0, ""), (4.78, "m")), 0.11, path=True),
-    Formula("inverse", ((664.0, ""), (4.85, "m")), 0.04, path=True),
-    Formula("snapshot", ((169.0, ""),), 0.13, path=True),
-    Formula("learn", ((1161.0, ""), (8.0, "m")), 0.1, path=True),
+    Formula("learn", ((46.1, ""), (43.9, "n")), 0.06),
+    Formula("predict", ((133.0, ""), (5.02, "m")), 0.1, path=True),
+    Formula("simulate", ((151.0, ""), (3.97, "m")), 0.11, path=True),
+    Formula("inverse", ((630.0, ""), (4.69, "m")), 0.03, path=True),
+    Formula("snapshot", ((160.0, ""),), 0.07, path=True),
+    Formula("learn", ((1011.0, ""), (6.69, "m")), 0.02, path=True),
 )
 
 NEWTON_STEPS: Final = 3

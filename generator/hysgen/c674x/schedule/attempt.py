@@ -38,8 +38,8 @@ class Attempt:
     unlimited: whether there are as many registers as one likes. placed: by id of the instruction. result: placements in
     the order in which they were made. conditions: values that predicates test and that have no register yet; testable:
     ids of those that have one. oldest: position of the oldest instruction without a place; urgent: ids of the oldest
-    ones, for which registers are reserved. made: instructions of this attempt's own, kept alive because they are known
-    by their ids.
+    ones, for which registers are reserved. alive: ids of computed values with users that have no place. made:
+    instructions of this attempt's own, kept alive because they are known by their ids.
     """
 
     selected: Selected
@@ -56,6 +56,7 @@ class Attempt:
     made: list[Node] = field(default_factory=list)
     oldest: int = 0
     urgent: set[int] = field(default_factory=set)
+    alive: set[int] = field(default_factory=set)
 
     def operand(self, operand: Operand, side: int) -> Register | int:
         """The register of an operand for a unit of one side, or the constant."""
@@ -75,6 +76,22 @@ class Attempt:
     def distance(self, node: Node) -> float:
         """Instructions in the order of the C text between the oldest one without a place and this one."""
         return self.order.position[id(node)] - self.oldest
+
+    def reach(self, node: Node) -> float:
+        """Instructions, from the oldest one without a place on, among which an instruction must stand."""
+        plan = self.plan
+        if self.unlimited:
+            return plan.ahead if node.source else max(plan.window, plan.growth * (plan.room - len(self.alive)))
+        if not node.source and not (plan.taper and node.load):
+            return plan.window
+        return min(plan.ahead, plan.tested) if node.predicate and node.load else plan.ahead
+
+    def count_alive(self, node: Node) -> None:
+        """Enter a computed value behind its instruction, and take out those that it was the last to read."""
+        if node.writes and not node.source:
+            self.alive.add(id(node))
+        for value in node.values():
+            self.alive -= {id(each) for each in nodes_of(value) if self.order.uses[id(each)] <= 0}
 
     def read(self, node: Node) -> None:
         """Count a reading of a value; behind the last one its register is free."""

@@ -32,6 +32,11 @@ def function_text(name: str, schedule: Schedule) -> str:
     return "\n".join(lines) + "\n"
 
 
+def code_bytes(schedule: Schedule) -> int:
+    """Bytes of a function without padding: 4 for every instruction."""
+    return 4 * sum(line.startswith(("\t   ", "\t|| ")) for line in function_text("", schedule).splitlines())
+
+
 def table_text(name: str, words: tuple[int, ...]) -> str:
     """A table of constants."""
     rows = [", ".join(f"0x{word:08x}" for word in words[k : k + 6]) for k in range(0, len(words), 6)]

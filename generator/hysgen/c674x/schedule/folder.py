@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from hysgen.c674x.schedule.c_source import KernelRefusalError, Source
-from hysgen.c674x.schedule.emit import file_text
+from hysgen.c674x.schedule.emit import code_bytes, file_text
 from hysgen.c674x.schedule.from_c import kernel
 from hysgen.c674x.schedule.placement import OutOfRegistersError, Schedule
 from hysgen.c674x.schedule.plans import shortest
@@ -43,6 +43,9 @@ FUNCTIONS: Final = (
 PARTS_OF_LEARN: Final = FUNCTIONS[FUNCTIONS.index("learn") + 1 :]
 """Functions that only learn calls in a sample; they stay in C if learn is a kernel."""
 
+LARGEST_TOGETHER: Final = 28 * 1024
+"""Bytes of the kernels of inverse and learn, which run in every sample, of 32 KiB of program cache (SPRUFK5)."""
+
 
 @dataclass(frozen=True)
 class Kernels:
@@ -57,7 +60,7 @@ def kernels(name: str, texts: Mapping[str, str], functions: Sequence[str] = FUNC
     """Schedules of the functions of model `name` in the portable C `texts`."""
     source = Source(name, texts)
     schedules: dict[str, Schedule] = {}
-    tables: dict[str, tuple[int, ...]] = {}
+    tables: dict[str, Mapping[str, tuple[int, ...]]] = {}
     refused: dict[str, str] = {}
     for short in functions:
         function = f"{name}_{short}"
@@ -66,10 +69,17 @@ def kernels(name: str, texts: Mapping[str, str], functions: Sequence[str] = FUNC
         try:
             dataflow = kernel(source, function)
             schedules[function] = shortest(dataflow)
-            tables |= dataflow.tables
+            tables[function] = dataflow.tables
         except (KernelRefusalError, OutOfRegistersError) as refusal:
             refused[function] = str(refusal)
-    return Kernels(schedules, tables, refused)
+    inverse, learn = f"{name}_inverse", f"{name}_learn"
+    if {inverse, learn} <= set(schedules):
+        together = code_bytes(schedules[inverse]) + code_bytes(schedules[learn])
+        if together > LARGEST_TOGETHER:
+            refused[inverse] = f"with learn {together} bytes of code, too many for the program cache"
+            del schedules[inverse]
+    used = {symbol: words for function in schedules for symbol, words in tables[function].items()}
+    return Kernels(schedules, used, refused)
 
 
 def assembly_file(name: str) -> str:

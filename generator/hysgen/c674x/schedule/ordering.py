@@ -15,10 +15,11 @@ from hysgen.c674x.schedule.instructions import Node, Selected, nodes_of
 def sparing(selected: Selected, constants_last: bool = False) -> dict[int, int]:
     """The rank of every computing instruction, by its id; loads from known addresses and constants have none.
 
-    constants_last: whether stores that free no register come last.
+    The result comes last, because its register holds an argument. constants_last: whether stores that free no register
+    come last, too.
     """
     nodes = [node for node in selected.nodes if not node.source]
-    late = {id(node) for node in nodes if constants_last and _stores_constant(node)}
+    late = {id(node) for node in nodes if constants_last and _stores_constant(node)} | {id(selected.result)}
     nodes.sort(key=lambda node: id(node) in late)
     rank = {id(node): k for k, node in enumerate(nodes)}
     uses: Counter[int] = Counter()

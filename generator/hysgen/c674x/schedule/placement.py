@@ -75,8 +75,12 @@ class Plan:
 
     window: instructions in the order of the C text among which to choose. lead: cycles that loads and constants may
     come before their first use needs them. reserve: registers of a side that only the oldest instructions may take.
+    For an attempt without limits on registers: growth: what the window is at least, for each computed value less than
+    `room` that is alive.
     For the instructions of `spilling`: taper: registers of a side that an instruction must leave free, for each
-    instruction between the oldest one and it; ahead: window of loads and constants.
+    instruction between the oldest one and it; ahead: window of loads and constants; tested: of loads of conditions,
+    which have six registers only; patience: cycles for which the oldest instruction is kept from its place before an
+    operand of it is moved to the other side, 0 if it may wait as long as others are issued.
     """
 
     window: int
@@ -87,3 +91,7 @@ class Plan:
     saved: bool = False
     taper: float = 0.0
     ahead: int = 1 << 30
+    tested: int = 1 << 30
+    patience: int = 0
+    room: int = 0
+    growth: int = 0

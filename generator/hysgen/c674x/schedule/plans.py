@@ -14,6 +14,7 @@ from hysgen.c674x.schedule.dataflow import Kernel
 from hysgen.c674x.schedule.instructions import Selected
 from hysgen.c674x.schedule.ordering import ranked
 from hysgen.c674x.schedule.placement import OutOfRegistersError, Plan, Schedule, TooLongError
+from hysgen.c674x.schedule.precedence import heights
 from hysgen.c674x.schedule.scheduler import planned, unlimited
 from hysgen.c674x.schedule.selection import select
 from hysgen.c674x.schedule.spilling import OutOfSlotsError, limited
@@ -24,8 +25,11 @@ LONG: Final = 500
 LONGEST_KEPT: Final = 1200
 """Instructions of a kernel from which on every attempt stores values on the stack."""
 
-LONGEST: Final = 2500
-"""Instructions of a kernel from which on the plans are those of `learn`, which is not a chain of latencies."""
+LONGEST: Final = 1200
+"""Instructions of a kernel from which on the plans are those of `learn`, unless the kernel is a chain of latencies."""
+
+_CHAIN: Final = 8
+"""Instructions for each cycle of the longest chain of latencies, below which a kernel is such a chain."""
 
 _GOOD_ENOUGH: Final = 1.02
 """Cycles, as a multiple of those without limits on registers, at which no further plan is tried."""
@@ -54,19 +58,33 @@ _FRAMED_LONG: Final = (
 )
 _LOOKAHEAD: Final = Plan(400, 0, 3, 0.1, saved=True, taper=0.04, ahead=160)
 _SPILLED: Final = (
-    (100, 4.0, 46, _LOOKAHEAD),
-    (200, 4.0, 46, _LOOKAHEAD),
-    (2000, 0.0, 48, Plan(400, 0, 3, 0.0, saved=True, taper=0.04, ahead=100)),
-    (2000, 4.0, 46, Plan(200, 0, 3, 0.5, saved=True, taper=0.08, ahead=100)),
+    (Plan(100, 0, 0, 4.0), 46, _LOOKAHEAD),
+    (Plan(200, 0, 0, 4.0), 46, _LOOKAHEAD),
+    (Plan(2000, 0, 0, 0.0), 48, Plan(400, 0, 3, 0.0, saved=True, taper=0.04, ahead=100)),
+    (Plan(2000, 0, 0, 0.0), 48, Plan(400, 0, 3, 0.0, saved=True, taper=0.04, ahead=100, tested=60, patience=2)),
+    (Plan(2000, 0, 0, 0.0), 50, Plan(600, 0, 3, 0.0, saved=True, taper=0.03, ahead=160, tested=60, patience=4)),
+    (Plan(2000, 0, 0, 4.0), 46, Plan(200, 0, 3, 0.5, saved=True, taper=0.08, ahead=100)),
 )
 _SPILLED_LONGEST: Final = (
-    (200, 1.5, 48, Plan(600, 0, 3, 2.0, saved=True, taper=0.06, ahead=300)),
-    (200, 6.0, 50, Plan(600, 0, 3, 0.5, saved=True, taper=0.03, ahead=200)),
-    (100, 4.0, 46, _LOOKAHEAD),
+    (
+        Plan(200, 0, 0, 6.0, room=50, growth=40),
+        48,
+        Plan(600, 0, 3, 2.0, saved=True, taper=0.02, ahead=100, tested=100, patience=2),
+    ),
+    (
+        Plan(120, 0, 0, 3.0, room=60, growth=40),
+        50,
+        Plan(600, 0, 3, 4.0, saved=True, taper=0.03, ahead=160, tested=40, patience=8),
+    ),
+    (
+        Plan(200, 0, 0, 6.0, room=50, growth=20),
+        48,
+        Plan(200, 0, 3, 4.0, saved=True, taper=0.03, ahead=160, tested=60, patience=4),
+    ),
 )
-"""Window and slope of the order, registers and plan of the attempts that store values on the stack. Those for the
-longest kernels order stores of constants last; the first two are the shortest of up to 60 random attempts for the
-`learn` of one model each, so another model may gain less from them."""
+"""Plan of the order, registers, and plan of the attempts that store values on the stack. Those for the longest kernels
+order stores of constants last. They are the three best of 370 random attempts for `learn` of 18 parameters, for six
+rules, behind the largest path, and for 12 parameters; another model may gain less from them."""
 
 FRAMED: Final = tuple(plan for plan in _SHORT_PLANS if plan.saved)
 """Plans with a stack frame."""
@@ -108,16 +126,14 @@ def _better(best: Schedule | None, selected: Selected, plan: Plan, issue: Mappin
 def _with_spilling(kernel: Kernel, best: Schedule | None) -> Schedule | None:
     """The shortest schedule, among them those of instructions with a limited number of values alive."""
     selected = select(kernel, far=_FOREVER)
-    longest = len(selected.nodes) > LONGEST
+    longest = len(selected.nodes) > max(LONGEST, _CHAIN * max(heights(selected.nodes).values()))
     selected = ranked(selected, constants_last=longest)
-    orders: dict[tuple[int, float], Mapping[int, int]] = {}
-    for window, slope, registers, plan in _SPILLED_LONGEST if longest else _SPILLED:
-        if longest and best is not None and plan is _LOOKAHEAD:
-            break  # one attempt more takes a second, and was not the shortest of the two models tried
-        if (window, slope) not in orders:
-            orders[window, slope] = unlimited(selected, window, slope)
+    orders: dict[Plan, Mapping[int, int]] = {}
+    for order, registers, plan in _SPILLED_LONGEST if longest else _SPILLED:
+        if order not in orders:
+            orders[order] = unlimited(selected, order)
         try:
-            best = _better(best, limited(selected, orders[window, slope], registers), plan, None)
+            best = _better(best, limited(selected, orders[order], registers), plan, None)
         except OutOfSlotsError:
             continue
     return best

@@ -93,7 +93,8 @@ def _beside(attempt: Attempt, node: Node, side: int, dying: set[int]) -> int | N
                 registers.reserved[id(other)] = side, found ^ 1
                 free.discard(found ^ 1)
                 return found
-    split_store(attempt, node, other)
+    if not node.source:  # the zeros of a restart have many stores, and wait
+        split_store(attempt, node, other)
     return None
 
 

@@ -35,16 +35,15 @@ _PATIENCE: Final = 16
 _OPENING: Final = 4
 """Cycles at the start in which an instruction may wait for the frame."""
 
+_BY_HEIGHT: Final = Plan(1 << 30, 0, 0, 0.0)
+
 Ready: TypeAlias = tuple[float, float, int, Node]
 """Urgency by height, position in the C text, number of the arrival, instruction."""
 
 
-def unlimited(selected: Selected, window: int = 1 << 30, slope: float = 0.0) -> dict[int, int]:
-    """The cycle of every instruction, by its id, if there were as many registers as one likes.
-
-    window, slope: of the plan.
-    """
-    attempt = begun(selected, Plan(window, 0, 0, slope), None, unlimited=True)
+def unlimited(selected: Selected, plan: Plan = _BY_HEIGHT) -> dict[int, int]:
+    """The cycle of every instruction, by its id, if there were as many registers as one likes."""
+    attempt = begun(selected, plan, None, unlimited=True)
     _run(attempt)
     return {key: placement.cycle for key, placement in attempt.placed.items()}
 
@@ -60,7 +59,10 @@ def planned(selected: Selected, plan: Plan, issue: Mapping[int, int] | None, bel
     if plan.saved:
         open_frame(attempt)
     _run(attempt, below)
-    return _finished(attempt)
+    schedule = _finished(attempt)
+    if schedule.cycles >= below:
+        raise TooLongError("a shorter schedule is known")
+    return schedule
 
 
 def _run(attempt: Attempt, below: int = 1 << 30) -> None:
@@ -74,7 +76,8 @@ def _run(attempt: Attempt, below: int = 1 << 30) -> None:
         return plan.slope * position - order.height[id(node)], position, next(arrivals), node
 
     ready: list[Ready] = []
-    cycle, idle = 0, 0
+    cycle, idle, blocked = 0, 0, 0
+    oldest: Node | None = None
     while order.left:
         if cycle + 1 >= below:
             raise TooLongError("a shorter schedule is known")
@@ -89,23 +92,32 @@ def _run(attempt: Attempt, below: int = 1 << 30) -> None:
         ready.sort()
         issued, ready = _packet(attempt, cycle, ready)
         idle = 0 if issued or cycle < _OPENING else idle + 1
-        if idle > _STUCK and plan.taper and ready and not order.pending:
-            stuck = min(ready, key=lambda each: each[1])
+        stuck = min(ready, key=lambda each: each[1], default=None)
+        blocked = blocked + 1 if stuck is not None and stuck[-1] is oldest else 0
+        oldest = stuck[-1] if stuck is not None else None
+        move = None
+        if stuck is not None and _waits_too_long(plan, idle if not order.pending else 0, blocked):
             move = moved_over(attempt, stuck[-1], cycle)
-            if move is not None:
-                ready.remove(stuck)
-                ready.append(entry(move))
-                idle = 0
+        if stuck is not None and move is not None:
+            ready.remove(stuck)
+            ready.append(entry(move))
+            idle = 0
         if idle > _PATIENCE and not (order.pending and order.pending[0][0] > cycle):
             raise OutOfRegistersError("out of registers")
         cycle += 1
+
+
+def _waits_too_long(plan: Plan, idle: int, blocked: int) -> bool:
+    """Whether an operand of the oldest instruction is to be moved. blocked: cycles for which it has been ready."""
+    if not plan.taper:
+        return False
+    return idle > _STUCK or (plan.patience > 0 and blocked > 0 and blocked % plan.patience == 0)
 
 
 def _packet(attempt: Attempt, cycle: int, ready: list[Ready]) -> tuple[int, list[Ready]]:
     """Fill one packet; the number of its instructions, those of the frame among them, and what is still ready."""
     kept: list[Ready] = []
     issued = sum(each.cycle == cycle for each in attempt.frame)
-    window, ahead = attempt.oldest + attempt.plan.window, attempt.oldest + attempt.plan.ahead
     exhausted: set[tuple[str, int, int | None]] = set()
     for k, candidate in enumerate(ready):
         if issued >= PACKET:
@@ -113,7 +125,7 @@ def _packet(attempt: Attempt, cycle: int, ready: list[Ready]) -> tuple[int, list
         node = candidate[-1]
         kind = node.units, node.delay, node.side
         placement = None
-        if kind not in exhausted and candidate[1] < (ahead if node.source else window):
+        if kind not in exhausted and candidate[1] - attempt.oldest < attempt.reach(node):
             placement = place(attempt, node, cycle)
             if placement is None and attempt.occupancy.exhausted(node, cycle):
                 exhausted.add(kind)
@@ -122,6 +134,8 @@ def _packet(attempt: Attempt, cycle: int, ready: list[Ready]) -> tuple[int, list
         else:
             issued += placement.slots
             attempt.order.issued(node, cycle)
+            if attempt.unlimited:
+                attempt.count_alive(node)
     return issued, kept
 
 

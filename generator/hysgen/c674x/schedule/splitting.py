@@ -68,7 +68,8 @@ def split_load(attempt: Attempt, node: Node) -> None:
 def moved_over(attempt: Attempt, node: Node, cycle: int) -> Node | None:
     """A move of an operand to the other side, where there is a register for the result of a stuck instruction.
 
-    The instruction waits for the move from now on. None if there is no such register.
+    The instruction waits for the move from now on. None if there is no such register, and for a choice, a load or
+    a store.
     """
     order, registers = attempt.order, attempt.registers
     operands = [each for each in node.operands if isinstance(each, Node)]
@@ -79,7 +80,7 @@ def moved_over(attempt: Attempt, node: Node, cycle: int) -> Node | None:
         fitting = len(free) >= (1 if node.predicate else 2)
         if id(node) in registers.reserved:
             fitting = bool(free) and registers.reserved[id(node)][0] == side
-        if len(far) < 2 or not fitting or node.mnemonic == "select":
+        if len(far) < 2 or not fitting or node.mnemonic == "select" or node.memory:
             continue
         move = Node("mv", [far[0]], *UNITS["mv"], node.order, side=side)
         node.operands[node.operands.index(far[0])] = move

@@ -265,12 +265,10 @@ class HysteresisMirror(BlockMirror):
             n = (x > taken).sum(axis=0, dtype=np.int64)
             missed, slope = _polynomial(x, self._numbers.curve[falls.astype(np.int64), n].T)
             missed = missed + (side * sums[n, lane] - aim if self.play else -aim)
-            if left:
-                parts = [_duhem(a * decay, row) for a, decay, row in zip(left, e, self._numbers.duhem, strict=True)]
-                missed = missed + _total([part for part, _ in parts])
-                slope = slope + _total([rise for _, rise in parts])
-            per_slope = _rough_reciprocal(limited(slope, least, largest))
-            x = flushed(limited(x - missed * per_slope, start, ONE))
+            for a, decay, row in zip(left, e, self._numbers.duhem, strict=True):
+                part, rise = _duhem(a * decay, row)
+                missed, slope = missed + part, slope + rise
+            x = flushed(limited(x - _rough_quotient(missed, limited(slope, least, largest)), start, ONE))
             found.append(x)
         return [self._numbers.middle + (side * x) * self._numbers.half for x in found]
 
@@ -421,14 +419,14 @@ def _duhem(ahead: Floats32, row: Floats32) -> tuple[Floats32, Floats32]:
     """Part of a Duhem state d = 1 - ahead in h, and its slope; row: b, c, 1 / reach."""
     b, c, per_reach = row
     d = ONE - ahead
-    bent = c * np.abs(d)
-    return d * (b + bent), (b + (bent + bent)) * (ahead * per_reach)
+    size = np.abs(d)
+    return d * (b + c * size), (b + (c + c) * size) * (ahead * per_reach)
 
 
-def _rough_reciprocal(x: Floats32) -> Floats32:
-    """1/x by the initial value of `reciprocal` and one Newton step: relative error at most 0.0027."""
-    y = float_of(np.uint32(RECIPROCAL_SEED) - bits_of(x))
-    return y * (TWO - x * y)
+def _rough_quotient(missed: Floats32, slope: Floats32) -> Floats32:
+    """missed / slope by the seed of `reciprocal` and one Newton step: relative error at most 0.0027."""
+    r = float_of(np.uint32(RECIPROCAL_SEED) - bits_of(slope))
+    return (missed * r) * (TWO - slope * r)
 
 
 def _total(parts: list[Floats32]) -> Floats32:
