@@ -99,11 +99,22 @@ def test_some_rows_of_a_response_are_those_of_the_whole_response_bit_for_bit(lat
 @pytest.mark.parametrize("aging", [0.0, 0.3])
 def test_training_columns_are_rows_of_all_columns_bit_for_bit(aging: float) -> None:
     rng = np.random.default_rng(3)
-    runs = tuple(Trace(u, u, {}) for u in (staircase(rng, 300), staircase(rng, 200)))
+    u_V = staircase(rng, 200)
+    runs = tuple(Trace(u, u, {"T": np.cumsum(rng.normal(size=len(u)))}) for u in (staircase(rng, 300), u_V))
     rows = np.flatnonzero(rng.random(500) < 0.3)
-    parts = (CreepPart(0.02, 0.01), DelayPart(1.4), *((AgingPart(aging),) if aging else ()))
+    parts = (
+        CreepPart(0.02, 0.01),
+        ResonancePart((Mode(80.0, 0.05, 0.1),)),
+        DelayPart(1.4),
+        CouplingPart(("T",), 2),
+        PeriodicPart((33.0,)),
+        DriftPart(),
+        SuddenPart(jumps_s=(0.1,)),
+        *((AgingPart(aging),) if aging else ()),
+    )
     scene, chain = Scene(runs, TS_S, rows, Operator(0.0, 10.0)), Chain(0.004, parts)
-    assert scene.training_columns(chain).tobytes() == scene.columns(chain)[:, rows].tobytes()
+    for part in (scene, scene.using(rows[::2])):
+        assert part.training_columns(chain).tobytes() == scene.columns(chain)[:, part.rows].tobytes()
     weights = rng.normal(size=len(scene.columns(chain)))
     paths = scene.paths(chain, weights)
     seen = scene.seen(paths, chain, weights)

@@ -52,6 +52,7 @@ class CreepPart(Part):
 
     cause: ClassVar[str] = "creep"
     order: ClassVar[int] = 30
+    timed: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("per_decade", "1", lambda e: (0.0, 1.0)),
         ShapeParameter("from_s", "s", lambda e: (2 * e.Ts_s, e.span_s / LEAST_DECADES), logarithm=True),

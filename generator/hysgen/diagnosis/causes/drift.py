@@ -81,6 +81,7 @@ class DriftPart(Part):
 
     cause: ClassVar[str] = "drift"
     order: ClassVar[int] = 60
+    timed: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("since_s", "s", lambda e: (SOONEST * e.span_s, e.span_s), logarithm=True, closed=True),
     )

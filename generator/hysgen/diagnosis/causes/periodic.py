@@ -49,6 +49,7 @@ class PeriodicPart(Part):
 
     cause: ClassVar[str] = "periodic"
     order: ClassVar[int] = 70
+    timed: ClassVar[bool] = True
     lines_Hz: tuple[float, ...]
 
     @property

@@ -49,6 +49,7 @@ class ResonancePart(Part):
 
     cause: ClassVar[str] = "resonance"
     order: ClassVar[int] = 40
+    timed: ClassVar[bool] = True
     modes: tuple[Mode, ...] = ()
 
     @property

@@ -62,6 +62,7 @@ class SuddenPart(Part):
 
     cause: ClassVar[str] = "unknown"
     order: ClassVar[int] = 90
+    timed: ClassVar[bool] = True
     flexible: ClassVar[bool] = True
     jumps_s: tuple[float, ...] = ()
     gains: tuple[tuple[float, float], ...] = ()

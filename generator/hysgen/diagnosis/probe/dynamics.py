@@ -47,11 +47,17 @@ def _linear_part(chain: Chain, Ts_s: float, samples: float) -> LinearPart:
     return LinearPart(slow.share, slow.keep, branches, whole)
 
 
-def lagged(signals: Floats, lag_s: float, delay: float, Ts_s: float) -> Floats:
-    """(m, n) response of the lag and the delay alone to signals, (m, n), constant before their first sample."""
-    out = np.empty(signals.shape)
+def lagged(signals: Floats, lag_s: float, delay: float, Ts_s: float, rows: NDArray[np.intp] | None = None) -> Floats:
+    """(m, n) response of the lag and the delay alone to signals, (m, n), constant before their first sample.
+
+    rows: (r,) rising samples of the result, (m, r); None for all.
+    """
     branches, whole = _branches(lag_s, delay, (), Ts_s)
-    linear_response(signals, LinearPart(0.0, np.zeros(0), branches, whole), out, 0)
+    linear = LinearPart(0.0, np.zeros(0), branches, whole)
+    if rows is not None:
+        return linear_response_rows(signals, linear, rows)
+    out = np.empty(signals.shape)
+    linear_response(signals, linear, out, 0)
     return out
 
 

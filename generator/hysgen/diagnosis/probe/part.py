@@ -140,6 +140,7 @@ class Part:
     amplifies: whether the part overrides `amplify`, `averaged` or `relaxation`; a change of such a part requires a new
     evaluation of the hysteresis.
     flexible: whether the part may take any course in time, so that what it explains may also be misfit (`score`).
+    timed: whether the added columns depend on time alone, so that they can be computed at some samples only.
     """
 
     cause: ClassVar[str]
@@ -147,6 +148,7 @@ class Part:
     table: ClassVar[tuple[ShapeParameter, ...]] = ()
     amplifies: ClassVar[bool] = False
     flexible: ClassVar[bool] = False
+    timed: ClassVar[bool] = False
 
     @property
     def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned
 from hysgen.diagnosis.probe.dynamics import lagged, respond_into, respond_on_rows
 from hysgen.diagnosis.probe.part import Extent, Part
-from hysgen.diagnosis.probe.trace import Trace
+from hysgen.diagnosis.probe.trace import Moments, Trace
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache
 from hysgen.machine.checkpoint import Steps
@@ -42,7 +42,7 @@ class Scene:
     without an entry, the range in the runs is used.
     kept: fits of an interrupted search (`solve.refine`); None: no fit is kept.
     The columns of at least the last HYSTERESES settings of the amplifier, and of the last PARTS parts of a run that add
-    columns, are cached.
+    columns, are cached; those of the parts on the training rows alone, too.
     """
 
     runs: tuple[Trace, ...]
@@ -57,6 +57,7 @@ class Scene:
         default_factory=lambda: LruCache(HYSTERESES, HYSTERESES_BYTES), repr=False
     )
     _parts: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(PARTS), repr=False)
+    _on_rows: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(PARTS), repr=False)
 
     @property
     def samples(self) -> int:
@@ -95,13 +96,13 @@ class Scene:
         return Extent(self.Ts_s, self.span_s, self.operator.low_V, self.operator.high_V)
 
     def using(self, rows: Rows, thinned_from: Rows | None = None) -> Scene:
-        """The scene with other training rows and the same cache. thinned_from: the rows before thinning."""
-        return dataclasses.replace(self, rows=rows, thinned_from=thinned_from)
+        """The scene with other training rows and the same columns. thinned_from: the rows before thinning."""
+        return dataclasses.replace(self, rows=rows, thinned_from=thinned_from, _on_rows=LruCache(PARTS))
 
     def bare(self) -> Scene:
         """The scene with empty caches."""
         empty: LruCache[list[Floats]] = LruCache(HYSTERESES, HYSTERESES_BYTES)
-        return dataclasses.replace(self, _hysteresis=empty, _parts=LruCache(PARTS))
+        return dataclasses.replace(self, _hysteresis=empty, _parts=LruCache(PARTS), _on_rows=LruCache(PARTS))
 
     @property
     def dense(self) -> Rows:
@@ -166,8 +167,10 @@ class Scene:
         for i, (run, h) in enumerate(zip(self.runs, self.hysteresis(chain), strict=True)):
             here, inside = self._rows_of(i)
             out[:size, here] = respond_on_rows(h, chain, self.Ts_s, inside)
-            self._age(out[:size, here], run.time_s(self.Ts_s)[inside], chain)
-            self._add_to(out[size:, here], i, inside, chain)
+            self._age(out[:size, here], run.time_s(self.Ts_s, inside), chain)
+            out[size, here] = 1.0
+            for row, column in zip(out[size + 1 :, here], self._added_on_rows(i, inside, chain), strict=True):
+                row[:] = column
         return out
 
     @property
@@ -231,14 +234,15 @@ class Scene:
         if not self._complete:
             return self.seen(paths, chain, weights)[self.rows]
         size = self.hysteresis_size(chain)
-        out, added = np.empty(len(self.rows)), np.empty((self._added_size(chain), len(self.rows)))
+        out = np.full(len(self.rows), weights[size])
         for i, (run, path) in enumerate(zip(self.runs, paths, strict=True)):
             here, inside = self._rows_of(i)
             part = respond_on_rows(path[None], chain, self.Ts_s, inside)[0]
-            self._age(part, run.time_s(self.Ts_s)[inside], chain, weights[:size])
-            out[here] = part
-            self._add_to(added[:, here], i, inside, chain)
-        return out + weights[size:] @ added
+            self._age(part, run.time_s(self.Ts_s, inside), chain, weights[:size])
+            out[here] += part
+            for weight, column in zip(weights[size + 1 :], self._added_on_rows(i, inside, chain), strict=True):
+                out[here] += weight * column
+        return out
 
     def zero_um(self, chain: Chain, weights: Floats) -> float:
         """Displacement at 0 V in um, mean of both branches of the major loop."""
@@ -270,44 +274,60 @@ class Scene:
     def added_columns(self, chain: Chain) -> Floats:
         """(q, n) a constant, the columns of the sensor's curve, then those that the parts of the chain add in order."""
         out = np.empty((self._added_size(chain), self.samples))
-        first = 0
+        out[0], first = 1.0, 0
         for i, run in enumerate(self.runs):
-            self._add_to(out[:, first : first + len(run.u_V)], i, slice(None), chain)
+            for row, column in zip(out[1:], self._added_to(i, chain), strict=True):
+                row[first : first + len(run.u_V)] = column
             first += len(run.u_V)
         return out
 
-    def _add_to(self, out: Floats, i: int, samples: Rows | slice, chain: Chain) -> None:
-        """Write `added_columns` at some samples of run i to `out`, (q, k)."""
-        out[0] = 1.0
-        for row, column in zip(out[1:], self._added_to(i, chain), strict=True):
-            row[:] = column[samples]
-
     def _added_to(self, i: int, chain: Chain) -> list[Floats]:
         """The added columns of run i behind the constant, (n_i,) each; do not modify them."""
+        run, curve = self.runs[i], (i, chain.amplifier, chain.lag_s, chain.delay)
+        columns = self._parts.get(curve, lambda: self._curve_columns(run, chain, None))
+        return [
+            *columns,
+            *(column for part in chain.parts if part.added for column in self._columns_of(part, i, chain)),
+        ]
+
+    def _columns_of(self, part: Part, i: int, chain: Chain) -> list[Floats]:
+        """The columns that a part adds to run i, (n_i,) each."""
         run = self.runs[i]
+        return self._parts.get(
+            (i, part.cause, part.columns_depend_on(chain.lag_s, chain.delay)),
+            lambda: part.columns(run, self.extent, lambda signal: self._lagged(signal[None], run, chain)[0]),
+        )
 
-        def columns_of(part: Part) -> list[Floats]:
-            key = (i, part.cause, part.columns_depend_on(chain.lag_s, chain.delay))
-            return self._parts.get(
-                key, lambda: part.columns(run, self.extent, lambda signal: self._lagged(signal[None], run, chain)[0])
-            )
+    def _added_on_rows(self, i: int, inside: Rows, chain: Chain) -> list[Floats]:
+        """`_added_to` at the training rows of run i, (r_i,) each; inside: their samples in the run."""
+        run, curve = self.runs[i], (i, chain.amplifier, chain.lag_s, chain.delay)
 
-        curve = self._parts.get((i, chain.amplifier, chain.lag_s, chain.delay), lambda: self._curve_columns(run, chain))
-        return [*curve, *(column for part in chain.parts if part.added for column in columns_of(part))]
+        def on_rows(part: Part) -> list[Floats]:
+            if part.timed:
+                return part.columns(Moments(run, inside), self.extent, lambda signal: signal)
+            return [column[inside] for column in self._columns_of(part, i, chain)]
 
-    def _lagged(self, signals: Floats, run: Trace, chain: Chain) -> Floats:
-        """(m, n) signals behind the lag and the delay of the chain."""
+        found = list(self._on_rows.get(curve, lambda: self._curve_columns(run, chain, inside)))
+        for part in chain.parts:
+            if part.added:
+                key = (i, part.cause, part.columns_depend_on(chain.lag_s, chain.delay))
+                found += self._on_rows.get(key, lambda part=part: on_rows(part))  # type: ignore[misc]
+        return found
+
+    def _lagged(self, signals: Floats, run: Trace, chain: Chain, rows: Rows | None = None) -> Floats:
+        """(m, n) signals behind the lag and the delay of the chain; on some samples, (m, k), if rows are given."""
         held, linear = run.held(signals, chain, self.Ts_s)
-        return lagged(held, linear.lag_s, linear.delay, self.Ts_s * run.stride)
+        return lagged(held, linear.lag_s, linear.delay, self.Ts_s * run.stride, rows)
 
-    def _curve_columns(self, run: Trace, chain: Chain) -> list[Floats]:
+    def _curve_columns(self, run: Trace, chain: Chain, rows: Rows | None) -> list[Floats]:
         """COMMON - 1 columns, (n,) each, of a sensor with a curve: what it shows of a lag behind the ceramic's curve.
 
             L(v)^2 - L(v^2),   L(v) L(v^2) - L(v^3)
 
         v: the voltage, -1 .. 1 over the range; L: lag and delay. A quadratic curve of the sensor makes L(f)^2 of a
         displacement L(f), where f = v + a v^2 of the ceramic; at rest, the curve of the operator holds both.
+        rows: samples of the result; None for all.
         """
         v = (chain.amplified(run.u_V, self.Ts_s * run.stride) - self.extent.middle_V) / self.extent.half_V
-        first, second, third = self._lagged(np.stack([v, v * v, v * v * v]), run, chain)
+        first, second, third = self._lagged(np.stack([v, v * v, v * v * v]), run, chain, rows)
         return [first * first - second, first * second - third]

@@ -73,9 +73,10 @@ class Trace:
         """Samples of the segment."""
         return self.segment or len(self.u_V)
 
-    def time_s(self, Ts_s: float) -> Floats:
-        """(n,) time since the start of the segment."""
-        return np.asarray(Ts_s * (self.history.samples + self.stride * np.arange(len(self.u_V), dtype=np.float64)))
+    def time_s(self, Ts_s: float, samples: Rows | None = None) -> Floats:
+        """(n,) time since the start of the segment; of some samples, (k,), if they are given."""
+        at = np.arange(len(self.u_V)) if samples is None else samples
+        return np.asarray(Ts_s * (self.history.samples + self.stride * at.astype(np.float64)))
 
     def held(self, h: Floats, chain: Chain, Ts_s: float) -> tuple[Floats, Chain]:
         """Input, (m, n), of the part of the chain behind the hysteresis for h, (m, n), and this part (`Thinned`)."""
@@ -83,3 +84,31 @@ class Trace:
             return h, chain
         thinned = chain.seen_every(self.stride, Ts_s)
         return thinned.input(h), thinned
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Some samples of a run, (k,): the argument of `Part.columns` where they depend on time alone (`Part.timed`)."""
+
+    run: Trace
+    samples: Rows
+
+    @property
+    def u_V(self) -> Floats:
+        return self.run.u_V[self.samples]
+
+    @property
+    def aux(self) -> Mapping[str, Floats]:
+        return {name: channel[self.samples] for name, channel in self.run.aux.items()}
+
+    @property
+    def whole(self) -> int:
+        return self.run.whole
+
+    @property
+    def stride(self) -> int:
+        return self.run.stride
+
+    def time_s(self, Ts_s: float) -> Floats:
+        """(k,) time since the start of the segment."""
+        return self.run.time_s(Ts_s, self.samples)
