@@ -22,7 +22,19 @@ from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.outlier_detection import outlier_flags
-from hysgen.diagnosis.probe import Chain, Mode, Operator, Projector, Scene, Trace, refine, standard_errors
+from hysgen.diagnosis.probe import (
+    NO_HISTORY,
+    Chain,
+    History,
+    Mode,
+    Operator,
+    Part,
+    Projector,
+    Scene,
+    Trace,
+    refine,
+    standard_errors,
+)
 from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows, rate_limited
@@ -122,6 +134,20 @@ def test_training_columns_are_rows_of_all_columns_bit_for_bit(aging: float) -> N
     np.testing.assert_allclose(
         scene.seen_on_rows(paths, chain, weights), seen[rows], rtol=0.0, atol=1e-13 * np.abs(seen).max()
     )
+
+
+@pytest.mark.parametrize("history", [False, True])
+@pytest.mark.parametrize("part", [SaturationPart(high_V=7.0), SlewPart(300.0), RelaxationPart(0.02), DelayPart(1.4)])
+def test_moved_paths_are_the_weighted_columns_of_the_hysteresis(part: Part, history: bool) -> None:
+    rng = np.random.default_rng(5)
+    u_V = staircase(rng, 300)
+    ages = np.array([0, 1, 2, 40])
+    past = History(u_V[:3], np.array([10, 20, 10]), ages, np.array([2, 1, 0])) if history else NO_HISTORY
+    scene = Scene((Trace(u_V, u_V, {}, start=-1.0, history=past),), TS_S, np.arange(300), Operator(0.0, 10.0))
+    chain, weights = Chain(0.004).having(part), rng.normal(size=60)
+    (moved,), (path,) = scene.moved_paths(chain, weights), scene.paths(chain, weights)
+    # The same products, added in another order.
+    np.testing.assert_allclose(moved, path, rtol=0.0, atol=1e-13 * np.abs(path).max())
 
 
 def test_columns_of_the_curve_follow_lag_delay_and_level() -> None:

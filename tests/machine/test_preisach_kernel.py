@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels import PreisachBasis, play_operators, preisach_columns
+from hysgen.machine.kernels import PreisachBasis, play_operators, preisach_columns, preisach_path
 from hysgen.model.path.hysteresis import FROZEN, RELAXED
 
 Floats = NDArray[np.float64]
@@ -61,3 +61,16 @@ def test_columns_of_plays_that_relax_follow_the_equation_of_each_play(plays: int
     out = np.full((4 + 9, samples), np.nan)
     preisach_columns(out, v, np.ones(plays), basis)
     np.testing.assert_allclose(out, _expected(v, z, basis), rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("relaxation", [0.0, 0.05])
+@pytest.mark.parametrize(("plays", "samples"), SIZES)
+def test_path_is_the_weighted_sum_of_the_columns(plays: int, samples: int, relaxation: float) -> None:
+    v, basis, start = _path(samples), _basis(plays, relaxation), np.linspace(-0.1, 0.1, plays)
+    weights = np.random.default_rng(1).normal(size=13)
+    out = np.empty((13, samples))
+    preisach_columns(out, v, start, basis)
+    # The same products, added in another order.
+    np.testing.assert_allclose(preisach_path(v, start, basis, weights), weights @ out, rtol=0.0, atol=1e-13)
+    with pytest.raises(ValueError, match="one weight for each"):
+        preisach_path(v, start, basis, weights[1:])

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels import PreisachBasis, duhem_columns, play_operators, preisach_columns
+from hysgen.machine.kernels import PreisachBasis, duhem_columns, play_operators, preisach_columns, preisach_path
 from hysgen.model.path.hysteresis import Hysteresis, largest_play
 
 Floats = NDArray[np.float64]
@@ -86,14 +86,30 @@ class Operator:
         start: initial state of the plays, z_r = u(0) + start * r within the range: +1 after a falling, -1 after a
         rising input.
         """
-        v, r = self.normalised(u_V), self.half_widths
-        begin = np.clip(v[0] + start * r, -1.0 + r, 1.0 - r)
+        v, begin, basis = self._along(u_V, start)
         out = np.empty((self.size, len(v)))
         duhem = self.size - 2 * len(self.reaches)
-        basis = PreisachBasis(r, self.hat_weights, self.curve, self.degree if self.hats else 0, self.relaxation)
         preisach_columns(out[:duhem], v, begin, basis)
         duhem_columns(out[duhem:], v, np.array(self.reaches))
         return out
+
+    def path(self, u_V: Floats, weights: Floats, start: float = 0.0) -> Floats:
+        """(n,) weights @ columns(u_V, start), for weights, (size,): a third of the time of the columns."""
+        v, begin, basis = self._along(u_V, start)
+        duhem = self.size - 2 * len(self.reaches)
+        states = np.empty((2 * len(self.reaches), len(v)))
+        duhem_columns(states, v, np.array(self.reaches))
+        return preisach_path(v, begin, basis, weights[:duhem]) + weights[duhem:] @ states
+
+    def _along(self, u_V: Floats, start: float) -> tuple[Floats, Floats, PreisachBasis]:
+        """Normalised input, (n,), state of the plays before it, (plays,), and the basis without Duhem states."""
+        v, r = self.normalised(u_V), self.half_widths
+        begin = np.clip(v[0] + start * r, -1.0 + r, 1.0 - r)
+        return (
+            v,
+            begin,
+            PreisachBasis(r, self.hat_weights, self.curve, self.degree if self.hats else 0, self.relaxation),
+        )
 
     def slopes(self, v: Floats) -> Floats:
         """(2 n, size) rows: row @ coefficients is dh/dv at the states along the path v, (n,), normalised.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -109,19 +109,21 @@ class Scene:
         """The rows before thinning: consecutive samples except at the ends of blocks and at unused samples."""
         return self.rows if self.thinned_from is None else self.thinned_from
 
-    def _path(self, run: Trace, chain: Chain) -> Floats:
-        """(size, k + n) columns of h: k of the history, then those of the run, averaged over each sampling period."""
+    def _path(self, run: Trace, chain: Chain, evaluated: Callable[[Floats], Floats]) -> Floats:
+        """(m, k + n) signals of h: k of the history, then those of the run, averaged over each sampling period.
+
+        evaluated: the signals, (m, l), along a voltage, (l,).
+        """
         past, v_V = len(run.history), chain.amplified(run.u_V, self.Ts_s * run.stride)
         if not past:
-            columns = self._operator(chain).columns(v_V, run.start)
-            return self._averaged(columns, v_V, run, chain)
+            return self._averaged(evaluated(v_V), v_V, run, chain)
         before_V = run.history.u_V
         for part in chain.amplifier:
             before_V = part.amplify_held(before_V, run.history.held, self.Ts_s)
-        columns = self._operator(chain).columns(np.concatenate([before_V, v_V]), run.start)
+        signals = evaluated(np.concatenate([before_V, v_V]))
         if chain.amplifier:
-            columns[:, past:] = self._averaged(columns[:, past:].copy(), v_V, run, chain)
-        return columns
+            signals[:, past:] = self._averaged(signals[:, past:].copy(), v_V, run, chain)
+        return signals
 
     def _averaged(self, columns: Floats, v_V: Floats, run: Trace, chain: Chain) -> Floats:
         for part in chain.amplifier if run.stride == 1 else ():
@@ -139,9 +141,12 @@ class Scene:
 
     def hysteresis(self, chain: Chain) -> list[Floats]:
         """Columns of h for each run, (operator.size, k_i + n_i) with its history, for the chain's amplifier."""
-        return self._hysteresis.get(
-            (chain.memory, chain.amplifier), lambda: [self._path(run, chain) for run in self.runs]
-        )
+        operator = self._operator(chain)
+
+        def columns(run: Trace) -> Floats:
+            return self._path(run, chain, lambda v_V: operator.columns(v_V, run.start))
+
+        return self._hysteresis.get((chain.memory, chain.amplifier), lambda: [columns(run) for run in self.runs])
 
     def columns(self, chain: Chain) -> Floats:
         """(p, n) columns of the linear parameters: chain's response to the columns of h, then `added_columns`."""
@@ -220,6 +225,16 @@ class Scene:
     def paths(self, chain: Chain, weights: Floats) -> list[Floats]:
         """h of every run, (k_i + n_i,) with its history, for the weights of a fit: the input of the linear part."""
         return [weights[: len(h)] @ h for h in self.hysteresis(chain)]
+
+    def moved_paths(self, chain: Chain, weights: Floats) -> list[Floats]:
+        """`paths` of a chain whose columns of h nobody else needs: they are not formed."""
+        operator = self._operator(chain)
+
+        def path(run: Trace) -> Floats:
+            own = weights[: operator.size]
+            return np.asarray(self._path(run, chain, lambda v_V: operator.path(v_V, own, run.start)[None])[0])
+
+        return [path(run) for run in self.runs]
 
     def seen(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
         """(n,) the prediction: response of the linear part of the chain to `paths`, and the added columns."""

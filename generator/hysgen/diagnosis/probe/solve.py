@@ -160,7 +160,7 @@ def sensitivities(scene: Scene, fit: Fit | TrainingFit, projector: Projector) ->
         shifted = at.copy()
         shifted[i] += size
         chain = fit.chain.at(shifted)
-        here = paths if chain.amplifier == fit.chain.amplifier else scene.paths(chain, fit.weights)
+        here = paths if chain.amplifier == fit.chain.amplifier else scene.moved_paths(chain, fit.weights)
         moved[i] = (scene.seen_on_rows(here, chain, fit.weights) - base) / size
     return projector.orthogonal_part(moved)
 

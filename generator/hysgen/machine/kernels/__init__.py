@@ -11,13 +11,18 @@ tested against it. `hysgen.machine.native` compiles a file once per machine and 
 from __future__ import annotations
 
 from hysgen.machine.kernels.estimation import innovation_gains, innovations, rls_updates, triangularise
-from hysgen.machine.kernels.operators import (
-    Branch,
+from hysgen.machine.kernels.hysteresis import (
     HysteresisSeries,
-    LinearPart,
     PreisachBasis,
     duhem_columns,
     hysteresis_path,
+    preisach_columns,
+    preisach_path,
+    rate_limited,
+)
+from hysgen.machine.kernels.operators import (
+    Branch,
+    LinearPart,
     lag_of_signals,
     lag_states,
     lag_sums,
@@ -25,8 +30,6 @@ from hysgen.machine.kernels.operators import (
     linear_response_rows,
     mode_states,
     play_operators,
-    preisach_columns,
-    rate_limited,
     slew_limited,
 )
 from hysgen.machine.kernels.run import (
@@ -64,6 +67,7 @@ __all__ = [
     "one_step",
     "play_operators",
     "preisach_columns",
+    "preisach_path",
     "rate_limited",
     "rls_updates",
     "rule_rows",

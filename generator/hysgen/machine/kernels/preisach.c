@@ -62,11 +62,40 @@ INLINE void moved(const size_t count, size_t n, const double *u, const double *r
     }
 }
 
+/* `moved` for the next TOGETHER plays of those that are left. */
+INLINE void moved_together(size_t left, size_t n, const double *u, const double *radius, double share, double *state,
+                           double (*z)[BLOCK])
+{
+    if (left < TOGETHER) {
+        moved(left, n, u, radius, share, state, z);
+    } else if (share > 0.0) {
+        moved(TOGETHER, n, u, radius, share, state, z);
+    } else {
+        moved(TOGETHER, n, u, radius, 0.0, state, z);
+    }
+}
+
 /* next[k] = T_(p+1)(z[k]), from now = T_p and before = T_(p-1) on a whole block. */
 INLINE void next_polynomial(const double *z, const double *before, const double *now, double *restrict next)
 {
     for (size_t k = 0; k < BLOCK; k++) {
         next[k] = 2.0 * z[k] * now[k] - before[k];
+    }
+}
+
+/* sum[k] += sum over p < degree of weights[p] T_(p+1)(z[k]) on a whole block; one: T_0. */
+INLINE void add_series(size_t degree, const double *weights, const double *one, const double *z, double *restrict sum)
+{
+    double polynomials[3][BLOCK];
+    const double *before = one, *now = z;
+    for (size_t p = 0; p < degree; p++) {
+        double *next = polynomials[p % 3];
+        for (size_t k = 0; k < BLOCK; k++) {
+            sum[k] += weights[p] * now[k];
+            next[k] = 2.0 * z[k] * now[k] - before[k];
+        }
+        before = now;
+        now = next;
     }
 }
 
@@ -131,12 +160,8 @@ WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const
         }
         for (size_t i = 0; i < plays; i++) {
             const double *z = places[i % TOGETHER];
-            if (i % TOGETHER == 0 && plays - i < TOGETHER) {
-                moved(plays - i, n, u, radius + i, share, state + i, places);
-            } else if (i % TOGETHER == 0 && share > 0.0) {
-                moved(TOGETHER, n, u, radius + i, share, state + i, places);
-            } else if (i % TOGETHER == 0) {
-                moved(TOGETHER, n, u, radius + i, 0.0, state + i, places);
+            if (i % TOGETHER == 0) {
+                moved_together(plays - i, n, u, radius + i, share, state + i, places);
             }
             before = one;
             now = z;
@@ -151,6 +176,38 @@ WIDEST void hysgen_preisach(size_t samples, const double *v, size_t plays, const
                 before = now;
                 now = next;
             }
+        }
+    }
+}
+
+/* out[k] = sum over m of terms[m] T_(m+1)(v) + sum over i and p of play[i][p] T_(p+1)(z_i), z_i as in `hysgen_preisach`:
+ * the sum of its columns for one set of weights, without the columns.
+ */
+WIDEST void hysgen_preisach_path(size_t samples, const double *v, size_t plays, const double *radius, double share,
+                                 double *state, size_t curve, const double *terms, size_t degree, const double *play,
+                                 double *out)
+{
+    double u[BLOCK] = {0.0}, places[TOGETHER][BLOCK] = {{0.0}}, one[BLOCK], sum[BLOCK];
+    for (size_t k = 0; k < BLOCK; k++) {
+        one[k] = 1.0;
+    }
+    for (size_t start = 0; start < samples; start += BLOCK) {
+        const size_t n = samples - start < BLOCK ? samples - start : BLOCK;
+        for (size_t k = 0; k < n; k++) {
+            u[k] = v[start + k];
+        }
+        for (size_t k = 0; k < BLOCK; k++) {
+            sum[k] = 0.0;
+        }
+        add_series(curve, terms, one, u, sum);
+        for (size_t i = 0; i < plays; i++) {
+            if (i % TOGETHER == 0) {
+                moved_together(plays - i, n, u, radius + i, share, state + i, places);
+            }
+            add_series(degree, play + i * degree, one, places[i % TOGETHER], sum);
+        }
+        for (size_t k = 0; k < n; k++) {
+            out[start + k] = sum[k];
         }
     }
 }
