@@ -17,6 +17,8 @@ from hysgen.cli import main
 from hysgen.errors import HysgenError
 from hysgen.machine import native
 from hysgen.machine.processes import processes
+from hysgen.model.file import load_model
+from hysgen.stage.demo_record import bundled_csv
 
 ROWS = "time_s,voltage_V,displacement_um\n" + "".join(f"{k * 1e-3:.3f},{k % 7},{k % 5}\n" for k in range(50))
 
@@ -235,6 +237,18 @@ def test_a_number_of_processes_that_is_none_is_refused(text: str, monkeypatch: p
     monkeypatch.setenv("HYSGEN_PROCESSES", text)
     with pytest.raises(HysgenError, match=rf"HYSGEN_PROCESSES={text}: is no number of processes; give 1 or more"):
         processes()
+
+
+def test_a_reader_that_closes_the_pipe_loses_no_file(folder: Path) -> None:
+    """`hysgen refit ... | head -1` ended without the model, and with 0."""
+    Path("ok.csv").write_text("".join(bundled_csv().splitlines(keepends=True)[:3001]))
+    own = {**os.environ, "PYTHONPATH": str(Path(native.__file__).parents[2])}
+    first = [sys.executable, "-m", "hysgen", "fit", "ok.csv", "-o", "a.json", "--method", "batch", "-q"]
+    subprocess.run(first, check=True, env=own, stdout=subprocess.DEVNULL)
+    for name, pipe in {"b.json": "-q | true", "c.json": "-v 2>&1 | true"}.items():
+        again = f"{sys.executable} -m hysgen refit a.json ok.csv -o {name} --anyway {pipe}"
+        subprocess.run(["sh", "-c", again], check=True, env=own)
+        assert load_model(name).name == "a"
 
 
 def test_an_interrupt_while_modules_are_loaded_is_one_line(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shlex
@@ -43,14 +44,19 @@ class Console:
         """Print lines of text, unless stdout carries the JSON."""
         self._progress.pause()
         if self.json_to != "-":
-            print(folded(text, self._width()), file=self.out, flush=True)
+            try:
+                print(folded(text, self._width()), file=self.out, flush=True)
+            except BrokenPipeError:
+                # Its reader has seen enough; the files of the verb are still wanted.
+                discard_stdout()
 
     def warn(self, text: str) -> None:
         """Print a warning on stderr."""
         if self.quiet:
             return
         self._progress.pause()
-        print(folded(f"warning: {text}", self._width()), file=self.err, flush=True)
+        with contextlib.suppress(BrokenPipeError):
+            print(folded(f"warning: {text}", self._width()), file=self.err, flush=True)
 
     def progress(self, fraction: float, what: str) -> None:
         """Print the fraction done and what is being done (`ProgressLine`)."""
@@ -94,3 +100,9 @@ def command_line() -> str:
     program = Path(sys.argv[0])
     own = program.name == "hysgen" or (program.name == "__main__.py" and program.parent.name == "hysgen")
     return " ".join(["hysgen", *map(shlex.quote, sys.argv[1:])]) if own else ""
+
+
+def discard_stdout() -> None:
+    """Send what is still in the buffer of stdout to nowhere, so that Python does not fail on it at its end."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import NoReturn, TextIO
 
 from hysgen.cli.completion import SHELLS, options_of, script
-from hysgen.cli.console import Console
+from hysgen.cli.console import Console, discard_stdout
 from hysgen.cli.folding import folded
 from hysgen.cli.outputs import check_outputs
 from hysgen.cli.project import project_options
@@ -138,10 +138,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
     except BrokenPipeError:
         # The reader closed the pipe. This is no error, and Python must not report one when it closes stdout.
-        _discard_stdout()
+        discard_stdout()
         return 0
     except OSError as fault:
-        _discard_stdout()
+        discard_stdout()
         file = f"{fault.filename}: " if fault.filename else ""
         return _fails(name, f"{file}{fault.strerror or fault}; the result is not complete")
 
@@ -220,9 +220,3 @@ def _fails(name: str, text: str) -> int:
 def _nowhere() -> TextIO:
     """What takes the place of a standard stream that a scheduler has closed."""
     return os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")
-
-
-def _discard_stdout() -> None:
-    """Send what is still in the buffer of stdout to nowhere, so that Python does not fail on it at its end."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

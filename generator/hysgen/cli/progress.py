@@ -61,7 +61,8 @@ class ProgressLine:
         with self._lock:
             self._last = None
             if self._open:
-                print("\r\x1b[K", end="", file=self.err, flush=True)
+                with contextlib.suppress(BrokenPipeError):
+                    print("\r\x1b[K", end="", file=self.err, flush=True)
                 self._open = False
 
     def stop(self) -> None:
@@ -81,6 +82,10 @@ class ProgressLine:
                     self._print(*self._last)
 
     def _print(self, fraction: float, what: str) -> None:
+        with contextlib.suppress(BrokenPipeError):  # a reader of stderr has closed it; the verb goes on
+            self._print_line(fraction, what)
+
+    def _print_line(self, fraction: float, what: str) -> None:
         now = time.monotonic()
         line = f"{100 * fraction:5.1f} %  {what}{self._seconds(fraction, now)}"
         if self.err.isatty() and not self.verbose:
