@@ -100,6 +100,7 @@ READ: dict[str, str | bytes] = {
     "TwinCAT": made(TWINCAT, "{ms:g}\t{u}\t{ms:g}\t{y}"),
     "Yokogawa": made(YOKOGAWA, ",{u},{y}"),
     "Origin, with comments": made(["Time\tVoltage\tPosition", "s\tV\tnm", "run 1\tCH1\tCH2"], "{t:.3f}\t{u}\t{nm:.1f}"),
+    "units above the names": made(["[s];[V];[nm]", "t;U;Weg"], "{t:.3f};{u};{nm:.1f}"),
     "Igor": made(
         ["IGOR", "WAVES/D\ttime_s, drive_V, pos_nm", "BEGIN"],
         "\t{t:.3f}\t{u}\t{nm:.1f}",
@@ -195,6 +196,13 @@ def test_the_line_of_a_refusal_reads_the_file_when_it_is_pasted(kind: str, tmp_p
     assert said in str(caught.value)
     pasted = str(caught.value).partition('--columns "')[2].partition('"')[0]
     check(path, f"{pasted},{added}" if added else pasted)
+
+
+def test_words_of_a_preamble_are_no_names(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(made(["Input amplifier,Sensor head,Time base", "", "a,b,c"], "{t:.3f},{u},{y}"))
+    with pytest.raises(RecordError, match="the header names a, b, c; say which one it is"):
+        load_record(tmp_path / "log.csv")
+    check(tmp_path / "log.csv", "time=a,voltage=b,displacement=c")
 
 
 def test_files_of_one_channel_are_refused_and_read_when_they_are_pasted_together(tmp_path: Path) -> None:

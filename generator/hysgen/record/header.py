@@ -28,24 +28,23 @@ class Start:
 def header(lines: Sequence[str], above: Sequence[int], start: Start) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The names above the first row of numbers, and their units from a row of units; () for what is not there.
 
-    The nearest line with as many fields, unless one farther up names more roles, two of them at least.
+    The nearest line with as many fields, unless one directly above names more roles, two of them at least.
     """
     names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
-    rows = [matching(lines[i], start) for i in reversed(above[-HEADER_LINES:])]
-    for place, fields in enumerate(rows):
+    below = None
+    for at in reversed(above[-HEADER_LINES:]):
+        fields = matching(lines[at], start)
         if not fields or all(re.fullmatch(r"[\d.,+-]*", one) for one in fields):
-            if place == 0:
-                return (), ()
-            continue
-        if are_units(fields) and any(rows[place + 1 :]):
+            break
+        # Behind a blank line the preamble begins.
+        if names and below is not None and at < below - 1:
+            break
+        below = at
+        if are_units(fields) and (names or at != above[0]):
             units = units or fields
-        elif not names:
+        elif roles_in(unique(fields)) > max(1, roles_in(names)) or not names:
             names = unique(fields)
-        else:
-            found = roles_in(unique(fields))
-            if found >= 2 and found > roles_in(names):
-                names = unique(fields)
     return names, units
 
 

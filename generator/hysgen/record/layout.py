@@ -142,6 +142,9 @@ def _made(
     if after is not None and len(fields := split(lines[after], separator)) == len(names) and are_units(fields):
         units = units_by_name(names, fields)
         at = after
+    above = split(lines[at - 1], separator) if at and not units else []
+    if len(above) == len(names) and are_units(above):
+        units = units_by_name(names, above)
     at, remarks = below_header(source, lines, at, separator)
     row = next((split(lines[i], separator) for i in range(at + 1, len(lines)) if is_data(lines[i])), [])
     if len(names) == len(row) + 1 and names[-1].lower() in ("", "comment"):
