@@ -182,10 +182,10 @@ typedef struct {
     float theta[APPENDIX_A_LEARNED];      /**< Parameters theta of the shadow, scaled [um]. */
     float theta_low[APPENDIX_A_LEARNED];  /**< Rounding error of theta, added to the next step [um]. */
     float reference[APPENDIX_A_LEARNED];  /**< Parameters of the last commit, before it those of the model, scaled [um]. */
-    float f[APPENDIX_A_LEARNED];          /**< F = U' x of this update. */
-    float g[APPENDIX_A_LEARNED];          /**< G = D f of this update. */
-    float l[APPENDIX_A_LEARNED];          /**< L_j = -f_j / alpha_(j-1) of this update. */
-    float k[APPENDIX_A_LEARNED];          /**< K = P x of this update. */
+    float f[APPENDIX_A_LEARNED];          /**< Vector f = U' x of this update. */
+    float g[APPENDIX_A_LEARNED];          /**< Vector g = D f of this update. */
+    float l[APPENDIX_A_LEARNED];          /**< Vector of l_j = -f_j / alpha_(j-1) of this update. */
+    float k[APPENDIX_A_LEARNED];          /**< Vector k = P x of this update. */
     float per_alpha;                      /**< Reciprocal of alpha = 1 + x' P x of this update. */
     float inflate;                        /**< Reciprocal of the forgetting factor lambda of this update. */
     float innovation_um;                  /**< Innovation y - x' theta of this update [um]. */

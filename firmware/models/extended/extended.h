@@ -222,10 +222,10 @@ typedef struct {
     float theta[EXTENDED_LEARNED];      /**< Parameters theta of the shadow, scaled [um]. */
     float theta_low[EXTENDED_LEARNED];  /**< Rounding error of theta, added to the next step [um]. */
     float reference[EXTENDED_LEARNED];  /**< Parameters of the last commit, before it those of the model, scaled [um]. */
-    float f[EXTENDED_LEARNED];          /**< F = U' x of this update. */
-    float g[EXTENDED_LEARNED];          /**< G = D f of this update. */
-    float l[EXTENDED_LEARNED];          /**< L_j = -f_j / alpha_(j-1) of this update. */
-    float k[EXTENDED_LEARNED];          /**< K = P x of this update. */
+    float f[EXTENDED_LEARNED];          /**< Vector f = U' x of this update. */
+    float g[EXTENDED_LEARNED];          /**< Vector g = D f of this update. */
+    float l[EXTENDED_LEARNED];          /**< Vector of l_j = -f_j / alpha_(j-1) of this update. */
+    float k[EXTENDED_LEARNED];          /**< Vector k = P x of this update. */
     float per_alpha;                    /**< Reciprocal of alpha = 1 + x' P x of this update. */
     float inflate;                      /**< Reciprocal of the forgetting factor lambda of this update. */
     float innovation_um;                /**< Innovation y - x' theta of this update [um]. */

@@ -63,10 +63,16 @@ class LearnerWords(StructWords):
         Floats32,
         vector("parameters of the last commit, before it those of the model, scaled", unit="um", parameter=True),
     ]
-    f: Annotated[Floats32, vector("f = U' x of this update", start=Start.ZERO, any_bits=True, written_by=("project",))]
-    g: Annotated[Floats32, vector("g = D f of this update", start=Start.ZERO, any_bits=True, written_by=("project",))]
-    l: Annotated[Floats32, vector("l_j = -f_j / alpha_(j-1) of this update", start=Start.ZERO, any_bits=True)]  # noqa: E741
-    k: Annotated[Floats32, vector("k = P x of this update", start=Start.ZERO, any_bits=True, written_by=("factor",))]
+    f: Annotated[
+        Floats32, vector("vector f = U' x of this update", start=Start.ZERO, any_bits=True, written_by=("project",))
+    ]
+    g: Annotated[
+        Floats32, vector("vector g = D f of this update", start=Start.ZERO, any_bits=True, written_by=("project",))
+    ]
+    l: Annotated[Floats32, vector("vector of l_j = -f_j / alpha_(j-1) of this update", start=Start.ZERO, any_bits=True)]  # noqa: E741
+    k: Annotated[
+        Floats32, vector("vector k = P x of this update", start=Start.ZERO, any_bits=True, written_by=("factor",))
+    ]
     per_alpha: Annotated[
         Floats32, number("reciprocal of alpha = 1 + x' P x of this update", start=Start.ONE, any_bits=True)
     ]
