@@ -238,6 +238,15 @@ def test_a_time_that_counts_is_said_with_a_rate_that_a_stage_has(factor: float, 
     check(tmp_path / "log.csv", remedy)
 
 
+def test_the_remedy_for_an_inverted_sensor_works(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    rows = (f"{t},{u},{-y}" for t, u, y in zip(TIME_S, U_V, Y_UM, strict=True))
+    path.write_text("\n".join(["time_s,voltage_V,displacement_um", *rows]))
+    (line,) = [one for one in load_record(path).warnings if "an inverted sensor?" in one]
+    assert "--columns displacement_unit=-1um" in line
+    assert check(path, "displacement_unit=-1um") == ()
+
+
 def test_a_unit_may_say_what_one_in_the_file_is(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text(made(["time,monitor [V],sensor [V]"], "{t},{u},{mm:.7f}"))

@@ -158,7 +158,7 @@ def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
     if lag.correlation < 0.0:
         yield (
             f"{names} falls as {run.u_name} rises (correlation {lag.correlation:.2f}): an inverted sensor? Then "
-            "change the sign of one of the two columns"
+            "--columns displacement_unit=-1um (-1nm, ...) changes its sign"
         )
     elif lag.correlation >= LATE and lag.at_zero < TOGETHER:
         time = "" if Ts_s is None else f" ({abs(lag.samples) * Ts_s:.3g} s)"
