@@ -8,9 +8,9 @@ own, fitted to 4, 8 and 12 plays of degree 3 with coefficients of their own and 
 behind a path: with three Newton steps.
 
 KERNELS: fitted to the schedules of the same models, with 2 to 12 rules, with 6, 9, 12 and 18 parameters and with 4 to
-24 plays, those of the steps to 4 and 24 plays that share coefficients, too; least largest relative deviation. The
-errors include 5 rules, 6 plays and 12 plays that share coefficients, which were not fitted. With 24 parameters `learn`
-stays in C; behind a path, its formula is that of 18.
+24 plays, those of the steps to plays that share coefficients, too; least largest relative deviation. The errors include
+5 rules and 6 plays, which were not fitted. With 24 parameters the parts of `learn` are kernels, not the whole; behind a
+path, its formula is that of 18.
 """
 
 from __future__ import annotations
