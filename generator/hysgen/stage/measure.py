@@ -70,11 +70,11 @@ def run(
     return Measurement(np.arange(len(command_V), dtype=np.float64) * Ts_s, command_V, trace.reading_um, channels, truth)
 
 
-def effect_shares(measurement: Measurement, first: int = 0) -> dict[str, float]:
+def effect_shares(measurement: Measurement, rows: NDArray[np.intp] | None = None) -> dict[str, float]:
     """Rms in um of the change of the noise-free readings without each active effect, less the change's mean.
 
     A constant change belongs to the sensor's zero and is no error. The stage starts at rest at the first voltage; at
-    least two samples are needed. first: first row that counts; the rows before it are the stage's past.
+    least two samples are needed. rows: those that count, all by default.
     """
     stage = measurement.truth.stage
     quiet = stage.quiet()
@@ -83,12 +83,13 @@ def effect_shares(measurement: Measurement, first: int = 0) -> dict[str, float]:
     rest_V = float(u_V[0])
     whole = _drive(quiet, u_V, Ts_s, seed, aux, rest_V)
     low_V, high_V = float(whole.actuator_V.min()), float(whole.actuator_V.max())
+    counted = slice(None) if rows is None else rows
     rms: dict[str, float] = {}
     for effect in stage.active:
         if effect == Hysteresis.name and not low_V < high_V:
             continue
         part = _drive(without(quiet, effect, low_V, high_V), u_V, Ts_s, seed, aux, rest_V)
-        rms[effect] = float(np.std((whole.reading_um - part.reading_um)[first:]))
+        rms[effect] = float(np.std((whole.reading_um - part.reading_um)[counted]))
     return rms
 
 

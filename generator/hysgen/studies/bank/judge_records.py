@@ -85,7 +85,9 @@ def judge(hidden: Scenario) -> Judgement:
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
     fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier[hidden.past :])
-    shares = {effects()[name].cause(): share for name, share in effect_shares(measured, hidden.past).items()}
+    # An effect that the fitted rows do not contain, such as a level that only later rows exceed, cannot be found.
+    shares_um = effect_shares(measured, hidden.past + naming.prepared.scene().rows)
+    shares = {effects()[name].cause(): share_um for name, share_um in shares_um.items()}
     return Judgement(
         category=hidden.category,
         seed=hidden.seed,
