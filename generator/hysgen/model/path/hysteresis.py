@@ -44,9 +44,8 @@ from hysgen.model.path.hysteresis_mirror import (
     HysteresisMirror,
     Numbers,
     RelaxingMirror,
-    accepted_residual,
-    newton_steps,
 )
+from hysgen.model.path.hysteresis_steps import accepted_residual, newton_steps
 from hysgen.model.structs import Member, Quantity
 from hysgen.model.twofloat import KEPT
 

@@ -17,7 +17,7 @@ taken along in the order of their half-widths (z is a 1-Lipschitz function of r)
 
 The first part is one polynomial of x; its coefficients for every n and both directions are constants. The second sum,
 sum_um[n], is known from the last sample. The first x follows from the mean slope. The number of steps is found for each
-block (`newton_steps`).
+block (`hysteresis_steps`).
 
 No product is denormal: x and z_j are 0 or at least 2^-40 in magnitude (r_j >= 2^-12), coefficients are at least 2^-40,
 and a partial sum c + z q of a polynomial, a multiple of the last bit of its smaller part, is 0 or at least 2^-65.
@@ -26,7 +26,6 @@ and a partial sum c + z q of a polynomial, a multiple of the last bit of its sma
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -36,26 +35,16 @@ from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import HysteresisSeries
-from hysgen.machine.reproducible import drawn, total
+from hysgen.machine.reproducible import total
 from hysgen.model.float32_arithmetic import bits_of, float_of, flushed, power_of_two
 from hysgen.model.float32_constants import LEAST, RECIPROCAL_SEED
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import TOLERANCE, Bits, BlockMirror, Floats, Floats32, InputBlock, limited
+from hysgen.model.path.base import BlockMirror, Floats, Floats32, limited
 from hysgen.model.structs import Member
 from hysgen.model.twofloat import accumulate
 
 SLACK: Final = np.float32(2.0**-22)
 """Distance in half ranges from which on `solve` takes a play along; larger than the rounding error of z + r."""
-
-LEAST_STEPS: Final = 3
-MOST_STEPS: Final = 6
-"""Fewest and most Newton steps of `solve`. Two steps leave 1e-4 um of a stroke of 10 um at 100 Hz and 2 kHz."""
-
-SHARE: Final = 0.75
-ROUNDINGS: Final = 2.0**-21
-"""Residual of `solve` up to which no further step is taken: SHARE of what the inverse of the model leaves unflagged
-(TOLERANCE of the range). The rest is for roundings of the blocks behind and for pasts that no sample met. At least
-ROUNDINGS of the largest |h|, eight roundings: that much stays however many steps are taken."""
 
 RELAXED: Final = 8.0
 FROZEN: Final = np.float32(15.0)
@@ -64,12 +53,6 @@ FROZEN: Final = np.float32(15.0)
 BARRIER: Final = (np.float32(0.25 * 1.4426950408889634), np.float32(0.25 * 1.4426950408889634 / 32.0))
 """Coefficients of a and a^2 in the exponent -log2(e) a (1 + a/32) / 4 of the fourth root of a play's relative step; the
 fourth root, because the argument of the float32 power of two is at most 8 in magnitude."""
-
-LANES: Final = 4096
-JUMPS: Final = 16
-WORST: Final = 256
-SEARCHES: Final = 10
-"""`newton_steps`: random jumps in each of LANES; a search near the WORST of them, LANES/WORST places around each."""
 
 LEAST_SLOPE: Final = 0.02
 """Smallest slope of a Newton step, as a part of the mean slope."""
@@ -325,71 +308,6 @@ class RelaxingMirror(HysteresisMirror):
         self._rest = h
         self.h_um = h + (self.sum_um[0] - before)
         return h
-
-
-def accepted_residual(range_um: Interval) -> float:
-    """Largest residual in um with which `newton_steps` is content, for h in range_um."""
-    return max(SHARE * TOLERANCE * range_um.width, ROUNDINGS * range_um.magnitude)
-
-
-def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest: float) -> int:
-    """Fewest Newton steps with which `solve` leaves at most `largest` um of random jumps, MOST_STEPS at most.
-
-    The jumps lead from random pasts over the whole range and over parts of it; a search near those that LEAST_STEPS
-    meet worst follows. Pasts are a sample: a larger residual of others sets the status bit INVERSE_RESIDUAL.
-
-    The residual is a few tens of last bits of h. Models that differ in their last digits can therefore lie on both
-    sides of `largest` and take one step more or less.
-    """
-    rng = np.random.default_rng(1)
-    ends = drawn(rng, range_V.low, range_V.high, (JUMPS + 1) * LANES).reshape(JUMPS + 1, LANES).astype(np.float32)
-    sizes = np.repeat(np.array([1.0, 0.3, 0.1, 0.03], np.float32), LANES // 4)
-    v_V = ends[0]
-    kind = RelaxingMirror if numbers.relax.size else HysteresisMirror
-    mirror = kind(numbers, block.members(), MOST_STEPS, v_V)
-    states, jumps, residuals = [], [], []
-    for end in ends[1:]:
-        v_V = v_V + sizes * (end - v_V)
-        state = _words(mirror)
-        states.append(state)
-        jumps.append(v_V)
-        residuals.append(_residuals(mirror, state, v_V))
-    found = np.concatenate(residuals, axis=1)
-    worst = np.argsort(-found[0], kind="stable")[:WORST]
-    pasts = [np.repeat(np.concatenate(words)[worst], LANES // WORST) for words in zip(*states, strict=True)]
-    centre, away = np.concatenate(jumps)[worst], 0.02 * range_V.width
-    for _ in range(SEARCHES):
-        around = drawn(rng, -away, away, LANES).astype(np.float32).reshape(WORST, -1)
-        around[:, 0] = 0.0
-        places = centre[:, None] + around
-        near = _residuals(mirror, pasts, places.ravel())
-        found = np.column_stack([found.max(axis=1), near])
-        centre = places[np.arange(WORST), near[0].reshape(WORST, -1).argmax(axis=1)]
-        away *= 0.6
-    enough = found.max(axis=1) <= largest
-    return LEAST_STEPS + int(np.argmax(enough)) if enough.any() else MOST_STEPS
-
-
-def _residuals(mirror: HysteresisMirror, state: Sequence[Bits], v_V: Floats32) -> Floats32:
-    """(1 + MOST_STEPS - LEAST_STEPS, lanes) |h - wanted| of LEAST_STEPS and more steps; wanted: h of v_V from `state`.
-
-    Leaves the mirror behind v_V.
-    """
-    mirror.restore(state)
-    wanted = mirror.apply(v_V)
-    behind = _words(mirror)
-    mirror.restore(state)
-    found = []
-    for solved in mirror.iterates(wanted)[LEAST_STEPS:]:
-        mirror.restore(state)
-        found.append(np.abs(mirror.apply(solved) - wanted))
-    mirror.restore(behind)
-    return np.array(found)
-
-
-def _words(mirror: HysteresisMirror) -> list[Bits]:
-    """A copy of the state."""
-    return [word.copy().view(np.uint32) for word in mirror.state()]
 
 
 def _series(x: Floats32, coefficients: Floats32) -> Floats32:
