@@ -51,9 +51,24 @@ def test_a_record_becomes_a_scored_model_and_its_c(
     told = json.loads(scores.read_text())
     rivals = told["rivals_free_run"]
     assert told["free_run"]["e_rms_um"] < rivals["Prandtl-Ishlinskii, 20 plays"]["e_rms_um"]
+    assert told["free_run"]["e_rms_um"] < rivals["paper's model"]["e_rms_um"]
     assert main(["generate", str(model), "-o", str(tmp_path / "c")]) == 0
     # The name of the model is the name of its file as a C identifier.
     assert {"axis_one.h", "axis_one.c", "axis_one_params.h"} <= {path.name for path in (tmp_path / "c").iterdir()}
+
+
+@pytest.mark.slow
+def test_a_model_worse_than_the_papers_is_said_first(
+    record: Path, model: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The path of the model gets twice the voltage that it was fitted to."""
+    loud, good = tmp_path / "loud.csv", [line.split(",") for line in record.read_text().splitlines()]
+    loud.write_text("\n".join([",".join(good[0]), *(f"{t},{float(u) / 2.0!r},{y}" for t, u, y in good[1:])]) + "\n")
+    for file, worse in ((loud, True), (record, False)):
+        capfd.readouterr()
+        assert main(["score", str(model), str(file), "--rows", "6000:", "--rivals", "0:6000"]) == 0
+        said = " ".join(capfd.readouterr().err.split())
+        assert ("the model is worse than the paper's model, fitted to rows 0:6000" in said) == worse
 
 
 @pytest.mark.slow

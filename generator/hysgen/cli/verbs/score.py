@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from hysgen.certify.certificates import certify
@@ -12,13 +13,16 @@ from hysgen.cli.options import add_model, add_record_options, parse_rows, read_r
 from hysgen.cli.verbs import Verb
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
-from hysgen.model.scores import Score, score, score_lines
+from hysgen.model.scores import Score, score, score_lines, score_prediction
 from hysgen.model.simulate import free_run, one_step
+from hysgen.record import Record
 
 SCORE_HELP = """\
 Score a model on a record: one step, against the horizon, and in free run, beside persistence and the noise floor."""
 DESCRIBE_HELP = """\
 Show what a model is as a dynamic system: time constant, DC gain, loop against frequency, certificates."""
+
+PAPERS_MODEL = "paper's model"
 
 SCORE_EXAMPLES = (
     "hysgen score stage.json later.csv --plot free-run.png",
@@ -38,7 +42,9 @@ def score_arguments(parser: argparse.ArgumentParser) -> None:
         "record; rows before --rows are simulated and known)",
     )
     parser.add_argument(
-        "--rivals", metavar="A:B", help="also score the paper's rivals, fitted to rows A to B of the same records"
+        "--rivals",
+        metavar="A:B",
+        help="also score the paper's model and its rivals, fitted to rows A to B of the same records",
     )
     parser.add_argument(
         "--beside", action="append", default=[], metavar="MODEL", help="another model in the same tables and pictures"
@@ -54,6 +60,16 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     record = whole.rows(*parse_rows(arguments.rows, whole.samples, whole.Ts_s)) if arguments.rows else whole
     scores = score(model, record, arguments.settle)
     result = scores.to_json()
+    rivals: list[tuple[str, Score]] = []
+    if arguments.rivals:
+        known = whole.rows(*parse_rows(arguments.rivals, whole.samples, whole.Ts_s))
+        rivals = _rivals(known, record, arguments.settle if scores.unknown_past is None else scores.unknown_past.rows)
+        simple = dict(rivals)[PAPERS_MODEL]
+        if scores.free_run.e_rms_um > simple.e_rms_um:
+            console.warn(
+                f"{record.source}: in free run the model is worse than the paper's model, fitted to rows "
+                f"{arguments.rivals}: {scores.free_run.e_rms_um:.4g} um against {simple.e_rms_um:.4g} um"
+            )
     console.say(scores.table())
     others = {Path(name).stem: load_model(name) for name in arguments.beside}
     beside = {name: score(other, record, arguments.settle) for name, other in others.items()}
@@ -64,13 +80,7 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         console.say("\nbeside each other")
         console.say("\n".join(score_lines(rows)))
         result["beside"] = {name: one.to_json() for name, one in beside.items()}
-    rivals: list[tuple[str, Score]] = []
-    if arguments.rivals:
-        from hysgen.model.rivals import fit_rivals, score_rivals
-
-        known = whole.rows(*parse_rows(arguments.rivals, whole.samples, whole.Ts_s))
-        unscored = arguments.settle if scores.unknown_past is None else scores.unknown_past.rows
-        rivals = score_rivals(fit_rivals(known), record, unscored)
+    if rivals:
         console.say("\nrivals in free run")
         console.say("\n".join(score_lines(rivals)))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}
@@ -92,6 +102,20 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         style.save(validation(record, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot))
         console.say(f"\nwritten: {arguments.plot}")
     return console.finish(result)
+
+
+def _rivals(known: Record, record: Record, unscored: int | Sequence[int] | None) -> list[tuple[str, Score]]:
+    """Name and free-run score on a record of the paper's model and its rivals, fitted to `known`.
+
+    unscored: samples at the start of each segment that are not scored. Raises FitError as the fits do.
+    """
+    from hysgen.fitting import fit
+    from hysgen.model.rivals import fit_rivals, score_rivals
+
+    settle = 0 if unscored is None else unscored
+    outputs = [run.y_um for run in free_run(fit(known), record)]
+    simple = score_prediction(record, outputs, settle)
+    return [(PAPERS_MODEL, simple), *score_rivals(fit_rivals(known), record, settle)]
 
 
 def describe_arguments(parser: argparse.ArgumentParser) -> None:
