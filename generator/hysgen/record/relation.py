@@ -76,6 +76,16 @@ class Lag:
     correlation: float
     at_zero: float
 
+    @property
+    def misaligned(self) -> bool:
+        """Whether the lag is so large that the two logs may not be aligned."""
+        return self.correlation >= LATE and self.at_zero < TOGETHER
+
+    @property
+    def way(self) -> str:
+        """Where the displacement runs: behind the voltage or ahead of it."""
+        return "behind" if self.samples > 0 else "ahead of"
+
 
 def correlations(run: Run) -> tuple[NDArray[np.int64], Floats] | None:
     """The lags L of up to a quarter of the run, and c(L); None for short or constant series."""
@@ -109,7 +119,7 @@ def lag_of(run: Run) -> Lag | None:
 def misaligned(runs: Sequence[Run]) -> Lag | None:
     """The lag of the longest run if it is so large that the two logs may not be aligned, else None."""
     lag = lag_of(max(runs, key=lambda one: one.u_V.size))
-    return lag if lag is not None and lag.correlation >= LATE and lag.at_zero < TOGETHER else None
+    return lag if lag is not None and lag.misaligned else None
 
 
 def coherent_share(run: Channels) -> float:
@@ -160,11 +170,10 @@ def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
             f"{names} falls as {run.u_name} rises (correlation {lag.correlation:.2f}): an inverted sensor? Then "
             "--columns displacement_unit=-1um (-1nm, ...) changes its sign"
         )
-    elif lag.correlation >= LATE and lag.at_zero < TOGETHER:
+    elif lag.misaligned:
         time = "" if Ts_s is None else f" ({abs(lag.samples) * Ts_s:.3g} s)"
-        way = "behind" if lag.samples > 0 else "ahead of"
         yield (
-            f"{names} runs {abs(lag.samples)} samples{time} {way} {run.u_name}, lag and hysteresis of the stage "
+            f"{names} runs {abs(lag.samples)} samples{time} {lag.way} {run.u_name}, lag and hysteresis of the stage "
             f"included: correlation {lag.correlation:.2f} there, {lag.at_zero:.2f} without a shift; if the stage is "
             f"faster, the logs are not aligned: --columns shift={-lag.samples} moves the displacement by all of it"
         )

@@ -165,10 +165,9 @@ def _apart(study: Study) -> list[str]:
     lag = misaligned(study.record.segments)
     if lag is None:
         return []
-    way = "behind" if lag.samples > 0 else "ahead of"
     return [
-        f"The displacement runs {abs(lag.samples)} samples ({abs(lag.samples) * study.record.Ts_s:.3g} s) {way} the "
-        "voltage: unless the stage is so slow, the logs are not aligned, and what follows describes their shift."
+        f"The displacement runs {abs(lag.samples)} samples ({abs(lag.samples) * study.record.Ts_s:.3g} s) {lag.way} "
+        "the voltage: unless the stage is so slow, the logs are not aligned, and what follows describes their shift."
     ]
 
 
