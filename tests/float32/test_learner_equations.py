@@ -29,7 +29,8 @@ def spoilt() -> tuple[Floats32, Floats32]:
 
 
 SCENARIOS: dict[str, tuple[dict[str, Any], float, set[str]]] = {
-    "the restart test": ({"settle": 200, "worse": 1.01, "lost": 1.0}, 1e-4, {"restarts", "outliers"}),
+    "worse than persistence": ({"settle": 200, "worse": 1.01, "lost": 1.0}, 1e-4, {"restarts", "outliers"}),
+    "worse than the reference": ({"settle": 200, "lost": 1e3}, 1e-4, {"restarts", "outliers"}),
     "rest and change": (
         {"settle": 400, "rest_V": 2.0, "noise_um": 0.01, "outlier_ratio": 4.0, "outlier_run": 5},
         1e-4,
@@ -52,6 +53,11 @@ def test_learner_is_the_equations_and_protections_in_float64(scenario: str) -> N
     # The running means of innovation and step start where a settled learner has them, far below the range.
     lane.scale_um[:] = lane.moving_um[:] = truth.scale = truth.moving = 0.01
     pair.learner.scale_um = pair.learner.moving_um = 0.01
+    if scenario == "worse than the reference":  # a shadow that is off and has a covariance too small to learn
+        lane.theta *= np.float32(1.2)
+        lane.d[:], truth.theta, truth.P = 2.0**-30, lane.theta[:, 0].astype(np.float64), np.eye(6) * 2.0**-30
+        for i, value in enumerate(lane.theta[:, 0]):
+            pair.learner.theta[i], pair.learner.d[i] = float(value), 2.0**-30
     y, u = spoilt()
     compiled = pair.run(y, u)
     for k in range(SAMPLES):
@@ -71,6 +77,24 @@ def test_learner_is_the_equations_and_protections_in_float64(scenario: str) -> N
     assert {name for name in truth.counters if truth.counters[name]} >= {"updates", "rejected", "outside", *events} - (
         {"updates"} if scenario == "small parameters" else set()
     )
+
+
+@pytest.mark.parametrize(
+    ("planted", "event", "restarts"), [(1.4, "clamped", 0), (2.0**-45, "clamped", 0), (1e30, "restarts", 1)]
+)
+def test_variances_stay_between_their_limits_and_a_wild_one_restarts(planted: float, event: str, restarts: int) -> None:
+    """D as a flipped bit would leave it: 1.4 times the ceiling, below 2^-40 and beyond what an update can make."""
+    lane = Pair(sized(6)).lane
+    numbers = lane.numbers
+    lane.d[:] = planted * numbers.ceiling[:, None] if planted == 1.4 else planted
+    y, u = lagging(3)
+    for k in range(3):
+        lane.learn(y[k : k + 1], u[k : k + 1])
+    assert lane.counters["restarts"] == restarts
+    assert lane.counters[event] >= 1
+    assert lane.status[0] == lane.COUNTERS[event].flag
+    assert (lane.d[:, 0] <= numbers.ceiling).all()
+    assert (lane.d >= 2.0**-40).all()
 
 
 @pytest.mark.parametrize("model", [sized(6), sized(18, forgetting=1.0, alpha=1e3, noise_um=1e-3, worse=1.3, lost=3.0)])
