@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import functools
+import importlib.util
 import json
 import os
 import queue
@@ -127,19 +128,30 @@ def in_threads(work: Callable[[int], None]) -> None:
 
 def measure(folder: Path) -> None:
     """Run every test file under coverage.py, each in its own process; its results go to a file in `folder`/reached."""
-    todo: queue.SimpleQueue[str] = queue.SimpleQueue()
+    if importlib.util.find_spec("coverage") is None:
+        raise SystemExit("coverage is missing: pip install 'coverage>=7.6'")
+    names = [f"HEAD:{name}" for name in ("generator", "templates", "firmware", "tests")]
+    trees = subprocess.run(["git", "rev-parse", *names], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    measured = folder / "measured_trees.txt"
+    if measured.exists() and measured.read_text(encoding="utf-8") != trees:
+        raise SystemExit(f"{folder}: holds what the tests of another commit reach; name another folder")
+    todo: queue.SimpleQueue[str | None] = queue.SimpleQueue()
     for name in ("reached", "cache"):
         (folder / name).mkdir(parents=True, exist_ok=True)
+    measured.write_text(trees, encoding="utf-8")
     files = [str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests").rglob("test_*.py"))]
     for name in sorted(files, key=lambda name: "c674x" in name):
         if not (folder / "reached" / (name.replace("/", "+") + ".json")).exists():
             todo.put(name)
+    if todo.empty():
+        return
+    for _ in range(WORKERS):
+        todo.put(None)
 
     def work(number: int) -> None:
         place = Place(folder / f"measured-{number}")
         place.make(measured=True)
-        while not todo.empty():
-            name = todo.get()
+        for name in iter(todo.get, None):
             began = time.monotonic()
             code, output = place.pytest(["-m", "not proof", name], 3600.0, HYSGEN_CACHE=str(folder / "cache"))
             result = json.dumps(reached(place))
