@@ -95,7 +95,7 @@ def fetches(model: Model, built: Firmware) -> tuple[dict[str, int], list[Fetches
     functions = {s.name: s for s in built.image.symbols.values() if s.function and s.size}
     owner = {}
     for symbol in functions.values():
-        if not symbol.name.startswith("simulated_"):
+        if not symbol.name.startswith("hysgen_simulated_"):
             owner |= {symbol.address // L1P_LINE + i: (symbol.name, i) for i in range(lines(symbol.size))}
     kept = deque(periods(model, built.machine(), TRIM | LEARN, idle=True), maxlen=PERIODS)
 
@@ -129,7 +129,7 @@ def cases(name: str, scheduled: bool) -> Iterator[Case]:
 def board(fetch: tuple[str, int], target: Mapping[str, int]) -> Fetches:
     """All lines of the C6748's function in place of the first line of the simulator's; nothing for other functions."""
     name, offset = fetch
-    return [(name, i) for i in range(target[name])] if name.startswith("board_") and offset == 0 else []
+    return [(name, i) for i in range(target[name])] if name.startswith("hysgen_board_") and offset == 0 else []
 
 
 def total(found: Sequence[Case], order: Order) -> float:

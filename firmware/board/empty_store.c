@@ -4,7 +4,7 @@
 
 #include "board.h"
 
-void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+void hysgen_board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
 {
     (void)board;
     (void)slot;
@@ -14,13 +14,13 @@ void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *b
     }
 }
 
-void board_store_erase(board_t *board, uint32_t slot)
+void hysgen_board_store_erase(board_t *board, uint32_t slot)
 {
     (void)board;
     (void)slot;
 }
 
-uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+uint32_t hysgen_board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
 {
     (void)board;
     (void)slot;

@@ -17,45 +17,45 @@
 #define BOARD_SLOT_BYTES  4096u
 
 /* Displacement y(k) [um]: the sample that the A/D took at this interrupt. */
-float board_displacement_um(board_t *board);
+float hysgen_board_displacement_um(board_t *board);
 
 /* Reference [um] for the sample MODEL_PREVIEW + 1 after this interrupt. */
-float board_reference_um(board_t *board);
+float hysgen_board_reference_um(board_t *board);
 
 /* BOARD_AMPLIFIER_ bits, 0 if all is well. */
-uint32_t board_amplifier(board_t *board);
+uint32_t hysgen_board_amplifier(board_t *board);
 
 /* Put u(k) [V] out; it acts until the next call. */
-void board_voltage(board_t *board, float u_V);
+void hysgen_board_voltage(board_t *board, float u_V);
 
 /* Free-running counter of processor cycles; it may wrap. */
-uint32_t board_cycles(board_t *board);
+uint32_t hysgen_board_cycles(board_t *board);
 
 /* 1 if the next period's interrupt is waiting already: this one took too long. */
-uint32_t board_overrun(board_t *board);
+uint32_t hysgen_board_overrun(board_t *board);
 
 /* Move bytes between the line's hardware and the board's buffers: what arrived since the last call, and what is to be sent. In the
- * interrupt behind board_voltage, so that a line of up to 500 kbit/s loses nothing while the idle loop erases memory, and needs no
+ * interrupt behind hysgen_board_voltage, so that a line of up to 500 kbit/s loses nothing while the idle loop erases memory, and needs no
  * interrupt of its own, which would delay the next voltage. */
-void board_line_serve(board_t *board);
+void hysgen_board_line_serve(board_t *board);
 
 /* Amplifier: 1 switched on, 0 off. */
-void board_amplifier_enable(board_t *board, uint32_t on);
+void hysgen_board_amplifier_enable(board_t *board, uint32_t on);
 
 /* Restart the hardware watchdog: firmware is alive. */
-void board_alive(board_t *board);
+void hysgen_board_alive(board_t *board);
 
 /* Bytes that arrived on the line, at most `room`; returns how many. A byte that finds the buffer full is lost. */
-uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room);
+uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room);
 
 /* Send up to `count` bytes; returns how many found room. */
-uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count);
+uint32_t hysgen_board_line_write(board_t *board, const uint8_t *bytes, uint32_t count);
 
 /* Parameter store: memory that survives power off. Writing turns bytes of an erased slot into `bytes`; both may be cut
- * off anywhere by a power failure. Offsets and counts are in bytes and multiples of 4. board_store_write returns 0 if the board
+ * off anywhere by a power failure. Offsets and counts are in bytes and multiples of 4. hysgen_board_store_write returns 0 if the board
  * has no such memory, 1 else; firmware reads back what was written. */
-void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count);
-void board_store_erase(board_t *board, uint32_t slot);
-uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count);
+void hysgen_board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count);
+void hysgen_board_store_erase(board_t *board, uint32_t slot);
+uint32_t hysgen_board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count);
 
 #endif

@@ -25,7 +25,7 @@ static uint32_t controller_moves(controller_state_t state)
     return (uint32_t)((state != CONTROLLER_OFF) && (state != CONTROLLER_TRIP) && (state != CONTROLLER_TRIPPED));
 }
 
-void controller_init(controller_t *self, const settings_t *settings)
+void hysgen_controller_init(controller_t *self, const settings_t *settings)
 {
     self->settings = settings;
     self->state = CONTROLLER_OFF;
@@ -51,14 +51,14 @@ void controller_init(controller_t *self, const settings_t *settings)
     }
     self->oldest = 0u;
     self->samples = 0u;
-    watchdog_init(&self->watchdog, settings);
-    trim_init(&self->trim);
+    hysgen_watchdog_init(&self->watchdog, settings);
+    hysgen_trim_init(&self->trim);
     model_init(&self->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
     model_learn_init(&self->learner, &self->model);
     bank_copy(&self->bank, &self->model.bank[self->model.active]);
 }
 
-uint32_t controller_install(controller_t *self, const model_bank_t *bank)
+uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank)
 {
     const controller_state_t state = self->state;
 
@@ -77,7 +77,7 @@ static void controller_begin(controller_t *self)
     model_limits(&self->model, self->settings->low_V, self->settings->high_V, self->settings->step_V);
     bank_copy(&self->model.bank[0], &self->bank);
     bank_copy(&self->model.bank[1], &self->bank);
-    trim_init(&self->trim);
+    hysgen_trim_init(&self->trim);
     self->upward = 1u;
     self->begun = 1u;
     self->held = 0u;
@@ -106,7 +106,7 @@ static void controller_take_request(controller_t *self)
         self->status &= STATUS_LASTING;
         self->clears += 1u;
         if ((self->state == CONTROLLER_OFF) || (self->state == CONTROLLER_TRIPPED)) {
-            watchdog_init(&self->watchdog, self->settings);
+            hysgen_watchdog_init(&self->watchdog, self->settings);
         }
         if ((self->state == CONTROLLER_TRIPPED) && (self->status == 0u)) {
             self->state = CONTROLLER_OFF;
@@ -167,9 +167,9 @@ static float controller_follow(controller_t *self, float reference_um)
     float correction = 0.0f;
     float u_V;
 
-    self->status |= watchdog_follow(&self->watchdog, settings, self->expected_um[now]);
+    self->status |= hysgen_watchdog_follow(&self->watchdog, settings, self->expected_um[now]);
     if ((settings->options & SETTINGS_TRIM) != 0u) {
-        if (trim_step(&self->trim, settings, self->asked_um[now] - y_um, controller_at_limit(self)) != 0u) {
+        if (hysgen_trim_step(&self->trim, settings, self->asked_um[now] - y_um, controller_at_limit(self)) != 0u) {
             self->status |= STATUS_TRIM_LIMITED;
         }
         correction = self->trim.correction_um;
@@ -313,7 +313,7 @@ static void controller_limit_time(controller_t *self, controller_state_t before)
     }
 }
 
-float controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier)
+float hysgen_controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier)
 {
     const settings_t *settings = self->settings;
     controller_state_t before;
@@ -330,8 +330,8 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
     if (self->request != CONTROLLER_NO_REQUEST) {
         controller_take_request(self);
     }
-    self->status |= watchdog_reading(&self->watchdog, settings, y_um, self->output_V);
-    self->status |= watchdog_amplifier(&self->watchdog, settings, amplifier);
+    self->status |= hysgen_watchdog_reading(&self->watchdog, settings, y_um, self->output_V);
+    self->status |= hysgen_watchdog_amplifier(&self->watchdog, settings, amplifier);
     if (((self->status & STATUS_FAULTS) != 0u) && (self->state != CONTROLLER_TRIPPED)) {
         self->state = CONTROLLER_TRIP;
     }
@@ -354,7 +354,7 @@ float controller_step(controller_t *self, float y_um, float reference_um, uint32
     return self->output_V;
 }
 
-void controller_learn(controller_t *self)
+void hysgen_controller_learn(controller_t *self)
 {
     if (self->learns == 0u) {
         return;
@@ -367,7 +367,7 @@ void controller_learn(controller_t *self)
     }
 }
 
-void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since)
+void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since)
 {
     const uint32_t period = self->settings->period_cycles;
     const uint32_t lost = (uint32_t)(since > period + (period >> 1));
@@ -375,5 +375,5 @@ void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint
     if (lost != 0u) {
         self->status |= STATUS_INTERRUPT_LOST;
     }
-    self->status |= watchdog_time(&self->watchdog, self->settings, cycles, overrun | lost);
+    self->status |= hysgen_watchdog_time(&self->watchdog, self->settings, cycles, overrun | lost);
 }

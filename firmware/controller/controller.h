@@ -76,7 +76,7 @@ typedef struct {
 } controller_t;
 
 /* Off, with the parameters that the firmware was built with. */
-void controller_init(controller_t *self, const settings_t *settings);
+void hysgen_controller_init(controller_t *self, const settings_t *settings);
 
 /* One sample.
  *
@@ -84,18 +84,18 @@ void controller_init(controller_t *self, const settings_t *settings);
  * reference_um  wanted displacement [um] of sample k + MODEL_PREVIEW + 1
  * amplifier     BOARD_AMPLIFIER_ bits
  * returns       u(k) [V] inside the settings' range, at most step_V from the one before */
-float controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier);
+float hysgen_controller_step(controller_t *self, float y_um, float reference_um, uint32_t amplifier);
 
-/* After controller_step, once its voltage is put out: learn from the same sample, the reading as it was and the voltage
- * that controller_step returned. In this order the time of the learner does not delay the output. */
-void controller_learn(controller_t *self);
+/* After hysgen_controller_step, once its voltage is put out: learn from the same sample, the reading as it was and the voltage
+ * that hysgen_controller_step returned. In this order the time of the learner does not delay the output. */
+void hysgen_controller_learn(controller_t *self);
 
 /* After a sample: cycles that it took, whether the next interrupt waits already, and cycles since the interrupt before, 0 if there was
  * none. Lost interrupts count as late ones. */
-void controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since);
+void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since);
 
 /* Parameters for the next start; only in OFF, TRIP and TRIPPED. Returns 1 if taken. Set `installing` around the call, so that no
  * start begins inside it. */
-uint32_t controller_install(controller_t *self, const model_bank_t *bank);
+uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank);
 
 #endif

@@ -6,6 +6,6 @@
 
 #include <stdint.h>
 
-uint32_t crc32(const uint8_t *bytes, uint32_t count);
+uint32_t hysgen_crc32(const uint8_t *bytes, uint32_t count);
 
 #endif

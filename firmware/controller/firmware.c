@@ -7,7 +7,7 @@
 #include "model.h"
 #include "number.h"
 
-void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner)
+void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner)
 {
     self->received = 0u;
     self->image_arrives = 0u;
@@ -25,9 +25,9 @@ void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings,
     self->entered = 0u;
     self->asked_um = 0.0f;
     self->asks = 0u;
-    link_init(&self->link);
-    controller_init(&self->controller, settings);
-    self->settings_wrong = settings_check(settings);
+    hysgen_link_init(&self->link);
+    hysgen_controller_init(&self->controller, settings);
+    self->settings_wrong = hysgen_settings_check(settings);
     if (self->settings_wrong != NULL) {
         self->controller.status |= STATUS_FAULT_SETTINGS;
     }
@@ -35,45 +35,45 @@ void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings,
     if (self->selftest != 0u) {
         self->controller.status |= STATUS_FAULT_SELFTEST;
     }
-    if (store_load(&self->store, board, owner, &self->bench, &self->controller.bank) != 0u) {
+    if (hysgen_store_load(&self->store, board, owner, &self->bench, &self->controller.bank) != 0u) {
         self->image_status = STATUS_IMAGE_FALLBACK;
     }
 }
 
-void firmware_interrupt(firmware_t *self, board_t *board)
+void hysgen_firmware_interrupt(firmware_t *self, board_t *board)
 {
-    const uint32_t start = board_cycles(board);
+    const uint32_t start = hysgen_board_cycles(board);
     const uint32_t since = (self->controller.samples != 0u) ? start - self->entered : 0u;
-    const float y_um = board_displacement_um(board);
-    const float board_um = board_reference_um(board);
+    const float y_um = hysgen_board_displacement_um(board);
+    const float board_um = hysgen_board_reference_um(board);
     const float reference_um = (self->asks != 0u) ? self->asked_um : board_um;
-    const uint32_t amplifier = board_amplifier(board);
+    const uint32_t amplifier = hysgen_board_amplifier(board);
 
     self->entered = start;
-    board_voltage(board, controller_step(&self->controller, y_um, reference_um, amplifier));
-    controller_learn(&self->controller);
-    board_line_serve(board);
-    board_amplifier_enable(board, (uint32_t)(self->controller.state != CONTROLLER_TRIPPED));
+    hysgen_board_voltage(board, hysgen_controller_step(&self->controller, y_um, reference_um, amplifier));
+    hysgen_controller_learn(&self->controller);
+    hysgen_board_line_serve(board);
+    hysgen_board_amplifier_enable(board, (uint32_t)(self->controller.state != CONTROLLER_TRIPPED));
     /* The watchdog waits for both: an idle loop that is stuck stops it too, though not one that erases memory. */
     if (self->controller.samples - self->ticked < self->controller.settings->state_samples) {
-        board_alive(board);
+        hysgen_board_alive(board);
     }
-    self->cycles_last = board_cycles(board) - start;
+    self->cycles_last = hysgen_board_cycles(board) - start;
     self->cycles_most = (self->cycles_last > self->cycles_most) ? self->cycles_last : self->cycles_most;
-    controller_time(&self->controller, self->cycles_last, board_overrun(board), since);
+    hysgen_controller_time(&self->controller, self->cycles_last, hysgen_board_overrun(board), since);
 }
 
-uint32_t firmware_status(const firmware_t *self)
+uint32_t hysgen_firmware_status(const firmware_t *self)
 {
     return self->controller.status | self->image_status;
 }
 
-void firmware_panic(const firmware_t *self, board_t *board)
+void hysgen_firmware_panic(const firmware_t *self, board_t *board)
 {
     const settings_t *settings = self->controller.settings;
 
-    board_voltage(board, (number_finite(settings->off_V) != 0u) ? settings->off_V : 0.0f);
-    board_amplifier_enable(board, 0u);
+    hysgen_board_voltage(board, (number_finite(settings->off_V) != 0u) ? settings->off_V : 0.0f);
+    hysgen_board_amplifier_enable(board, 0u);
 }
 
 static void firmware_answer_status(firmware_t *self)
@@ -81,24 +81,24 @@ static void firmware_answer_status(firmware_t *self)
     const controller_t *controller = &self->controller;
     link_t *link = &self->link;
 
-    link_add(link, (uint32_t)controller->state);
-    link_add(link, firmware_status(self));
-    link_add(link, controller->samples);
-    link_add(link, number_bits(controller->watchdog.reading_um));
-    link_add(link, number_bits(controller->output_V));
-    link_add(link, number_bits(controller->reference_um));
-    link_add(link, number_bits(controller->offset_um));
-    link_add(link, self->image_answer);
-    link_add(link, self->image_pending);
-    link_add(link, self->received);
-    link_add(link, self->store.counter);
-    link_add(link, self->commits);
-    link_add(link, self->commit_answer);
-    link_add(link, controller->learner.updates);
-    link_add(link, controller->learner.rejected);
-    link_add(link, self->cycles_last);
-    link_add(link, self->cycles_most);
-    link_add(link, self->selftest);
+    hysgen_link_add(link, (uint32_t)controller->state);
+    hysgen_link_add(link, hysgen_firmware_status(self));
+    hysgen_link_add(link, controller->samples);
+    hysgen_link_add(link, number_bits(controller->watchdog.reading_um));
+    hysgen_link_add(link, number_bits(controller->output_V));
+    hysgen_link_add(link, number_bits(controller->reference_um));
+    hysgen_link_add(link, number_bits(controller->offset_um));
+    hysgen_link_add(link, self->image_answer);
+    hysgen_link_add(link, self->image_pending);
+    hysgen_link_add(link, self->received);
+    hysgen_link_add(link, self->store.counter);
+    hysgen_link_add(link, self->commits);
+    hysgen_link_add(link, self->commit_answer);
+    hysgen_link_add(link, controller->learner.updates);
+    hysgen_link_add(link, controller->learner.rejected);
+    hysgen_link_add(link, self->cycles_last);
+    hysgen_link_add(link, self->cycles_most);
+    hysgen_link_add(link, self->selftest);
 }
 
 static void firmware_answer_identity(firmware_t *self)
@@ -107,24 +107,24 @@ static void firmware_answer_identity(firmware_t *self)
     const image_owner_t *owner = self->store.owner;
     link_t *link = &self->link;
 
-    link_add(link, LINK_VERSION);
+    hysgen_link_add(link, LINK_VERSION);
     for (uint32_t i = 0u; i < 4u; ++i) {
-        link_add(link, digest[i]);
+        hysgen_link_add(link, digest[i]);
     }
-    link_add(link, MODEL_BUILD);
-    link_add(link, owner->device[0]);
-    link_add(link, owner->device[1]);
-    link_add(link, (uint32_t)((owner->key[0] | owner->key[1] | owner->key[2] | owner->key[3]) != 0u));
-    link_add(link, MODEL_PERIOD_NS);
-    link_add(link, MODEL_PREVIEW);
-    link_add(link, IMAGE_BYTES);
-    link_add(link, MODEL_RULES);
-    link_add(link, MODEL_WEIGHTS);
-    link_add(link, number_bits(MODEL_Y_MIN_UM));
-    link_add(link, number_bits(MODEL_Y_MAX_UM));
-    link_add(link, number_bits(MODEL_U_MIN_V));
-    link_add(link, number_bits(MODEL_U_MAX_V));
-    link_add_text(link, MODEL_NAME);
+    hysgen_link_add(link, MODEL_BUILD);
+    hysgen_link_add(link, owner->device[0]);
+    hysgen_link_add(link, owner->device[1]);
+    hysgen_link_add(link, (uint32_t)((owner->key[0] | owner->key[1] | owner->key[2] | owner->key[3]) != 0u));
+    hysgen_link_add(link, MODEL_PERIOD_NS);
+    hysgen_link_add(link, MODEL_PREVIEW);
+    hysgen_link_add(link, IMAGE_BYTES);
+    hysgen_link_add(link, MODEL_RULES);
+    hysgen_link_add(link, MODEL_WEIGHTS);
+    hysgen_link_add(link, number_bits(MODEL_Y_MIN_UM));
+    hysgen_link_add(link, number_bits(MODEL_Y_MAX_UM));
+    hysgen_link_add(link, number_bits(MODEL_U_MIN_V));
+    hysgen_link_add(link, number_bits(MODEL_U_MAX_V));
+    hysgen_link_add_text(link, MODEL_NAME);
 }
 
 static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t count)
@@ -221,14 +221,14 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
     } else {
         /* Unknown. */
     }
-    link_answer(&self->link, kind, number, code);
+    hysgen_link_answer(&self->link, kind, number, code);
     if ((code == LINK_DONE) && (kind == LINK_STATUS)) {
         firmware_answer_status(self);
     }
     if ((code == LINK_DONE) && (kind == LINK_IDENTIFY)) {
         firmware_answer_identity(self);
     }
-    link_close(&self->link);
+    hysgen_link_close(&self->link);
 }
 
 /* At most so many bytes to and from the line a call: the idle loop has other things to do. */
@@ -242,14 +242,14 @@ static void firmware_line(firmware_t *self, board_t *board)
 
     for (uint32_t i = 0u; (i < FIRMWARE_LINE_BYTES) && (more != 0u); ++i) {
         if ((link->wire_sent < link->wire_count) && (link->wire_sent < FRAME_WIRE)) {
-            more = board_line_write(board, &link->wire[link->wire_sent], 1u);
+            more = hysgen_board_line_write(board, &link->wire[link->wire_sent], 1u);
             link->wire_sent += more;
         } else {
             uint8_t byte = 0u;
 
-            more = board_line_read(board, &byte, 1u);
+            more = hysgen_board_line_read(board, &byte, 1u);
             if (more != 0u) {
-                const uint32_t count = frame_take(&link->frame, byte);
+                const uint32_t count = hysgen_frame_take(&link->frame, byte);
 
                 if (count != 0u) {
                     firmware_obey(self, link->frame.bytes, count);
@@ -269,11 +269,11 @@ static void firmware_take_image(firmware_t *self, board_t *board)
     for (uint32_t i = 0u; i < IMAGE_BYTES; ++i) {
         self->store.bytes[i] = self->incoming[i];
     }
-    self->image_answer = store_keep(&self->store, board, &self->bench, &bank, IMAGE_BYTES);
+    self->image_answer = hysgen_store_keep(&self->store, board, &self->bench, &bank, IMAGE_BYTES);
     if (self->image_answer != IMAGE_GOOD) {
         self->image_status |= STATUS_IMAGE_REFUSED;
     } else {
-        (void)controller_install(&self->controller, &bank);
+        (void)hysgen_controller_install(&self->controller, &bank);
     }
 }
 
@@ -319,7 +319,7 @@ static void firmware_commit(firmware_t *self)
     }
 }
 
-void firmware_idle(firmware_t *self, board_t *board)
+void hysgen_firmware_idle(firmware_t *self, board_t *board)
 {
     const uint32_t clears = self->controller.clears;
     const uint32_t samples = self->controller.samples;

@@ -27,28 +27,28 @@ typedef struct {
     uint32_t commit_answer;      /* of the commit that was finished last */
     uint32_t commits;            /* that made a shadow active */
     uint32_t commit_last;        /* sample of the last attempt */
-    uint32_t committing;         /* an attempt is under way, over several calls of firmware_idle */
-    uint32_t ticked;             /* sample after which firmware_idle worked last */
+    uint32_t committing;         /* an attempt is under way, over several calls of hysgen_firmware_idle */
+    uint32_t ticked;             /* sample after which hysgen_firmware_idle worked last */
     uint32_t entered;            /* cycle counter at the last interrupt */
     uint32_t cycles_last;        /* of the interrupt */
     uint32_t cycles_most;
-    const char *settings_wrong;  /* field that settings_check refused at boot, or a null pointer */
+    const char *settings_wrong;  /* field that hysgen_settings_check refused at boot, or a null pointer */
     uint32_t selftest;           /* mismatches at boot; 0: this processor computes what was verified */
 } firmware_t;
 
 /* Self-test, parameters from the store, everything off. The interrupt may be enabled afterwards. */
-void firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner);
+void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner);
 
 /* Every 20 us. */
-void firmware_interrupt(firmware_t *self, board_t *board);
+void hysgen_firmware_interrupt(firmware_t *self, board_t *board);
 
 /* STATUS_ bits of the controller and of the parameter images. */
-uint32_t firmware_status(const firmware_t *self);
+uint32_t hysgen_firmware_status(const firmware_t *self);
 
 /* One pass of the idle loop: executes commands of the link, takes parameter images, calls the model's commit. */
-void firmware_idle(firmware_t *self, board_t *board);
+void hysgen_firmware_idle(firmware_t *self, board_t *board);
 
 /* For the handler of exceptions and NMI: output to off_V at once, amplifier off. */
-void firmware_panic(const firmware_t *self, board_t *board);
+void hysgen_firmware_panic(const firmware_t *self, board_t *board);
 
 #endif

@@ -5,7 +5,7 @@
 
 #define FRAME_CRC 4u
 
-void frame_init(frame_t *self)
+void hysgen_frame_init(frame_t *self)
 {
     self->count = 0u;
     self->left = 0u;
@@ -31,20 +31,20 @@ static uint32_t frame_ended(const frame_t *self)
     if ((self->broken == 0u) && (self->left == 0u) && (self->count > FRAME_CRC)) {
         const uint32_t length = self->count - FRAME_CRC;
 
-        if (bytes_word(&self->bytes[length]) == crc32(self->bytes, length)) {
+        if (bytes_word(&self->bytes[length]) == hysgen_crc32(self->bytes, length)) {
             count = length;
         }
     }
     return count;
 }
 
-uint32_t frame_take(frame_t *self, uint8_t byte)
+uint32_t hysgen_frame_take(frame_t *self, uint8_t byte)
 {
     uint32_t count = 0u;
 
     if (byte == 0u) {
         count = frame_ended(self);
-        frame_init(self);
+        hysgen_frame_init(self);
     } else if (self->left == 0u) {
         if (self->zero != 0u) {
             frame_put(self, 0u);
@@ -58,7 +58,7 @@ uint32_t frame_take(frame_t *self, uint8_t byte)
     return count;
 }
 
-uint32_t frame_make(const uint8_t *payload, uint32_t count, uint8_t wire[FRAME_WIRE])
+uint32_t hysgen_frame_make(const uint8_t *payload, uint32_t count, uint8_t wire[FRAME_WIRE])
 {
     const uint32_t length = (count < FRAME_PAYLOAD) ? count : FRAME_PAYLOAD;
     uint8_t crc[FRAME_CRC];
@@ -66,7 +66,7 @@ uint32_t frame_make(const uint8_t *payload, uint32_t count, uint8_t wire[FRAME_W
     uint32_t code = 1u;
     uint32_t end = 1u;
 
-    bytes_put(crc, crc32(payload, length));
+    bytes_put(crc, hysgen_crc32(payload, length));
     for (uint32_t i = 0u; i < length + FRAME_CRC; ++i) {
         const uint8_t byte = (i < length) ? payload[i] : crc[i - length];
 

@@ -22,13 +22,13 @@ typedef struct {
     uint32_t broken;  /* more bytes than a frame has: nothing is taken before the next zero */
 } frame_t;
 
-void frame_init(frame_t *self);
+void hysgen_frame_init(frame_t *self);
 
 /* A byte from the line. Returns the length of the payload in self->bytes if it ended a good frame, else 0. The payload stays
  * until the next call. */
-uint32_t frame_take(frame_t *self, uint8_t byte);
+uint32_t hysgen_frame_take(frame_t *self, uint8_t byte);
 
 /* The frame of `count` bytes, at most FRAME_PAYLOAD, in `wire`; returns its length on the line. */
-uint32_t frame_make(const uint8_t *payload, uint32_t count, uint8_t wire[FRAME_WIRE]);
+uint32_t hysgen_frame_make(const uint8_t *payload, uint32_t count, uint8_t wire[FRAME_WIRE]);
 
 #endif

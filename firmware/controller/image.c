@@ -14,14 +14,14 @@
 
 static const uint32_t image_digest[4] = MODEL_DIGEST;
 
-uint32_t image_word(const uint8_t *bytes, uint32_t i)
+uint32_t hysgen_image_word(const uint8_t *bytes, uint32_t i)
 {
     return bytes_word(&bytes[4u * i]);
 }
 
 static float image_number(const uint8_t *bytes, uint32_t i)
 {
-    return number_of(image_word(bytes, IMAGE_HEADER + i));
+    return number_of(hysgen_image_word(bytes, IMAGE_HEADER + i));
 }
 
 /* 1 if x is 0 or a normal number of a size that a parameter can have. */
@@ -37,19 +37,19 @@ static uint32_t image_authentic(const uint8_t *bytes, const image_owner_t *owner
 {
     uint32_t tag[2];
 
-    siphash(owner->key, bytes, 4u * IMAGE_MAC, tag);
-    return (uint32_t)(((tag[0] ^ image_word(bytes, IMAGE_MAC)) | (tag[1] ^ image_word(bytes, IMAGE_MAC + 1u))) == 0u);
+    hysgen_siphash(owner->key, bytes, 4u * IMAGE_MAC, tag);
+    return (uint32_t)(((tag[0] ^ hysgen_image_word(bytes, IMAGE_MAC)) | (tag[1] ^ hysgen_image_word(bytes, IMAGE_MAC + 1u))) == 0u);
 }
 
 /* 1 if the numbers are those of this model's structure. */
 static uint32_t image_fits(const uint8_t *bytes)
 {
-    uint32_t same = (uint32_t)(image_word(bytes, 2u) == IMAGE_BYTES);
+    uint32_t same = (uint32_t)(hysgen_image_word(bytes, 2u) == IMAGE_BYTES);
 
     for (uint32_t i = 0u; i < 4u; ++i) {
-        same &= (uint32_t)(image_word(bytes, 3u + i) == image_digest[i]);
+        same &= (uint32_t)(hysgen_image_word(bytes, 3u + i) == image_digest[i]);
     }
-    return same & (uint32_t)(image_word(bytes, 7u) == MODEL_RULES) & (uint32_t)(image_word(bytes, 8u) == MODEL_WEIGHTS);
+    return same & (uint32_t)(hysgen_image_word(bytes, 7u) == MODEL_RULES) & (uint32_t)(hysgen_image_word(bytes, 8u) == MODEL_WEIGHTS);
 }
 
 static uint32_t image_of_numbers(const uint8_t *bytes)
@@ -62,24 +62,24 @@ static uint32_t image_of_numbers(const uint8_t *bytes)
     return plausible;
 }
 
-uint32_t image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner)
+uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner)
 {
     uint32_t answer = IMAGE_GOOD;
 
     if (count != IMAGE_BYTES) {
         answer = IMAGE_INCOMPLETE;
-    } else if ((image_word(bytes, 0u) != IMAGE_MAGIC) || (image_word(bytes, 1u) != IMAGE_VERSION)) {
+    } else if ((hysgen_image_word(bytes, 0u) != IMAGE_MAGIC) || (hysgen_image_word(bytes, 1u) != IMAGE_VERSION)) {
         answer = IMAGE_UNKNOWN;
-    } else if (image_word(bytes, IMAGE_CRC) != crc32(bytes, 4u * IMAGE_CRC)) {
+    } else if (hysgen_image_word(bytes, IMAGE_CRC) != hysgen_crc32(bytes, 4u * IMAGE_CRC)) {
         answer = IMAGE_DAMAGED;
     } else if (image_authentic(bytes, owner) == 0u) {
         answer = IMAGE_FORGED;
     } else if (image_fits(bytes) == 0u) {
         answer = IMAGE_FOREIGN;
-    } else if ((image_word(bytes, IMAGE_DEVICE) != owner->device[0])
-               || (image_word(bytes, IMAGE_DEVICE + 1u) != owner->device[1])) {
+    } else if ((hysgen_image_word(bytes, IMAGE_DEVICE) != owner->device[0])
+               || (hysgen_image_word(bytes, IMAGE_DEVICE + 1u) != owner->device[1])) {
         answer = IMAGE_STRANGE;
-    } else if ((image_word(bytes, IMAGE_BUILD) != 0u) && (image_word(bytes, IMAGE_BUILD) != MODEL_BUILD)) {
+    } else if ((hysgen_image_word(bytes, IMAGE_BUILD) != 0u) && (hysgen_image_word(bytes, IMAGE_BUILD) != MODEL_BUILD)) {
         answer = IMAGE_OTHER_BUILD;
     } else if (image_of_numbers(bytes) == 0u) {
         answer = IMAGE_NO_NUMBER;
@@ -91,7 +91,7 @@ uint32_t image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *
 
 /* The generated commit certifies the image: its numbers become the learnt bank of a separate learner, of the age that commit
  * requires, and are committed to a separate model, never to the one that drives the stage. */
-uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank)
+uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank)
 {
     model_bank_t *offered;
     uint32_t answer = MODEL_BUSY;

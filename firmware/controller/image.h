@@ -64,12 +64,12 @@ typedef struct {
 } image_bench_t;
 
 /* Whole, authentic, right and of numbers? */
-uint32_t image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner);
+uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner);
 
-/* The certificates of an image that image_check found good. If they hold, its numbers are in *bank. */
-uint32_t image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank);
+/* The certificates of an image that hysgen_image_check found good. If they hold, its numbers are in *bank. */
+uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank);
 
 /* Word i of the image. */
-uint32_t image_word(const uint8_t *bytes, uint32_t i);
+uint32_t hysgen_image_word(const uint8_t *bytes, uint32_t i);
 
 #endif

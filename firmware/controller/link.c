@@ -2,9 +2,9 @@
 
 #include "bytes.h"
 
-void link_init(link_t *self)
+void hysgen_link_init(link_t *self)
 {
-    frame_init(&self->frame);
+    hysgen_frame_init(&self->frame);
     self->length = 0u;
     self->wire_count = 0u;
     self->wire_sent = 0u;
@@ -18,7 +18,7 @@ static void link_add_byte(link_t *self, uint8_t byte)
     }
 }
 
-void link_answer(link_t *self, uint8_t kind, uint8_t number, uint8_t code)
+void hysgen_link_answer(link_t *self, uint8_t kind, uint8_t number, uint8_t code)
 {
     self->length = 0u;
     link_add_byte(self, (uint8_t)(kind | LINK_ANSWER));
@@ -26,7 +26,7 @@ void link_answer(link_t *self, uint8_t kind, uint8_t number, uint8_t code)
     link_add_byte(self, code);
 }
 
-void link_add(link_t *self, uint32_t word)
+void hysgen_link_add(link_t *self, uint32_t word)
 {
     uint8_t bytes[4];
 
@@ -36,15 +36,15 @@ void link_add(link_t *self, uint32_t word)
     }
 }
 
-void link_add_text(link_t *self, const char *text)
+void hysgen_link_add_text(link_t *self, const char *text)
 {
     for (uint32_t i = 0u; (text[i] != '\0') && (i < FRAME_PAYLOAD); ++i) {
         link_add_byte(self, (uint8_t)text[i]);
     }
 }
 
-void link_close(link_t *self)
+void hysgen_link_close(link_t *self)
 {
-    self->wire_count = frame_make(self->answer, self->length, self->wire);
+    self->wire_count = hysgen_frame_make(self->answer, self->length, self->wire);
     self->wire_sent = 0u;
 }

@@ -36,18 +36,18 @@ typedef struct {
     uint32_t wire_sent;      /* and how many of them are on the line */
 } link_t;
 
-void link_init(link_t *self);
+void hysgen_link_init(link_t *self);
 
 /* Begin the answer to a command. */
-void link_answer(link_t *self, uint8_t kind, uint8_t number, uint8_t code);
+void hysgen_link_answer(link_t *self, uint8_t kind, uint8_t number, uint8_t code);
 
 /* Append a word to the answer; what does not fit is left out. */
-void link_add(link_t *self, uint32_t word);
+void hysgen_link_add(link_t *self, uint32_t word);
 
 /* Append text to the answer, without its end. */
-void link_add_text(link_t *self, const char *text);
+void hysgen_link_add_text(link_t *self, const char *text);
 
 /* Make the frame of the answer. */
-void link_close(link_t *self);
+void hysgen_link_close(link_t *self);
 
 #endif

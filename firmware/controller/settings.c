@@ -14,7 +14,7 @@ typedef struct {
 
 #define SETTINGS_LARGEST 1.0e30f
 
-const char *settings_check(const settings_t *settings)
+const char *hysgen_settings_check(const settings_t *settings)
 {
     const settings_t *s = settings;
     const float large = SETTINGS_LARGEST;

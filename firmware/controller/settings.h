@@ -62,6 +62,6 @@ typedef struct {
 
 /* Name of the first field that is not finite or not possible, or a null pointer. Limits: low_V < off_V, loop < high_V and the loop
  * inside the model's range of inputs; ramp_V and fall_V at most step_V; budget within the period; shares in 0 .. 1. */
-const char *settings_check(const settings_t *settings);
+const char *hysgen_settings_check(const settings_t *settings);
 
 #endif

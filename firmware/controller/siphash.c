@@ -86,7 +86,7 @@ static siphash_word_t siphash_word(const uint8_t *bytes, uint32_t count)
     return word;
 }
 
-void siphash(const uint32_t key[4], const uint8_t *bytes, uint32_t count, uint32_t tag[2])
+void hysgen_siphash(const uint32_t key[4], const uint8_t *bytes, uint32_t count, uint32_t tag[2])
 {
     const siphash_word_t first = { key[0], key[1] };
     const siphash_word_t second = { key[2], key[3] };

@@ -28,7 +28,7 @@
 #define STATUS_FAULT_DEADLINE       0x00200000u  /* too many late interrupts */
 #define STATUS_FAULT_OFFSET         0x00400000u  /* HOLD found a larger offset between stage and model than offset_um */
 #define STATUS_FAULT_STROKE         0x00800000u  /* the stage did not move through the loop as the model did */
-#define STATUS_FAULT_SETTINGS       0x01000000u  /* settings_check found an impossible field; the output never moves */
+#define STATUS_FAULT_SETTINGS       0x01000000u  /* hysgen_settings_check found an impossible field; the output never moves */
 #define STATUS_FAULT_TIMEOUT        0x02000000u  /* a state took longer than state_samples */
 #define STATUS_FAULTS               0x03FF0000u
 #define STATUS_LASTING              (STATUS_FAULT_SELFTEST | STATUS_FAULT_SETTINGS)  /* CLEAR does not clear these */

@@ -11,17 +11,17 @@ static uint32_t store_seals(const store_t *self, board_t *board, uint32_t slot, 
 {
     uint8_t seal[SEAL_BYTES];
 
-    board_store_read(board, slot, STORE_SEAL_OFFSET, seal, SEAL_BYTES);
-    *sequence = image_word(seal, 1u);
-    return (uint32_t)(image_word(seal, 0u) == STORE_SEAL_MAGIC)
-        & (uint32_t)(image_word(seal, 3u) == crc32(seal, SEAL_BYTES - 4u))
-        & (uint32_t)(image_word(seal, 2u) == image_word(self->bytes, IMAGE_CRC));
+    hysgen_board_store_read(board, slot, STORE_SEAL_OFFSET, seal, SEAL_BYTES);
+    *sequence = hysgen_image_word(seal, 1u);
+    return (uint32_t)(hysgen_image_word(seal, 0u) == STORE_SEAL_MAGIC)
+        & (uint32_t)(hysgen_image_word(seal, 3u) == hysgen_crc32(seal, SEAL_BYTES - 4u))
+        & (uint32_t)(hysgen_image_word(seal, 2u) == hysgen_image_word(self->bytes, IMAGE_CRC));
 }
 
 /* Read slot into self->bytes. Returns 1 and its sequence number if its seal is valid and belongs to that image. */
 static uint32_t store_sealed(store_t *self, board_t *board, uint32_t slot, uint32_t *sequence)
 {
-    board_store_read(board, slot, 0u, self->bytes, IMAGE_BYTES);
+    hysgen_board_store_read(board, slot, 0u, self->bytes, IMAGE_BYTES);
     return store_seals(self, board, slot, sequence);
 }
 
@@ -41,7 +41,7 @@ static uint32_t store_holds(const store_t *self, board_t *board)
         uint8_t word[4];
 
         for (uint32_t at = 0u; (at < IMAGE_BYTES) && (same != 0u); at += 4u) {
-            board_store_read(board, slot, at, word, 4u);
+            hysgen_board_store_read(board, slot, at, word, 4u);
             same = (uint32_t)(bytes_word(word) == bytes_word(&self->bytes[at]));
         }
         if (same != 0u) {
@@ -62,14 +62,14 @@ static uint32_t store_newer(uint32_t a, uint32_t b)
 
 static uint32_t store_judge(store_t *self, image_bench_t *bench, model_bank_t *bank, uint32_t count)
 {
-    self->answer = image_check(self->bytes, count, self->owner);
+    self->answer = hysgen_image_check(self->bytes, count, self->owner);
     if (self->answer == IMAGE_GOOD) {
-        self->answer = image_certify(self->bytes, bench, bank);
+        self->answer = hysgen_image_certify(self->bytes, bench, bank);
     }
     return self->answer;
 }
 
-uint32_t store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank)
+uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank)
 {
     uint32_t sequence[BOARD_SLOTS];
     uint32_t sealed[BOARD_SLOTS];
@@ -94,7 +94,7 @@ uint32_t store_load(store_t *self, board_t *board, const image_owner_t *owner, i
             if (store_judge(self, bench, bank, IMAGE_BYTES) == IMAGE_GOOD) {
                 found = slot;
                 self->sequence = sequence[slot];
-                self->counter = image_word(self->bytes, IMAGE_COUNTER);
+                self->counter = hysgen_image_word(self->bytes, IMAGE_COUNTER);
             } else {
                 bad = 1u;
             }
@@ -108,8 +108,8 @@ uint32_t store_load(store_t *self, board_t *board, const image_owner_t *owner, i
 static uint32_t store_write(store_t *self, board_t *board)
 {
     const uint32_t slot = (uint32_t)(self->slot == 0u);
-    const uint32_t crc = image_word(self->bytes, IMAGE_CRC);
-    const uint32_t counter = image_word(self->bytes, IMAGE_COUNTER);
+    const uint32_t crc = hysgen_image_word(self->bytes, IMAGE_CRC);
+    const uint32_t counter = hysgen_image_word(self->bytes, IMAGE_COUNTER);
     const uint32_t next = self->sequence + 1u;
     uint8_t seal[SEAL_BYTES];
     uint32_t sequence;
@@ -118,14 +118,14 @@ static uint32_t store_write(store_t *self, board_t *board)
     bytes_put(&seal[0], STORE_SEAL_MAGIC);
     bytes_put(&seal[4], next);
     bytes_put(&seal[8], crc);
-    bytes_put(&seal[12], crc32(seal, SEAL_BYTES - 4u));
-    board_store_erase(board, slot);
-    if (board_store_write(board, slot, 0u, self->bytes, IMAGE_BYTES) != 0u) {
-        board_store_read(board, slot, 0u, self->bytes, IMAGE_BYTES);
-        answer = image_check(self->bytes, IMAGE_BYTES, self->owner);
+    bytes_put(&seal[12], hysgen_crc32(seal, SEAL_BYTES - 4u));
+    hysgen_board_store_erase(board, slot);
+    if (hysgen_board_store_write(board, slot, 0u, self->bytes, IMAGE_BYTES) != 0u) {
+        hysgen_board_store_read(board, slot, 0u, self->bytes, IMAGE_BYTES);
+        answer = hysgen_image_check(self->bytes, IMAGE_BYTES, self->owner);
     }
     if (answer == IMAGE_GOOD) {
-        (void)board_store_write(board, slot, STORE_SEAL_OFFSET, seal, SEAL_BYTES);
+        (void)hysgen_board_store_write(board, slot, STORE_SEAL_OFFSET, seal, SEAL_BYTES);
         if ((store_sealed(self, board, slot, &sequence) == 0u) || (sequence != next)) {
             answer = IMAGE_DAMAGED;
         }
@@ -138,7 +138,7 @@ static uint32_t store_write(store_t *self, board_t *board)
     return answer;
 }
 
-uint32_t store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count)
+uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count)
 {
     model_bank_t good;
 
@@ -146,7 +146,7 @@ uint32_t store_keep(store_t *self, board_t *board, image_bench_t *bench, model_b
     if (store_judge(self, bench, &good, count) == IMAGE_GOOD) {
         const uint32_t held = store_holds(self, board);
 
-        if ((held == STORE_OTHER) && (image_word(self->bytes, IMAGE_COUNTER) <= self->counter)) {
+        if ((held == STORE_OTHER) && (hysgen_image_word(self->bytes, IMAGE_COUNTER) <= self->counter)) {
             self->answer = IMAGE_REPLAYED;
         } else if (held != STORE_SEALED) {
             self->answer = store_write(self, board);

@@ -2,14 +2,14 @@
 
 #include "number.h"
 
-void trim_init(trim_t *self)
+void hysgen_trim_init(trim_t *self)
 {
     self->integral_um = 0.0f;
     self->smooth_um = 0.0f;
     self->correction_um = 0.0f;
 }
 
-uint32_t trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited)
+uint32_t hysgen_trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited)
 {
     const float limit = settings->trim_limit_um;
     const uint32_t winds = (uint32_t)(((limited > 0) && (residual_um > 0.0f))

@@ -20,10 +20,10 @@ typedef struct {
     float correction_um;
 } trim_t;
 
-void trim_init(trim_t *self);
+void hysgen_trim_init(trim_t *self);
 
 /* One sample. limited: 1 if the output cannot raise the displacement further, -1 if it cannot lower it, 0 else. Returns 1 if the correction
  * is at its limit. */
-uint32_t trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited);
+uint32_t hysgen_trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited);
 
 #endif

@@ -27,7 +27,7 @@ static void watchdog_restart(watchdog_count_t *count)
     count->good = 0u;
 }
 
-void watchdog_init(watchdog_t *self, const settings_t *settings)
+void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
 {
     self->reading_um = number_limited(0.0f, settings->low_um, settings->high_um);
     self->sample_um = self->reading_um;
@@ -39,7 +39,7 @@ void watchdog_init(watchdog_t *self, const settings_t *settings)
     watchdog_restart(&self->late);
 }
 
-uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V)
+uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V)
 {
     uint32_t status = 0u;
 
@@ -64,14 +64,14 @@ uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_
     return status;
 }
 
-uint32_t watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um)
+uint32_t hysgen_watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um)
 {
     const uint32_t far = (uint32_t)(number_size(self->reading_um - expected_um) > settings->follow_um);
 
     return (watchdog_count(&self->astray, far, settings->follow_samples) != 0u) ? STATUS_FAULT_FOLLOW : 0u;
 }
 
-uint32_t watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier)
+uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier)
 {
     const uint32_t limits = (uint32_t)((amplifier & BOARD_AMPLIFIER_LIMITS) != 0u);
     const uint32_t lasts = watchdog_count(&self->limits, limits, settings->bad_samples);
@@ -83,7 +83,7 @@ uint32_t watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32
     return status;
 }
 
-uint32_t watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun)
+uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun)
 {
     const uint32_t late = (uint32_t)(cycles > settings->budget_cycles) | overrun;
 

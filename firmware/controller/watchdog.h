@@ -28,19 +28,19 @@ typedef struct {
     watchdog_count_t late;   /* interrupts that took too long */
 } watchdog_t;
 
-void watchdog_init(watchdog_t *self, const settings_t *settings);
+void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings);
 
 /* A reading [um] that came while the input was u_V. self->reading_um is the reading that control uses, the last good one
  * where this one is none; self->sample_um is NaN there, so that a learner rejects the sample. Returns STATUS_ bits. */
-uint32_t watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V);
+uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V);
 
 /* The reading against what the model expected of this sample. Returns STATUS_ bits. */
-uint32_t watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um);
+uint32_t hysgen_watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um);
 
 /* BOARD_AMPLIFIER_ bits of this sample. Returns STATUS_ bits. */
-uint32_t watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier);
+uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier);
 
 /* Cycles that the interrupt took, and whether it overran. Returns STATUS_ bits. */
-uint32_t watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun);
+uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun);
 
 #endif

@@ -48,7 +48,7 @@ def test_start_up_gives_375_MHz_power_pins_bus_and_line() -> None:
 def test_the_amplifiers_pin_is_low_before_it_drives() -> None:
     chip = Chip(started=False)
     chip.state.gpio_output = 0xFFFFFFFF
-    chip.lib.chip_start(4)
+    chip.lib.hysgen_chip_start(4)
     order = chip.touched
     assert chip.load(GPIO + 0x14) & 4 == 0
     assert chip.load(GPIO + 0x10) == 0xFFFFFFFB
@@ -61,12 +61,12 @@ def test_the_amplifiers_pin_is_low_before_it_drives() -> None:
 def test_a_clock_or_a_device_that_does_not_start_is_told_and_does_not_hang_the_start(part: str, answer: int) -> None:
     chip = Chip(started=False)
     setattr(chip.state, part, 1)
-    assert chip.lib.chip_start(4) == answer
+    assert chip.lib.hysgen_chip_start(4) == answer
 
 
 def test_sampling_starts_behind_a_running_watchdog() -> None:
     chip = Chip()
-    chip.lib.chip_start_sampling(500)
+    chip.lib.hysgen_chip_start_sampling(500)
     assert (chip.load(TIMER0 + 0x18), chip.load(TIMER0 + 0x20), chip.state.timer_intctl) == (499, 0xB0, 1)
     assert chip.load(0x01800104) & 0x7F == 4
     # 64-bit watchdog mode, 10 ms of the crystal, armed by both words.
@@ -78,7 +78,7 @@ def test_sampling_starts_behind_a_running_watchdog() -> None:
 def test_with_tis_compiler_interrupt_4_NMI_and_exceptions_are_enabled() -> None:
     chip = Chip()
     chip.lib.TSR = chip.lib.IER = chip.lib.CSR = 0
-    chip.lib.board_start(chip.board)
+    chip.lib.hysgen_board_start(chip.board)
     assert (chip.lib.TSR, chip.lib.IER, chip.lib.CSR) == (4, 0x12, 1)
 
 
@@ -89,15 +89,15 @@ def test_every_slot_of_tis_vector_table_is_one_fetch_packet_of_eight_instruction
         for name, body in re.findall(r"^(\w+) +\.macro[^\n]*\n(.*?)\.endm", table, re.MULTILINE | re.DOTALL)
     }
     assert lengths == {"slot": 8, "broken": 8, "empty": 8}
-    used = re.findall(r"^ +(slot|broken|empty)\b", table.split("vectors:")[1], re.MULTILINE)
+    used = re.findall(r"^ +(slot|broken|empty)\b", table.split("hysgen_vectors:")[1], re.MULTILINE)
     assert (len(used), used[:5]) == (16, ["slot", "broken", "empty", "empty", "slot"])
 
 
 def test_the_watchdog_gets_both_words_in_their_order() -> None:
     chip = Chip()
-    chip.lib.chip_start_sampling(500)
+    chip.lib.hysgen_chip_start_sampling(500)
     chip.lib.log_count = 0
-    chip.lib.board_alive(chip.board)
+    chip.lib.hysgen_board_alive(chip.board)
     assert chip.touched == [TIMER1 + 0x28] * 2
     assert chip.state.dog_served == 1
     assert not chip.state.dog_bitten
@@ -105,8 +105,8 @@ def test_the_watchdog_gets_both_words_in_their_order() -> None:
 
 def test_the_reset_of_the_converter_is_one_pulse_of_3_us_and_ends_low() -> None:
     chip = Chip(started=False)
-    chip.lib.chip_start(0x14)
-    chip.lib.chip_pulse(0x10)
+    chip.lib.hysgen_chip_start(0x14)
+    chip.lib.hysgen_chip_pulse(0x10)
     assert (chip.state.adc_ready, chip.state.adc_resets, chip.load(GPIO + 0x14) & 0x14) == (1, 0, 0)
     assert chip.load(GPIO + 0x10) == 0xFFFFFFEB
 
@@ -116,15 +116,15 @@ def test_a_broken_wire_to_the_amplifier_reads_as_failure(pins: int, told: int) -
     """The pins have pull-downs: limit 1 and failure 2 are told by a 0."""
     chip = Chip()
     chip.state.input_pins = pins
-    assert chip.lib.board_amplifier(chip.board) == told
+    assert chip.lib.hysgen_board_amplifier(chip.board) == told
 
 
 def test_the_amplifier_is_switched_by_set_and_clear() -> None:
     chip = Chip()
     assert not chip.enabled
-    chip.lib.board_amplifier_enable(chip.board, 1)
+    chip.lib.hysgen_board_amplifier_enable(chip.board, 1)
     assert chip.enabled
-    chip.lib.board_amplifier_enable(chip.board, 0)
+    chip.lib.hysgen_board_amplifier_enable(chip.board, 0)
     assert not chip.enabled
     assert chip.touched == [GPIO + 0x18, GPIO + 0x1C]
 
@@ -138,12 +138,12 @@ def test_any_interleaving_of_interrupt_and_idle_loop_hands_every_byte_on_once() 
     for _ in range(20_000):
         for _ in range(int(rng.integers(0, 30))):
             chip.wait(PERIOD)
-            chip.lib.board_line_serve(chip.board)
+            chip.lib.hysgen_board_line_serve(chip.board)
         sent += chip.sent()
-        count = chip.lib.board_line_read(chip.board, data, int(rng.integers(0, 64)))
+        count = chip.lib.hysgen_board_line_read(chip.board, data, int(rng.integers(0, 64)))
         received += bytes(chip.ffi.buffer(data, count))
         piece = outgoing[taken : taken + int(rng.integers(0, 40))]
-        taken += chip.lib.board_line_write(chip.board, piece, len(piece))
+        taken += chip.lib.hysgen_board_line_write(chip.board, piece, len(piece))
         if len(received) == len(incoming) and len(sent) == len(outgoing):
             break
     assert received == incoming
@@ -156,9 +156,9 @@ def test_a_byte_that_finds_the_buffer_full_is_lost_and_no_other() -> None:
     chip.send(bytes(byte & 0xFF for byte in range(300)))
     for _ in range(300 * 5):
         chip.wait(PERIOD)
-        chip.lib.board_line_serve(chip.board)
+        chip.lib.hysgen_board_line_serve(chip.board)
     data = chip.ffi.new("uint8_t []", 400)
-    assert chip.lib.board_line_read(chip.board, data, 400) == 256
+    assert chip.lib.hysgen_board_line_read(chip.board, data, 400) == 256
     assert list(data[0:256]) == [byte & 0xFF for byte in range(256)]
 
 
@@ -175,14 +175,14 @@ def test_the_flash_gets_mode_0_of_8_bits_below_10_MHz() -> None:
 
 def test_with_spi_that_does_not_answer_nothing_claims_to_be_stored() -> None:
     chip = Chip(started=False)
-    assert chip.lib.board_store_write(chip.board, 0, 0, b"\0\0\0\0", 4) == 0
+    assert chip.lib.hysgen_board_store_write(chip.board, 0, 0, b"\0\0\0\0", 4) == 0
 
 
 @pytest.mark.parametrize(("word", "reading_um"), [(0, 4.916), (0x7FFF, 13.10775), (-0x8000, -3.276), (-1, 4.91575)])
 def test_a_word_of_the_converter_is_twos_complement(word: int, reading_um: float) -> None:
     chip = Chip()
     chip.state.adc_code[1] = word
-    assert chip.lib.board_displacement_um(chip.board) == pytest.approx(reading_um, abs=1e-6)
+    assert chip.lib.hysgen_board_displacement_um(chip.board) == pytest.approx(reading_um, abs=1e-6)
     assert chip.touched[-1] == 0x6000_0000
     assert chip.violations == []
 
@@ -190,7 +190,7 @@ def test_a_word_of_the_converter_is_twos_complement(word: int, reading_um: float
 def test_a_converter_that_stays_busy_gives_no_number_and_is_not_read() -> None:
     chip = Chip()
     chip.state.adc_done_at = 1e300
-    assert np.isnan(chip.lib.board_displacement_um(chip.board))
+    assert np.isnan(chip.lib.hysgen_board_displacement_um(chip.board))
     assert chip.state.adc_reads == 0
     assert 50 < len(chip.touched) < 400
 
@@ -198,7 +198,7 @@ def test_a_converter_that_stays_busy_gives_no_number_and_is_not_read() -> None:
 @pytest.mark.parametrize(("u_V", "code"), [(-20.0, 0), (120.0, 65535), (50.0, 32768), (-1e9, 0), (1e9, 65535)])
 def test_a_voltage_becomes_the_code_of_the_converter(u_V: float, code: int) -> None:
     chip = Chip()
-    chip.lib.board_voltage(chip.board, u_V)
+    chip.lib.hysgen_board_voltage(chip.board, u_V)
     assert (chip.state.dac_code, chip.touched[-1]) == (code, 0x6200_0000)
 
 

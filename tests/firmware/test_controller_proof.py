@@ -39,17 +39,17 @@ static uint32_t any(void) {{ return Frama_C_unsigned_int_interval(0u, 0xFFFFFFFF
 int main(void)
 {{
     Frama_C_make_unknown((char *)&settings, sizeof settings);
-    controller_init(&controller, &settings);
-    if (settings_check(&settings) != NULL) {{
+    hysgen_controller_init(&controller, &settings);
+    if (hysgen_settings_check(&settings) != NULL) {{
         controller.status |= STATUS_FAULT_SETTINGS;
     }}
     while (Frama_C_interval(0, 1)) {{
         controller.request = any();
         controller.committing = any();
         controller.installing = any();
-        output_V = controller_step(&controller, {ANY_FLOAT}, {ANY_FLOAT}, any());
-        controller_learn(&controller);
-        controller_time(&controller, any(), any(), any());
+        output_V = hysgen_controller_step(&controller, {ANY_FLOAT}, {ANY_FLOAT}, any());
+        hysgen_controller_learn(&controller);
+        hysgen_controller_time(&controller, any(), any(), any());
     }}
     return 0;
 }}
@@ -73,10 +73,10 @@ int main(void)
 {
     Frama_C_make_unknown((char *)&owner, sizeof owner);
     any_bank(&bank);
-    answer = store_load(&store, &board, &owner, &bench, &bank);
+    answer = hysgen_store_load(&store, &board, &owner, &bench, &bank);
     while (Frama_C_interval(0, 1)) {
         Frama_C_make_unknown((char *)store.bytes, sizeof store.bytes);
-        answer = store_keep(&store, &board, &bench, &bank, any_word());
+        answer = hysgen_store_keep(&store, &board, &bench, &bank, any_word());
     }
     return 0;
 }
@@ -98,16 +98,16 @@ int main(void)
 {
     Frama_C_make_unknown((char *)&settings, sizeof settings);
     Frama_C_make_unknown((char *)&owner, sizeof owner);
-    firmware_boot(&firmware, &board, &settings, &owner);
+    hysgen_firmware_boot(&firmware, &board, &settings, &owner);
     while (Frama_C_interval(0, 1)) {
         any_controller(&firmware.controller);
         if (Frama_C_interval(0, 1)) {
-            firmware_interrupt(&firmware, &board);
+            hysgen_firmware_interrupt(&firmware, &board);
         } else {
-            firmware_idle(&firmware, &board);
+            hysgen_firmware_idle(&firmware, &board);
         }
     }
-    firmware_panic(&firmware, &board);
+    hysgen_firmware_panic(&firmware, &board);
     return 0;
 }
 """
@@ -121,13 +121,13 @@ uint8_t wire[FRAME_WIRE];
 uint32_t count;
 int main(void)
 {
-    frame_init(&frame);
+    hysgen_frame_init(&frame);
     /*@ loop widen_hints "all", 132, 255; */
     while (Frama_C_interval(0, 1)) {
-        count = frame_take(&frame, (uint8_t)Frama_C_unsigned_int_interval(0u, 255u));
+        count = hysgen_frame_take(&frame, (uint8_t)Frama_C_unsigned_int_interval(0u, 255u));
         //@ assert count <= FRAME_PAYLOAD;
         Frama_C_make_unknown((char *)payload, sizeof payload);
-        count = frame_make(payload, Frama_C_unsigned_int_interval(0u, 0xFFFFFFFFu), wire);
+        count = hysgen_frame_make(payload, Frama_C_unsigned_int_interval(0u, 0xFFFFFFFFu), wire);
         //@ assert 1 <= count <= FRAME_WIRE;
     }
     return 0;
@@ -167,7 +167,7 @@ def test_an_index_that_goes_too_far_is_an_alarm() -> None:
 
 
 UNROLLED = ("-eva-precision", "0", "-eva-slevel", "0", "-eva-auto-loop-unroll", "150")
-"""frame_make writes at places that grow by one in each turn of its loop of at most 132."""
+"""hysgen_frame_make writes at places that grow by one in each turn of its loop of at most 132."""
 PROVED = {
     "controller": (ENTRY, OPTIONS),
     "image": (IMAGE_ENTRY, OPTIONS),

@@ -51,8 +51,8 @@ PLANTED = {
     ),
     "reset": (
         "board.c",
-        "chip_pulse(BOARD_ADC_RESET)",
-        "chip_pulse(PLANT ? 0u : BOARD_ADC_RESET)",
+        "hysgen_chip_pulse(BOARD_ADC_RESET)",
+        "hysgen_chip_pulse(PLANT ? 0u : BOARD_ADC_RESET)",
         "the A/D converts without a reset",
     ),
     "deselection": ("flash.c", "hold : CHIP_SPI_PAUSE", "hold : (PLANT ? 0u : CHIP_SPI_PAUSE)", "deselected for less"),
@@ -66,8 +66,8 @@ PLANTED = {
     ),
     "NMI": (
         "drivers.c",
-        "board_voltage(&board, 0.0f);",
-        "board_voltage(&board, PLANT ? 9.0f : 0.0f);",
+        "hysgen_board_voltage(&board, 0.0f);",
+        "hysgen_board_voltage(&board, PLANT ? 9.0f : 0.0f);",
         "NMI does not bring",
     ),
 }
@@ -153,7 +153,7 @@ def test_interpreter_and_engine_reach_the_devices_alike() -> None:
     for interpreted in (False, True):
         board, machine = BoardModel(library()), firmware().machine(interpreted)
         machine.processor.devices = Devices(library(), board.state)
-        outcome = machine.call("chip_start", 4)
+        outcome = machine.call("hysgen_chip_start", 4)
         state = board.state
         found.append((outcome.bits, outcome.cycles, state.ticks, list(state.pinmux), state.uart_divisor, board.core_Hz))
         assert board.violations == []

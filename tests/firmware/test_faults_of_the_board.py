@@ -251,10 +251,10 @@ def test_an_idle_loop_that_hangs_is_left_to_the_hardware_watchdog() -> None:
     assert restarted == 10
     for _ in range(6000):
         board.sample, board.reference_um = 0, reference_um
-        lib.firmware_interrupt(firmware.firmware, board)
+        lib.hysgen_firmware_interrupt(firmware.firmware, board)
     assert board.alive == restarted + settings.state_samples - 1
-    lib.firmware_idle(firmware.firmware, board)
-    lib.firmware_interrupt(firmware.firmware, board)
+    lib.hysgen_firmware_idle(firmware.firmware, board)
+    lib.hysgen_firmware_interrupt(firmware.firmware, board)
     assert board.alive == restarted + settings.state_samples
 
 

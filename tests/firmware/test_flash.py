@@ -18,14 +18,14 @@ class Flash(Chip):
 
     def read(self, slot: int, offset: int, count: int) -> bytes:
         data = self.ffi.new("uint8_t []", count)
-        self.lib.board_store_read(self.board, slot, offset, data, count)
+        self.lib.hysgen_board_store_read(self.board, slot, offset, data, count)
         return bytes(data)
 
     def write(self, slot: int, offset: int, data: bytes) -> int:
-        return int(self.lib.board_store_write(self.board, slot, offset, data, len(data)))
+        return int(self.lib.hysgen_board_store_write(self.board, slot, offset, data, len(data)))
 
     def erase(self, slot: int) -> None:
-        self.lib.board_store_erase(self.board, slot)
+        self.lib.hysgen_board_store_erase(self.board, slot)
 
 
 def differences(flash: Flash) -> int:
@@ -72,11 +72,11 @@ def test_a_fault_of_the_driver_is_seen_by_the_model(old: str, new: str) -> None:
 def test_without_the_part_nothing_claims_to_be_stored() -> None:
     flash = Flash()
     flash.state.flash_absent = 1
-    assert flash.lib.flash_present() == 0
+    assert flash.lib.hysgen_flash_present() == 0
     assert flash.write(0, 0, bytes(4)) == 0
     assert flash.read(0, 0, 4) == b"\xff" * 4
     flash.state.flash_absent = 0
-    assert flash.lib.flash_present() == 1
+    assert flash.lib.hysgen_flash_present() == 1
 
 
 def test_a_part_that_stays_busy_is_a_failed_write() -> None:

@@ -141,7 +141,12 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
             "slot = (uint32_t)(self->slot == 1u)",
             marks=pytest.mark.proof,
         ),
-        ("panic", "firmware.c", r"board_amplifier_enable\(board, 0u\)", "board_amplifier_enable(board, 1u)"),
+        (
+            "panic",
+            "firmware.c",
+            r"hysgen_board_amplifier_enable\(board, 0u\)",
+            "hysgen_board_amplifier_enable(board, 1u)",
+        ),
         ("correction", "trim.c", r"number_limited\(correction, -limit, limit\)", "correction"),
         (
             "stuck",

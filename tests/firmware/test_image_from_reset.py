@@ -164,7 +164,7 @@ def differing_words(run: Run) -> int:
 
 
 def word(voltage_V: np.ndarray) -> np.ndarray:
-    """Codes of the D/A as board_voltage computes them in float32."""
+    """Codes of the D/A as hysgen_board_voltage computes them in float32."""
     return ((voltage_V - DAC_LOW_V) * DAC_PER_V + np.float32(0.5)).astype(np.int64)
 
 

@@ -36,11 +36,11 @@ RESTING_AMR = 0x0001_0004
 VICTIM = """
 #include <stdint.h>
 uint32_t started;
-void start(void);
-void start(void) { started = 0x600DF00Du; }
+void hysgen_start(void);
+void hysgen_start(void) { started = 0x600DF00Du; }
 uint32_t panicked;
-void main_panic(void);
-void main_panic(void) { panicked = 1u; }
+void hysgen_main_panic(void);
+void hysgen_main_panic(void) { panicked = 1u; }
 int32_t eleven(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, int32_t f, int32_t g, int32_t h, int32_t i,
                int32_t j, int32_t k) __attribute__((noinline));
 int32_t eleven(int32_t a, int32_t b, int32_t c, int32_t d, int32_t e, int32_t f, int32_t g, int32_t h, int32_t i,
@@ -57,11 +57,13 @@ int32_t victim(int32_t a)
 
 
 def changing() -> str:
-    """main_tick of the tests: assembly that changes all that a C function may change."""
+    """hysgen_main_tick of the tests: assembly that changes all that a C function may change."""
     free = [f"A{i}" for i in (*range(10), *range(16, 32))] + [f"B{i}" for i in (0, 1, 2, *range(4, 10), *range(16, 32))]
     lines = [f"        mvk .S{1 if name[0] == 'A' else 2} {-300 - 7 * i}, {name}" for i, name in enumerate(free)]
     lines += ["        stw .D2T2 B4, *B15", "        b .S2 B3", "        nop 5"]
-    return "\n".join(["        .nocmp", "        .text", "        .global main_tick", "main_tick:", *lines, ""])
+    return "\n".join(
+        ["        .nocmp", "        .text", "        .global hysgen_main_tick", "hysgen_main_tick:", *lines, ""]
+    )
 
 
 def plant(scheduled: bool) -> Model:
@@ -219,20 +221,20 @@ def test_an_interrupt_before_any_packet_of_the_idle_loop_changes_no_word(
     if scheduled:
         monkeypatch.setattr(sys.modules[__name__], "machine", functools.partial(machine, scheduled=True))
     target, stage = machine(), ModelStage(plant(scheduled))
-    target.call("simulated_boot")
+    target.call("hysgen_simulated_boot")
     taken, y_um, phases = 0, stage.y_um, 0
     for k in range(1500):
-        u_V = target.call("simulated_interrupt", np.float32(y_um), np.float32(2.0 + 0.6 * np.sin(0.0063 * k)))
-        state = target.call("simulated_state").bits & 0xFF
+        u_V = target.call("hysgen_simulated_interrupt", np.float32(y_um), np.float32(2.0 + 0.6 * np.sin(0.0063 * k)))
+        state = target.call("hysgen_simulated_state").bits & 0xFF
         if state == State.TRACK and k % 16 == 0 and phases < wanted:
             memory = bytes(target.processor.memory)
-            interrupts, differing = preempted_at_every_packet("simulated_idle", 0, memory)
+            interrupts, differing = preempted_at_every_packet("hysgen_simulated_idle", 0, memory)
             taken, phases = taken + interrupts, phases + 1
             assert differing == 0
             target.processor.memory[:] = memory
         if phases == wanted:
             break
-        target.call("simulated_idle")
+        target.call("hysgen_simulated_idle")
         y_um = stage.step(None, u_V.float32)
     assert phases == wanted
     assert taken > 100
@@ -243,18 +245,18 @@ def test_start_up_sets_stack_vectors_and_modes_and_calls_start() -> None:
     registers = [0x5A00_0000 + index for index in range(64)]
     run = Preempted(target, registers)
     run.run(target.address("_c_int00"), last=target.address("stay"))
-    top = target.address("__stack_top")
+    top = target.address("hysgen_stack_top")
     assert run.registers[STACK_POINTER] == top
     assert top % 8 == 0
     assert target.view("started", 1, np.uint32)[0] == 0x600DF00D
-    assert run.control == {"amr": 0, "fadcr": 0, "fmcr": 0, "istp": target.address("vectors"), "tsr": 4}
+    assert run.control == {"amr": 0, "fadcr": 0, "fmcr": 0, "istp": target.address("hysgen_vectors"), "tsr": 4}
 
 
-@pytest.mark.parametrize(("slot", "leads_to"), [(0, "_c_int00"), (1, "panic"), (4, "tick")])
+@pytest.mark.parametrize(("slot", "leads_to"), [(0, "_c_int00"), (1, "hysgen_panic"), (4, "tick")])
 def test_each_vector_ends_in_its_own_slot(slot: int, leads_to: str) -> None:
     """A slot is eight instructions; the branch lands before the next slot begins."""
     packets: Mapping[int, object] = machine().packets
-    first = packets[machine().address("vectors") + 32 * slot].instructions[0]  # type: ignore[attr-defined]
+    first = packets[machine().address("hysgen_vectors") + 32 * slot].instructions[0]  # type: ignore[attr-defined]
     assert first.mnemonic == "b"
     assert first.operands[0].address == machine().address(leads_to)
 
@@ -265,7 +267,7 @@ def test_an_exception_leaves_a_broken_stack_and_ends_in_the_firmwares_last_words
     registers[STACK_POINTER] = 0xDEAD_BEE0
     run = Preempted(target, registers)
     run.control["amr"] = RESTING_AMR
-    run.run(target.address("panic"), last=target.address("halt"))
-    assert run.registers[STACK_POINTER] == target.address("__stack_top")
+    run.run(target.address("hysgen_panic"), last=target.address("halt"))
+    assert run.registers[STACK_POINTER] == target.address("hysgen_stack_top")
     assert run.control["amr"] == 0
     assert target.view("panicked", 1, np.uint32)[0] == 1

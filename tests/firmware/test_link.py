@@ -238,17 +238,17 @@ class Simulated:
     def __init__(self) -> None:
         need_compiler()
         self.machine = compile_image(firmware_model(model())).machine()
-        self.machine.call("simulated_boot")
+        self.machine.call("hysgen_simulated_boot")
 
     def line(self, data: bytes) -> bytes:
         """The answers to `data`, without the zeros between them."""
         answers = b""
         for byte in data:
-            self.machine.call("simulated_send", byte)
-            self.machine.call("simulated_idle")
+            self.machine.call("hysgen_simulated_send", byte)
+            self.machine.call("hysgen_simulated_idle")
         for _ in range(6):
-            self.machine.call("simulated_idle")
-            while (byte := self.machine.call("simulated_sent").bits) < 256:
+            self.machine.call("hysgen_simulated_idle")
+            while (byte := self.machine.call("hysgen_simulated_sent").bits) < 256:
                 answers += bytes([byte])
         return answers[:-1]
 

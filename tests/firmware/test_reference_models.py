@@ -74,8 +74,8 @@ def test_the_image_links_into_the_targets_memories(name: str) -> None:
     assert not [symbol for symbol in symbols if symbol.startswith("__c6xabi")]
     assert "sploop" not in built.firmware.listing
     # Reset at the start of the table, interrupt 4 four fetch packets further on.
-    assert symbols["vectors"].address == 0x11804000
-    assert {"main_tick", "tick", "firmware_interrupt", "controller_step"} <= symbols.keys()
+    assert symbols["hysgen_vectors"].address == 0x11804000
+    assert {"hysgen_main_tick", "tick", "hysgen_firmware_interrupt", "hysgen_controller_step"} <= symbols.keys()
 
 
 def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> None:
@@ -98,7 +98,7 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str)
     # The longest path through the interrupt and one call of commit. The static bound contains learn_init and learn, but
     # no sample calls both: learning begins in the sample after learn_init.
     interrupt, commit, begin = (
-        longest(name)[function] for function in ("firmware_interrupt", f"{name}_commit", f"{name}_learn_init")
+        longest(name)[function] for function in ("hysgen_firmware_interrupt", f"{name}_commit", f"{name}_learn_init")
     )
     assert interrupt is not None
     assert commit is not None

@@ -34,13 +34,13 @@ e1915f5cb1eca46c f325965ca16d629f 575ff28e60381be5 724506eb4c328a95
 @functools.cache
 def library() -> Library:
     sources = [(name, text) for name, text in read_sources(CONTROLLER) if name.startswith("siphash")]
-    return build(sources, "void siphash(const uint32_t *, const uint8_t *, uint32_t, uint32_t *);", libraries=())
+    return build(sources, "void hysgen_siphash(const uint32_t *, const uint8_t *, uint32_t, uint32_t *);", libraries=())
 
 
 def compiled(key: bytes, message: bytes) -> int:
     ffi, lib = library().ffi, library().lib
     tag = ffi.new("uint32_t [2]")
-    lib.siphash(np.frombuffer(key, "<u4").tolist(), message, len(message), tag)
+    lib.hysgen_siphash(np.frombuffer(key, "<u4").tolist(), message, len(message), tag)
     return int(tag[0] | tag[1] << 32)
 
 
@@ -57,7 +57,7 @@ def simulated(key: bytes, message: bytes) -> int:
     places = [machine.allocate(4), machine.allocate(-(-len(message) // 4)), machine.allocate(2)]
     machine.write(places[0], np.frombuffer(key, "<u4"))
     machine.write(places[1], np.frombuffer(message.ljust(-(-len(message) // 4) * 4, b"\0"), "<u4"))
-    machine.call("siphash", places[0], places[1], len(message), places[2])
+    machine.call("hysgen_siphash", places[0], places[1], len(message), places[2])
     low, high = machine.read(places[2], 2, np.uint32).tolist()
     return int(low | high << 32)
 

@@ -57,10 +57,12 @@ def test_the_page_states_the_cycles_to_the_output() -> None:
 def test_a_learner_before_the_output_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     need_compiler()
     read = sources.read_sources
-    behind = "    board_voltage(board, controller_step(&self->controller, y_um, reference_um, amplifier));\n"
+    behind = (
+        "    hysgen_board_voltage(board, hysgen_controller_step(&self->controller, y_um, reference_um, amplifier));\n"
+    )
     moved = (
-        "    const float u_V = controller_step(&self->controller, y_um, reference_um, amplifier);\n"
-        "    controller_learn(&self->controller);\n    board_voltage(board, u_V);\n"
+        "    const float u_V = hysgen_controller_step(&self->controller, y_um, reference_um, amplifier);\n"
+        "    hysgen_controller_learn(&self->controller);\n    hysgen_board_voltage(board, u_V);\n"
     )
 
     def planted(folder: str, *patterns: str) -> sources.Sources:

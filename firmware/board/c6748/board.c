@@ -13,7 +13,7 @@
 #if defined(__TI_COMPILER_VERSION__)
 #include <c6x.h>
 
-extern void vectors(void);  /* vectors.asm */
+extern void hysgen_vectors(void);  /* vectors.asm */
 
 static uint32_t board_counter(void)
 {
@@ -23,7 +23,7 @@ static uint32_t board_counter(void)
 static void board_enable(void)
 {
     TSCL = 0u;             /* any write starts it */
-    ISTP = (uint32_t)vectors;
+    ISTP = (uint32_t)hysgen_vectors;
     ICR = 0xFFF0u;
     TSR |= 4u;             /* GEE: a wild opcode or access raises an exception, which goes to the NMI slot; start.s sets it for gcc */
     IER |= (1u << 4) | 2u; /* interrupt 4, and NMI */
@@ -68,19 +68,19 @@ static uint32_t board_waiting(void)
 }
 #endif
 
-void board_start(board_t *board)
+void hysgen_board_start(board_t *board)
 {
     board->next = 0u;
     board->received.in = 0u;
     board->received.out = 0u;
     board->sent.in = 0u;
     board->sent.out = 0u;
-    chip_pulse(BOARD_ADC_RESET);
-    chip_start_sampling(BOARD_PERIOD);
+    hysgen_chip_pulse(BOARD_ADC_RESET);
+    hysgen_chip_start_sampling(BOARD_PERIOD);
     board_enable();
 }
 
-float board_displacement_um(board_t *board)
+float hysgen_board_displacement_um(board_t *board)
 {
     uint32_t polls = 0u;
     float reading_um = number_of(NUMBER_NAN);
@@ -100,7 +100,7 @@ float board_displacement_um(board_t *board)
     return reading_um;
 }
 
-float board_reference_um(board_t *board)
+float hysgen_board_reference_um(board_t *board)
 {
     const float reference_um = board->reference_um[board->next];
 
@@ -108,13 +108,13 @@ float board_reference_um(board_t *board)
     return reference_um;
 }
 
-uint32_t board_amplifier(board_t *board)
+uint32_t hysgen_board_amplifier(board_t *board)
 {
     (void)board;
     return ~chip_read(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_AMPLIFIER_PINS;
 }
 
-void board_voltage(board_t *board, float u_V)
+void hysgen_board_voltage(board_t *board, float u_V)
 {
     const float code = number_limited((u_V - BOARD_DAC_LOW_V) * BOARD_DAC_PER_V + 0.5f, 0.0f, BOARD_DAC_CODES);
 
@@ -122,13 +122,13 @@ void board_voltage(board_t *board, float u_V)
     chip_bus_write(BOARD_DAC_ADDRESS, (uint16_t)(int32_t)code);
 }
 
-uint32_t board_cycles(board_t *board)
+uint32_t hysgen_board_cycles(board_t *board)
 {
     (void)board;
     return board_counter();
 }
 
-uint32_t board_overrun(board_t *board)
+uint32_t hysgen_board_overrun(board_t *board)
 {
     (void)board;
     return board_waiting();
@@ -159,7 +159,7 @@ static uint32_t ring_take(board_ring_t *ring, uint8_t *byte)
     return holds;
 }
 
-void board_line_serve(board_t *board)
+void hysgen_board_line_serve(board_t *board)
 {
     const uint32_t line = chip_read(CHIP_UART2 + CHIP_UART_LSR);
     uint8_t byte = 0u;
@@ -172,20 +172,20 @@ void board_line_serve(board_t *board)
     }
 }
 
-void board_amplifier_enable(board_t *board, uint32_t on)
+void hysgen_board_amplifier_enable(board_t *board, uint32_t on)
 {
     (void)board;
     chip_write(CHIP_GPIO + ((on != 0u) ? CHIP_GPIO_SET : CHIP_GPIO_CLEAR), BOARD_AMPLIFIER_ENABLE);
 }
 
-void board_alive(board_t *board)
+void hysgen_board_alive(board_t *board)
 {
     (void)board;
     chip_write(CHIP_TIMER1 + CHIP_TIMER_WDTCR, CHIP_WATCHDOG_FIRST);
     chip_write(CHIP_TIMER1 + CHIP_TIMER_WDTCR, CHIP_WATCHDOG_SECOND);
 }
 
-uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
+uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
 {
     uint32_t count = 0u;
 
@@ -195,7 +195,7 @@ uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
     return count;
 }
 
-uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
+uint32_t hysgen_board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
 {
     uint32_t taken = 0u;
 

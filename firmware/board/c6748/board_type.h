@@ -41,18 +41,18 @@
 /* Bytes between one writer and one reader, of which either may interrupt the other. */
 typedef struct {
     volatile uint8_t bytes[BOARD_LINE];
-    volatile uint32_t in;   /* bytes put in since board_start; wraps */
+    volatile uint32_t in;   /* bytes put in since hysgen_board_start; wraps */
     volatile uint32_t out;  /* bytes taken out; wraps */
 } board_ring_t;
 
 typedef struct {
-    float reference_um[BOARD_REFERENCES];   /* fill in, or replace board_reference_um by your own source */
+    float reference_um[BOARD_REFERENCES];   /* fill in, or replace hysgen_board_reference_um by your own source */
     uint32_t next;
-    board_ring_t received;                  /* bytes from the line, in board_line_serve to board_line_read */
-    board_ring_t sent;                      /* bytes to the line, from board_line_write to board_line_serve */
+    board_ring_t received;                  /* bytes from the line, in hysgen_board_line_serve to hysgen_board_line_read */
+    board_ring_t sent;                      /* bytes to the line, from hysgen_board_line_write to hysgen_board_line_serve */
 } board_t;
 
 /* Cycle counter, timer and interrupt: 50 kHz from here on. */
-void board_start(board_t *board);
+void hysgen_board_start(board_t *board);
 
 #endif

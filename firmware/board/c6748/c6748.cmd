@@ -6,32 +6,32 @@
 
 /* The order of c6748.ld, for its reason; SPRUI04F, 4.11.7: suggestions, which act on functions in subsections of their own
  * (--gen_func_subsections) and not on what SECTIONS below names. Fill in: the model's name. */
---preferred_order=controller_step
---preferred_order=trim_step
+--preferred_order=hysgen_controller_step
+--preferred_order=hysgen_trim_step
 --preferred_order=extended_step
 --preferred_order=extended_hysteresis_apply
 --preferred_order=extended_store_diagonal
 --preferred_order=extended_reciprocals
 --preferred_order=extended_store_regressors
---preferred_order=main_tick
---preferred_order=firmware_interrupt
---preferred_order=board_displacement_um
---preferred_order=board_reference_um
---preferred_order=board_amplifier
---preferred_order=board_voltage
---preferred_order=board_line_serve
---preferred_order=board_amplifier_enable
---preferred_order=board_alive
---preferred_order=board_cycles
---preferred_order=board_overrun
+--preferred_order=hysgen_main_tick
+--preferred_order=hysgen_firmware_interrupt
+--preferred_order=hysgen_board_displacement_um
+--preferred_order=hysgen_board_reference_um
+--preferred_order=hysgen_board_amplifier
+--preferred_order=hysgen_board_voltage
+--preferred_order=hysgen_board_line_serve
+--preferred_order=hysgen_board_amplifier_enable
+--preferred_order=hysgen_board_alive
+--preferred_order=hysgen_board_cycles
+--preferred_order=hysgen_board_overrun
 --preferred_order=controller_reference
 --preferred_order=controller_follow
---preferred_order=controller_learn
---preferred_order=controller_time
---preferred_order=watchdog_reading
---preferred_order=watchdog_amplifier
---preferred_order=watchdog_follow
---preferred_order=watchdog_time
+--preferred_order=hysgen_controller_learn
+--preferred_order=hysgen_controller_time
+--preferred_order=hysgen_watchdog_reading
+--preferred_order=hysgen_watchdog_amplifier
+--preferred_order=hysgen_watchdog_follow
+--preferred_order=hysgen_watchdog_time
 --preferred_order=extended_factor
 --preferred_order=extended_project
 --preferred_order=extended_inverse
@@ -40,9 +40,9 @@
 --preferred_order=extended_learn
 --preferred_order=extended_snapshot
 --preferred_order=extended_commit
---preferred_order=firmware_idle
---preferred_order=board_line_read
---preferred_order=firmware_status
+--preferred_order=hysgen_firmware_idle
+--preferred_order=hysgen_board_line_read
+--preferred_order=hysgen_firmware_status
 
 MEMORY
 {

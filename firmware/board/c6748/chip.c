@@ -153,7 +153,7 @@ static uint32_t chip_power(uint32_t psc, uint32_t module)
     return done & chip_waited(psc + PSC_STATE + 4u * module, 0x3Fu, PSC_ON);
 }
 
-/* UART2, [79] chapter 30: 8 data bits, no parity, one stop bit, FIFOs, no interrupt of its own: board_line_serve runs in interrupt 4. */
+/* UART2, [79] chapter 30: 8 data bits, no parity, one stop bit, FIFOs, no interrupt of its own: hysgen_board_line_serve runs in interrupt 4. */
 static void chip_start_line(void)
 {
     const uint32_t divisor = (CHIP_CORE_HZ / 2u + 8u * CHIP_LINE_HZ) / (16u * CHIP_LINE_HZ);
@@ -184,7 +184,7 @@ static void chip_start_flash(void)
     chip_write(CHIP_SPI1 + CHIP_SPI_GCR1, 0x01000003u);       /* on */
 }
 
-/* Timer64P1 as a watchdog of 64 bits, [91] 28.1.6. Behind the second word nothing but board_alive keeps the chip from a reset. */
+/* Timer64P1 as a watchdog of 64 bits, [91] 28.1.6. Behind the second word nothing but hysgen_board_alive keeps the chip from a reset. */
 static void chip_start_watchdog(void)
 {
     chip_write(CHIP_TIMER1 + CHIP_TIMER_TCR, 0u);
@@ -199,7 +199,7 @@ static void chip_start_watchdog(void)
     chip_write(CHIP_TIMER1 + CHIP_TIMER_WDTCR, CHIP_WATCHDOG_SECOND);
 }
 
-uint32_t chip_start(uint32_t outputs)
+uint32_t hysgen_chip_start(uint32_t outputs)
 {
     uint32_t clock;
     uint32_t power;
@@ -222,7 +222,7 @@ uint32_t chip_start(uint32_t outputs)
     return (clock == 0u) ? 1u : ((power == 0u) ? 2u : 0u);
 }
 
-void chip_pulse(uint32_t outputs)
+void hysgen_chip_pulse(uint32_t outputs)
 {
     chip_write(CHIP_GPIO + CHIP_GPIO_SET, outputs);
     chip_rest(5u * (CHIP_CORE_HZ / 1000000u));
@@ -230,7 +230,7 @@ void chip_pulse(uint32_t outputs)
     chip_rest(300u * (CHIP_CORE_HZ / 1000000u));
 }
 
-void chip_start_sampling(uint32_t period)
+void hysgen_chip_start_sampling(uint32_t period)
 {
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TGCR, 0u);
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TGCR, 0x05u);         /* unchained 32 bit, TIM12 out of reset */

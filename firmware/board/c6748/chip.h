@@ -95,12 +95,12 @@ static inline void chip_bus_write(uint32_t address, uint16_t value)
 
 /* Behind reset: clocks, pins, power of the devices, bus, line, flash, amplifier's pins, watchdog. outputs: pins of GPIO bank 0 that drive;
  * they are low. Returns 0, or the number of the step that did not finish: 1 PLL, 2 power of a device. */
-uint32_t chip_start(uint32_t outputs);
+uint32_t hysgen_chip_start(uint32_t outputs);
 
 /* The output pins `outputs` of GPIO bank 0 high for 5 us, then 300 us low. */
-void chip_pulse(uint32_t outputs);
+void hysgen_chip_pulse(uint32_t outputs);
 
 /* Timer64P0 as one 32-bit timer of `period` oscillator ticks, to interrupt 4 and, as a pulse of 4 ticks, to its pin. */
-void chip_start_sampling(uint32_t period);
+void hysgen_chip_start_sampling(uint32_t period);
 
 #endif

@@ -16,7 +16,7 @@ static void console_byte(uint8_t byte)
     }
 }
 
-void console_text(const char *text)
+void hysgen_console_text(const char *text)
 {
     for (uint32_t i = 0u; text[i] != '\0'; ++i) {
         console_byte((uint8_t)text[i]);
@@ -24,7 +24,7 @@ void console_text(const char *text)
 }
 
 /* By subtraction: the C674x divides by a call of a library. */
-void console_number(uint32_t number)
+void hysgen_console_number(uint32_t number)
 {
     static const uint32_t powers[] = { 1000000000u, 100000000u, 10000000u, 1000000u, 100000u, 10000u, 1000u, 100u, 10u, 1u };
     uint32_t left = number;
@@ -44,7 +44,7 @@ void console_number(uint32_t number)
     }
 }
 
-void console_word(uint32_t word)
+void hysgen_console_word(uint32_t word)
 {
     for (uint32_t shift = 32u; shift != 0u; shift -= 4u) {
         const uint32_t digit = (word >> (shift - 4u)) & 0xFu;
@@ -53,7 +53,7 @@ void console_word(uint32_t word)
     }
 }
 
-void console_end(void)
+void hysgen_console_end(void)
 {
     console_byte(0u);
 }

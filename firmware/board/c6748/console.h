@@ -8,13 +8,13 @@
 
 #include <stdint.h>
 
-void console_text(const char *text);
+void hysgen_console_text(const char *text);
 
 /* A number in decimal digits, and as eight hexadecimal ones. */
-void console_number(uint32_t number);
-void console_word(uint32_t word);
+void hysgen_console_number(uint32_t number);
+void hysgen_console_word(uint32_t word);
 
 /* End of the text. */
-void console_end(void);
+void hysgen_console_end(void);
 
 #endif

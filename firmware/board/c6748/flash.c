@@ -65,7 +65,7 @@ static uint32_t flash_ready(void)
     return (uint32_t)(busy == 0u);
 }
 
-uint32_t flash_present(void)
+uint32_t hysgen_flash_present(void)
 {
     uint8_t maker;
     uint8_t size;
@@ -82,7 +82,7 @@ static uint32_t flash_place(uint32_t slot, uint32_t offset)
     return FLASH_SLOTS + slot * BOARD_SLOT_BYTES + offset;
 }
 
-void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+void hysgen_board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
 {
     const uint32_t place = flash_place(slot, offset);
 
@@ -96,12 +96,12 @@ void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *b
     }
 }
 
-void board_store_erase(board_t *board, uint32_t slot)
+void hysgen_board_store_erase(board_t *board, uint32_t slot)
 {
     const uint32_t place = flash_place(slot, 0u);
 
     (void)board;
-    if (flash_present() != 0u) {
+    if (hysgen_flash_present() != 0u) {
         (void)flash_exchange(FLASH_WRITE_ENABLE, 0u);
         flash_address(FLASH_ERASE, place);
         (void)flash_exchange((uint8_t)(place & 0xFFu), 0u);
@@ -109,10 +109,10 @@ void board_store_erase(board_t *board, uint32_t slot)
     }
 }
 
-uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+uint32_t hysgen_board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
 {
     const uint32_t first = flash_place(slot, offset);
-    uint32_t good = flash_present();
+    uint32_t good = hysgen_flash_present();
     uint32_t done = 0u;
 
     (void)board;

@@ -9,6 +9,6 @@
 #define FLASH_SLOTS  0x007FE000u
 
 /* 1 if a W25Q64 answers. */
-uint32_t flash_present(void);
+uint32_t hysgen_flash_present(void);
 
 #endif

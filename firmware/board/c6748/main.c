@@ -1,4 +1,4 @@
-/* main.c: owns the one instance of everything. Interrupt 4 comes to main_tick: from start.s, or, with TI's tools, from the
+/* main.c: owns the one instance of everything. Interrupt 4 comes to hysgen_main_tick: from start.s, or, with TI's tools, from the
  * vector table of your project. */
 
 #include <stddef.h>
@@ -56,16 +56,16 @@ static const image_owner_t main_owner = { { 0u, 0u, 0u, 0u }, { 0u, 0u } };
 #define MAIN_INTERRUPT
 
 /* Where start.s goes with a stack: variables without initial values become 0, then main. */
-extern uint32_t start_bss[];
-extern uint32_t start_bss_end[];
+extern uint32_t hysgen_start_bss[];
+extern uint32_t hysgen_start_bss_end[];
 int main(void);
-void start(void);
+void hysgen_start(void);
 
-void start(void)
+void hysgen_start(void)
 {
-    uint32_t *word = start_bss;
+    uint32_t *word = hysgen_start_bss;
 
-    while (word != start_bss_end) {
+    while (word != hysgen_start_bss_end) {
         *word = 0u;
         ++word;
     }
@@ -73,17 +73,17 @@ void start(void)
 }
 #endif
 
-MAIN_INTERRUPT void main_tick(void);
-MAIN_INTERRUPT void main_tick(void)
+MAIN_INTERRUPT void hysgen_main_tick(void);
+MAIN_INTERRUPT void hysgen_main_tick(void)
 {
-    firmware_interrupt(&main_firmware, &main_board);
+    hysgen_firmware_interrupt(&main_firmware, &main_board);
 }
 
 /* From the NMI slot, for exceptions and NMI alike: output to off_V, amplifier off; then the watchdog resets the chip. */
-void main_panic(void);
-void main_panic(void)
+void hysgen_main_panic(void);
+void hysgen_main_panic(void)
 {
-    firmware_panic(&main_firmware, &main_board);
+    hysgen_firmware_panic(&main_firmware, &main_board);
     for (;;) {
         /* Until the watchdog acts. */
     }
@@ -92,60 +92,60 @@ void main_panic(void)
 /* What was built, before anything else can fail. */
 static void main_print_build(void)
 {
-    console_text("\r\nhysgen firmware: model " MODEL_NAME ", build ");
-    console_word(MODEL_BUILD);
-    console_text("\r\ncore ");
-    console_number(CHIP_CORE_HZ / 1000000u);
-    console_text(" MHz, period ");
-    console_number(BOARD_PERIOD_NS);
-    console_text(" ns\r\nflash W25Q64JV: ");
-    console_text((flash_present() != 0u) ? "found\r\n" : "NOT FOUND, no parameter image can be kept\r\n");
-    console_text("self-test: ");
+    hysgen_console_text("\r\nhysgen firmware: model " MODEL_NAME ", build ");
+    hysgen_console_word(MODEL_BUILD);
+    hysgen_console_text("\r\ncore ");
+    hysgen_console_number(CHIP_CORE_HZ / 1000000u);
+    hysgen_console_text(" MHz, period ");
+    hysgen_console_number(BOARD_PERIOD_NS);
+    hysgen_console_text(" ns\r\nflash W25Q64JV: ");
+    hysgen_console_text((hysgen_flash_present() != 0u) ? "found\r\n" : "NOT FOUND, no parameter image can be kept\r\n");
+    hysgen_console_text("self-test: ");
 }
 
 /* What the boot has found. */
 static void main_print_boot(const firmware_t *firmware)
 {
-    console_number(firmware->selftest);
-    console_text((firmware->selftest == 0u) ? " words differ\r\n" : " WORDS DIFFER: do not start\r\n");
-    console_text("settings: ");
+    hysgen_console_number(firmware->selftest);
+    hysgen_console_text((firmware->selftest == 0u) ? " words differ\r\n" : " WORDS DIFFER: do not start\r\n");
+    hysgen_console_text("settings: ");
     if (firmware->settings_wrong == NULL) {
-        console_text("good\r\n");
+        hysgen_console_text("good\r\n");
     } else {
-        console_text("REFUSED: ");
-        console_text(firmware->settings_wrong);
-        console_text("\r\n");
+        hysgen_console_text("REFUSED: ");
+        hysgen_console_text(firmware->settings_wrong);
+        hysgen_console_text("\r\n");
     }
-    console_text("parameters: ");
+    hysgen_console_text("parameters: ");
     if (firmware->store.counter == 0u) {
-        console_text("built in\r\n");
+        hysgen_console_text("built in\r\n");
     } else {
-        console_text("image ");
-        console_number(firmware->store.counter);
-        console_text("\r\n");
+        hysgen_console_text("image ");
+        hysgen_console_number(firmware->store.counter);
+        hysgen_console_text("\r\n");
     }
     if ((firmware->image_status & STATUS_IMAGE_FALLBACK) != 0u) {
-        console_text("parameters: THE NEWEST IMAGE IS DAMAGED, these are older\r\n");
+        hysgen_console_text("parameters: THE NEWEST IMAGE IS DAMAGED, these are older\r\n");
     }
-    console_text("frames from here on\r\n");
-    console_end();
+    hysgen_console_text("frames from here on\r\n");
+    hysgen_console_end();
 }
 
 int main(void)
 {
-    const uint32_t failed = chip_start(BOARD_OUTPUTS);
+    const uint32_t failed = hysgen_chip_start(BOARD_OUTPUTS);
 
     if (failed != 0u) {
-        console_text((failed == 1u) ? "\r\nPLL0 DOES NOT START\r\n" : "\r\nNO POWER FOR A DEVICE\r\n");
+        hysgen_console_text((failed == 1u) ? "\r\nPLL0 DOES NOT START\r\n" : "\r\nNO POWER FOR A DEVICE\r\n");
         for (;;) {
             /* Without clock or power of the devices nothing can be driven: the amplifier stays off. */
         }
     }
     main_print_build();
-    firmware_boot(&main_firmware, &main_board, &main_settings, &main_owner);
+    hysgen_firmware_boot(&main_firmware, &main_board, &main_settings, &main_owner);
     main_print_boot(&main_firmware);
-    board_start(&main_board);
+    hysgen_board_start(&main_board);
     for (;;) {
-        firmware_idle(&main_firmware, &main_board);
+        hysgen_firmware_idle(&main_firmware, &main_board);
     }
 }

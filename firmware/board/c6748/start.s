@@ -4,12 +4,12 @@
         .nocmp
         .section .vectors, "ax"
         .align  10
-        .global vectors
-vectors:
+        .global hysgen_vectors
+hysgen_vectors:
         b       .S2     _c_int00        ; reset
         nop     5
         .align  5                       ; one fetch packet of 32 bytes each
-        b       .S2     panic           ; NMI, and exceptions
+        b       .S2     hysgen_panic    ; NMI, and exceptions
         nop     5
         .align  7                       ; two reserved
         b       .S2     tick            ; interrupt 4: Timer64P0
@@ -19,10 +19,10 @@ vectors:
         .text
         .global _c_int00
 _c_int00:
-        mvkl    .S2     __stack_top, B15
-        mvkh    .S2     __stack_top, B15
-        mvkl    .S2     vectors, B0
-        mvkh    .S2     vectors, B0
+        mvkl    .S2     hysgen_stack_top, B15
+        mvkh    .S2     hysgen_stack_top, B15
+        mvkl    .S2     hysgen_vectors, B0
+        mvkh    .S2     hysgen_vectors, B0
         mvc     .S2     B0, ISTP
         mvk     .S2     0, B0           ; as boot.asm of TI's library: linear addressing, rounding to nearest
         mvc     .S2     B0, AMR
@@ -30,18 +30,18 @@ _c_int00:
         mvc     .S2     B0, FMCR
         mvk     .S2     4, B0           ; TSR.GEE: a wild opcode or access raises an exception, which goes to the NMI slot
         mvc     .S2     B0, TSR
-        callp   .S2     start, B3
+        callp   .S2     hysgen_start, B3
 stay:   b       .S2     stay
         nop     5
 
-; The interrupted stack may be what failed: a new one, above all data. main_panic does not return; the watchdog resets the chip.
-        .global panic
-panic:
-        mvkl    .S2     __stack_top, B15
-        mvkh    .S2     __stack_top, B15
+; The interrupted stack may be what failed: a new one, above all data. hysgen_main_panic does not return; the watchdog resets the chip.
+        .global hysgen_panic
+hysgen_panic:
+        mvkl    .S2     hysgen_stack_top, B15
+        mvkh    .S2     hysgen_stack_top, B15
         mvk     .S2     0, B0
         mvc     .S2     B0, AMR
-        callp   .S2     main_panic, B3
+        callp   .S2     hysgen_main_panic, B3
 halt:   b       .S2     halt
         nop     5
 
@@ -81,7 +81,7 @@ tick:
         mvk     .S2     0, B1
         mvc     .S2     B1, AMR
         stdw    .D2T2   B1:B0, *B15--[1]
-        callp   .S2     main_tick, B3
+        callp   .S2     hysgen_main_tick, B3
         lddw    .D2T2   *++B15[1], B1:B0
         nop     4
         mvc     .S2     B0, AMR

@@ -1,10 +1,10 @@
 ; vectors.asm: the vector table for TI's assembler. start.s says the same to GNU as. Not run here.
 
         .ref    _c_int00
-        .ref    main_tick
-        .ref    main_panic
+        .ref    hysgen_main_tick
+        .ref    hysgen_main_panic
         .ref    __TI_STACK_END
-        .def    vectors
+        .def    hysgen_vectors
         .sect   ".vectors"
         .align  1024
         .nocmp
@@ -43,12 +43,12 @@ empty   .macro
         NOP
         .endm
 
-vectors:
+hysgen_vectors:
         slot    _c_int00
-        broken  main_panic      ; NMI, and exceptions
+        broken  hysgen_main_panic  ; NMI, and exceptions
         empty                   ; reserved
         empty                   ; reserved
-        slot    main_tick       ; interrupt 4: Timer64P0
+        slot    hysgen_main_tick   ; interrupt 4: Timer64P0
         empty
         empty
         empty

@@ -35,23 +35,23 @@ static void preempted(board_t *board)
     }
 }
 
-float board_displacement_um(board_t *board)
+float hysgen_board_displacement_um(board_t *board)
 {
     return board->reading_um;
 }
 
-float board_reference_um(board_t *board)
+float hysgen_board_reference_um(board_t *board)
 {
     return board->reference_um[board->sample];
 }
 
-uint32_t board_amplifier(board_t *board)
+uint32_t hysgen_board_amplifier(board_t *board)
 {
     return (faulty(board, HOST_FAULT_LIMITS) != 0u ? BOARD_AMPLIFIER_LIMITS : 0u)
         | (faulty(board, HOST_FAULT_AMPLIFIER) != 0u ? BOARD_AMPLIFIER_FAILED : 0u);
 }
 
-void board_voltage(board_t *board, float u_V)
+void hysgen_board_voltage(board_t *board, float u_V)
 {
     const uint32_t clips = faulty(board, HOST_FAULT_SATURATED);
     float reading_um;
@@ -71,12 +71,12 @@ void board_voltage(board_t *board, float u_V)
 }
 
 /* A host has no cycles of a C6748 to show: time passes only where a test says so. */
-uint32_t board_cycles(board_t *board)
+uint32_t hysgen_board_cycles(board_t *board)
 {
     return board->cycles;
 }
 
-uint32_t board_overrun(board_t *board)
+uint32_t hysgen_board_overrun(board_t *board)
 {
     if (faulty(board, HOST_FAULT_LOST) != 0u) {
         board->cycles += (uint32_t)board->fault_value;
@@ -84,22 +84,22 @@ uint32_t board_overrun(board_t *board)
     return faulty(board, HOST_FAULT_OVERRUN);
 }
 
-void board_line_serve(board_t *board)
+void hysgen_board_line_serve(board_t *board)
 {
     board->served += 1u;
 }
 
-void board_amplifier_enable(board_t *board, uint32_t on)
+void hysgen_board_amplifier_enable(board_t *board, uint32_t on)
 {
     board->enabled = on;
 }
 
-void board_alive(board_t *board)
+void hysgen_board_alive(board_t *board)
 {
     board->alive += 1u;
 }
 
-uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
+uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
 {
     const uint32_t count = (board->incoming_count < room) ? board->incoming_count : room;
 
@@ -111,7 +111,7 @@ uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
     return count;
 }
 
-uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
+uint32_t hysgen_board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
 {
     uint32_t taken = 0u;
 
@@ -123,12 +123,12 @@ uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
     return taken;
 }
 
-void board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+void hysgen_board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
 {
     memcpy(bytes, &board->store[slot][offset], count);
 }
 
-void board_store_erase(board_t *board, uint32_t slot)
+void hysgen_board_store_erase(board_t *board, uint32_t slot)
 {
     preempted(board);
     for (uint32_t i = 0u; i < BOARD_SLOT_BYTES; ++i) {
@@ -138,7 +138,7 @@ void board_store_erase(board_t *board, uint32_t slot)
     }
 }
 
-uint32_t board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+uint32_t hysgen_board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
 {
     for (uint32_t i = 0u; i < count; ++i) {
         if (powered(board) != 0u) {

@@ -40,9 +40,9 @@ typedef struct board {
     uint32_t incoming_count;
     uint8_t outgoing[512];      /* and from it */
     uint32_t outgoing_count;
-    uint32_t served;            /* calls of board_line_serve */
+    uint32_t served;            /* calls of hysgen_board_line_serve */
     uint32_t enabled;           /* the amplifier is switched on */
-    uint32_t alive;             /* calls of board_alive */
+    uint32_t alive;             /* calls of hysgen_board_alive */
     uint8_t store[2][4096];
     void (*preempt)(void *with);  /* called while the store erases and after it has written, or NULL */
     void *preempt_with;

@@ -45,55 +45,55 @@ static settings_t simulated_settings = {
 
 static const image_owner_t simulated_owner = { { 0u, 0u, 0u, 0u }, { 0u, 0u } };
 
-float board_displacement_um(board_t *board)
+float hysgen_board_displacement_um(board_t *board)
 {
     return board->reading_um;
 }
 
-float board_reference_um(board_t *board)
+float hysgen_board_reference_um(board_t *board)
 {
     return board->reference_um;
 }
 
-uint32_t board_amplifier(board_t *board)
+uint32_t hysgen_board_amplifier(board_t *board)
 {
     (void)board;
     return 0u;
 }
 
-void board_voltage(board_t *board, float u_V)
+void hysgen_board_voltage(board_t *board, float u_V)
 {
     board->output_V = u_V;
 }
 
-uint32_t board_cycles(board_t *board)
+uint32_t hysgen_board_cycles(board_t *board)
 {
     (void)board;
     return 0u;
 }
 
-uint32_t board_overrun(board_t *board)
+uint32_t hysgen_board_overrun(board_t *board)
 {
     (void)board;
     return 0u;
 }
 
-void board_line_serve(board_t *board)
+void hysgen_board_line_serve(board_t *board)
 {
     (void)board;
 }
 
-void board_amplifier_enable(board_t *board, uint32_t on)
+void hysgen_board_amplifier_enable(board_t *board, uint32_t on)
 {
     board->enabled = on;
 }
 
-void board_alive(board_t *board)
+void hysgen_board_alive(board_t *board)
 {
     (void)board;
 }
 
-uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
+uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
 {
     uint32_t count = 0u;
 
@@ -105,7 +105,7 @@ uint32_t board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
     return count;
 }
 
-uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
+uint32_t hysgen_board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
 {
     uint32_t taken = 0u;
 
@@ -117,58 +117,58 @@ uint32_t board_line_write(board_t *board, const uint8_t *bytes, uint32_t count)
     return taken;
 }
 
-void simulated_options(uint32_t options);
-uint32_t simulated_boot(void);
-float simulated_interrupt(float reading_um, float reference_um);
-uint32_t simulated_idle(void);
-uint32_t simulated_state(void);
-void simulated_send(uint32_t byte);
-uint32_t simulated_sent(void);
+void hysgen_simulated_options(uint32_t options);
+uint32_t hysgen_simulated_boot(void);
+float hysgen_simulated_interrupt(float reading_um, float reference_um);
+uint32_t hysgen_simulated_idle(void);
+uint32_t hysgen_simulated_state(void);
+void hysgen_simulated_send(uint32_t byte);
+uint32_t hysgen_simulated_sent(void);
 
 /* SETTINGS_ bits of the next boot. */
-void simulated_options(uint32_t options)
+void hysgen_simulated_options(uint32_t options)
 {
     simulated_settings.options = options;
 }
 
 /* Returns the mismatches that the self-test found. */
-uint32_t simulated_boot(void)
+uint32_t hysgen_simulated_boot(void)
 {
-    firmware_boot(&simulated, &simulated_board, &simulated_settings, &simulated_owner);
+    hysgen_firmware_boot(&simulated, &simulated_board, &simulated_settings, &simulated_owner);
     simulated.controller.request = CONTROLLER_START;
     return simulated.selftest;
 }
 
-float simulated_interrupt(float reading_um, float reference_um)
+float hysgen_simulated_interrupt(float reading_um, float reference_um)
 {
     simulated_board.reading_um = reading_um;
     simulated_board.reference_um = reference_um;
-    firmware_interrupt(&simulated, &simulated_board);
+    hysgen_firmware_interrupt(&simulated, &simulated_board);
     return simulated_board.output_V;
 }
 
 /* Returns the status word. */
-uint32_t simulated_idle(void)
+uint32_t hysgen_simulated_idle(void)
 {
-    firmware_idle(&simulated, &simulated_board);
-    return firmware_status(&simulated);
+    hysgen_firmware_idle(&simulated, &simulated_board);
+    return hysgen_firmware_status(&simulated);
 }
 
 /* State, and commits above it. */
-uint32_t simulated_state(void)
+uint32_t hysgen_simulated_state(void)
 {
     return (uint32_t)simulated.controller.state | (simulated.commits << 8);
 }
 
 /* A byte to the firmware's line. */
-void simulated_send(uint32_t byte)
+void hysgen_simulated_send(uint32_t byte)
 {
     simulated_board.in[simulated_board.in_last & (SIMULATED_LINE - 1u)] = (uint8_t)byte;
     simulated_board.in_last += 1u;
 }
 
 /* The next byte from the firmware's line, or 256 if there is none. */
-uint32_t simulated_sent(void)
+uint32_t hysgen_simulated_sent(void)
 {
     uint32_t byte = 256u;
 

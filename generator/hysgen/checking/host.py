@@ -45,15 +45,15 @@ class Host:
         sources = list(c_files(texts).items())
         declared = self.interface.declarations() + declarations
         declared += "".join(_driver_declaration(entry) for entry in self.entries.values())
-        declared += "int32_t driver_flushes(void);\n"
+        declared += "int32_t hysgen_driver_flushes(void);\n"
         if self.commits:
-            declared += f"uint32_t driver_commit({name}_t *self, {name}_learner_t *learner, int32_t flush);\n"
+            declared += f"uint32_t hysgen_driver_commit({name}_t *self, {name}_learner_t *learner, int32_t flush);\n"
         self._library: Library = build([*sources, ("driver.c", driver)], declared, toolchain, libraries=())
 
     @property
     def flushes(self) -> bool:
         """Whether this machine has a mode that flushes denormal numbers to zero."""
-        return bool(self._library.lib.driver_flushes())
+        return bool(self._library.lib.hysgen_driver_flushes())
 
     def struct(self, name: str) -> Any:
         """A zeroed `<name>` owned by the caller."""
@@ -71,7 +71,7 @@ class Host:
 
     def commit(self, instance: Any, learner: Any, *, flush: bool = False) -> int:
         """One call of `<name>_commit`: its answer. flush: with denormal numbers flushed to zero."""
-        return int(self._library.lib.driver_commit(instance, learner, int(flush)))
+        return int(self._library.lib.hysgen_driver_commit(instance, learner, int(flush)))
 
     def words_of(self, struct: Any) -> Words:
         """The 32-bit words of a struct, as a live view."""
@@ -103,13 +103,13 @@ class Host:
         trace = np.empty((n, words), dtype=np.uint32)
         pointers = ffi.new("uint32_t const *[]", [ffi.from_buffer("uint32_t const *", array) for array in arrays])
         recorded = ffi.from_buffer("uint32_t *", trace) if words else ffi.NULL
-        step = getattr(self._library.lib, f"driver_{function}")
+        step = getattr(self._library.lib, f"hysgen_driver_{function}")
         step(struct, n, pointers, ffi.from_buffer("uint32_t *", out), recorded, first, words, int(flush))
         return out, trace
 
 
 def _driver_declaration(entry: Function) -> str:
     return (
-        f"void driver_{entry.name}({entry.state} *self, size_t n, const uint32_t *const in[], uint32_t *out,"
+        f"void hysgen_driver_{entry.name}({entry.state} *self, size_t n, const uint32_t *const in[], uint32_t *out,"
         " uint32_t *trace, size_t first, size_t words, int32_t flush);\n"
     )

@@ -23,6 +23,7 @@ from hysgen.errors import BuildError
 from hysgen.export.component import component_facts
 from hysgen.machine.files import digest
 from hysgen.machine.installed import data_folder
+from hysgen.machine.kernel_build import export_flags
 from hysgen.machine.native import default_toolchain
 from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
@@ -163,7 +164,7 @@ def archive(standard: int, name: str, files: Mapping[str, str]) -> bytes:
     if standard == 3:
         content["sources/buildDescription.xml"] = files["buildDescription3.xml"].encode()
     library, system = _library(standard)
-    content[f"binaries/{system}/{name}{library}"] = _binary(sources)
+    content[f"binaries/{system}/{name}{library}"] = _binary(standard, sources)
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as bundle:
         for path in sorted(content):
@@ -193,13 +194,13 @@ def _library(standard: int) -> tuple[str, str]:
     return suffix, f"{ {'amd64': 'x86_64', 'arm64': 'aarch64'}.get(machine, machine) }-{system}"
 
 
-def _binary(sources: Mapping[str, str]) -> bytes:
+def _binary(standard: int, sources: Mapping[str, str]) -> bytes:
     compiler = default_toolchain().command
     with tempfile.TemporaryDirectory() as scratch:
         for file, text in sources.items():
             Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
         units = sorted(file for file in sources if file.endswith(".c"))
-        call = [compiler, *_FLAGS, "-o", "fmu.bin", *units]
+        call = [compiler, *_FLAGS, *export_flags([f"fmi{standard}*"], Path(scratch)), "-o", "fmu.bin", *units]
         run = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
         if run.returncode != 0:
             raise BuildError(f"{compiler}: {(run.stderr.strip().splitlines() or ['no message'])[0]}")

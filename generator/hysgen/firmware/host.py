@@ -42,6 +42,9 @@ HEADERS: Final = (
 )
 """Hand-written headers that declare what is used from here, each behind those that it includes."""
 
+CALLED: Final = (*(f"hysgen_firmware_{name}" for name in ("boot", "interrupt", "idle", "status")), "hysgen_host_run")
+"""Functions of the image that are called from here."""
+
 SLOT_BYTES: Final = 4096
 NO_CUT: Final = 0xFFFFFFFF
 
@@ -180,7 +183,7 @@ class HostImage:
         own = dict([*read_sources(CONTROLLER), *read_sources(HOST_BOARD)])
         generated = c_files(texts)
         declared = _declarations(name, texts, own)
-        return cls(name, build([*own.items(), *generated.items()], declared, toolchain, libraries=()))
+        return cls(name, build([*own.items(), *generated.items()], declared, toolchain, (), CALLED))
 
 
 class DrivenPlant(Protocol):
@@ -221,7 +224,7 @@ class HostFirmware:
     def boot(self) -> None:
         """Power on: all memory but the store starts with arbitrary bytes (0xA5)."""
         self._ffi.memmove(self.firmware, b"\xa5" * self._ffi.sizeof("firmware_t"), self._ffi.sizeof("firmware_t"))
-        self._lib.firmware_boot(self.firmware, self.board, self._settings, self._owner)
+        self._lib.hysgen_firmware_boot(self.firmware, self.board, self._settings, self._owner)
 
     @property
     def state(self) -> State:
@@ -229,7 +232,7 @@ class HostFirmware:
 
     @property
     def status(self) -> FirmwareStatus:
-        return FirmwareStatus(self._lib.firmware_status(self.firmware))
+        return FirmwareStatus(self._lib.hysgen_firmware_status(self.firmware))
 
     @property
     def settings_wrong(self) -> str | None:
@@ -250,7 +253,7 @@ class HostFirmware:
         self.board.fault_from = max(0, self.board.fault_from - self.board.sample)
         self.board.fault_until = max(0, self.board.fault_until - self.board.sample)
         self.board.sample = 0
-        self._lib.host_run(
+        self._lib.hysgen_host_run(
             self.firmware,
             self.board,
             n,
@@ -296,11 +299,11 @@ class HostFirmware:
         self.board.incoming, self.board.incoming_count = kept, len(data)
         answers = b""
         while self.board.incoming_count:
-            self._lib.firmware_idle(self.firmware, self.board)
+            self._lib.hysgen_firmware_idle(self.firmware, self.board)
             answers += self._taken()
         # The last answer, and a certification that a complete image waits for.
         for _ in range(4):
-            self._lib.firmware_idle(self.firmware, self.board)
+            self._lib.hysgen_firmware_idle(self.firmware, self.board)
             answers += self._taken()
         return answers
 
@@ -323,7 +326,7 @@ class HostFirmware:
         def interrupt(_: object) -> None:
             self.request(request)
             self.board.sample, self.board.reference_um = 0, reference_um
-            self._lib.firmware_interrupt(self.firmware, self.board)
+            self._lib.hysgen_firmware_interrupt(self.firmware, self.board)
 
         self._kept = [reference_um, self._ffi.callback("void(void *)", interrupt)]
         self.board.preempt = self._kept[1]
@@ -356,6 +359,6 @@ def _declarations(name: str, texts: Mapping[str, str], own: Mapping[str, str]) -
             interface_of(name, texts).declarations(),
             *typedefs(name),
             *headers,
-            "void host_run(firmware_t *, board_t *, size_t, float *, float *, uint8_t *);",
+            "void hysgen_host_run(firmware_t *, board_t *, size_t, float *, float *, uint8_t *);",
         ]
     )

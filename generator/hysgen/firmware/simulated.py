@@ -29,10 +29,10 @@ WEAKER, NOISE_UM, SEED = 0.97, 2e-4, 1
 REFERENCE_UM, AMPLITUDE_UM, STEP_RAD = 2.0, 0.6, 2 * np.pi * 50.0 * 20e-6
 
 DECLARED: Final = """
-uint32_t simulated_boot(void);
-float simulated_interrupt(float, float);
-uint32_t simulated_idle(void);
-uint32_t simulated_state(void);
+uint32_t hysgen_simulated_boot(void);
+float hysgen_simulated_interrupt(float, float);
+uint32_t hysgen_simulated_idle(void);
+uint32_t hysgen_simulated_state(void);
 """
 
 
@@ -41,8 +41,8 @@ class SimulatedRun:
     """A run of the firmware on the simulator.
 
     differing: samples whose voltage, status, state or number of commits differs from the host's.
-    selftest: mismatches of the self-test. interrupt: fewest and most cycles of firmware_interrupt, by state at its end.
-    idle: fewest and most cycles of firmware_idle, one call of the model's commit included. boot: cycles with self-test.
+    selftest: mismatches of the self-test. interrupt: fewest and most cycles of the interrupt, by state at its end.
+    idle: fewest and most cycles of the idle loop, one call of the model's commit included. boot: cycles with self-test.
     """
 
     samples: int
@@ -78,8 +78,8 @@ def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples
     """
     machine = compiled.machine()
     host = build(_sources(texts), DECLARED, libraries=()).lib
-    booted = machine.call("simulated_boot")
-    host.simulated_boot()
+    booted = machine.call("hysgen_simulated_boot")
+    host.hysgen_simulated_boot()
     stage, state_of_stage = virtual_stage(model)
     rng = np.random.default_rng(SEED)
     y_um, differing, commits = model.grid.y_min_um, 0, 0
@@ -88,10 +88,10 @@ def simulate(model: Model, texts: Mapping[str, str], compiled: Firmware, samples
     for k in range(samples):
         reading = np.float32(y_um + NOISE_UM * rng.standard_normal())
         wanted = np.float32(REFERENCE_UM + AMPLITUDE_UM * np.sin(STEP_RAD * k))
-        u_V = np.float32(host.simulated_interrupt(reading, wanted))
-        outcome = machine.call("simulated_interrupt", reading, wanted)
-        status, at_idle = host.simulated_idle(), machine.call("simulated_idle")
-        state, at_state = host.simulated_state(), machine.call("simulated_state").bits
+        u_V = np.float32(host.hysgen_simulated_interrupt(reading, wanted))
+        outcome = machine.call("hysgen_simulated_interrupt", reading, wanted)
+        status, at_idle = host.hysgen_simulated_idle(), machine.call("hysgen_simulated_idle")
+        state, at_state = host.hysgen_simulated_state(), machine.call("hysgen_simulated_state").bits
         same = (int(u_V.view(np.uint32)), status, state) == (outcome.bits, at_idle.bits, at_state)
         differing += not same
         commits = state >> 8
@@ -111,7 +111,7 @@ def static_bounds(name: str, compiled: Firmware) -> dict[str, tuple[int, int] | 
     decoded = compiled.packets
     cycles: dict[str, tuple[int, int] | None] = {}
     for symbol in (
-        "firmware_interrupt",
+        "hysgen_firmware_interrupt",
         *(f"{name}_{called}" for called in ("inverse", "learn_init", "learn", "commit")),
     ):
         try:

@@ -81,7 +81,8 @@ def tracked(model: Model, machine: Machine, options: int, idle: bool = False) ->
     caches = Caches(machine.packets)
     delay, total, cold, warm = [], [], [], []
     for period in periods(model, machine, options, idle):
-        reads, writes = (_called(machine, period.interrupt, f"board_{each}") for each in ("displacement_um", "voltage"))
+        called = (f"hysgen_board_{each}" for each in ("displacement_um", "voltage"))
+        reads, writes = (_called(machine, period.interrupt, name) for name in called)
         delay.append(writes - reads)
         total.append(period.cycles)
         if len(delay) > TRACKED - CACHED:
@@ -103,20 +104,20 @@ class Period:
 
 def periods(model: Model, machine: Machine, options: int, idle: bool) -> Iterator[Period]:
     """TRACKED periods in TRACK, behind a start; arguments and errors of `tracked`."""
-    machine.call("simulated_options", options)
-    machine.call("simulated_boot")
+    machine.call("hysgen_simulated_options", options)
+    machine.call("hysgen_simulated_boot")
     stage, state = virtual_stage(model)
     y_um, found, tracks = model.grid.y_min_um, 0, False
     for k in range(MOST):
         reading, wanted = np.float32(y_um), np.float32(REFERENCE_UM + AMPLITUDE_UM * np.sin(STEP_RAD * k))
-        outcome, trace = machine.trace("simulated_interrupt", reading, wanted)
-        after = machine.trace("simulated_idle")[1] if idle else Trace()
+        outcome, trace = machine.trace("hysgen_simulated_interrupt", reading, wanted)
+        after = machine.trace("hysgen_simulated_idle")[1] if idle else Trace()
         if tracks:
             yield Period(trace, after, outcome.cycles)
             found += 1
         if found == TRACKED:
             return
-        tracks = tracks or machine.call("simulated_state").bits & 0xFF == State.TRACK
+        tracks = tracks or machine.call("hysgen_simulated_state").bits & 0xFF == State.TRACK
         y_um = stage.call("simulate", state, outcome.float32)
     raise TargetError(f"{model.name}: not in TRACK for {TRACKED} of {MOST} samples")
 

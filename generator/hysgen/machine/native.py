@@ -21,7 +21,7 @@ from cffi import FFI
 
 from hysgen.errors import BuildError, HysgenError
 from hysgen.machine.files import digest
-from hysgen.machine.kernel_build import STRICT_FLAGS, find_compiler
+from hysgen.machine.kernel_build import STRICT_FLAGS, export_flags, find_compiler
 
 
 @dataclass(frozen=True)
@@ -110,23 +110,43 @@ def build(
     declarations: str,
     toolchain: Toolchain | None = None,
     libraries: Sequence[str] = ("-lm",),
+    called: Sequence[str] = (),
 ) -> Library:
     """Compile C texts to one shared library and open it.
 
     sources: (file name, text) pairs; headers among them are found by #include, `.c` files are compiled.
-    declarations: the C declarations for cffi's `cdef`.
+    declarations: the C declarations for cffi's `cdef`. called: the names that the library exports and no others;
+    the functions and variables that `declarations` declare, if not given.
     Raises BuildError with the compiler's first error message.
     """
     chosen = toolchain or default_toolchain()
     version = compiler_version(chosen.command)
     flags = (*STRICT_FLAGS, *chosen.flags)
-    recipe = "\0".join([chosen.command, version, *flags, *libraries, *(part for pair in sources for part in pair)])
+    names = called or externals(declarations)
+    recipe = "\0".join(
+        [chosen.command, version, *flags, *libraries, *names, *(part for pair in sources for part in pair)]
+    )
     target = cache_folder() / f"{digest(recipe.encode())[:32]}.so"
     if not target.exists():
-        _build(dict(sources), chosen.command, flags, libraries, target)
+        _build(dict(sources), chosen.command, flags, libraries, names, target)
     ffi = FFI()
     ffi.cdef(declarations)
     return Library(ffi, ffi.dlopen(str(target)), target)
+
+
+def externals(declarations: str) -> list[str]:
+    """Names of the functions and `extern` variables among C declarations for cffi, sorted."""
+    flat = re.sub(r"/\*.*?\*/|//.*?$|^\s*#.*?$", "", declarations, flags=re.DOTALL | re.MULTILINE)
+    while flat != (flat := re.sub(r"\{[^{}]*\}", "", flat)):
+        pass
+    names: set[str] = set()
+    for text in flat.split(";"):
+        first = text.split()[:1]
+        if first == ["extern"] and "(" not in text:
+            names.update(re.findall(r"(\w+)\s*(?:\[[^]]*\]\s*)*(?:,|$)", text))
+        elif first != ["typedef"]:
+            names.update(re.findall(r"^[^(]*?(\w+)\s*\(", text))
+    return sorted(names)
 
 
 def cached_object(
@@ -161,9 +181,14 @@ def _included(name: str, texts: Mapping[str, str]) -> set[str]:
 
 
 def _build(
-    texts: Mapping[str, str], command: str, flags: Sequence[str], libraries: Sequence[str], target: Path
+    texts: Mapping[str, str],
+    command: str,
+    flags: Sequence[str],
+    libraries: Sequence[str],
+    names: Sequence[str],
+    target: Path,
 ) -> None:
-    """Compile the units among `texts` and link them to the shared library `target`."""
+    """Compile the units among `texts` and link them to the shared library `target`, which exports `names`."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
         for name, text in texts.items():
@@ -182,5 +207,5 @@ def _build(
             return str(cached_object(unit, texts, recipe, lambda path: run(*flags, "-c", "-o", str(path), unit)))
 
         objects = [compiled(name) for name in texts if name.endswith(".c")]
-        run(*flags, "-shared", "-o", "out.so", *objects, *libraries)
+        run(*flags, *export_flags(names, Path(scratch)), "-shared", "-o", "out.so", *objects, *libraries)
         os.replace(Path(scratch, "out.so"), target)

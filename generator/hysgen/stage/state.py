@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 
 SOURCES = ("plant.h", "hysteresis.c", "preisach_mesh.c", "jiles_atherton.c", "thermal.c", "plant.c")
 TURNS = 65536  # capacity for nested turning points
+CALLED = ("hysteresis_clear", "hysteresis_move", "hysteresis_path", "plant_rest", "plant_run", "plant_step")
 OUT_OF_MEMORY = f"voltage: more than {TURNS} nested turning points; shorten the record or stop its amplitude's decay"
 
 
@@ -32,7 +33,7 @@ def plant() -> native.Library:
     texts = [(name, resources.files(__package__).joinpath(name).read_text(encoding="utf-8")) for name in SOURCES]
     kept = ("#define HYSGEN_STAGE", "#ifndef", "#endif")
     header = "\n".join(line for line in texts[0][1].splitlines() if not line.startswith(kept))
-    return native.build(texts, header)
+    return native.build(texts, header, called=CALLED)
 
 
 @dataclass(frozen=True)

@@ -14,65 +14,65 @@ uint32_t drivers_started, drivers_flash_wrong, drivers_ticks, drivers_planted;
 float drivers_reading_um, drivers_output_V;
 
 /* What start.s calls. */
-void start(void);
-void main_tick(void);
-void main_panic(void);
+void hysgen_start(void);
+void hysgen_main_tick(void);
+void hysgen_main_panic(void);
 
 /* Erases a slot, writes it twice, reads it back: bits only fall. */
 static uint32_t flash_wrong(void)
 {
     static uint8_t first[BYTES], second[BYTES], read[BYTES];
-    uint32_t wrong = 1u - flash_present();
+    uint32_t wrong = 1u - hysgen_flash_present();
 
     for (uint32_t i = 0u; i < BYTES; ++i) {
         first[i] = (uint8_t)(i * 7u + 3u);
         second[i] = (uint8_t)(i * 5u + 1u);
     }
-    board_store_erase(&board, 1u);
-    wrong += 1u - board_store_write(&board, 1u, PLACE, first, BYTES);
-    wrong += 1u - board_store_write(&board, 1u, PLACE, second, BYTES);
-    board_store_read(&board, 1u, PLACE, read, BYTES);
+    hysgen_board_store_erase(&board, 1u);
+    wrong += 1u - hysgen_board_store_write(&board, 1u, PLACE, first, BYTES);
+    wrong += 1u - hysgen_board_store_write(&board, 1u, PLACE, second, BYTES);
+    hysgen_board_store_read(&board, 1u, PLACE, read, BYTES);
     for (uint32_t i = 0u; i < BYTES; ++i) {
         wrong += (uint32_t)(read[i] != (uint8_t)(first[i] & second[i]));
     }
     return wrong;
 }
 
-void main_tick(void)
+void hysgen_main_tick(void)
 {
-    drivers_reading_um = board_displacement_um(&board);
-    board_voltage(&board, drivers_output_V);
-    board_line_serve(&board);
-    board_amplifier_enable(&board, 1u);
-    board_alive(&board);
+    drivers_reading_um = hysgen_board_displacement_um(&board);
+    hysgen_board_voltage(&board, drivers_output_V);
+    hysgen_board_line_serve(&board);
+    hysgen_board_amplifier_enable(&board, 1u);
+    hysgen_board_alive(&board);
     drivers_ticks += 1u;
 }
 
-void main_panic(void)
+void hysgen_main_panic(void)
 {
-    board_voltage(&board, 0.0f);
-    board_amplifier_enable(&board, 0u);
+    hysgen_board_voltage(&board, 0.0f);
+    hysgen_board_amplifier_enable(&board, 0u);
     for (;;) {
     }
 }
 
-void start(void)
+void hysgen_start(void)
 {
     uint8_t byte = 0u;
 
     drivers_ticks = 0u;
     drivers_output_V = 40.0f;
-    drivers_started = chip_start(BOARD_OUTPUTS);
-    console_text("drivers ");
-    console_number(1234567890u);
-    console_text(" ");
-    console_word(0x09AFu);
-    console_end();
+    drivers_started = hysgen_chip_start(BOARD_OUTPUTS);
+    hysgen_console_text("drivers ");
+    hysgen_console_number(1234567890u);
+    hysgen_console_text(" ");
+    hysgen_console_word(0x09AFu);
+    hysgen_console_end();
     drivers_flash_wrong = flash_wrong();
-    board_start(&board);
+    hysgen_board_start(&board);
     for (;;) {
-        if (board_line_read(&board, &byte, 1u) != 0u) {
-            (void)board_line_write(&board, &byte, 1u);
+        if (hysgen_board_line_read(&board, &byte, 1u) != 0u) {
+            (void)hysgen_board_line_write(&board, &byte, 1u);
         }
     }
 }

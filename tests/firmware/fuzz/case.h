@@ -15,7 +15,7 @@ typedef struct {
     uint64_t random;
     uint32_t k;                /* interrupts of this case */
     uint32_t broken;           /* FUZZ_ bits of broken invariants */
-    uint32_t refused;          /* settings_check refused the settings */
+    uint32_t refused;          /* hysgen_settings_check refused the settings */
     uint32_t kind;             /* of the reference */
     uint32_t apart;            /* interrupts in a row in which model and stage are apart and no fault is told */
     uint32_t tracked;          /* interrupts in TRACK with a sound sensor since START */
@@ -67,7 +67,7 @@ void fuzz_settings(fuzz_t *self);
 void fuzz_event(fuzz_t *self);
 float fuzz_reference(fuzz_t *self);
 
-/* preempt.c: call `firmware_idle`, and `interrupt` before some of the accesses to memory that it makes. */
+/* preempt.c: call `hysgen_firmware_idle`, and `interrupt` before some of the accesses to memory that it makes. */
 void fuzz_preempted_idle(fuzz_t *self, void (*interrupt)(fuzz_t *self));
 
 #endif

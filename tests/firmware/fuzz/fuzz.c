@@ -155,7 +155,7 @@ static uint32_t broken_tracking(fuzz_t *self)
 static void reach(fuzz_t *self)
 {
     const uint32_t state = (uint32_t)self->firmware.controller.state;
-    const uint32_t status = firmware_status(&self->firmware);
+    const uint32_t status = hysgen_firmware_status(&self->firmware);
 
     fuzz_reached[16u * self->before + state] = 1u;
     for (uint32_t rest = status; rest != 0u; rest &= rest - 1u) {
@@ -175,7 +175,7 @@ static void interrupt(fuzz_t *self)
 
     self->reference_um[0] = fuzz_reference(self);
     self->board.sample = 0u;
-    firmware_interrupt(&self->firmware, &self->board);
+    hysgen_firmware_interrupt(&self->firmware, &self->board);
     self->k += 1u;
     self->broken |= (((self->status & ~controller->status) != 0u) && (self->clears == controller->clears)) ? FUZZ_STATUS : 0u;
     self->status = controller->status;
@@ -195,7 +195,7 @@ static void boot(fuzz_t *self)
     memset(&self->firmware, 0xA5, sizeof self->firmware);
     self->board.bytes_to_cut = HOST_NO_CUT;
     self->board.incoming_count = 0u;
-    firmware_boot(&self->firmware, &self->board, &self->settings, &self->owner);
+    hysgen_firmware_boot(&self->firmware, &self->board, &self->settings, &self->owner);
     self->refused = (uint32_t)(self->firmware.settings_wrong != 0);
     self->board.output_V = self->firmware.controller.output_V;
     self->apart = 0u;
@@ -243,7 +243,7 @@ static void reset(fuzz_t *self)
     if (fuzz_below(self, 2u) != 0u) {
         const float off_V = (number_finite(self->settings.off_V) != 0u) ? self->settings.off_V : 0.0f;
 
-        firmware_panic(&self->firmware, &self->board);
+        hysgen_firmware_panic(&self->firmware, &self->board);
         self->broken |= ((self->board.output_V != off_V) || (self->board.enabled != 0u)) ? FUZZ_PANIC : 0u;
     }
     boot(self);

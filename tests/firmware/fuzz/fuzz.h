@@ -12,7 +12,7 @@
 #define FUZZ_PARAMETERS  0x08u  /* parameters of the next start are neither built in nor of a certified image nor committed */
 #define FUZZ_REFUSED     0x10u  /* the voltage changed although the settings were refused */
 #define FUZZ_STORE       0x20u  /* a reset lost the parameters of an image that was acknowledged */
-#define FUZZ_PANIC       0x40u  /* firmware_panic left a voltage other than off_V, or the amplifier on */
+#define FUZZ_PANIC       0x40u  /* hysgen_firmware_panic left a voltage other than off_V, or the amplifier on */
 #define FUZZ_CORRECTION  0x80u  /* offset or trim beyond their limits while the inverse drives */
 #define FUZZ_STUCK       0x100u /* the input moved by stuck_V while the reading repeated itself, and no fault was told */
 #define FUZZ_STATUS      0x200u /* a bit of the status word disappeared without CLEAR */
@@ -39,7 +39,7 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
 uint64_t fuzz_cases(uint64_t first, uint64_t count, uint32_t interrupts, uint32_t broken[FUZZ_INVARIANTS], uint64_t *tracked,
                     uint8_t *features, uint64_t *finders, uint32_t room, uint32_t *found);
 
-/* Interrupts that came inside firmware_idle since the library was opened, and different instructions that they came before. */
+/* Interrupts that came inside hysgen_firmware_idle since the library was opened, and different instructions that they came before. */
 uint64_t fuzz_preemptions(void);
 uint32_t fuzz_places(void);
 

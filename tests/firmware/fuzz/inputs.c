@@ -84,7 +84,7 @@ static void fault(fuzz_t *self)
 static uint32_t command(fuzz_t *self, uint32_t at, const uint8_t *payload, uint32_t count)
 {
     uint8_t wire[FRAME_WIRE];
-    const uint32_t length = frame_make(payload, count, wire);
+    const uint32_t length = hysgen_frame_make(payload, count, wire);
 
     for (uint32_t i = 0u; (i < length) && (at + i < FUZZ_LINE); ++i) {
         self->line[at + i] = wire[i];

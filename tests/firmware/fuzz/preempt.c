@@ -1,7 +1,7 @@
 /* preempt.c: interrupts inside the idle loop, before any of its accesses to memory.
  *
  * The compiler's -fsanitize=thread calls a function of the list below before every access to memory that another thread may see. Here
- * these functions count the accesses of firmware_idle, and call the interrupt before a random one. Accesses of the interrupt itself,
+ * these functions count the accesses of hysgen_firmware_idle, and call the interrupt before a random one. Accesses of the interrupt itself,
  * of the stage and of the fuzzer are not counted. */
 
 #include <string.h>
@@ -14,7 +14,7 @@
 
 static fuzz_t *preempt_case;
 static void (*preempt_interrupt)(fuzz_t *self);
-static uint32_t preempt_counting;   /* 1: inside firmware_idle */
+static uint32_t preempt_counting;   /* 1: inside hysgen_firmware_idle */
 static uint32_t preempt_left;       /* accesses until the next interrupt */
 static uint32_t preempt_scale;
 static uint64_t preempt_count;
@@ -76,7 +76,7 @@ void fuzz_preempted_idle(fuzz_t *self, void (*interrupt)(fuzz_t *self))
     preempt_scale = 16u << (2u * fuzz_below(self, 5u));
     preempt_left = 1u + fuzz_below(self, preempt_scale);
     preempt_counting = 1u;
-    firmware_idle(&self->firmware, &self->board);
+    hysgen_firmware_idle(&self->firmware, &self->board);
     preempt_counting = 0u;
 }
 

@@ -37,8 +37,8 @@ typedef struct {{
     uint64_t samples; uint64_t random_state; uint64_t broken_at;
     float least_d; float largest_d; float largest_u; float largest_theta;
 }} endurance_extremes_t;
-void endurance_run({name}_learner_t *learner, const endurance_excitation_t *excitation, endurance_extremes_t *extremes,
-    uint64_t samples, uint64_t check_every);
+void hysgen_endurance_run({name}_learner_t *learner, const endurance_excitation_t *excitation,
+    endurance_extremes_t *extremes, uint64_t samples, uint64_t check_every);
 """
 
 
@@ -83,7 +83,7 @@ class CompiledLearner:
         done = 0
         while done < samples:
             chunk = min(CHUNK, samples - done)
-            self._library.lib.endurance_run(self.learner, given, self.extremes, chunk, CHECK_EVERY)
+            self._library.lib.hysgen_endurance_run(self.learner, given, self.extremes, chunk, CHECK_EVERY)
             done += chunk
             if progress is not None:
                 progress(done)

@@ -1,0 +1,240 @@
+"""No external name of the firmware, of generated code or of a host library can be taken for that of another library."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from fixtures import exported_folders, firmware_bench
+from fixtures.foreign_names import COMMON, RUNNER, SELFTEST, aborting, output, program, settings, zlib
+from hysgen.c674x.translation import compiled
+from hysgen.checking.endurance.compiled_learner import CompiledLearner
+from hysgen.checking.host import Host
+from hysgen.codegen import generate
+from hysgen.codegen.manifest import c_files
+from hysgen.codegen.render import render
+from hysgen.export import TARGETS, export_texts
+from hysgen.export.fmu import _binary
+from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.host import HostImage
+from hysgen.firmware.image import Label, encode
+from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, firmware_folder, read_sources
+from hysgen.firmware.wire import image_frames
+from hysgen.machine import kernels
+from hysgen.machine.kernel_build import build_kernels
+from hysgen.machine.native import default_toolchain, externals
+from hysgen.stage import state
+
+REQUIRED = {
+    "main": "the entry of a C program",
+    "_c_int00": "the entry that the C6748's tools and the boot image jump to",
+    "memcpy": "gcc copies structs by it; the Cortex-M example has no C library",
+    "memset": "gcc clears structs by it; the Cortex-M example has no C library",
+    "mexFunction": "the entry of a MEX file",
+}
+"""External names without prefix, each with the reason."""
+STANDARD = re.compile(r"fmi[23][A-Z]\w*")
+"""Functions of the FMI standard."""
+
+
+def assembly(folder: Path, unit: str, *flags: str) -> str:
+    """A C unit in `folder` as the compiler's assembly; no assembler is needed, so code of other processors goes too."""
+    command = [default_toolchain().command, "-std=gnu99", "-w", "-fPIC", *flags, "-S", "-o", "-", unit]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def external(text: str) -> set[str]:
+    """External names of assembly, GNU's or TI's, and of a linker script."""
+    names = re.findall(r"^\s*\.(?:globl|global|def|comm)\s+(\w+)", text, re.MULTILINE)
+    local = re.findall(r"^\s*\.local\s+(\w+)", text, re.MULTILINE)
+    return {*names, *re.findall(r"\b(\w+) = \.(?!\s*[+;]?\s*ALIGN)", text)} - {*local}
+
+
+def foreign(names: set[str], *prefixes: str) -> set[str]:
+    """The names that have no prefix of ours."""
+    ours = ("hysgen_", *prefixes)
+    return {n for n in names if not n.startswith(ours) and n not in REQUIRED and not STANDARD.fullmatch(n)}
+
+
+def firmware_names() -> dict[str, set[str]]:
+    """External names of every file of the firmware, by its path."""
+    root = firmware_folder()
+    names = {}
+    for path in sorted([*root.glob("controller/*.c"), *root.glob("board/**/*.c")]):
+        board = path.parent if path.parent.name not in ("controller", "board") else root / "board" / "simulator"
+        include = [root / "controller", board, root / "models" / "extended"]
+        names[str(path.relative_to(root))] = external(assembly(path.parent, path.name, *(f"-I{x}" for x in include)))
+    for path in sorted([*root.glob("board/*/*.s"), *root.glob("board/*/*.asm"), *root.glob("board/*/*.ld")]):
+        names[str(path.relative_to(root))] = external(path.read_text(encoding="utf-8"))
+    return names
+
+
+def test_every_external_name_of_the_firmware_has_the_prefix() -> None:
+    names = firmware_names()
+    assert len(names) > 20
+    assert "hysgen_crc32" in names["controller/crc32.c"]
+    assert "hysgen_board_voltage" in names["board/c6748/board.c"]
+    assert "hysgen_vectors" in names["board/c6748/start.s"] & names["board/c6748/vectors.asm"]
+    assert "hysgen_stack_top" in names["board/c6748/c6748.ld"]
+    assert {file: wrong for file, found in names.items() if (wrong := foreign(found))} == {}
+
+
+def test_a_name_without_prefix_is_seen() -> None:
+    assert foreign(external("\t.globl\tcrc32\n\t.comm\ttable,4,4\n\t.globl main\n")) == {"crc32", "table"}
+    assert foreign(external("        .def    vectors\n bss : { start_bss = .; *(.bss) }")) == {"vectors", "start_bss"}
+    assert foreign({"hysgen_crc32", "fmi2DoStep", "stage_init", "stages"}, "stage_") == {"stages"}
+
+
+@pytest.mark.slow
+def test_every_external_name_of_generated_code_has_a_prefix(tmp_path: Path) -> None:
+    """Model, drivers of `verify`, and every unit of every export that compiles here."""
+    model = exported_folders.model()
+    host = Host(model.name, generate(model))
+    facts = {"name": model.name, "NAME": model.name.upper()}
+    folders: dict[str, Mapping[str, str]] = {t: export_texts(model, t) for t in TARGETS}
+    folders["drivers"] = {
+        **c_files(generate(model)),
+        "driver.c": render(
+            "driver.c.j2",
+            {
+                **facts,
+                "structs": host.interface.structs,
+                "entries": list(host.entries.values()),
+                "channels": host.channels,
+                "commits": host.commits,
+            },
+        ),
+        "endurance.c": render("endurance.c.j2", facts),
+    }
+    seen = set()
+    for target, texts in folders.items():
+        for name, text in texts.items():
+            path = tmp_path / target / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        for name in texts:
+            # MEX needs MATLAB's header, and the Cortex-M's semihosting its registers.
+            if name.endswith(".c") and "_mex.c" not in name and (target, name) != ("cortexm", "main.c"):
+                flags = ("-I.", "-Imodel", "-Istandin", "-D__asm__(...)=", "-Dregister=") if target == "cortexm" else ()
+                flags = flags or ("-I.", "-Imodel", "-Istandin")
+                found = external(assembly(tmp_path / target, name, *flags))
+                assert foreign(found, f"{model.name}_") == set(), (target, name)
+                seen |= found
+    assert {f"{model.name}_predict", "hysgen_driver_learn", "hysgen_endurance_run", "hysgen_reset"} <= seen
+
+
+def exports(library: Path) -> set[str]:
+    """Names in the dynamic symbol table of a library; gcc adds `f.resolver` to a function that it compiled twice."""
+    nm = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
+    return {name for line in nm.splitlines() if "." not in (name := line.split()[-1].split("@")[0])}
+
+
+@pytest.mark.slow
+def test_a_host_library_exports_what_is_called_and_nothing_else(tmp_path: Path) -> None:
+    model = firmware_bench.model()
+    name = model.name
+    texts = generate(model)
+    host = Host(name, texts)
+    public = {f"{name}_{function.name}" for function in host.interface.functions}
+    drivers = {"hysgen_driver_flushes", "hysgen_driver_commit", *(f"hysgen_driver_{entry}" for entry in host.entries)}
+    called = {f"hysgen_firmware_{f}" for f in ("boot", "interrupt", "idle", "status")} | {"hysgen_host_run"}
+    stage = {"hysteresis_clear", "hysteresis_move", "hysteresis_path", "plant_rest", "plant_run", "plant_step"}
+    assert exports(firmware_bench.image().library.path) == called
+    assert exports(host._library.path) == public | drivers
+    assert exports(CompiledLearner(model)._library.path) == public | {"hysgen_endurance_run"}
+    assert exports(state.plant().path) == stage
+    assert exports(compiled({}).path) == {"c674x_run"}
+    folder = Path(kernels.__file__).parent
+    declared = {n for path in folder.glob("*.py") for n in re.findall(r"\.lib\.(\w+)", path.read_text("utf-8"))}
+    assert exports(build_kernels(folder, default_toolchain().command, tmp_path)) == declared
+
+
+@pytest.mark.slow
+def test_an_fmu_exports_the_functions_of_fmi_and_nothing_else(tmp_path: Path) -> None:
+    texts = export_texts(exported_folders.model(), "fmu")
+    for standard in (2, 3):
+        folder = f"sources{standard}/"
+        sources = {n.removeprefix(folder): text for n, text in texts.items() if n.startswith(folder)}
+        library = tmp_path / f"fmi{standard}.so"
+        library.write_bytes(_binary(standard, sources))
+        names = exports(library)
+        assert f"fmi{standard}DoStep" in names
+        assert [n for n in sorted(names) if not re.fullmatch(rf"fmi{standard}[A-Z]\w*", n)] == []
+
+
+def test_the_names_that_declarations_declare_are_read() -> None:
+    declared = """
+        #define X f(3)
+        typedef struct { int (*call)(int); } a_t; typedef int made(int);
+        extern a_t *chip; extern uint32_t log[7][2], count;
+        /* not(3); */ extern int foo(int a, int b); struct s { struct { int q; } w; };
+        const char *one(const uint8_t *x, void (*f)(int));"""
+    assert externals(declared) == ["chip", "count", "foo", "log", "one"]
+
+
+@pytest.fixture(scope="module")
+def frames(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A parameter image that the firmware takes, as frames: store, CRC and MAC are at work."""
+    path = tmp_path_factory.mktemp("frames") / "frames"
+    path.write_bytes(b"".join(image_frames(encode(firmware_bench.model(), Label(counter=7)))))
+    return path
+
+
+def bare_names() -> set[str]:
+    """The firmware's external names as they would be without prefix."""
+    return {name.removeprefix("hysgen_") for names in firmware_names().values() for name in names} - set(REQUIRED)
+
+
+def headers() -> dict[str, str]:
+    """Headers of controller, host board and model, and the C of the model's firmware."""
+    return {
+        **dict([*read_sources(CONTROLLER), *read_sources(HOST_BOARD)]),
+        **c_files(firmware_model(firmware_bench.model())),
+    }
+
+
+def run(folder: Path, image: HostImage, frames: Path, foreign_c: str = "", *flags: str) -> str:
+    """What the firmware's run prints in a program with `foreign_c` beside it."""
+    texts = {name: text for name, text in headers().items() if name.endswith(".h")} | {"settings_here.h": settings()}
+    return output(
+        program(folder, {**texts, "foreign.c": foreign_c, "runner.c": RUNNER}, *flags), image.library.path, frames
+    )
+
+
+def test_among_foreign_functions_of_its_names_the_firmware_computes_the_same(tmp_path: Path, frames: Path) -> None:
+    (tmp_path / "alone").mkdir()
+    image = firmware_bench.image()
+    alone = run(tmp_path / "alone", image, frames)
+    assert "image 0 counter 7" in alone
+    assert run(tmp_path, image, frames, aborting({*COMMON, *bare_names()})) == alone
+
+
+def test_beside_zlib_the_firmware_computes_the_same(tmp_path: Path, frames: Path) -> None:
+    """zlib's crc32 comes first in a program that links it, as Debian's python3 does."""
+    library = zlib()
+    if library is None:
+        pytest.skip("zlib is not installed: only its stand-in was linked")
+    (tmp_path / "alone").mkdir()
+    image = firmware_bench.image()
+    alone = run(tmp_path / "alone", image, frames)
+    assert run(tmp_path, image, frames, "", "-Wl,--no-as-needed", f"-l:{library}") == alone
+
+
+@pytest.mark.slow
+def test_the_firmwares_sources_link_with_foreign_functions_of_their_names(tmp_path: Path) -> None:
+    own = headers()
+    start = "int main(void) { return 0; }\n"
+    program(tmp_path, {**own, "foreign.c": aborting({*COMMON, *bare_names()}) + start})
+
+
+def test_among_foreign_functions_the_verified_library_passes_its_self_test(tmp_path: Path) -> None:
+    model = firmware_bench.model()
+    texts = {"selftest.c": SELFTEST, "foreign.c": aborting(COMMON)}
+    library = Host(model.name, generate(model))._library.path
+    assert output(program(tmp_path, texts), library, f"{model.name}_selftest") == "0\n"
