@@ -72,7 +72,7 @@ def changed() -> Callable[[str, str], set[str]]:
     return lambda language, text: set(found(language, text))
 
 
-@pytest.mark.parametrize("text", IN_PYTHON)
+@pytest.mark.parametrize("text", IN_PYTHON, ids=range(len(IN_PYTHON)))
 def test_every_way_to_be_wrong_is_planted_in_python(changed: Callable[[str, str], set[str]], text: str) -> None:
     assert changed("python", text) == IN_PYTHON[text]
 
