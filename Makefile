@@ -21,7 +21,7 @@ check: style  ## style, types, import layers, and the fast tests: at most 90 s o
 test: style  ## style, types, import layers, and every test but those of `make prove`
 	$(PY) -m pytest -n auto --dist worksteal -m "not proof"
 
-prove: $(VENV)/.tested  ## every call of the two models that ship, proved by Frama-C, and longer forms of tests: about eight minutes
+prove: $(VENV)/.tested  ## every call of the two models that ship, proved by Frama-C, and longer forms of tests: about nine minutes
 	$(PY) -m pytest -n auto -m proof
 
 style: $(VENV)/.tested

@@ -51,6 +51,7 @@ def results(record: hysgen.Record, model: hysgen.Model) -> dict[str, Displayed]:
     }
 
 
+@pytest.mark.slow
 def test_names_of_the_api_stand_at_the_top_and_are_loaded_when_they_are_used() -> None:
     code = (
         "import sys, hysgen; assert 'numpy' not in sys.modules, 'loaded too early'\n"
@@ -65,6 +66,7 @@ def test_names_of_the_api_stand_at_the_top_and_are_loaded_when_they_are_used() -
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_every_result_shows_itself_on_one_line_as_text_and_as_html(results: dict[str, Displayed]) -> None:
     for name, result in results.items():
         assert "\n" not in repr(result), name
@@ -132,6 +134,7 @@ def test_code_is_written_and_read_back(results: dict[str, Displayed], tmp_path: 
     assert hysgen.cost(folder).budget == 37500  # 100 us at 375 MHz
 
 
+@pytest.mark.slow
 def test_diagnosis_shows_its_ladder_and_draws_what_is_asked_for() -> None:
     study = hysgen.diagnose(record_of("none", 2)[:2000])
     assert study.names == ()
@@ -261,6 +264,7 @@ def test_every_error_of_the_interface_is_a_hysgen_error(record: hysgen.Record, m
             call()
 
 
+@pytest.mark.slow
 def test_what_the_command_line_does_is_in_the_interface(
     model: hysgen.Model, record: hysgen.Record, tmp_path: Path
 ) -> None:
@@ -341,6 +345,7 @@ def test_the_estimator_answers_what_scikit_learn_asks(monkeypatch: pytest.Monkey
     assert not estimator.__sklearn_is_fitted__()
 
 
+@pytest.mark.slow
 def test_importing_hysgen_leaves_the_threads_of_the_notebook_alone() -> None:
     code = (
         "import os; os.environ.pop('OPENBLAS_NUM_THREADS', None); before = dict(os.environ)\n"

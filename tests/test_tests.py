@@ -44,7 +44,8 @@ def undeclared_tools(source: str) -> Iterator[str]:
             if named in ("HYSGEN_REQUIRE_TOOLS", "importorskip", "which"):
                 yield ast.unparse(node)
     for function in (node for node in tree.body if isinstance(node, ast.FunctionDef)):
-        lines = [node.elts for node in ast.walk(function) if isinstance(node, ast.List | ast.Tuple)]
+        lines = [node.elts for node in ast.walk(function) if isinstance(node, ast.List)]
+        lines += [node.elts for node in ast.walk(function) if isinstance(node, ast.Tuple) and len(node.elts) > 1]
         lines += [node.args[1:] for name, node in calls(function) if name == "run"]
         used = {line[0].value for line in lines if line and isinstance(line[0], ast.Constant)} & COMMANDS
         asked = [argument for name, node in calls(function) if name in ("need", "exported") for argument in node.args]
@@ -112,16 +113,19 @@ def test_no_test_file_holds_what_is_forbidden(forbidden: Callable[[str], Iterato
 
 
 def test_no_id_is_made_from_bytes(request: pytest.FixtureRequest) -> None:
-    assert [item.nodeid for item in request.session.items if "\\x" in item.nodeid] == []
+    items = [item for item in request.session.items if hasattr(item, "callspec")]
+    cases = [(item.nodeid, item.callspec.params.values()) for item in items]
+    found = [name for name, values in cases if "\\x" in name and any(isinstance(value, bytes) for value in values)]
+    assert found == []
 
 
 @pytest.mark.slow
 def test_two_collections_are_the_same() -> None:
     """Seconds apart, under two orders of sets."""
-    call = [sys.executable, "-m", "pytest", "--collect-only", "-qq", "-p", "no:cacheprovider", "-o", "addopts="]
+    call = [sys.executable, "-m", "pytest", "--collect-only", "-p", "no:cacheprovider"]
     first, second = (
         subprocess.run(
-            [*call, "--import-mode=importlib", "-q"],
+            call,
             cwd=TESTS.parent,
             env={**os.environ, "PYTHONHASHSEED": seed},
             capture_output=True,
@@ -130,7 +134,8 @@ def test_two_collections_are_the_same() -> None:
         ).stdout
         for seed in ("1", "2")
     )
-    assert first == second
+    assert "::test_two_collections_are_the_same\n" in first
+    assert first.splitlines()[:-1] == second.splitlines()[:-1], "all lines but that of the time"
 
 
 @pytest.mark.parametrize(

@@ -94,6 +94,7 @@ DOCS = Path(__file__).parents[2] / "docs" / "scheduled.md"
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "small_diagnosed"])
+@pytest.mark.slow
 def test_the_dataflow_has_the_bits_of_the_mirror_and_of_the_c(name: str) -> None:
     generated, chosen = texts(name), model(name)
     host, mirror = Host(name, generated), Instance(chosen, 2.0, 10.0)
@@ -182,6 +183,7 @@ def test_the_limits_of_the_issue_are_kept() -> None:
     assert cycles["inverse"] <= 160, cycles
 
 
+@pytest.mark.slow
 def test_learn_of_18_parameters_takes_at_most_900_cycles() -> None:
     """The zeros of a restart are stored 64 bits at a time; scheduled in at most 10 s of processor time."""
     started = time.process_time()
@@ -194,6 +196,7 @@ def test_learn_of_18_parameters_takes_at_most_900_cycles() -> None:
     assert inspect(function_packets(program.image, program.packets, "learning_learn"), 3) == []
 
 
+@pytest.mark.slow
 def test_an_inverse_behind_a_fractional_delay_is_a_kernel() -> None:
     """Its result has the register of an argument that most instructions read, and comes last."""
     found = kernels("extended", texts("extended"), ("inverse",))
@@ -203,7 +206,7 @@ def test_an_inverse_behind_a_fractional_delay_is_a_kernel() -> None:
     assert inspect(function_packets(program.image, program.packets, "extended_inverse"), 3) == []
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_an_inverse_too_large_for_the_program_cache_beside_learn_stays_in_c() -> None:
     """With both as kernels the firmware of `extended` missed 402 lines of the cache in every sample, not 183."""
     portable = generate(with_learner(model("extended")), Options(aligned=True))

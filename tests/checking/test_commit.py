@@ -33,6 +33,8 @@ Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 
 GCC, CLANG = Toolchain("gcc", ("-O2",)), Toolchain("clang", ("-O3",))
+CC = Toolchain("cc", ("-O2",))
+"""What this machine has: gcc or clang."""
 
 
 def paper(learned: str = "rules") -> Model:
@@ -105,7 +107,7 @@ def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
     texts = texts_of(model)
     assert intact in texts["smooth_2.c"], f"the fault has nothing to bite on: {intact}"
     texts["smooth_2.c"] = texts["smooth_2.c"].replace(intact, planted)
-    builds, _ = compiled(model.name, texts, [GCC])
+    builds, _ = compiled(model.name, texts, [CC])
     assert compare_commit(model, builds, seed=1)[1]
 
 
@@ -171,7 +173,7 @@ def test_the_answer_does_not_depend_on_how_the_check_is_spread_over_calls(points
 
 @functools.cache
 def compiled_once() -> Host:
-    return Host("remembering", texts_of(remembering()), GCC)
+    return Host("remembering", texts_of(remembering()), CC)
 
 
 class Planted:
@@ -260,7 +262,7 @@ def interrupted(texts: dict[str, str]) -> dict[str, str]:
 
 def predictions_seen(texts: dict[str, str]) -> list[int]:
     """Bits of the predictions of an interrupt that comes between any two statements while a shadow is committed."""
-    planted = Planted(Host("smooth_2", interrupted(texts), GCC, declarations=SEEN))
+    planted = Planted(Host("smooth_2", interrupted(texts), CC, declarations=SEEN))
     assert planted.answer(planted.own * np.where(np.arange(6) % 3 == 1, 1.2, 1.0)) == Commit.COMMITTED
     seen = [int(planted.host.call("seen", i)) for i in range(4096)]
     return [bits for bits in seen if bits]

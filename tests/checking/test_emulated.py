@@ -154,7 +154,7 @@ def test_a_guard_that_has_gone_is_told() -> None:
 
 
 def test_a_missing_compiler_is_told_with_its_packages() -> None:
-    absent = dataclasses.replace(platform("armhf"), compiler="arm-nowhere-gcc")
+    absent = dataclasses.replace(platform("armhf"), compiler="arm-nowhere-gcc", emulator="")
     with pytest.raises(BuildError, match=r"arm-nowhere-gcc not installed; apt-get install gcc-arm-linux-gnueabihf"):
         Emulated("appendix_a", texts("appendix_a"), absent)
 

@@ -87,6 +87,7 @@ def test_refit_keeps_every_option_with_which_the_folder_was_generated(folder: Pa
     assert main(["generate", f"{tmp_path}/axis.json", "-o", f"{tmp_path}/c", "--check", *chosen]) == 0
 
 
+@pytest.mark.slow
 def test_diff_lists_changed_properties_and_scores_both_models_on_both_records(folder: Path, tmp_path: Path) -> None:
     old, new = f"{folder}/axis.json", f"{tmp_path}/axis.json"
     assert main(["refit", old, f"{folder}/second.csv", "-o", new]) == 0

@@ -239,6 +239,7 @@ def test_a_number_of_processes_that_is_none_is_refused(text: str, monkeypatch: p
         processes()
 
 
+@pytest.mark.slow
 def test_a_reader_that_closes_the_pipe_loses_no_file(folder: Path) -> None:
     """`hysgen refit ... | head -1` ended without the model, and with 0."""
     Path("ok.csv").write_text("".join(bundled_csv().splitlines(keepends=True)[:3001]))
@@ -264,6 +265,7 @@ def test_an_interrupt_while_modules_are_loaded_is_one_line(
     assert capsys.readouterr().err == "\nhysgen: interrupted before anything was done\n"
 
 
+@pytest.mark.slow
 def test_no_verb_but_the_demo_loads_pictures_before_they_are_asked_for() -> None:
     code = (
         "import sys; from hysgen.cli.verbs import NAMES, verb\n"

@@ -111,6 +111,7 @@ def test_separate_holdout_is_scored_and_not_fitted() -> None:
     assert found.held_rows.min() >= whole.samples
 
 
+@pytest.mark.slow
 def test_a_stage_without_a_planted_cause_is_diagnosed_with_none() -> None:
     record = record_of("none", 2)
     found = diagnose(record, settings=QUICK)
@@ -118,6 +119,7 @@ def test_a_stage_without_a_planted_cause_is_diagnosed_with_none() -> None:
     assert "no cause" in repr(evaluate(found, record, None, 0.65))
 
 
+@pytest.mark.slow
 def test_a_knock_is_told_with_time_and_size_and_spoils_no_model() -> None:
     """The fall is compared with that of the same record without the knock."""
     record = record_of("memory", 3)

@@ -41,6 +41,7 @@ def names(stage: Stage, bend: float, seed: int) -> tuple[str, ...]:
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(("stage", "bend"), [(BENT, 0.02), (FLICKERING, 0.0)], ids=["curved sensor", "1/f noise"])
+@pytest.mark.slow
 def test_no_cause_is_named(stage: Stage, bend: float, seed: int) -> None:
     assert names(stage, bend, seed) == ()
 

@@ -32,7 +32,7 @@ def test_rows_of_a_held_out_file_that_its_unknown_past_spoils_are_not_scored() -
     assert prepare(*record.split_at(5000)).held_rows.min() == 5000
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_memory_is_extended_on_a_record_that_was_cut_by_hand(tmp_path: Path) -> None:
     """The bundled record cut at 65 %, the rest a file of its own: with its first rows, memory seemed to do harm."""
     (tmp_path / "record.csv").write_text(bundled_csv())

@@ -11,7 +11,7 @@ MOST_WRONG = 3
 """Of twenty records: with 95 % of them right, more are wrong once in sixty times."""
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_hidden_effects_are_named_on_foreign_stages() -> None:
     wrong = {}
     for family in FAMILIES:

@@ -43,6 +43,7 @@ def found(spiked: Record, once_per_run: Callable[[str, Callable[[], Any]], Any])
     return diagnosis
 
 
+@pytest.mark.slow
 def test_command_line_writes_json_of_a_record_with_corrupted_samples(
     spiked: Record, found: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

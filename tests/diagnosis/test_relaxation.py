@@ -19,6 +19,7 @@ def seen(family: str) -> Scene:
 
 
 @pytest.mark.parametrize(("family", "relaxes"), [("thermal", True), ("preisach", False)])
+@pytest.mark.slow
 def test_relaxation_is_named_if_the_hysteresis_depends_on_time(family: str, relaxes: bool) -> None:
     with one_blas_thread():
         found = search(seen(family))

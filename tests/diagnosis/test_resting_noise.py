@@ -50,6 +50,7 @@ def test_corrupted_samples_are_no_noise() -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
+@pytest.mark.slow
 def test_memory_is_named_beside_a_vibration_of_changing_frequency(seed: int) -> None:
     curve = draw_curve(np.random.default_rng(seed), 15.0)
     assert names(stage(curve).with_effects(chirp=VIBRATION), seed) == {"unknown"}

@@ -71,6 +71,7 @@ def test_unexplained_structure_requires_a_third_of_a_per_cent_of_the_span_and_mo
 
 
 @pytest.mark.parametrize("name", PLANTED)
+@pytest.mark.slow
 def test_search_finds_the_planted_cause_and_no_other(name: str) -> None:
     stage, more_um = PLANTED[name]
     found = search.search(scene(stage, more_um, {"axis2_V": AXIS2_V}))
@@ -90,6 +91,7 @@ def test_search_adds_a_cause_whose_effect_is_below_the_noise() -> None:
     assert named(found) == ["drift"]
 
 
+@pytest.mark.slow
 def test_sudden_changes_are_located_and_no_slow_cause_is_named_for_them() -> None:
     """Three jumps upwards resemble a drift, a gain that grows once resembles aging."""
     stairs_um = 0.02 * sum((t_s <= T_S).astype(float) for t_s in (0.9, 2.0, 3.1))
@@ -199,6 +201,7 @@ LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(
         pytest.param(LAG, 0.01 * T_S / SPAN_S, CREEP.having(DriftPart()), "drift", marks=pytest.mark.proof),
     ],
 )
+@pytest.mark.slow
 def test_search_replaces_a_cause_that_was_taken_for_the_planted_one(
     monkeypatch: pytest.MonkeyPatch, stage: Chain, more_um: NDArray[np.float64] | float, wrong: Chain, right: str
 ) -> None:
@@ -206,6 +209,7 @@ def test_search_replaces_a_cause_that_was_taken_for_the_planted_one(
     assert named(search.search(scene(stage, more_um))) == [right]
 
 
+@pytest.mark.slow
 def test_creep_and_drift_are_both_named_if_the_drift_exceeds_what_past_creep_can_leave() -> None:
     """Past creep leaves 0.02 log10(2) of 10 um, 0.06 um, in the course of the record."""
     for ramp_um, causes_named in ((0.2, ["creep", "drift"]), (0.01, ["creep"])):

@@ -69,6 +69,7 @@ def test_the_second_operator_is_not_asked_where_it_could_not_change_the_decision
     assert search_steps.rise_without(state, drift, none) <= 0.0
 
 
+@pytest.mark.slow
 def test_jumps_below_the_misfit_are_evident_between_two_samples() -> None:
     """Up, up and down, on a misfit twice as large."""
     planted_s = (0.9, 2.0, 3.1)

@@ -37,6 +37,7 @@ def test_a_drift_below_the_misfit_is_evident_while_the_stage_rests(size: float) 
     assert (Whitenings(none.scene).pooled_fall(drift, none, LEAST_EVIDENCE) > LEAST_EVIDENCE) == (size > 0.0)
 
 
+@pytest.mark.slow
 def test_the_search_names_a_drift_below_the_misfit() -> None:
     seen = scene(LAG, CURVED_UM + DRIFT_UM)
     found = search.search(seen)

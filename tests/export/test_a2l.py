@@ -18,6 +18,7 @@ from hysgen.export import A2lSource, write_export
 from hysgen.export.a2l import LARGEST, Description, Elf, describe, read_elf
 
 
+@pytest.mark.slow
 def test_a2l_reads_back_with_every_word_unit_and_address(folder: Path) -> None:
     """Read by pya2l. Every word of a struct has one entry; a table at its address holds the model's numbers."""
     library("pya2l")

@@ -173,7 +173,7 @@ def test_any_bytes_on_the_line_change_nothing() -> None:
         (Command.IMAGE, b"\xff\xff\xff\xff" + bytes(8), 3),
         (9, b"", 1),
     ],
-    ids=str,
+    ids=lambda value: value.hex() if isinstance(value, bytes) else str(value),
 )
 def test_a_wrong_command_is_answered_and_changes_nothing(kind: int, data: bytes, code: int) -> None:
     firmware = owned()

@@ -33,6 +33,7 @@ def records() -> tuple[Record, Record]:
     return record_of(stage, 1), record_of(dataclasses.replace(stage, stroke_um=1.1 * stage.stroke_um), 2)
 
 
+@pytest.mark.slow
 def test_refit_changes_only_the_numbers_of_the_generated_c(records: tuple[Record, Record]) -> None:
     old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     new, scores = refit(old, records[1])
@@ -43,6 +44,7 @@ def test_refit_changes_only_the_numbers_of_the_generated_c(records: tuple[Record
     assert scores.free_run.of_span_percent < 3.0
 
 
+@pytest.mark.slow
 def test_refit_keeps_the_part_of_the_range_to_which_the_model_was_restricted(records: tuple[Record, Record]) -> None:
     old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3))

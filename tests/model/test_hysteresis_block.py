@@ -178,6 +178,7 @@ def test_rest_is_the_output_under_the_same_input(block: Hysteresis) -> None:
     assert np.abs(rest - [block.apply(np.array([float(x)]), TS_S)[0] for x in v]).max() < ERROR_UM
 
 
+@pytest.mark.slow
 def test_relaxing_plays_creep_with_the_logarithm_of_time_in_float32_too() -> None:
     """A play of half-width 0.3 and s = 0.009, held for 1e7 samples: its last steps are far below the last bit of z."""
     block = Hysteresis(-20.0, 120.0, (5.0, 4.0), (0.3,), (1.0,), relaxation=0.03)

@@ -151,6 +151,7 @@ def _advance(block: Creep | Modes, state: NDArray[np.float64], x: float) -> NDAr
     return np.column_stack([c.real, c.imag]).ravel()
 
 
+@pytest.mark.slow
 def test_a_mode_without_stable_inverse_is_omitted_from_the_inverse_only() -> None:
     light = Modes((730.0,), (0.05,), (1.0,), 4e-4)
     assert not light.solves(TS_S)
