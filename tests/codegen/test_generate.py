@@ -43,6 +43,7 @@ def files_of(folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     "model", [load_model("appendix_a"), everything(), diagnosed(), smooth(50)], ids=lambda model: model.name
 )
+@pytest.mark.golden
 def test_generated_files_are_the_golden_ones(model: Model, request: pytest.FixtureRequest) -> None:
     """Update with `pytest tests/codegen/test_generate.py --update-golden` and look at the diff."""
     folder = GOLDEN / model.name

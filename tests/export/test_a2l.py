@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from fixtures.exported_folders import NAME, exported, model, need_package
+from fixtures.exported_folders import NAME, exported, model
+from fixtures.tools import library
 from hysgen.checking.proof.eva.banks import state_box
 from hysgen.codegen import tables
 from hysgen.codegen.interface import interface
@@ -19,7 +20,7 @@ from hysgen.export.a2l import LARGEST, Description, Elf, describe, read_elf
 
 def test_a2l_reads_back_with_every_word_unit_and_address(folder: Path) -> None:
     """Read by pya2l. Every word of a struct has one entry; a table at its address holds the model's numbers."""
-    need_package("pya2l")
+    library("pya2l")
     from pya2l.parser import A2lParser
 
     here = exported(folder, "a2l")

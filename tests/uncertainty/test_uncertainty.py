@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fixtures.tools import library
 from hysgen.cli import main
 from hysgen.errors import HysgenError, ModelError
 from hysgen.model.file import load_model, save_model
@@ -35,8 +35,7 @@ EXAMPLE = Budget(
 
 
 def test_worked_example_agrees_with_gtc() -> None:
-    if not os.environ.get("HYSGEN_REQUIRE_TOOLS"):
-        pytest.importorskip("GTC")
+    library("GTC")
     from GTC import dof, uncertainty, ureal
     from GTC.reporting import k_factor
 
