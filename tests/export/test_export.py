@@ -124,10 +124,10 @@ def test_the_exports_leave_out_what_the_model_lacks(tmp_path: Path) -> None:
     assert "COMPONENT_INVERSE" not in texts["appendix_a_component.h"]
     assert "COMPONENT_LEARN" not in texts["appendix_a_component.h"]
     write_export(plain, "shared", tmp_path, Options(inverse=False))
-    assert [line.mode for line in compare(plain, "shared", tmp_path, 100, Options(inverse=False))] == [
-        "predict",
-        "simulate",
-    ]
+    said: list[tuple[float, str]] = []
+    found = compare(plain, "shared", tmp_path, 100, Options(inverse=False), lambda *step: said.append(step))
+    assert [line.mode for line in found] == ["predict", "simulate"]
+    assert said == [(0.0, "ctypes, mode predict"), (0.5, "ctypes, mode simulate")]
     with pytest.raises(HysgenError, match="not a target of export; choose sfunction, fmu"):
         export_texts(plain, "arduino")
 
