@@ -8,6 +8,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
@@ -16,7 +17,7 @@ from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.c674x import toolchain
 from hysgen.c674x.cost import cost, cost_of_texts
-from hysgen.c674x.cost.budget_file import changes, read
+from hysgen.c674x.cost.budget_file import changes, read, update
 from hysgen.c674x.cost.formulas import formula_lines, formulas, kernel_formulas
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.footprint import footprint
@@ -28,9 +29,9 @@ from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations import figures
 from hysgen.codegen.operations.counting import Program
 from hysgen.codegen.operations.counts import Counts
-from hysgen.codegen.operations.cycles import Cycles, budget, estimated, per_sample
+from hysgen.codegen.operations.cycles import Cycles, budget, estimated, per_sample, require_budget
 from hysgen.codegen.operations.text import syntax_tree
-from hysgen.errors import HysgenError
+from hysgen.errors import BudgetError, HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
@@ -96,6 +97,112 @@ def test_counts_of_a_text_that_was_counted_by_hand() -> None:
     )
     assert program.constant_words == 3
     assert program.public() == ["hand_run"]
+
+
+def test_counts_of_switch_choice_conversion_and_dependent_loops_were_counted_by_hand() -> None:
+    text = """
+    #if defined(__TMS320C6X__)
+    #define SQUARE x
+    #else
+    #define SQUARE x * x
+    #endif
+    typedef struct { uint32_t n; float v[2]; } pair_t;
+    typedef enum { FIRST = 0, SECOND = 1 } which_t;
+    float cases(pair_t *self, float x, uint32_t which)
+    {
+        switch (which) {
+        case (uint32_t)FIRST: self->n += 1u; break;
+        default: self->v[1] -= x; self->v[0] *= SQUARE; break;
+        }
+        return (which == 1u) ? -x : (x + 1.0f) * (float)which;
+    }
+    uint32_t triangle(const pair_t *self)
+    {
+        uint32_t sum = 0u;
+        for (uint32_t j = 0u; j < 4u; j += 2u) { for (uint32_t i = 0u; i < j; ++i) { sum++; } }
+        return sum + ((sum < 7u) ? 1u : 2u);
+    }
+    void whole(pair_t *self, const pair_t *other) { pair_t copied = *other; *self = copied; }
+    """
+    program = Program(syntax_tree({"cases.c": text}, ("cases.c",)))
+    # Two cases to compare with, one jump; the dearer one: two loads, two stores, a difference, two products. Then a
+    # comparison, a branch, the dearer of two values: a sum, a product, a conversion.
+    cases = Counts(add=1 + 1, multiply=2 + 1, convert=1, integer=2 + 1, load=2, store=2, branch=1 + 1)
+    assert program.count("cases") == cases
+    # Outer: 3 tests and branches, 2 steps. Inner: of length 0 and 2, so 1 + 3 tests and branches, 2 steps, 2 bodies;
+    # then a sum, a comparison and a selection.
+    assert program.count("triangle") == Counts(integer=3 + 2 + 4 + 2 + 2 + 1 + 1 + 1, branch=3 + 4)
+    assert program.count("whole") == Counts(load=3, store=3)
+    assert cases.times(3) + cases == cases.times(4)
+    assert (cases.total, cases.to_json()["total"]) == (15, 15)
+    assert cases.describe() == "2 float +-, 3 float *, 1 conversions, 3 integer, 2 loads, 2 stores, 2 branches"
+
+
+def test_estimates_are_the_stated_sums_and_a_budget_is_met_to_the_cycle() -> None:
+    counts = Counts(add=12, multiply=20, compare=1, integer=4, load=5, store=6, branch=2)
+    found = {name: estimated(counts, name).value for name in ("predict", "learn", "commit", "learn_init")}
+    # 60 + 0.75 x 48 + 20 x 2; 400 + 0.92 x 43; 60 + 0.8 x 43.
+    assert found == {"predict": 136, "learn": 440, "commit": 94, "learn_init": 94}
+    model = load_model("appendix_a")
+    cycles = {"predict": Cycles(200, True), "inverse": Cycles(260, False), "learn": Cycles(40, True)}
+    require_budget(model, cycles, 15e6)
+    require_budget(model, cycles, 375e6, 300)
+    with pytest.raises(
+        BudgetError,
+        match=r"takes about 300 cycles \(estimate\) \(predict 200, inverse 260, learn 40\), the period of 20 us has 299"
+        r" at 14.99 MHz; learn less",
+    ):
+        require_budget(model, cycles, 14.99e6)
+    with pytest.raises(BudgetError, match="has 7500 at 375 MHz, the budget is 299;"):
+        require_budget(model, cycles, 375e6, 299)
+
+
+def test_formulas_give_the_cycles_of_the_budget_file_within_their_error() -> None:
+    """The file holds measured cycles. No formula describes the delay of `diagnosed`: 3 %, and an inverse of its own."""
+    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:])
+    for model, more in ((learning(), 0.0), (plays, 0.03)):
+        found = {formula.function: (formula.error, value) for formula, value in formulas(model)}
+        assert set(found) == {*FUNCTIONS, "learn", "commit"}
+        for function, (error, value) in found.items():
+            if (model, function) == (plays, "inverse"):
+                continue
+            assert value == pytest.approx(read(BUDGET, model.name)[function]["cycles"], rel=error + more), function
+    for other in (
+        dataclasses.replace(plays, blocks=plays.blocks[:2]),
+        dataclasses.replace(smooth(13), learner=None),
+        dataclasses.replace(plays, grid=dataclasses.replace(plays.grid, rules=7), consequents=np.ones((7, 3))),
+    ):
+        assert formulas(other) == []
+    few = {
+        formula.function for formula, _ in formulas(dataclasses.replace(smooth(2), learner=LearnerSettings(("gain",))))
+    }
+    assert few == set(FUNCTIONS), "2 parameters: below the sizes that were measured"
+
+
+def test_a_budget_file_keeps_every_model_and_tells_every_change(tmp_path: Path) -> None:
+    path, figures_of = tmp_path / "budget.json", {"predict": {"cycles": 100, "stack_bytes": 0}, "gone": {"cycles": 5}}
+    with pytest.raises(HysgenError, match="write it with --update-budget"):
+        read(path, "b")
+    update(path, "b", figures_of, "gcc 12")
+    update(path, "a", {"data": {"struct_bytes": 8}}, "gcc 13")
+    assert (read(path, "b"), read(path, "a")) == (figures_of, {"data": {"struct_bytes": 8}})
+    assert json.loads(path.read_text())["compiler"] == "gcc 13"
+    assert list(json.loads(path.read_text())["models"]) == ["a", "b"]
+    with pytest.raises(HysgenError, match="no budget for c; write it with --update-budget"):
+        read(path, "c")
+    assert changes("b", figures_of, {**figures_of, "predict": {"cycles": 102, "stack_bytes": 0}}) == []
+    found = changes("b", figures_of, {"predict": {"cycles": 103, "stack_bytes": 8, "code_bytes": 4}})
+    assert [(str(change), change.exceeds) for change in found] == [
+        ("OVER BUDGET: b, predict: cycles 103, budget 100 (+3.0 %)", True),
+        ("OVER BUDGET: b, predict: stack bytes 8, budget 0 (+800.0 %)", True),
+        ("NOT IN THE BUDGET: b, predict: code bytes 4", True),
+        ("IN THE BUDGET ONLY: b, gone: cycles 5", True),
+    ]
+    (less,) = changes("b", figures_of, {**figures_of, "predict": {"cycles": 97, "stack_bytes": 0}})
+    assert (less.exceeds, str(less)[:23]) == (False, "below budget, tighten i")
+    path.write_text("[]")
+    with pytest.raises(HysgenError, match="not a budget file"):
+        read(path, "b")
 
 
 @pytest.mark.parametrize(

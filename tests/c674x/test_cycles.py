@@ -118,6 +118,22 @@ def test_a_counter_is_known_only_while_nothing_else_goes_into_it(counted: str, c
             bounds(bench.image, bench.packets, "start")
 
 
+@pytest.mark.parametrize(
+    ("start", "step", "rounds"),
+    [
+        *[(16, "sub .L1 a1,1,a1", 16), (16, "subab .D1 a1,1,a1", 16), (16, "subah .D1 a1,1,a1", 8)],
+        *[(16, "subaw .D1 a1,1,a1", 4), (-16, "add .L1 1,a1,a1", 16), (-16, "addab .D1 a1,1,a1", 16)],
+        *[(-16, "addah .D1 a1,1,a1", 8), (-16, "addaw .D1 a1,1,a1", 4), (-16, "addad .D1 a1,1,a1", 2)],
+        (-16, "addk .S1 4,a1", 4),
+    ],
+)
+def test_a_counter_is_followed_through_every_instruction_that_counts(start: int, step: str, rounds: int) -> None:
+    bench = Bench(f"mvk .S1 {start},a1\nloop:\n{step}\n[a1] b .S1 loop\nnop 5\nb .S2 b3\nnop 5", interpreted=False)
+    cycles = 1 + 7 * rounds + 6
+    assert bounds(bench.image, bench.packets, "start") == CycleBounds(cycles, cycles, ())
+    assert bench.run("start").counts.cycles == cycles
+
+
 def test_a_result_under_way_is_not_known_even_if_something_else_is_written_meanwhile() -> None:
     # The load lands after the counter was set: what it brings decides, so the loop must not be taken for constant.
     text = "ldw .D1T1 *a4,a1\nmvk .S1 3,a1\nnop 3\nloop:\nsub .L1 a1,1,a1\n[a1] b .S1 loop\nnop 5\nb .S2 b3\nnop 5"

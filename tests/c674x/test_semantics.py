@@ -15,6 +15,7 @@ from fixtures.c674x_operations import (
     executed,
     specified,
 )
+from fixtures.c674x_packets import run
 from hysgen.c674x.decode import MODELLED
 from hysgen.c674x.latency import DELAY_SLOTS
 from hysgen.c674x.semantics import FloatUnit, from_image, to_image
@@ -86,3 +87,10 @@ def test_images_round_trip(value: float) -> None:
 @pytest.mark.parametrize("mnemonic", ACCESSES)
 def test_loads_and_stores_give_the_known_answers(mnemonic: str, interpreted: bool) -> None:
     accesses_give_the_known_answers(mnemonic, interpreted)
+
+
+@pytest.mark.parametrize("interpreted", [True, False], ids=["interpreter", "engine"])
+def test_interrupt_flags_are_set_and_cleared_bit_by_bit_from_4_on(interpreted: bool) -> None:
+    flags = "mvc .S2 b4,isr\nnop 1\nmvc .S2 ifr,b5\nmvc .S2 b6,icr\nnop 1\nmvc .S2 ifr,b7"
+    after = run(f"{flags}\nb .S2 b3\nnop 5", interpreted, b4=0xF0F2, b6=0x3010)
+    assert (after["b5"], after["b7"]) == (0xF0F0, 0xC0E0)

@@ -248,20 +248,20 @@ def test_the_report_counts_what_was_compared_and_is_equal_only_then() -> None:
         ComparedRun("a", "commit", "shadows", 70, 4),
         ComparedRun("b", "predict", "random", 9, 4),
     )
-    report = Report("a", ("gcc",), (), (), runs, (), 2.0)
+    report = Report("a", ("one",), (), (), runs, (), 2.0)
     assert (report.equal, report.samples) == (True, 500)
     rows = {(row[0], row[1]): row[2:] for row in report.summary().rows}
     assert rows["a", "predict"] == ["500", "4", "equal"]
     assert rows["b", "predict"] == ["9", "4", "equal"]
     mismatches = tuple(
         Mismatch("a", "predict", style, build, 1, "result", 0x3F800000, 7, (0x40000000,))
-        for style, build in (("random", "gcc"), ("edges", "gcc"), ("edges", "clang"))
+        for style, build in (("random", "one"), ("edges", "one"), ("edges", "other"))
     )
     wrong = dataclasses.replace(report, mismatches=mismatches)
     assert not wrong.equal
     assert {(row[0], row[1]): row[4] for row in wrong.summary().rows}["a", "predict"] == "2 differ"
     assert str(mismatches[0]) == (
-        "a_predict(0x40000000 (2)): result is 0x3f800000 (1), expected 0x00000007 (7) [random inputs, sample 1, gcc]"
+        "a_predict(0x40000000 (2)): result is 0x3f800000 (1), expected 0x00000007 (7) [random inputs, sample 1, one]"
     )
     assert not dataclasses.replace(report, altered=("x",)).equal
     assert not dataclasses.replace(report, runs=()).equal

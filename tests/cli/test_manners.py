@@ -12,6 +12,8 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hysgen.cli import main, progress
 from hysgen.cli.completion import options_of, script
@@ -81,8 +83,9 @@ def test_rows_are_counted_in_samples_or_seconds_and_from_the_end() -> None:
     assert parse_rows("5000:", 7100, 1e-3) == (5000, 7100)
     assert parse_rows("0.5s:2500ms", 7100, 1e-3) == (500, 2500)
     assert parse_rows("-100:", 7100, 1e-3) == (7000, 7100)
-    with pytest.raises(RecordError, match=r"write FIRST:LAST, as 0:5000 or 0s:0.1s"):
-        parse_rows("0:9s", 7100, 1e-3)
+    for none in ("0:9s", "5:5", "x:5", "0:7101", "5"):
+        with pytest.raises(RecordError, match=r"write FIRST:LAST, as 0:5000 or 0s:0.1s"):
+            parse_rows(none, 7100, 1e-3)
 
 
 def test_completion_knows_every_verb_and_option() -> None:
@@ -223,3 +226,41 @@ def test_a_table_of_numbers_is_not_folded() -> None:
         ["step", "free run um", "of stroke"], [["paper's model", "0.0430", "1.3 %"], ["memory", "0.0082", "0.2 %"]]
     )
     assert folded(f"{text}\nnoise floor of the record", 30) == f"{text}\nnoise floor of the record"
+
+
+@given(
+    st.lists(st.lists(st.sampled_from(["a", "creep", "swings", "longest"]), min_size=1, max_size=12), min_size=1),
+    st.integers(34, 70),
+)
+def test_a_table_of_text_is_folded_to_the_width_and_keeps_every_word(rows: list[list[str]], width: int) -> None:
+    cells = [["cause", "no", " ".join(words)] for words in rows]
+    text = table(["cause", "excited", "because"], cells, 3)
+    lines = folded(text, width).splitlines()
+    assert max(map(len, lines)) <= max(width, 0)
+    assert sorted(" ".join(line for line in lines if "--" not in line).split()) == sorted(
+        word for line in text.splitlines() if "--" not in line for word in line.split()
+    )
+    if max(map(len, text.splitlines())) <= width:
+        assert lines == text.splitlines()
+
+
+def test_a_terminal_sees_progress_twice_a_second_and_a_file_every_two(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setattr(ProgressLine, "_repeat", lambda self: None)
+    for stream, expected in ((Terminal(), 6), (io.StringIO(), 2)):
+        now = 100.0
+        monkeypatch.setattr(progress.time, "monotonic", lambda: now)  # noqa: B023
+        line = ProgressLine(stream, started=100.0)
+        for step in range(12):
+            now = 100.0 + 0.3 * step
+            line.show(0.01 * step, "searching")
+        line.stop()
+        assert stream.getvalue().count("searching") == expected
+
+
+def test_json_keeps_the_letters_of_a_name(tmp_path: Path) -> None:
+    Console(verb="schema", json_to=str(tmp_path / "x.json")).finish({"schemas": ["µ"]})
+    assert "µ" in (tmp_path / "x.json").read_text(encoding="utf-8")

@@ -20,7 +20,17 @@ from hysgen.codegen import generate
 from hysgen.firmware.reference_models import firmware_models
 from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.files import digest
-from hysgen.machine.reproducible import expm1, exponential, geometric, power, rounded_down, rounded_up, sine, total
+from hysgen.machine.reproducible import (
+    drawn,
+    expm1,
+    exponential,
+    geometric,
+    power,
+    rounded_down,
+    rounded_up,
+    sine,
+    total,
+)
 
 GENERATE = (
     "import json; from hysgen.codegen import generate; from hysgen.machine.files import digest;"
@@ -115,3 +125,28 @@ def test_rounding_outward_keeps_a_bound(x: float, digits: int) -> None:
     if math.isfinite(high) and abs(x) > 1e-300:
         assert high - low <= 1.01 * abs(x) * 10.0 ** (1 - digits)
         assert float(f"{high:.{digits - 1}e}") == high
+
+
+@given(
+    st.lists(st.floats(0.05, 0.97), min_size=1, max_size=3),
+    st.floats(0.1, 3.0),
+    st.floats(0.1, 0.98),
+    st.integers(0, 9),
+)
+def test_the_spectral_radius_is_the_largest_modulus_of_the_eigenvalues_put_in(
+    real: list[float], angle: float, modulus: float, seed: int
+) -> None:
+    """Real eigenvalues and a complex pair, behind a change of basis that keeps them to 1e-12."""
+    n = len(real) + 2
+    blocks = np.diag([0.0, 0.0, *real])
+    blocks[:2, :2] = modulus * np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    basis = np.eye(n) + 0.1 * np.random.default_rng(seed).standard_normal((n, n))
+    found = spectral_radius(basis @ blocks @ np.linalg.inv(basis))
+    apart = np.abs(np.subtract.outer(real, real))[np.triu_indices(len(real), 1)]
+    if apart.size == 0 or apart.min() > 1e-3:
+        assert found == pytest.approx(max(modulus, *real), rel=1e-9)
+
+
+def test_numbers_are_drawn_between_their_ends_as_numpy_draws_them() -> None:
+    ours, theirs = (np.random.default_rng(3) for _ in range(2))
+    np.testing.assert_allclose(drawn(ours, -2.0, 5.0, 1000), theirs.uniform(-2.0, 5.0, 1000), rtol=0, atol=1e-15)

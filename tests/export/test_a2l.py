@@ -6,6 +6,7 @@ import re
 import struct
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fixtures.exported_folders import NAME, exported, model
@@ -139,6 +140,7 @@ def test_every_word_has_the_address_of_its_place_in_the_struct() -> None:
         inside = (entry.low <= table_of_constants.values) & (table_of_constants.values <= entry.high)
         assert inside.all()
         assert -LARGEST <= entry.low < entry.high <= LARGEST
+    assert np.float32(LARGEST) == LARGEST == np.finfo(np.float32).max
     masks = {entry.name: int(entry.mask, 16) for entry in description.measurements if entry.mask}
     assert masks[f"{NAME}_learner.status.RESTARTED"] == 256
     assert masks[f"{NAME}_instance.status.Y_CLAMPED"] == 1

@@ -19,7 +19,7 @@ from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.export import TARGETS, export_texts, write_export
-from hysgen.export.check import RUNNERS, Reference, Samples, compare, inputs
+from hysgen.export.check import CORRUPTED, RUNNERS, Reference, Samples, compare, inputs
 from hysgen.export.component import MODES
 from hysgen.machine.files import digest
 from hysgen.model.file import load_model
@@ -75,6 +75,25 @@ def test_the_component_calls_the_functions_of_the_model() -> None:
             assert 1 in expected[1], "no commit was accepted: the order of commit and predict is not tried"
 
 
+def test_samples_of_a_comparison_cover_the_range_corruption_learning_and_commits() -> None:
+    component = Reference.compile(model(), Options())
+    n, grid = 10_000, model().grid
+    for mode in MODES:
+        samples = inputs(component, mode, n)
+        y, value = samples.column(0), samples.column(1)
+        good = np.isin(y, np.array(CORRUPTED, np.float32), invert=True) & np.isfinite(y)
+        assert np.flatnonzero(~good).tolist() == list(range(97, n, 97))
+        assert {str(x) for x in y[~good]} == {str(np.float32(x)) for x in CORRUPTED}
+        if mode.name in ("predict", "learn"):
+            assert 0.99 < np.nanmax(np.where(np.abs(value) < 1e3, value, 0.0)) / (50.0 + 0.99 * 70.0) < 1.01
+        # White noise of 0.1 nm on a smooth displacement, 0.2 % larger for a learner.
+        smooth = good[2:] & good[1:-1] & good[:-2]
+        noise_um = np.median(np.abs(np.diff(y, 2)[smooth])) / 0.6745 / np.sqrt(6.0)
+        assert 0.7e-4 < noise_um < 3e-4, "and what the channels add"
+        assert grid.y_min_um < np.median(y[good]) < grid.y_max_um
+        assert samples.commit.sum() == (7 if mode.name == "learn" else 0)
+
+
 def direct(host: Host, samples: Samples) -> tuple[np.ndarray, list[int]]:
     """(n, 2) results and status words of calls of the model's own functions, and the answers of commit."""
     ours = host.instance(float(samples.y0_um), float(samples.u0_V))
@@ -105,10 +124,10 @@ def test_the_exports_leave_out_what_the_model_lacks(tmp_path: Path) -> None:
     assert "COMPONENT_INVERSE" not in texts["appendix_a_component.h"]
     assert "COMPONENT_LEARN" not in texts["appendix_a_component.h"]
     write_export(plain, "shared", tmp_path, Options(inverse=False))
-    assert [line.mode for line in compare(plain, "shared", tmp_path, 100, Options(inverse=False))] == [
-        "predict",
-        "simulate",
-    ]
+    said: list[tuple[float, str]] = []
+    found = compare(plain, "shared", tmp_path, 100, Options(inverse=False), lambda *step: said.append(step))
+    assert [line.mode for line in found] == ["predict", "simulate"]
+    assert said == [(0.0, "ctypes, mode predict"), (0.5, "ctypes, mode simulate")]
     with pytest.raises(HysgenError, match="not a target of export; choose sfunction, fmu"):
         export_texts(plain, "arduino")
 

@@ -62,6 +62,12 @@ def test_an_fmu_saves_restores_and_resets_its_state(standard: int, folder: Path)
     assert np.array_equal(stepped(standard, fmu, names, 50), first)
     with pytest.raises(Exception, match="DoStep"):
         fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=1.5 * model().Ts_s)
+    if standard == 2:
+        fmu.getString([])
+        fmu.setString([], [])
+    for call in (fmu.getString, fmu.getReal if standard == 2 else fmu.getFloat32):
+        with pytest.raises(Exception, match="Get"):
+            call([10_000])
     fmu.terminate()
     fmu.freeInstance()
 

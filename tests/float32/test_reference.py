@@ -17,6 +17,7 @@ from hysgen.float32.reference.rules import rule_sums, strengths, window
 from hysgen.model.file import load_model
 from hysgen.model.membership import memberships, rule_regressors
 from hysgen.model.model import Grid, Model
+from hysgen.model.path.base import TOLERANCE
 from hysgen.model.status import COUNTERS, Status
 
 F32 = NDArray[np.float32]
@@ -204,3 +205,16 @@ def test_a_restored_state_goes_on_as_the_one_it_was_taken_from(seed: int) -> Non
         np.testing.assert_array_equal(run.predict(y, u), copy.predict(y, u))
     for name, word in run.words().items():
         np.testing.assert_array_equal(word, copy.words()[name], err_msg=name)
+
+
+def test_a_start_that_is_no_number_is_mid_range_at_rest_and_references_reach_a_span_beyond() -> None:
+    model = path()
+    run = instance(model, np.nan, np.inf)
+    assert (run.y_um[0], run.u_V[0]) == (np.float32((model.grid.y_min_um + model.grid.y_max_um) / 2), 0.0)
+    assert coefficients(dataclasses.replace(model, u_min_V=5.0)).rest_V == 5.0
+    assert coefficients(dataclasses.replace(model, u_max_V=-5.0)).rest_V == -5.0
+    numbers, span = coefficients(model), model.grid.y_max_um - model.grid.y_min_um
+    found = (numbers.reference_min_um, numbers.reference_max_um, numbers.u_step_max_V, numbers.w_tolerance)
+    w = model.w_range
+    expected = (model.grid.y_min_um - span, model.grid.y_max_um + span, 2 * 140.0, TOLERANCE * (w.high - w.low))
+    assert found == pytest.approx(expected, rel=1e-6)
