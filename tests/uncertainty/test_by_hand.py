@@ -1,11 +1,10 @@
-"""Every figure of a budget, of positions, of a sensor's statement and of a history, against a calculation by hand."""
+"""Figures of a budget, of repeated levels, of a statement of the sensor and of a history, calculated by hand."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import math
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -23,8 +22,8 @@ from hysgen.record import Record, Segment
 from hysgen.record.noise import NoiseFloor
 from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
 from hysgen.uncertainty.history import History, Trend, trends
-from hysgen.uncertainty.positions import holds, positions
-from hysgen.uncertainty.sensor import SensorUncertainty, certificate, length_um, sensor_uncertainty
+from hysgen.uncertainty.repeatability import Repeatability, holds, repeatability
+from hysgen.uncertainty.sensor import SensorUncertainty, length_um, sensor_uncertainty
 from hysgen.uncertainty.simulated import Evidence, budget, characterise, error_by_cause
 
 
@@ -89,7 +88,7 @@ def test_a_length_is_read_in_each_unit(text: str, um: float) -> None:
     assert length_um(text) == pytest.approx(um)
 
 
-def test_a_statement_of_the_sensor_keeps_its_two_numbers_and_refuses_the_rest(tmp_path: Path) -> None:
+def test_a_statement_of_the_sensor_keeps_its_two_numbers_and_refuses_the_rest() -> None:
     assert sensor_uncertainty("5nm,k=2") == SensorUncertainty(0.005, 2.0, "stated: 5nm,k=2")
     assert sensor_uncertainty("5nm") == SensorUncertainty(0.005, 1.0, "stated: 5nm")
     for text, said in {
@@ -97,24 +96,9 @@ def test_a_statement_of_the_sensor_keeps_its_two_numbers_and_refuses_the_rest(tm
         "5nm,k=-1": "the coverage factor '-1' is not a positive number",
         "5nm,k": "'5nm,k' is not LENGTH,k=FACTOR",
         "5nm,=2": "is not LENGTH,k=FACTOR",
-        str(tmp_path / "none.xml"): "is no certificate that can be read",
     }.items():
         with pytest.raises(HysgenError, match=said):
             sensor_uncertainty(text)
-
-
-def test_lists_of_a_certificate_are_read_in_their_first_unit_and_factor(tmp_path: Path) -> None:
-    path = tmp_path / "list.xml"
-    units = {r"\milli\metre": 1e3, r"\pico\metre": 1e-6, r"\micro\metre": 1.0}
-    for unit, um in units.items():
-        path.write_text(
-            f"<dcc><other/><realListXMLList><unitXMLList>{unit} {unit}</unitXMLList><uncertaintyXMLList>3 8 5"
-            "</uncertaintyXMLList><coverageFactorXMLList>4 2</coverageFactorXMLList></realListXMLList></dcc>"
-        )
-        found = certificate(path)
-        assert (found.expanded_um, found.k, found.standard_um) == (8 * um, 4.0, 2 * um)
-        # A certificate without a number is named by its file.
-        assert found.source == "certificate list.xml, largest of 3 uncertainties of length"
 
 
 def stepped(levels: list[float], places: list[float], samples: int = 40, wiggle_um: float = 0.0) -> Record:
@@ -127,41 +111,22 @@ def stepped(levels: list[float], places: list[float], samples: int = 40, wiggle_
     return Record.from_segments([Segment("0", u_V, np.concatenate(y))], 1e-3)
 
 
-def test_positions_of_a_small_record_by_hand() -> None:
-    levels = [0.0, 10.0, 20.0, 10.0, 0.0, 10.0, 20.0, 10.0, 0.0]
-    places = [0.0, 1.00, 2.10, 1.30, 0.1, 1.04, 2.12, 1.33, 0.14]
-    found = positions(stepped(levels, places, wiggle_um=0.001))
-    up, down, top, low = [1.00, 1.04], [1.30, 1.33], [2.10, 2.12], [0.1, 0.14]
-    assert (found.levels, found.holds, found.approaches) == (3, 9, 2)
-    reversal = float(np.mean(up) - np.mean(down))
-    assert found.hysteresis_um == pytest.approx(-reversal)
-    s = {name: float(np.std(y, ddof=1)) for name, y in {"up": up, "down": down, "top": top, "low": low}.items()}
-    assert found.repeatability_um == pytest.approx(max(2 * s["up"] + 2 * s["down"] - reversal, 4 * s["up"]))
-    assert found.freedom == 4.0
-    assert found.spread_um == pytest.approx(math.sqrt(sum(v**2 for v in s.values()) / 4))
-    means = {"up": (10.0, up), "top": (20.0, top), "down": (10.0, down), "low": (0.0, low)}
-    u, m = np.array([v for v, _ in means.values()]), np.array([np.mean(y) for _, y in means.values()])
-    d = m - np.polynomial.Polynomial.fit(u, m, 1)(u)
-    assert found.positioning_um == pytest.approx(d.max() - d.min())
-    spread = np.array([s[name] for name in means])
-    assert found.accuracy_um == pytest.approx((d + 2 * spread).max() - (d - 2 * spread).min())
-    assert found.noise_band_um == pytest.approx(4 * 0.001 * math.sqrt(20 / 19))
-    assert found.resolution_um == pytest.approx(0.79)
-    assert dict(found.to_json()) == dataclasses.asdict(found)
-    notes = {name: (value, note) for name, value, note in found.rows()}
-    few = "from 2 approaches; ISO 230-2 asks for 5"
-    assert notes["bidirectional repeatability"] == (f"{found.repeatability_um:.3g}", few)
-    assert notes["bidirectional accuracy"] == (f"{found.accuracy_um:.3g}", few)
-    assert notes["positioning error"] == (f"{found.positioning_um:.3g}", "")
-    assert notes["hysteresis (reversal)"] == (f"{found.hysteresis_um:.3g}", "")
-    assert notes["resolution, at most"] == (f"{found.resolution_um:.3g}", "")
-    assert notes["noise band"] == (f"{found.noise_band_um:.3g}", "")
+def test_repeatability_of_a_small_record_by_hand() -> None:
+    levels = [0.0, 10.0, 20.0, 10.0, 0.0, 10.0, 20.0, 10.0, 0.0, 10.0]
+    places = [0.0, 1.00, 2.10, 1.30, 0.1, 1.04, 2.12, 1.33, 0.14, 1.09]
+    found = repeatability(stepped(levels, places, wiggle_um=0.001))
+    # 10 V from below three times, 10 V from above, 20 V and 0 V twice.
+    visits = ([1.00, 1.04, 1.09], [1.30, 1.33], [2.10, 2.12], [0.1, 0.14])
+    power = sum(float(np.sum((np.array(y) - np.mean(y)) ** 2)) for y in visits)
+    assert found == Repeatability(pytest.approx(math.sqrt(power / 5)), 5, 10)  # type: ignore[arg-type]
+    assert found.to_json() == dataclasses.asdict(found)
+    assert repeatability(stepped([0.0, 1.0, 0.0], [0.0, 1.0, 0.2])) == Repeatability(None, 0, 3)
 
 
 def test_levels_that_differ_by_less_than_a_thousandth_of_the_range_are_one() -> None:
     places = [0.0, 1.0, 0.1, 1.1, 0.2]
-    assert positions(stepped([0.0, 10.0, 0.004, 10.004, 0.0], places)).freedom == 2.0
-    assert positions(stepped([0.0, 10.0, 0.012, 10.012, 0.0], places)).freedom == 0.0
+    assert repeatability(stepped([0.0, 10.0, 0.004, 10.004, 0.0], places)).freedom == 2
+    assert repeatability(stepped([0.0, 10.0, 0.012, 10.012, 0.0], places)).freedom == 0
 
 
 def test_a_hold_lasts_ten_milliseconds_and_sixteen_samples() -> None:
@@ -171,15 +136,9 @@ def test_a_hold_lasts_ten_milliseconds_and_sixteen_samples() -> None:
         assert [hold.u_V for hold in found] == ([1.0] if counted else [])
 
 
-def test_a_side_of_a_level_is_its_most_travelled_route() -> None:
-    """10 V is reached from 0 V twice and from 5 V once; one of three levels repeats, too few for an accuracy."""
-    levels, places = [0.0, 10.0, 0.0, 10.0, 5.0, 10.0], [0.0, 1.0, 0.1, 1.2, 0.6, 1.9]
-    found = positions(stepped(levels, places))
-    assert (found.levels, found.accuracy_um, found.repeatability_um, found.approaches) == (3, None, None, 0)
-    assert found.spread_um == pytest.approx(float(np.std([1.0, 1.2], ddof=1)))
-    assert found.hysteresis_um is None
-    # A hold in a segment of its own has no hold before.
-    assert [hold.from_V for hold in holds(stepped([1.0, 2.0], [0.0, 1.0]))] == [None, 1.0]
+def test_a_hold_in_a_segment_of_its_own_has_no_hold_before() -> None:
+    record = Record.joined(stepped([1.0, 2.0], [0.0, 1.0]), stepped([3.0, 4.0], [0.0, 1.0]))
+    assert [(hold.u_V, hold.from_V) for hold in holds(record)] == [(1.0, None), (2.0, 1.0), (3.0, None), (4.0, 3.0)]
 
 
 PLAIN = Evidence(
@@ -193,10 +152,8 @@ PLAIN = Evidence(
 
 def test_a_budget_of_a_simulation_by_hand() -> None:
     power = (0.09 + 0.25 + 0.01) / 3.0
-    cycle = dataclasses.replace(
-        positions(stepped([0.0, 1.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.2])), spread_um=0.2, freedom=7.0
-    )
-    found = budget(dataclasses.replace(PLAIN, positions=cycle, drift_um=0.3))
+    cycle = Repeatability(0.2, 7, 4)
+    found = budget(dataclasses.replace(PLAIN, repeatability=cycle, drift_um=0.3))
     lines = {c.name: c for c in found.contributions}
     assert list(lines) == ["sensor", "noise", "repeatability", "model error", "drift"]
     assert (lines["sensor"].standard_um, lines["sensor"].evaluation, lines["sensor"].about) == (0.1, "B", "s")
@@ -211,11 +168,11 @@ def test_a_budget_of_a_simulation_by_hand() -> None:
     assert lines["drift"].about == "at most 0.3 um since the record"
     assert found.measurand == "displacement that the model states for a sample (free run)"
     # Neither noise nor repeated visits count for more than the residual has.
-    loud = budget(dataclasses.replace(PLAIN, noise=NoiseFloor(9.0, "plateaus", 9), fitted=10, positions=cycle))
+    loud = budget(dataclasses.replace(PLAIN, noise=NoiseFloor(9.0, "plateaus", 9), fitted=10, repeatability=cycle))
     named = {c.name: c for c in loud.contributions}
     assert (named["model error"].standard_um, named["noise"].freedom) == (0.0, 1.0)
     assert "repeatability" not in named
-    wide = budget(dataclasses.replace(PLAIN, positions=dataclasses.replace(cycle, spread_um=5.0, freedom=0.5)))
+    wide = budget(dataclasses.replace(PLAIN, repeatability=dataclasses.replace(cycle, spread_um=5.0, freedom=0)))
     spread = next(c for c in wide.contributions if c.name == "repeatability")
     assert (spread.standard_um, spread.freedom) == (pytest.approx(math.sqrt(power - 0.01)), 1.0)
 
@@ -269,7 +226,7 @@ def test_a_characterisation_takes_its_evidence_from_the_diagnosis() -> None:
     study = cast(Study, SimpleNamespace(diagnosis=diagnosis, record=record, cut=100, extended=(first, second)))
     found = characterise(study, SensorUncertainty(0.2, 2.0, "s"))
     evidence = Evidence(
-        two[rows], NoiseFloor(0.01, "plateaus", 9), 100, 14, SensorUncertainty(0.2, 2.0, "s"), positions(record),
+        two[rows], NoiseFloor(0.01, "plateaus", 9), 100, 14, SensorUncertainty(0.2, 2.0, "s"), repeatability(record),
         actions_um=(("memory", (one - base)[rows]), ("creep", (two - one)[rows])),
         left_um=(("drift", 0.4), ("aging", 0.0)),
     )  # fmt: skip
@@ -278,7 +235,7 @@ def test_a_characterisation_takes_its_evidence_from_the_diagnosis() -> None:
     assert [line.partition(":")[0] for line in found.missing] == ["drift since the record", "repeatability"]
     told = found.to_json()
     assert told["removed_by_extension_um"] == {"memory": 4.0, "creep": 0.0}
-    assert (told["missing"], told["positions"]) == (list(found.missing), positions(record).to_json())
+    assert (told["missing"], told["repeatability"]) == (list(found.missing), repeatability(record).to_json())
     lines = found.lines()
     b = found.budget
     assert f"U = {b.expanded_um:.3g} um (k = {b.factor:.3g}, 95 %, {b.freedom:.0f} degrees of freedom), " in lines[0]
