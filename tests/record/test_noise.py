@@ -199,3 +199,7 @@ def test_a_period_repeats_within_a_thousandth_over_two_periods(samples: int, off
     assert period_of(7.0 + wave) == period
     assert period_of(np.full(samples, 7.0)) is None
     assert period_of(np.linspace(0.0, 1.0, samples)) is None
+
+
+def test_a_record_too_short_for_any_estimate_has_no_noise_floor_to_show() -> None:
+    assert noise_floor(record_of((np.arange(11.0), np.arange(11.0)))) == NoiseFloor(0.0, "differences", 0)
