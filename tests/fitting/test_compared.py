@@ -42,7 +42,7 @@ def response(f_Hz: float, a: float, b: float) -> complex:
 
 @pytest.mark.parametrize(("a", "b"), [(0.98, 0.0016), (0.95, 0.003)])
 def test_physics_of_a_linear_lag_are_its_closed_form(a: float, b: float) -> None:
-    model = lag("m", b, a)
+    model = dataclasses.replace(lag("m", b, a), u_min_V=10.0, u_max_V=90.0)
     tau_s = -TS_S / np.log(a)
     corner = 1.0 / (2 * np.pi * tau_s)
     slow, fast = loop_frequencies(model)
@@ -53,15 +53,15 @@ def test_physics_of_a_linear_lag_are_its_closed_form(a: float, b: float) -> None
     expected = {
         "DC gain, mid-range": ("um/V", b / (1 - a)),
         "time constant, mid-range": ("ms", 1e3 * tau_s),
-        "at rest at the lowest input": ("um", C / (1 - a)),
-        "at rest at the highest input": ("um", (100 * b + C) / (1 - a)),
+        "at rest at the lowest input": ("um", (10 * b + C) / (1 - a)),
+        "at rest at the highest input": ("um", (90 * b + C) / (1 - a)),
         "periodic: sum of its 2 weights": ("", 0.0),
         "drift: sum of its 1 weights": ("", 1.0),
     }
     for f in (slow, fast):
         h = response(f, a, b)
-        # An ellipse of 45 V has the area pi 45^2 |Im h|; it opens by that over 90 V.
-        expected[f"loop width at {f:.3g} Hz, mean"] = ("um", np.pi * 45 * abs(h.imag) / 2)
+        # An ellipse of 36 V has the area pi 36^2 |Im h|; it opens by that over 72 V.
+        expected[f"loop width at {f:.3g} Hz, mean"] = ("um", np.pi * 36 * abs(h.imag) / 2)
         expected[f"gain at {f:.3g} Hz"] = ("um/V", abs(h))
     assert found.keys() == expected.keys()
     for what, (unit, value) in expected.items():

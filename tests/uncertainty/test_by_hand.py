@@ -83,6 +83,7 @@ def test_independent_samples_are_counted_up_to_the_first_zero_of_the_correlation
 @pytest.mark.parametrize(
     ("text", "um"),
     [("2 m", 2e6), ("3mm", 3e3), ("4um", 4.0), ("4µm", 4.0), ("5nm", 5e-3), ("6e+1 pm", 6e-5)],
+    ids=["m", "mm", "um", "micro", "nm", "pm"],
 )
 def test_a_length_is_read_in_each_unit(text: str, um: float) -> None:
     assert length_um(text) == pytest.approx(um)
