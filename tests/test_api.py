@@ -7,7 +7,6 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -320,29 +319,6 @@ def test_a_model_goes_into_other_tools_and_to_the_firmware(
     with pytest.raises(hysgen.HysgenError, match="scores: no such schema"):
         hysgen.schema("scores")
     assert len(hysgen.demo_record()) == 67_248
-
-
-def test_the_estimator_is_fitted_scored_and_cloned_by_its_parameters(record: hysgen.Record) -> None:
-    estimator = hysgen.HysteresisRegressor(Ts_s=TS_S, method="batch")
-    with pytest.raises(hysgen.HysgenError, match="call fit"):
-        estimator.predict(record.u_V)
-    assert estimator.fit(record.u_V[:6000, None], record.y_um[:6000]).score(record.u_V, record.y_um) > 0.999
-    copy = hysgen.HysteresisRegressor(**estimator.get_params())
-    assert copy.get_params() == estimator.get_params()
-    assert copy.set_params(rules=4).rules == 4
-    with pytest.raises(hysgen.HysgenError, match="is no parameter"):
-        copy.set_params(colour="red")
-
-
-def test_the_estimator_answers_what_scikit_learn_asks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """scikit-learn 1.9 asks for tags in its own types before it cross-validates; here these types are stand-ins."""
-    kinds = {name: SimpleNamespace for name in ("Tags", "TargetTags", "RegressorTags", "InputTags")}
-    monkeypatch.setitem(sys.modules, "sklearn.utils", SimpleNamespace(**kinds))
-    estimator = hysgen.HysteresisRegressor()
-    tags = estimator.__sklearn_tags__()
-    assert tags.estimator_type == "regressor"
-    assert tags.target_tags.required
-    assert not estimator.__sklearn_is_fitted__()
 
 
 @pytest.mark.slow

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
@@ -70,13 +69,6 @@ def test_steady_states_are_fixed_points_of_the_rules() -> None:
     ahead = rule_regressors(y, u, model.grid) @ model.consequents.ravel()
     # The simulation stops at steps below 1e-13 um; the slope of 0.98 leaves 50 of them.
     np.testing.assert_allclose(ahead, y, atol=1e-12, rtol=0)
-
-
-def test_dynamics_of_appendix_b_are_text_and_json() -> None:
-    found = dynamics(load_model("appendix_b"), f_Hz=[10.0, 100.0])
-    assert [loop.f_Hz for loop in found.loops] == [10.0, 100.0]
-    assert json.loads(json.dumps(found.to_json(), allow_nan=False))["model"] == "appendix_b"
-    assert "appendix_b: first-order lag" in found.describe()
 
 
 def test_a_model_with_channels_is_analysed_with_channels_at_zero() -> None:

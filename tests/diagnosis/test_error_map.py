@@ -7,8 +7,6 @@ import pytest
 
 from hysgen.diagnosis.bootstrap import gain
 from hysgen.diagnosis.error_map import profile, spectrum, turning_points
-from hysgen.record import Record
-from hysgen.record.noise import residual_noise_floor
 
 
 def test_a_profile_counts_every_sample_once_and_preserves_the_power() -> None:
@@ -58,21 +56,3 @@ def test_interval_of_a_gain_covers_it_although_errors_are_correlated() -> None:
     # 95 % nominal; 24 blocks of 40 independent stretches leave some out. 45 of 60 is 6 standard deviations above 1/2,
     # and independent resampling of single samples covers fewer than 20.
     assert covered >= 45
-
-
-def test_noise_floor_comes_from_plateaus_if_there_are_any() -> None:
-    rng = np.random.default_rng(4)
-    u_V = np.repeat(rng.uniform(0, 50, 20), 100)
-    left_um = 0.02 * rng.normal(size=2000) + 0.1 * np.repeat(rng.normal(size=20), 100)  # an inexact level on each
-    floor = residual_noise_floor(Record.from_arrays(u_V, 0.1 * u_V, 1e-3), left_um, 1e-3)
-    assert floor.method == "plateaus"
-    assert floor.rms_um == pytest.approx(0.02, rel=0.1)  # 20 plateaus of 88 samples: 2 %, the median of them 3 %
-
-
-def test_noise_floor_without_plateaus_is_that_of_the_innovation() -> None:
-    rng = np.random.default_rng(5)
-    u_V = 30.0 * np.sin(np.linspace(0, 40, 3000))
-    left_um = 0.02 * rng.normal(size=3000) + 0.3 * np.sin(np.linspace(0, 20, 3000))
-    floor = residual_noise_floor(Record.from_arrays(u_V, 0.1 * u_V, 1e-3), left_um, 1e-3)
-    assert floor.method == "innovation"
-    assert floor.rms_um == pytest.approx(0.02, rel=0.1)

@@ -13,8 +13,6 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.model.scores import persistence, score, score_lines, score_prediction
 from hysgen.model.simulate import free_run, one_step
 from hysgen.record import Record, Segment
-from hysgen.record.noise import noise_floor
-from hysgen.record.series import period_of
 
 
 def record_of(*columns: tuple[list[float], list[float]]) -> Record:
@@ -95,52 +93,3 @@ def test_a_score_shows_one_step_horizon_and_free_run_beside_persistence() -> Non
         "5960 samples scored",
     ):
         assert phrase in scores.table()
-
-
-def noisy(y: np.ndarray, sigma: float, seed: int = 0, colour: float = 0.0) -> np.ndarray:
-    """y with noise of variance sigma^2, correlated from sample to sample by `colour`."""
-    rng = np.random.default_rng(seed)
-    noise = rng.normal(size=y.size)
-    for k in range(1, y.size if colour else 0):
-        noise[k] = colour * noise[k - 1] + np.sqrt(1 - colour**2) * noise[k]
-    return y + sigma * noise
-
-
-def test_noise_is_found_from_repeated_periods_whatever_its_colour() -> None:
-    k = np.arange(6000)
-    u = 50 + 40 * np.sin(2 * np.pi * k / 500) + 5 * np.sin(2 * np.pi * 7 * k / 500)
-    y = 0.05 * u + 0.3 * np.sin(0.05 * u) + 1e-5 * k
-    record = record_of((u.tolist(), noisy(y, 0.02, colour=0.6).tolist()))
-    assert period_of(u) == 500
-    found = noise_floor(record)
-    assert found.method == "periods"
-    # 5000 differences of correlated noise: its rms is known to a few percent.
-    assert found.rms_um == pytest.approx(0.02, rel=0.08)
-
-
-def test_noise_is_estimated_on_plateaus_under_creep() -> None:
-    k = np.arange(8000)
-    u = np.interp(k, [0, 1000, 3500, 4500, 8000], [0.0, 60.0, 60.0, 20.0, 20.0]) + 5 * np.sin(0.05 * k) * (k < 1000)
-    y = 0.05 * u + 0.05 * np.log1p(k / 100)
-    record = record_of((u.tolist(), noisy(y, 0.01, colour=0.5).tolist()))
-    assert period_of(u) is None
-    found = noise_floor(record)
-    assert found.method == "plateaus"
-    # 4500 samples at rest: known to a few percent.
-    assert found.rms_um == pytest.approx(0.01, rel=0.08)
-
-
-def test_white_noise_is_found_from_differences_of_a_smooth_displacement() -> None:
-    k = np.arange(5000)
-    u = 50 + 40 * np.sin(0.01 * k) * np.sin(0.00037 * k)
-    record = record_of((u.tolist(), noisy(0.05 * u, 0.003).tolist()))
-    found = noise_floor(record)
-    assert found.method == "differences"
-    # 5000 differences of order 6, correlated over 7 samples.
-    assert found.rms_um == pytest.approx(0.003, rel=0.08)
-    assert "white" in found.describe()
-
-
-def test_a_record_too_short_for_any_estimate_has_no_noise_floor_to_show() -> None:
-    found = noise_floor(record_of(([0.0, 1.0, 2.0], [0.0, 1.0, 2.0])))
-    assert (found.rms_um, found.samples) == (0.0, 0)

@@ -138,6 +138,21 @@ def test_inputs_outside_the_range_are_clamped_and_counted_and_blocks_come_after(
     assert run.u_clamped == np.count_nonzero((u < 20) | (u > 80))
     same = simulate(saturated, Drive(u, TS_S), float(record.segments[0].y_um[0]))
     np.testing.assert_array_equal(same.y_um, run.y_um)
+    assert same.u_clamped == run.u_clamped
+
+
+@pytest.mark.parametrize("cut", [37, 250])
+def test_samples_outside_the_range_are_counted_after_the_past(cut: int) -> None:
+    model = dataclasses.replace(random_model(5, wild=0.05), u_min_V=30.0, u_max_V=60.0)
+    grid = model.grid.within(model.grid.centres_um[2], model.grid.centres_um[3])
+    model = dataclasses.replace(model, grid=grid)
+    u = random_drive(500, 1)
+    y = np.random.default_rng(1).uniform(grid.y_min_um - 1.0, grid.y_max_um + 1.0, 500)
+    part = Record.from_segments([Segment("0", u, y)], TS_S).rows(cut, 500)
+    free = free_run(model, Record.from_segments([Segment("0", u, y)], TS_S))[0]
+    for run, late in ((free_run(model, part)[0], free.y_um[cut:]), (one_step(model, part)[0], y[cut:-1])):
+        assert run.y_clamped == np.count_nonzero((late < grid.y_min_um) | (late > grid.y_max_um)) > 0
+        assert run.u_clamped == np.count_nonzero((u[cut:] < 30) | (u[cut:] > 60)) > 0
 
 
 def test_horizon_curve_is_the_error_of_short_free_runs() -> None:

@@ -14,7 +14,7 @@ import pytest
 from hysgen.errors import RecordError
 from hysgen.record import Record
 from hysgen.record.channels import Channels
-from hysgen.record.plausibility import at_end
+from hysgen.record.plausibility import at_end, swapped
 from hysgen.stage import (
     BoucWen,
     DelayEffect,
@@ -154,3 +154,22 @@ def test_slow_sensor_that_repeats_its_values_is_no_sensor_at_its_end() -> None:
     held = np.repeat(y_um[::10], 10)[: y_um.size]
     assert Record.from_arrays(u_V, held, TS_S).warnings == ()
     assert not at_end([Channels.of_arrays("a", u_V, held, {})])[0].any()
+
+
+def ahead(phase_rad: float, cycles: int = 6, noise: float = 0.0) -> list[tuple[str, bool, str]]:
+    """The finding of exchanged columns for a displacement that leads a sine by this phase."""
+    turn = 2 * np.pi * np.arange(200 * cycles + 1) / 200
+    u_V = np.sin(turn) + noise * np.random.default_rng(1).normal(size=turn.size)
+    return list(swapped([Channels.of_arrays("a", u_V, np.sin(turn + phase_rad), {})]))
+
+
+def test_exchanged_columns_enclose_a_hundredth_of_the_path_and_correlate() -> None:
+    """An ellipse of phase p encloses 2 pi sin p over a path of 4 sqrt 2, and has the correlation cos p."""
+    limit = np.arcsin(0.01 * 4 * np.sqrt(2) / (2 * np.pi))
+    assert [len(ahead(share * limit)) for share in (-1.1, 0.9, 1.1)] == [0, 0, 1]
+    assert [len(ahead(np.arccos(correlation))) for correlation in (0.71, 0.69)] == [1, 0]
+    # The first cycle begins before the record: of four, two are whole, of three, one.
+    assert [len(ahead(0.3, cycles)) for cycles in (4, 3)] == [1, 0]
+    (name, certain, line), (_, noisy, _) = ahead(0.3)[0], ahead(0.3, noise=1e-3)[0]
+    assert (name, certain, noisy) == ("swapped", False, True)
+    assert "displacement_um runs ahead of voltage_V in 4 cycles; " in line

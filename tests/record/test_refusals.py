@@ -19,6 +19,7 @@ import scipy.io
 
 from hysgen.errors import RecordError
 from hysgen.record import Columns, Record, load_record
+from hysgen.record.sampling import Stamps, sampling_period
 
 USUAL = Columns()
 HEADER = "time_s,voltage_V,displacement_um"
@@ -422,3 +423,27 @@ def test_a_document_in_a_zip_is_named_by_its_kind(part: str, tmp_path: Path) -> 
 def test_an_address_is_no_file() -> None:
     with pytest.raises(RecordError, match="is an address, not a file; download it first"):
         load_record("https://example.org/log.csv")
+
+
+@pytest.mark.parametrize(
+    ("given_s", "fits"), [(0.989e-3, False), (0.991e-3, True), (1.009e-3, True), (1.011e-3, False)]
+)
+def test_a_period_that_is_given_agrees_with_the_stamps_within_one_percent(given_s: float, fits: bool) -> None:
+    stamps = [Stamps("a.csv", 1e-3 * np.arange(50.0), "t", lambda row: f"row {row}")]
+    if fits:
+        assert sampling_period(stamps, given_s=given_s) == given_s
+        return
+    with pytest.raises(RecordError, match=f"a.csv: Ts_s = {given_s:g} s was given, but t rises by 0.001 s per row"):
+        sampling_period(stamps, given_s=given_s)
+
+
+@pytest.mark.parametrize(("late", "said"), [(0.049, ""), (0.051, "row 21: t steps by 0.001051 s .* 5.1 % off")])
+def test_stamps_are_even_within_a_twentieth_of_the_period(late: float, said: str) -> None:
+    t = 1e-3 * np.arange(50.0)
+    t[21:] += 1e-3 * late
+    stamps = [Stamps("a.csv", t, "t", lambda row: f"row {row}")]
+    if not said:
+        assert sampling_period(stamps) == pytest.approx(1e-3, rel=2e-3)
+        return
+    with pytest.raises(RecordError, match=said):
+        sampling_period(stamps)

@@ -74,28 +74,6 @@ def test_independent_samples_of_a_first_order_series() -> None:
     assert independent_samples(x.tolist()) == pytest.approx(n * (1 - a) / (1 + a), rel=0.2)
 
 
-def test_power_of_the_residual_is_split_without_counting_twice() -> None:
-    """Noise, repeatability and model error add up to the residual; the sensor and the drift come on top."""
-    random = np.random.default_rng(1)
-    residual = 0.01 * random.standard_normal(5000)
-    cycle = record_of_cycles(spread_um=0.004, noise_um=0.002, cycles=30)
-    evidence = Evidence(
-        residual,
-        NoiseFloor(0.002, "plateaus", 1000),
-        4000,
-        20,
-        SensorUncertainty(0.01, 2.0, ""),
-        repeatability(cycle),
-        0.003,
-    )
-    parts = {c.name: c.contribution_um for c in budget(evidence).contributions}
-    assert parts["sensor"] == 0.005
-    assert parts["drift"] == pytest.approx(0.003 / math.sqrt(3.0))
-    assert parts["repeatability"] == pytest.approx(0.004, rel=0.15)
-    whole = parts["repeatability"] ** 2 + parts["model error"] ** 2 + 0.002**2
-    assert whole == pytest.approx(float(np.mean(residual**2)), rel=1e-9)
-
-
 @pytest.mark.proof
 def test_expanded_uncertainty_holds_the_truth_of_virtual_stages() -> None:
     """`python -m hysgen.studies.coverage --stages 1000` tries more; 95 % is stated."""

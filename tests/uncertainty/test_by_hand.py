@@ -1,0 +1,302 @@
+"""Figures of a budget, of repeated levels, of a statement of the sensor and of a history, calculated by hand."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from hysgen.diagnosis.evaluation import Study
+from hysgen.errors import HysgenError
+from hysgen.fitting.compare import loop_frequencies
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.file import load_model
+from hysgen.model.model import Grid, Model
+from hysgen.record import Record, Segment
+from hysgen.record.noise import NoiseFloor
+from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
+from hysgen.uncertainty.history import History, Trend, trends
+from hysgen.uncertainty.repeatability import Repeatability, holds, repeatability
+from hysgen.uncertainty.sensor import SensorUncertainty, length_um, sensor_uncertainty
+from hysgen.uncertainty.simulated import Evidence, budget, characterise, error_by_cause
+
+
+def test_a_budget_is_the_root_of_its_squares_with_students_factor() -> None:
+    parts = (
+        Contribution("a", 0.3, "A", "x", 4.0, sensitivity=-2.0),
+        Contribution("b", 0.8, "B", "y"),
+        Contribution("c", 0.1, "A", "z", 12.3),
+    )
+    found = Budget("m", parts)
+    combined = math.sqrt(0.6**2 + 0.8**2 + 0.1**2)
+    freedom = combined**4 / (0.6**4 / 4.0 + 0.1**4 / 12.3)
+    factor = float(stats.t.ppf(0.975, math.floor(freedom)))
+    assert freedom % 1.0 > 0.1
+    assert (found.combined_um, found.freedom) == (pytest.approx(combined), pytest.approx(freedom))
+    assert (found.factor, found.expanded_um) == (pytest.approx(factor), pytest.approx(factor * combined))
+    shares = [f"{100 * v**2 / combined**2:.1f} %" for v in (0.6, 0.8, 0.1)]
+    assert found.rows() == [
+        ["a", "A", "0.6", "4", shares[0], "x"],
+        ["b", "B", "0.8", "inf", shares[1], "y"],
+        ["c", "A", "0.1", "12", shares[2], "z"],
+    ]
+    assert [row[3] for row in Budget("m", (dataclasses.replace(parts[0], freedom=9.96),)).rows()] == ["10"]
+    assert [row[3] for row in Budget("m", (dataclasses.replace(parts[0], freedom=9.94),)).rows()] == ["9.9"]
+    assert [row[3] for row in Budget("m", (dataclasses.replace(parts[0], freedom=123.0),)).rows()] == ["123"]
+    told = json.loads(json.dumps(found.to_json()))
+    assert told["contributions"][0] == {
+        "name": "a", "standard_um": pytest.approx(0.6), "evaluation": "A", "freedom": 4.0, "about": "x",
+    }  # fmt: skip
+    assert told["contributions"][1]["freedom"] is None
+    assert {key: told[key] for key in ("measurand", "combined_um", "freedom", "coverage", "k", "expanded_um")} == {
+        "measurand": "m", "combined_um": found.combined_um, "freedom": found.freedom, "coverage": 0.95,
+        "k": found.factor, "expanded_um": found.expanded_um,
+    }  # fmt: skip
+    certain = Budget("m", parts[1:2], coverage=0.9)
+    assert math.isinf(certain.freedom)
+    assert certain.factor == pytest.approx(float(stats.norm.ppf(0.95)), rel=1e-9)
+    assert certain.to_json()["freedom"] is None
+    # Fewer than one degree of freedom count as one.
+    assert Budget("m", (Contribution("a", 1.0, "A", "", 0.4),)).factor == pytest.approx(float(stats.t.ppf(0.975, 1)))
+    assert Budget("m", (Contribution("a", 0.0, "B", ""),)).rows()[0][4] == ""
+    half = rectangular("drift", 0.6, "d")
+    assert (half.standard_um, half.evaluation, half.shape) == (pytest.approx(0.6 / math.sqrt(3.0)), "B", "rectangular")
+
+
+def test_independent_samples_are_counted_up_to_the_first_zero_of_the_correlation() -> None:
+    e = np.array([2.0, 3.0, 1.0, -1.0, -2.0, -4.0, 1.0])
+    c = e - e.mean()
+    rho = [float(c[: 7 - j] @ c[j:]) / float(c @ c) for j in range(7)]
+    last = next(j for j in range(7) if rho[j] <= 0.0)
+    assert independent_samples((e + 5.0).tolist()) == pytest.approx(7.0 / (1.0 + 2.0 * sum(rho[1:last])))
+    assert independent_samples([1.0, -1.0]) == 2.0
+    assert independent_samples([3.0] * 9) == 9.0
+    assert independent_samples([1.0, -1.0, 1.0]) == 3.0
+
+
+@pytest.mark.parametrize(
+    ("text", "um"),
+    [("2 m", 2e6), ("3mm", 3e3), ("4um", 4.0), ("4µm", 4.0), ("5nm", 5e-3), ("6e+1 pm", 6e-5)],
+    ids=["m", "mm", "um", "micro", "nm", "pm"],
+)
+def test_a_length_is_read_in_each_unit(text: str, um: float) -> None:
+    assert length_um(text) == pytest.approx(um)
+
+
+def test_a_statement_of_the_sensor_keeps_its_two_numbers_and_refuses_the_rest() -> None:
+    assert sensor_uncertainty("5nm,k=2") == SensorUncertainty(0.005, 2.0, "stated: 5nm,k=2")
+    assert sensor_uncertainty("5nm") == SensorUncertainty(0.005, 1.0, "stated: 5nm")
+    for text, said in {
+        "5nm,k=two": "the coverage factor 'two' is not a positive number",
+        "5nm,k=-1": "the coverage factor '-1' is not a positive number",
+        "5nm,k": "'5nm,k' is not LENGTH,k=FACTOR",
+        "5nm,=2": "is not LENGTH,k=FACTOR",
+    }.items():
+        with pytest.raises(HysgenError, match=said):
+            sensor_uncertainty(text)
+
+
+def stepped(levels: list[float], places: list[float], samples: int = 40, wiggle_um: float = 0.0) -> Record:
+    """Holds of these levels: the first half far off, the last half about its place by +- wiggle."""
+    y = [
+        np.concatenate([np.full(samples // 2, 9.0), place + wiggle_um * (-1.0) ** np.arange(samples - samples // 2)])
+        for place in places
+    ]
+    u_V = np.repeat(levels, samples)
+    return Record.from_segments([Segment("0", u_V, np.concatenate(y))], 1e-3)
+
+
+def test_repeatability_of_a_small_record_by_hand() -> None:
+    levels = [0.0, 10.0, 20.0, 10.0, 0.0, 10.0, 20.0, 10.0, 0.0, 10.0]
+    places = [0.0, 1.00, 2.10, 1.30, 0.1, 1.04, 2.12, 1.33, 0.14, 1.09]
+    found = repeatability(stepped(levels, places, wiggle_um=0.001))
+    # 10 V from below three times, 10 V from above, 20 V and 0 V twice.
+    visits = ([1.00, 1.04, 1.09], [1.30, 1.33], [2.10, 2.12], [0.1, 0.14])
+    power = sum(float(np.sum((np.array(y) - np.mean(y)) ** 2)) for y in visits)
+    assert found == Repeatability(pytest.approx(math.sqrt(power / 5)), 5, 10)  # type: ignore[arg-type]
+    assert found.to_json() == dataclasses.asdict(found)
+    assert repeatability(stepped([0.0, 1.0, 0.0], [0.0, 1.0, 0.2])) == Repeatability(None, 0, 3)
+
+
+def test_levels_that_differ_by_less_than_a_thousandth_of_the_range_are_one() -> None:
+    places = [0.0, 1.0, 0.1, 1.1, 0.2]
+    assert repeatability(stepped([0.0, 10.0, 0.004, 10.004, 0.0], places)).freedom == 2
+    assert repeatability(stepped([0.0, 10.0, 0.012, 10.012, 0.0], places)).freedom == 0
+
+
+def test_a_hold_lasts_ten_milliseconds_and_sixteen_samples() -> None:
+    for samples, Ts_s, counted in ((15, 1e-3, False), (16, 1e-3, True), (99, 1e-4, False), (100, 1e-4, True)):
+        u_V = np.concatenate([np.full(samples, 1.0), np.linspace(2.0, 3.0, 20)])
+        found = holds(Record.from_segments([Segment("0", u_V, 0.1 * u_V)], Ts_s))
+        assert [hold.u_V for hold in found] == ([1.0] if counted else [])
+
+
+def test_a_hold_in_a_segment_of_its_own_has_no_hold_before() -> None:
+    record = Record.joined(stepped([1.0, 2.0], [0.0, 1.0]), stepped([3.0, 4.0], [0.0, 1.0]))
+    assert [(hold.u_V, hold.from_V) for hold in holds(record)] == [(1.0, None), (2.0, 1.0), (3.0, None), (4.0, 3.0)]
+
+
+PLAIN = Evidence(
+    np.array([0.3, -0.3, 0.5, -0.5, 0.1, -0.1]),
+    NoiseFloor(0.1, "plateaus", 9),
+    400,
+    16,
+    SensorUncertainty(0.2, 2.0, "s"),
+)
+
+
+def test_a_budget_of_a_simulation_by_hand() -> None:
+    power = (0.09 + 0.25 + 0.01) / 3.0
+    cycle = Repeatability(0.2, 7, 4)
+    found = budget(dataclasses.replace(PLAIN, repeatability=cycle, drift_um=0.3))
+    lines = {c.name: c for c in found.contributions}
+    assert list(lines) == ["sensor", "noise", "repeatability", "model error", "drift"]
+    assert (lines["sensor"].standard_um, lines["sensor"].evaluation, lines["sensor"].about) == (0.1, "B", "s")
+    assert (lines["noise"].standard_um, lines["noise"].freedom) == (pytest.approx(0.1 * math.sqrt(16 / 400)), 384.0)
+    assert lines["noise"].about == "0.1 um a reading; 16 parameters, 400 rows"
+    assert (lines["repeatability"].standard_um, lines["repeatability"].freedom) == (pytest.approx(0.2), 7.0)
+    assert lines["repeatability"].about == "levels that the record visits again, 4 holds"
+    assert lines["model error"].standard_um == pytest.approx(math.sqrt(power - 0.01 - 0.04))
+    assert lines["model error"].freedom == independent_samples(PLAIN.residual_um.tolist()) - 1.0
+    assert lines["model error"].about == "held-out free run over 6 rows, less noise and repeatability"
+    assert lines["drift"].standard_um == pytest.approx(0.3 / math.sqrt(3.0))
+    assert lines["drift"].about == "at most 0.3 um since the record"
+    assert found.measurand == "displacement that the model states for a sample (free run)"
+    # Neither noise nor repeated visits count for more than the residual has.
+    loud = budget(dataclasses.replace(PLAIN, noise=NoiseFloor(9.0, "plateaus", 9), fitted=10, repeatability=cycle))
+    named = {c.name: c for c in loud.contributions}
+    assert (named["model error"].standard_um, named["noise"].freedom) == (0.0, 1.0)
+    assert "repeatability" not in named
+    wide = budget(dataclasses.replace(PLAIN, repeatability=dataclasses.replace(cycle, spread_um=5.0, freedom=0)))
+    spread = next(c for c in wide.contributions if c.name == "repeatability")
+    assert (spread.standard_um, spread.freedom) == (pytest.approx(math.sqrt(power - 0.01)), 1.0)
+
+
+def test_the_model_error_follows_orthogonal_actions() -> None:
+    e = np.array([1.0, 2.0, 3.0, 4.0])
+    a, b = np.array([1.0, 0.0, 0.0, 0.0]), np.array([2.0, 1.0, 0.0, 0.0])
+    slanted = error_by_cause(e, [("c", np.ones(4)), ("d", np.array([0.0, 2.0, 0.0, 0.0]))])
+    assert [part for _, part in slanted] == pytest.approx([(10.0 / 2.0) ** 2 / 4, (-0.5 / math.sqrt(0.75)) ** 2 / 4])
+    assert error_by_cause(e, [("a", a), ("again", 3.0 * a), ("b", b)]) == [
+        ("a", pytest.approx(1.0 / 4)),
+        ("again", 0.0),
+        ("b", pytest.approx(4.0 / 4)),
+    ]
+    quiet = dataclasses.replace(PLAIN, residual_um=e, noise=NoiseFloor(0.0, "plateaus", 9))
+    found = budget(dataclasses.replace(quiet, actions_um=(("a", a),), left_um=(("drift", 1.5),)))
+    parts = {c.name: c for c in found.contributions[2:]}
+    assert {name: c.standard_um**2 for name, c in parts.items()} == {
+        "model error, a": pytest.approx(0.25),
+        "model error, drift": pytest.approx(2.25),
+        "model error, rest": pytest.approx(7.5 - 2.5),
+    }
+    freedom = max(1.0, independent_samples(e.tolist()) - 1.0)
+    assert parts["model error, drift"].freedom == pytest.approx(freedom * 2.25 / 7.5)
+    assert parts["model error, a"].about == "still follows the action of its extension"
+    assert parts["model error, drift"].about == "named; its extension, not in the model, would remove it"
+    # Causes that claim more than there is share what there is.
+    much = budget(dataclasses.replace(quiet, left_um=(("creep", 3.0), ("drift", 4.0))))
+    claimed = {c.name: c.standard_um**2 for c in much.contributions[2:]}
+    assert claimed["model error, creep"] == pytest.approx(7.5 * 9 / 25)
+    assert claimed["model error, drift"] == pytest.approx(7.5 * 16 / 25)
+    assert claimed["model error, rest"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_characterisation_takes_its_evidence_from_the_diagnosis() -> None:
+    """Stand-ins for a study: error traces of two extensions, a cause named and refused, and held-out rows 2 .. 5."""
+    base, one, two = (np.array(v) for v in ([9.0, 9, 4, 1, 3, 2], [9.0, 9, 1, 2, 1, 1], [9.0, 9, 0.5, 0.25, -0.5, 1]))
+    cause = lambda name, **more: SimpleNamespace(name=name, **more)  # noqa: E731
+    first = cause("memory", extended=True, step=SimpleNamespace(after_um=3.0))
+    second = cause("creep", extended=True, step=SimpleNamespace(after_um=3.5))
+    left = cause("drift", extended=False, beside=SimpleNamespace(before_um=0.5, after_um=0.3))
+    worse = cause("aging", extended=False, beside=SimpleNamespace(before_um=0.3, after_um=0.5))
+    bare = cause("delay", extended=False, beside=None)
+    record = stepped([0.0, 1.0, 0.0], [0.0, 1.0, 0.1])
+    rows = np.arange(2, 6)
+    model = SimpleNamespace(consequents=np.zeros((4, 3)), weights=np.zeros(2))
+    diagnosis = SimpleNamespace(
+        held_rows=rows, model=model, noise=NoiseFloor(0.01, "plateaus", 9), base_rms_um=5.0,
+        errors_um=[("", base), ("memory", one), ("creep", two)], causes=(first, second, left, worse, bare),
+    )  # fmt: skip
+    study = cast(Study, SimpleNamespace(diagnosis=diagnosis, record=record, cut=100, extended=(first, second)))
+    found = characterise(study, SensorUncertainty(0.2, 2.0, "s"))
+    evidence = Evidence(
+        two[rows], NoiseFloor(0.01, "plateaus", 9), 100, 14, SensorUncertainty(0.2, 2.0, "s"), repeatability(record),
+        actions_um=(("memory", (one - base)[rows]), ("creep", (two - one)[rows])),
+        left_um=(("drift", 0.4), ("aging", 0.0)),
+    )  # fmt: skip
+    assert found.budget.to_json() == budget(evidence).to_json()
+    assert found.removed == (("memory", 4.0), ("creep", 0.0))
+    assert [line.partition(":")[0] for line in found.missing] == ["drift since the record", "repeatability"]
+    told = found.to_json()
+    assert told["removed_by_extension_um"] == {"memory": 4.0, "creep": 0.0}
+    assert (told["missing"], told["repeatability"]) == (list(found.missing), repeatability(record).to_json())
+    lines = found.lines()
+    b = found.budget
+    assert f"U = {b.expanded_um:.3g} um (k = {b.factor:.3g}, 95 %, {b.freedom:.0f} degrees of freedom), " in lines[0]
+    assert lines[0].endswith(f"u_c = {b.combined_um:.3g} um")
+    wide = max(len(c.name) for c in b.contributions)
+    for line, (name, kind, value, _, share, about) in zip(lines[1:], b.rows(), strict=False):
+        assert line == f"    {name.ljust(wide)}  {kind}  {value.rjust(9)} um  {share.rjust(7)}  {about}"
+    assert lines[-2:] == [f"    not known: {line}" for line in found.missing]
+    known = characterise(study, SensorUncertainty(0.2, 2.0, "s"), 0.5)
+    assert [line.partition(":")[0] for line in known.missing] == ["repeatability"]
+    assert known.budget.contributions[-1].name == "drift"
+
+
+def lag(gain: float, weights: tuple[float, ...] = (5e-4, 2.5e-4)) -> Model:
+    """y(k+1) = 0.98 y + gain u + 0.02 with a periodic term."""
+    grid = Grid(-5.0, 15.0, 6)
+    consequents = np.tile([0.98, gain, 0.02], (6, 1))
+    return Model("lag", 2e-5, grid, consequents, 0.0, 100.0, (Periodic((50.0,)),), np.array(weights))
+
+
+def test_a_trend_is_its_largest_change_and_a_history_its_largest_shift_at_rest() -> None:
+    assert Trend("x", "", (2.0, 3.0, 1.9)).percent == pytest.approx(50.0)
+    assert Trend("x", "", (-2.0, -1.9, -2.2)).percent == pytest.approx(10.0)
+    assert Trend("x", "", (0.0, 3.0)).percent is None
+    rows = (
+        Trend("at rest at the lowest input", "um", (1.0, 1.3, 1.1)),
+        Trend("at rest at the highest input", "um", (9.0, 8.5, 9.0)),
+        Trend("DC gain", "um/V", (0.1, 0.104, 0.104)),
+        Trend("none", "", (0.0, 7.0, 1.0)),
+    )
+    found = History(("a", "b", "c"), rows, 5.0)
+    assert found.drift_um == pytest.approx(0.5)
+    assert [trend.what for trend in found.exceeded] == [row.what for row in rows[:2]]
+    assert History((), rows, 4.0).exceeded == rows[:2]
+    assert History((), rows, 3.99).exceeded == rows[:3]
+    assert found.rows()[0] == ["at rest at the lowest input", "um", "1", "1.1", "30.00 %", "LIMIT"]
+    assert found.rows()[2:] == [
+        ["DC gain", "um/V", "0.1", "0.104", "4.00 %", ""],
+        ["none", "", "0", "1", "", ""],
+    ]
+    told: dict[str, Any] = found.to_json()
+    assert (told["files"], told["limit_percent"], told["drift_um"]) == (["a", "b", "c"], 5.0, found.drift_um)
+    assert told["exceeded"] == [trend.what for trend in found.exceeded]
+    assert told["trends"][2] == {
+        "what": "DC gain",
+        "unit": "um/V",
+        "values": [0.1, 0.104, 0.104],
+        "percent": rows[2].percent,
+    }
+
+
+def test_trends_are_the_properties_of_each_model_in_their_order() -> None:
+    found = trends([("a", lag(0.0016)), ("b", lag(0.0017, (5e-4, 5e-4))), ("c", lag(0.0015))], 3.0)
+    values = {trend.what: trend.values for trend in found.trends}
+    assert values["DC gain, mid-range"] == pytest.approx((0.08, 0.085, 0.075), rel=1e-6)
+    assert values["periodic: sum of its 2 weights"] == (7.5e-4, 1e-3, 7.5e-4)
+    # The loops are those of the first model, whose lag differs from the second's.
+    slower = dataclasses.replace(lag(0.001), consequents=np.tile([0.99, 0.001, 0.02], (6, 1)))
+    loops = [f"gain at {f:.3g} Hz" for f in loop_frequencies(lag(0.0016))]
+    named = [trend.what for trend in trends([("a", lag(0.0016)), ("b", slower)]).trends]
+    assert [name for name in named if name.startswith("gain at")] == loops
+    assert (found.files, found.limit) == (("a", "b", "c"), 3.0)
+    assert trends([("a", load_model("appendix_a"))] * 2).limit == 5.0
