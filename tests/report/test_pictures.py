@@ -25,7 +25,7 @@ from hysgen.report.plots.simulated import (
     response_pictures,
     time_picture,
 )
-from hysgen.report.plots.traces import envelope, thinned, tracking, validation
+from hysgen.report.plots.traces import envelope, loops, thinned, tracking, validation
 from hysgen.uncertainty.history import History, Trend
 
 TS_S = 1e-3
@@ -162,6 +162,12 @@ def test_validation_and_tracking_draw_errors_in_their_units() -> None:
     np.testing.assert_allclose(figure.axes[1].lines[0].get_ydata(), runs["a"] - Y_UM)
     assert figure.axes[2].lines[0].get_label() == f"b: {0.4 / math.sqrt(1000):.2g} µm rms"
     assert (figure.axes[0].get_title(loc="left"), figure.axes[2].get_xlabel()) == ("title", "time [s]")
+    figure = loops(record, runs, "title", colours)
+    for place, name in enumerate(runs):
+        assert figure.axes[place].get_title(loc="left") == name
+        np.testing.assert_array_equal(lines(figure, place)["measured"].get_ydata(), Y_UM)
+        np.testing.assert_array_equal(lines(figure, place)[name].get_ydata(), runs[name])
+    assert labels(figure) == [("voltage [V]", "displacement [µm]"), ("voltage [V]", "")]
     figure = tracking(T_S, Y_UM, runs, "title", colours)
     assert figure.axes[1].lines[1].get_ydata()[700] == pytest.approx(400.0)
     assert labels(figure)[1] == ("time [s]", "reached - reference [nm]")
