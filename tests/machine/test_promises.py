@@ -88,7 +88,7 @@ def test_a_linker_error_without_the_word_is_told_too(cache: Path, tmp_path: Path
 
 def test_the_compiler_is_CC_or_the_first_of_three(monkeypatch: pytest.MonkeyPatch) -> None:
     there = {"gcc", "clang", "mine"}
-    monkeypatch.setattr(kernel_build.shutil, "which", lambda name: name if name in there else None)
+    monkeypatch.setattr(kernel_build, "shutil", SimpleNamespace(which=lambda name: name if name in there else None))
     for chosen, found in (("mine", "mine"), ("missing", "gcc"), ("", "gcc")):
         monkeypatch.setenv("CC", chosen)
         assert kernel_build.find_compiler() == found
