@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import io
 import json
+import os
+import re
 import shlex
+import stat
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,9 +23,10 @@ from hysgen.cli.main import overview, parser
 from hysgen.cli.options import parse_rows, with_learner
 from hysgen.cli.outputs import check_device, check_file, check_files, check_writable, written_by_hysgen
 from hysgen.cli.progress import ProgressLine
-from hysgen.cli.verbs import NAMES, firmware, studies, verify
+from hysgen.cli.verbs import NAMES, export, firmware, studies, verify
 from hysgen.display import table
-from hysgen.errors import BuildError, HysgenError, RecordError
+from hysgen.errors import BuildError, HysgenError, RecordError, TargetError
+from hysgen.export.check import Compared
 from hysgen.firmware.binding import build_id, structure_digest
 from hysgen.firmware.image import NO_KEY, Label, encode
 from hysgen.machine.installed import version
@@ -223,9 +227,6 @@ def test_a_folder_is_tried_where_it_will_be_made(tmp_path: Path) -> None:
 
 
 def test_a_disk_is_refused_and_a_pipe_is_not_opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    import os
-    import stat
-
     os.mkfifo(tmp_path / "pipe")
     check_device(tmp_path / "pipe", "-o")  # opening it would wait for a reader
     monkeypatch.setattr(Path, "stat", lambda self: SimpleNamespace(st_mode=stat.S_IFBLK))
@@ -588,3 +589,95 @@ def test_the_banks_code_is_its_limits_or_that_of_an_interrupt(
 
 def studies_limit(holds: bool | None) -> Any:
     return SimpleNamespace(holds=holds)
+
+
+def test_export_says_its_files_and_a_check_that_differs_is_code_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given: list[Any] = []
+
+    def write(model: Any, target: str, folder: Path, *rest: Any) -> list[Path]:
+        given.append((model.name, target, *rest))
+        for name in ("README.md", "model/a.h", "model/a.c"):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text("12345")
+        return [folder / name for name in ("README.md", "model/a.h", "model/a.c")]
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(export, "write_export", write)
+    for differ, code in ((0, 0), (1, 1)):
+        line = Compared("ctypes", "predict", 1, differ)
+        monkeypatch.setattr(export, "compare", lambda *words, line=line, **_: given.append(words[1:4]) or [line])
+        assert main(["export", "appendix_a", "--to", "shared", "-o", "d", "--check", "1", "--json", "r.json"]) == code
+        assert capsys.readouterr().out == (
+            f"written: d/README.md (5 bytes)\nwritten: d/model (2 files of the generated C)\n{line}\n"
+        )
+        assert given.pop() == ("shared", Path("d"), 1)
+        told = json.loads(Path("r.json").read_text())
+        assert (told["target"], len(told["files"]), told["checked"][0]["differ"]) == ("shared", 3, differ)
+    assert (
+        main(["export", "appendix_a", "--to", "a2l", "-o", "d", "--elf", "e", "--instance", "i", "--learner", "l"]) == 0
+    )
+    target, options, source = given[-1][1:]
+    assert (target, source) == ("a2l", export.A2lSource(Path("e"), "i", "l"))
+    assert options == export.code_options(parser(["generate"]).parse_args(["generate", "m", "-o", "d"]))
+    for wrong in ("a2l --check 1", "shared --check 0", "shared --elf e", "cmake --instance i", "fmu --learner l"):
+        assert main([*["export", "appendix_a", "-o", "x", "--to"], *wrong.split()]) == 2
+    assert not Path("x").exists()
+
+
+def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = SimpleNamespace(
+        interrupt={},
+        idle=(1, 2),
+        equal=True,
+        differing=0,
+        samples=9,
+        commits=0,
+        selftest=0,
+        boot=1,
+        to_json=lambda: "run",
+    )
+    section = SimpleNamespace(name=".text", address=0x11800000, memory="L2", size=77)
+    built = SimpleNamespace(sections=[section], used={"L2": 77}, compiler="gcc 12", to_json=lambda: "built")
+    results: list[Any] = []
+    monkeypatch.setattr(firmware, "MEMORIES", {"L2": (0, 262_144)})
+    monkeypatch.setattr(firmware, "link_image", lambda name, texts: built)
+    monkeypatch.setattr(firmware, "compile_image", lambda texts: "compiled")
+    monkeypatch.setattr(firmware, "firmware_model", lambda model, aligned: {"model.h": model.name})
+    monkeypatch.setattr(firmware, "static_bounds", lambda name, compiled: {"f": (3, 5), "g": None, compiled: (1, 1)})
+    monkeypatch.setattr(firmware, "simulate", lambda model, texts, compiled, samples: run if samples == 9 else 1 / 0)
+    monkeypatch.setattr(firmware, "timings", lambda model, compiled: {compiled: SimpleNamespace(to_json=lambda: "t")})
+    monkeypatch.setattr(firmware, "timing_rows", lambda timed, budget: [[str(budget)] * len(firmware.TIMING_HEADS)])
+    monkeypatch.setattr(Console, "write_json", lambda _, result: results.append(result))
+    assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
+    out = capsys.readouterr().out
+    for line in (
+        r"\.text +0x11800000  L2 +77",
+        r"L2: 77 of 262144 bytes",
+        r"gcc 12",
+        r"f +3 \.\. 5",
+        r"g +not bounded",
+    ):
+        assert re.search(f"^{line}$", out, re.M), line
+    assert "7500" in out.rpartition("nothing ran on silicon")[2], "the timing stands last, with the period's cycles"
+    assert results[-1]["simulated"] == "run"
+    assert results[-1]["timing"] == {"compiled": "t"}
+
+    def lacks(*_: object) -> None:
+        raise TargetError("no such instruction")
+
+    monkeypatch.setattr(firmware, "simulate", lacks)
+    assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
+    assert capsys.readouterr().err == "warning: cycles are missing: no such instruction\n"
+    assert (results[-1]["target"], results[-1]["simulated"], results[-1]["timing"]) == ("built", None, None)
+
+
+def test_a_folder_for_matplotlib_that_the_user_names_stays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HOME", "/proc/nowhere")
+    monkeypatch.setenv("HYSGEN_CACHE", str(tmp_path))
+    monkeypatch.setenv("MPLCONFIGDIR", "mine")
+    assert main(["describe", "appendix_a"]) == 0
+    assert os.environ["MPLCONFIGDIR"] == "mine"
