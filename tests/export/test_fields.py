@@ -272,6 +272,9 @@ def test_a_folder_whose_build_fails_says_why(tmp_path: Path, monkeypatch: pytest
     plain = load_model("appendix_a")
     written = write_export(plain, "shared", tmp_path, Options(inverse=False))
     assert sorted(written) == sorted(path for path in tmp_path.rglob("*") if path.is_file())
+    rows = np.zeros((1, 3), np.uint32)
+    with pytest.raises(BuildError, match="the shared library has no mode inverse"):
+        check.run_shared(plain, tmp_path, check.Samples(MODES[2], np.float32(0.0), np.float32(0.0), rows))
     (tmp_path / "Makefile").write_text("all:\n\t@echo broken >&2; false\n")
     from hysgen import export
 
