@@ -156,6 +156,10 @@ def test_a_cache_that_is_sent_again_is_the_same_cache() -> None:
     copy = pickle.loads(sent)
     assert "key" not in copy
     assert pickle.loads(sent) is copy
+    first, second = LruCache[int](3), LruCache[int](3)
+    assert [pickle.loads(pickle.dumps(each)) for each in (first, second)] == [first, second], (
+        "each has a name of its own"
+    )
 
 
 @pytest.mark.slow
