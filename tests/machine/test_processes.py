@@ -66,6 +66,12 @@ def ended_in_helper(value: int) -> int:
     return value
 
 
+def written_late(path: Path) -> None:
+    """Not an `exec` of a text: CPython, interrupted in one, ends with the signal even if the interrupt was caught."""
+    time.sleep(60)
+    path.touch()
+
+
 def nested(count: int) -> list[int]:
     time.sleep(0.05)
     return in_processes(abs, [-value for value in range(count)])
@@ -110,7 +116,7 @@ def test_helpers_end_with_the_context_even_if_it_is_interrupted(
     def interrupted() -> None:
         with several_processes("math"):
             threading.Timer(0.2, functools.partial(os.kill, os.getpid(), signal.SIGINT)).start()
-            in_processes(exec, [f"import time; time.sleep(60); open({str(late)!r}, 'w')"] * 3)
+            in_processes(written_late, [late] * 3)
 
     late = tmp_path / "helpers that were awaited"
     # A process that was begun in the background may ignore the signal.
@@ -150,6 +156,10 @@ def test_a_cache_that_is_sent_again_is_the_same_cache() -> None:
     copy = pickle.loads(sent)
     assert "key" not in copy
     assert pickle.loads(sent) is copy
+    first, second = LruCache[int](3), LruCache[int](3)
+    assert [pickle.loads(pickle.dumps(each)) for each in (first, second)] == [first, second], (
+        "each has a name of its own"
+    )
 
 
 @pytest.mark.slow

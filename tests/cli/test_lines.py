@@ -1,0 +1,683 @@
+"""Width and time of lines, JSON, exit codes, and what each option hands on to the computation."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import shlex
+import stat
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hysgen.cli import main, progress
+from hysgen.cli.console import Console, command_line
+from hysgen.cli.folding import folded
+from hysgen.cli.main import overview, parser
+from hysgen.cli.options import parse_rows, with_learner
+from hysgen.cli.outputs import check_device, check_file, check_files, check_writable, written_by_hysgen
+from hysgen.cli.progress import ProgressLine
+from hysgen.cli.verbs import NAMES, export, firmware, studies, verify
+from hysgen.display import table
+from hysgen.errors import BuildError, HysgenError, RecordError, TargetError
+from hysgen.export.check import Compared
+from hysgen.firmware.binding import build_id, structure_digest
+from hysgen.firmware.image import NO_KEY, Label, encode
+from hysgen.machine.installed import version
+from hysgen.model.file import load_model
+from hysgen.model.learner_settings import LearnerSettings
+
+
+class Terminal(io.StringIO):
+    """A stream that is a terminal and counts how often it was flushed."""
+
+    flushed = 0
+
+    def isatty(self) -> bool:
+        return True
+
+    def flush(self) -> None:
+        self.flushed += 1
+
+
+# Folding
+
+
+def test_a_table_is_narrowed_to_the_last_column_and_no_further() -> None:
+    rows = [
+        ["creep", "the longest rest is 0 s and more words", "1.5"],
+        ["memory", "swings of one amplitude only", "12"],
+    ]
+    text = table(["cause", "because of what it takes to show", "um"], rows, left=2)
+    width = max(map(len, text.split("\n")))
+    assert folded(text, width) == text
+    for narrow in range(width - 1, width - 25, -1):
+        lines = folded(f"{text}\n\nbelow", narrow).split("\n")
+        assert len(lines[-3 - 1]) <= narrow
+        ruler = next(line for line in lines if set(line) <= {"-", " "} and "-" in line)
+        assert len(ruler) == narrow, "no column is narrower than it must be"
+        assert max(map(len, lines)) <= narrow
+        assert lines[-2:] == ["", "below"]
+        first = next(line for line in lines if line.startswith("creep"))
+        assert first.endswith(" 1.5"), "numbers stay at the right"
+        assert " ".join(" ".join(lines).split()).count("swings") == 1
+
+
+def test_a_column_is_not_narrowed_below_ten_and_a_table_ends_with_its_rows() -> None:
+    text = table(["a", "b"], [["x" * 4 + " " + "y" * 10, "z" * 9 + " zz"]], left=2)
+    assert len(text.split("\n")[1]) == 15 + 2 + 12
+    narrowest = folded(text, 22)
+    assert narrowest.split("\n")[1] == "-" * 10 + "  " + "-" * 10
+    assert folded(text, 21) == text, "what does not fit stays as it is"
+    behind = f"{text}\na sentence that writes across the columns of the table"
+    assert folded(behind, 24).split("\n")[-1].startswith("    "), "it is folded as a sentence"
+
+
+# Progress
+
+
+def test_a_terminal_has_one_line_cut_to_its_width_and_cleared_for_text(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "20")
+    err = Terminal()
+    line = ProgressLine(err)
+    line.show(0.25, "fitting a long name of a step")
+    assert err.getvalue() == "\r\x1b[K 25.0 %  fitting a "
+    assert len(err.getvalue()) == 4 + 19
+    assert err.flushed == 1
+    line.pause()
+    assert err.getvalue().endswith("\r\x1b[K")
+    line.pause()
+    assert err.getvalue().count("\r\x1b[K") == 2, "nothing is left to clear"
+    line.stop()
+    assert line._thread is not None
+    assert not line._thread.is_alive()
+
+
+@pytest.mark.parametrize(("stream", "interval"), [(Terminal(), 0.5), (io.StringIO(), 2.0)], ids=["terminal", "file"])
+def test_lines_follow_each_other_at_most_in_an_interval(
+    stream: io.StringIO, interval: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 1000.0
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    monkeypatch.setattr(ProgressLine, "_repeat", lambda self: None)
+    line = ProgressLine(stream, started=1000.0)
+    for at, fraction in (
+        (0.0, 0.1),
+        (interval - 0.01, 0.2),
+        (interval, 0.3),
+        (interval + 0.1, 0.4),
+        (interval + 0.2, 1.0),
+    ):
+        now = 1000.0 + at
+        line.show(fraction, "step")
+    shown = [
+        float(part.partition("%")[0]) for part in stream.getvalue().replace("\r\x1b[K", "\n").split("\n") if "%" in part
+    ]
+    assert shown == [10.0, 30.0, 100.0], "the end is always said"
+
+
+@pytest.mark.parametrize(
+    ("passed", "fraction", "text"),
+    [
+        (2.99, 0.5, ""),
+        (3.0, 0.5, "  (3 s, about 3 s left)"),
+        (10.0, 0.05, "  (10 s)"),
+        (10.0, 0.0501, "  (10 s, about 190 s left)"),
+        (10.0, 1.0, "  (10 s)"),
+        (10.0, 0.954, "  (10 s)"),
+        (10.0, 0.952, "  (10 s, about 1 s left)"),
+    ],
+)
+def test_time_is_said_from_three_seconds_and_five_percent_on(
+    passed: float, fraction: float, text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(progress.time, "monotonic", lambda: 100.0 + passed)
+    err = io.StringIO()
+    line = ProgressLine(err, verbose=True, started=100.0)
+    line.show(fraction, "x")
+    line.stop()
+    assert err.getvalue() == f"{100 * fraction:5.1f} %  x{text}\n"
+
+
+# Console
+
+
+def test_json_is_readable_with_a_head_unless_the_result_has_its_own(tmp_path: Path) -> None:
+    out = io.StringIO()
+    console = Console(json_to="-", out=out, verb="schema")
+    console.say("text")
+    assert console.finish({"schemas": ["\N{MICRO SIGN}m"]}, holds=False) == 1
+    head = f'{{\n  "schema": "hysgen-schema",\n  "version": 1,\n  "hysgen": "{version()}",\n'
+    assert out.getvalue() == head + '  "schemas": [\n    "\N{MICRO SIGN}m"\n  ]\n}\n'
+    own = {"schema": "own", "a": 1}
+    assert console.with_head(own) is own
+    with pytest.raises(ValueError, match="JSON"):
+        console.write_json({"schemas": [], "more": float("nan")})
+    Console(json_to=None).write_json({"a": float("nan")})
+
+
+def test_text_for_a_file_is_not_folded_and_for_a_terminal_at_forty_columns_at_least(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    out, err = io.StringIO(), io.StringIO()
+    words = "word " * 30
+    Console(out=out, err=err).say(words)
+    Console(out=out, err=err).warn(words)
+    assert (out.getvalue(), err.getvalue()) == (words + "\n", f"warning: {words}\n")
+    for columns, most in (("30", 40), ("50", 50)):
+        monkeypatch.setenv("COLUMNS", columns)
+        terminal = Terminal()
+        Console(out=terminal, err=err).say(words)
+        assert most - 5 < max(map(len, terminal.getvalue().split("\n"))) <= most
+
+
+@pytest.mark.parametrize(
+    ("program", "known"),
+    [("/bin/hysgen", True), ("/p/hysgen/__main__.py", True), ("/p/other/__main__.py", False), ("/bin/pytest", False)],
+)
+def test_the_command_line_of_a_report_is_hysgens_own(
+    program: str, known: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", [program, "fit", "a b.csv"])
+    assert command_line() == ("hysgen fit 'a b.csv'" if known else "")
+
+
+# Outputs
+
+
+def test_a_file_of_hysgen_names_it_in_its_head(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    for content, own in (
+        (b"", True),
+        (b"HYSI\x02", True),
+        (b"a" * (16_384 - 6) + b"hysgen", True),
+        (b"a" * (16_384 - 5) + b"hysgen", False),
+    ):  # fmt: skip
+        path.write_bytes(content)
+        assert written_by_hysgen(path) == own
+    with pytest.raises(HysgenError, match=r"--to .*x: exists, and hysgen did not write it"):
+        check_file(path, "--to")
+    check_file(path, "--to", force=True)
+    with pytest.raises(HysgenError, match=f"-o {tmp_path}: is a folder; name a file in it"):
+        check_file(tmp_path, "-o", force=True)
+    assert not written_by_hysgen(tmp_path / "missing")
+    manifest = tmp_path / "MANIFEST.json"
+    for schema, known in (("hysgen-manifest", True), ("other", False)):
+        manifest.write_text(json.dumps({"schema": schema, "files": {"x": 1}}))
+        if known:
+            check_files(tmp_path, ["x"], "-o", force=False)
+        else:
+            with pytest.raises(HysgenError, match="exists"):
+                check_files(tmp_path, ["x"], "-o", force=False)
+
+
+def test_a_folder_is_tried_where_it_will_be_made(tmp_path: Path) -> None:
+    check_writable(tmp_path / "new" / "folder")
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "file").write_text("")
+    with pytest.raises(HysgenError, match=r"file/new: cannot be written \(.*/file is no folder\)"):
+        check_writable(tmp_path / "file" / "new")
+
+
+def test_a_disk_is_refused_and_a_pipe_is_not_opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    check_device(tmp_path / "pipe", "-o")  # opening it would wait for a reader
+    monkeypatch.setattr(Path, "stat", lambda self: SimpleNamespace(st_mode=stat.S_IFBLK))
+    with pytest.raises(HysgenError, match="-o disk: is a disk; name a file"):
+        check_device(Path("disk"), "-o")
+
+
+# The call as a whole
+
+
+@pytest.mark.parametrize(
+    ("call", "code", "words"),
+    [
+        ("", 2, "usage: hysgen VERB"),
+        ("help", 0, "usage: hysgen VERB"),
+        ("-h", 0, "usage: hysgen VERB"),
+        ("-V", 0, "hysgen "),
+        ("completion fish", 0, "complete -c hysgen -n '__fish_seen_subcommand_from fit' -l rules"),
+        ("completion bash extra", 2, "completion: name a shell out of bash, zsh, fish"),
+        ("completion csh", 2, "completion: name a shell out of"),
+        ("help history", 0, "usage: hysgen history"),
+        ("-q -v schema", 0, "score-1"),
+    ],
+)
+def test_a_call_without_work_has_its_text_and_code(
+    call: str, code: int, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        answer: Any = main(call.split())
+    except SystemExit as left:
+        answer = left.code or 0
+    captured = capsys.readouterr()
+    assert answer == code
+    assert words in captured.out + captured.err
+    assert captured.err.count("\n") == (code == 2 and call != "")
+
+
+def test_the_overview_sets_meanings_beside_commands_where_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The longest of the first steps has 36 columns with its margin; 24 are left from 60 on."""
+    for columns, beside in ((120, True), (100, True), (40, False)):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        lines = overview().split("\n")
+        assert any(line.startswith("  hysgen demo ") for line in lines) == beside
+        assert max(len(line) for line in lines if not line.startswith("  hysgen")) <= columns
+        for name in NAMES:
+            assert any(line.split()[:1] == [name] for line in lines)
+    longest = max(len(line) for line in ("hysgen diagnose record.csv -o stage.json", "hysgen generate stage.json -o c"))
+    for columns in (longest + 4 + 24, longest + 4 + 23):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        assert ("  hysgen demo " in overview()) == (columns == longest + 28)
+
+
+CALLS: Mapping[str, dict[str, Any]] = {
+    "demo": {"output": "hysgen-demo", "samples": 50_000},
+    "demo -o d --samples 7": {"output": "d", "samples": 7},
+    "diagnose a.csv --rows 1:2 --holdout b.csv c.csv -o m --plots p --report r.html --keep-all --rules 7": {
+        "records": ["a.csv"], "rows": "1:2", "holdout": ["b.csv", "c.csv"], "output": "m", "plots": "p",
+        "report": "r.html", "keep_all": True, "rules": 7,
+    },
+    "diagnose a.csv": {"keep_all": False, "rules": 6, "holdout": None, "split_at_gaps": False, "accept": []},
+    "fit a.csv -o m --name n --forgetting 0.9 --alpha 3 --epsilon 2 --margin 0.5 --input-range 1 2 --memory": {
+        "name": "n", "forgetting": 0.9, "alpha": 3.0, "epsilon": 2.0, "margin": 0.5, "input_range": [1.0, 2.0],
+        "memory": 8, "relaxation": False, "uncertified": False,
+    },
+    "fit a.csv -o m --memory 3 --relaxation --uncertified --learn bias --learn-alpha 5 --learn-forgetting 0.95": {
+        "memory": 3, "relaxation": True, "uncertified": True, "learn": "bias", "learn_alpha": 5.0,
+        "learn_forgetting": 0.95, "learn_noise": None,
+    },
+    "export m --to cmake -o d --check 4 --elf e --instance i --learner l": {
+        "to": "cmake", "check": 4, "elf": "e", "instance": "i", "learner": "l",
+    },
+    "firmware m -o d --samples 9 --kernels c674x": {"output": "d", "samples": 9, "kernels": "c674x"},
+    "firmware m": {"samples": 12_000, "output": None},
+    "image m -o f --flashed g --key k --device ab --counter 3": {
+        "output": "f", "flashed": "g", "key": "k", "device": "ab", "counter": 3,
+    },
+    "image m -o f": {"device": "0", "counter": 1, "key": None, "flashed": None},
+    "track --seconds 0.5": {"seconds": 0.5},
+    "refit m a.csv -o n --c d --same-range --anyway --no-diagnosis": {
+        "c": "d", "same_range": True, "anyway": True, "no_diagnosis": True,
+    },
+    "refit m a.csv -o n": {"c": None, "same_range": False, "anyway": False, "no_diagnosis": False},
+    "score m a.csv --settle 3 --rivals 0:5 --beside x --beside y": {
+        "settle": 3, "rivals": "0:5", "beside": ["x", "y"],
+    },
+    "link port": {"action": "status", "value": None, "baud": 115_200},
+    "link port reference 2.5 --baud 9600 --key k": {"action": "reference", "value": "2.5", "baud": 9600, "key": "k"},
+    "history d --limit 3 --plot p.png": {"limit": 3.0, "plot": "p.png"},
+    "history d": {"limit": 5.0},
+    "bank": {"seeds": "1000:1010", "family": None, "log": None},
+    "endurance": {"samples": 1e6, "others": 0},
+    "prove d --samples 5 --calls a,b --take-out": {"samples": 5, "calls": "a,b", "take_out": True},
+    "prove d": {"samples": 100_000, "calls": "", "take_out": False},
+    "verify d": {"samples": None, "updates": None, "seed": 1, "target": None, "machine": None, "fused": False},
+    "inspect a.csv --accept clipped --jitter 0.5 --split-at-gaps": {
+        "accept": ["clipped"], "jitter": 0.5, "split_at_gaps": True,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("call", CALLS, ids=str)
+def test_every_option_is_read_and_has_the_default_that_its_help_states(call: str) -> None:
+    words = shlex.split(call)
+    if "--accept" in words:
+        from hysgen.record.checks import ACCEPTABLE
+
+        words[words.index("--accept") + 1] = ACCEPTABLE[0]
+    given = vars(parser([words[0]]).parse_args(words))
+    expected = CALLS[call] | ({"accept": [words[words.index("--accept") + 1]]} if "--accept" in words else {})
+    assert {name: given[name] for name in expected} == expected
+    assert (given["json"], given["force"], given["quiet"], given["verbose"]) == (None, False, False, False)
+
+
+def test_rows_end_with_the_record_and_hold_one_sample_at_least() -> None:
+    for text, rows in (("0:7100", (0, 7100)), ("7099:", (7099, 7100)), (":1", (0, 1)), ("-7100:-1ms", (0, 7099))):
+        assert parse_rows(text, 7100, 1e-3) == rows
+    for text in ("0:7101", "5:5", "6:5", "-7101:", "5", "a:b", "1:2x"):
+        with pytest.raises(RecordError, match="is not a range of the record's 7100 samples"):
+            parse_rows(text, 7100, 1e-3)
+
+
+def test_a_learner_is_changed_only_by_what_is_given() -> None:
+    plain = load_model("appendix_a")
+
+    def learner(model: Any, **given: Any) -> Any:
+        options = {"learn": None, "learn_forgetting": None, "learn_alpha": None, "learn_noise": None}
+        return with_learner(model, SimpleNamespace(**(options | given)))  # type: ignore[arg-type]
+
+    assert learner(plain) is plain
+    assert learner(plain, learn_alpha=5.0).learner == LearnerSettings(alpha=5.0)
+    noisy = learner(plain, learn="bias", learn_noise=0.01, learn_forgetting=0.99)
+    assert noisy.learner == LearnerSettings(learned=("bias",), noise_um=0.01, forgetting=0.99)
+    assert learner(noisy, learn_alpha=7.0).learner == LearnerSettings(
+        learned=("bias",), noise_um=0.01, forgetting=0.99, alpha=7.0
+    )
+    assert learner(noisy, learn="none", learn_alpha=7.0).learner is None
+
+
+# What a verb hands on
+
+
+class Recorded:
+    """Stands for a computation: keeps its arguments and says that it holds."""
+
+    def __init__(self, equal: bool = True) -> None:
+        self.calls: list[tuple[tuple[Any, ...], dict[str, Any]]] = []
+        self.equal = equal
+        self.samples = 3
+
+    def __call__(self, *positional: Any, **named: Any) -> Any:
+        self.calls.append((positional, named))
+        return self
+
+    def lines(self) -> list[str]:
+        return ["first", "last"]
+
+    header = rows = notes = lambda self: ["cell"]
+
+    def to_json(self) -> dict[str, Any]:
+        return {"equal": self.equal}
+
+
+@pytest.mark.parametrize("equal", [True, False])
+def test_verify_hands_on_samples_seed_and_structures_and_its_code_is_the_answer(
+    equal: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    here, there, elsewhere = Recorded(equal), Recorded(equal), Recorded(equal)
+    monkeypatch.setattr(verify, "verify", here)
+    monkeypatch.setattr(verify, "verify_on_target", there)
+    monkeypatch.setattr(verify, "equality", elsewhere)
+    monkeypatch.setattr(verify, "table", lambda *_: "table")
+    written: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(Console, "write_json", lambda *given: written.append(given[1:]))
+    monkeypatch.setattr(verify, "read_folder", lambda _: SimpleNamespace(model="model", texts="texts", facts={}))
+    code = 0 if equal else 1
+    assert main(["verify", "d"]) == code
+    assert main(["verify", "d", "--samples", "5", "--structures", "2", "--seed", "9"]) == code
+    assert capsys.readouterr().out == "first\nlast\n" * 2
+    assert [call[0][:2] for call in here.calls] == [
+        (
+            Path("d"),
+            verify.VerifySettings(samples=verify.DEFAULT_SAMPLES, other_models=verify.DEFAULT_OTHER_MODELS, seed=1),
+        ),
+        (Path("d"), verify.VerifySettings(samples=5, other_models=2, seed=9)),
+    ]
+    assert main(["verify", "d", "--target", "c674x"]) == code
+    assert main(["verify", "d", "--target", "c674x", "--samples", "6", "--seed", "8", "--updates", "4"]) == code
+    assert capsys.readouterr().out == "table\ncell\n" * 2
+    assert [(*call[0][:4], call[0][5]) for call in there.calls] == [
+        ("model", "texts", 4000, 1, None),
+        ("model", "texts", 6, 8, 4),
+    ]
+    assert main(["verify", "d", "--target", "emulated"]) == code
+    first = verify.PLATFORMS[0].name
+    assert main(f"verify d --target emulated --samples 6 --seed 8 --machine {first}".split()) == code
+    assert [call[0][2] for call in elsewhere.calls] == [
+        verify.EmulationSettings(samples=20_000, platforms=list(verify.PLATFORMS), seed=1),  # type: ignore[arg-type]
+        verify.EmulationSettings(samples=6, platforms=[verify.PLATFORMS[0]], seed=8),  # type: ignore[arg-type]
+    ]
+    assert written == [({"equal": equal},)] * 6
+
+
+@pytest.mark.parametrize(
+    ("rows", "code"),
+    [([], 1), ([(True, 0, 0)], 0), ([(True, 1, 0)], 1), ([(True, 0, 1)], 1), ([(True, 0, 0), (False, 5, 5)], 0)],
+)
+def test_fused_arithmetic_may_change_bits_only_without_the_guard(
+    rows: list[tuple[bool, int, int]], code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results = [
+        SimpleNamespace(guarded=guarded, differing=differing, selftest=selftest, to_json=dict)
+        for guarded, differing, selftest in rows
+    ]
+    monkeypatch.setattr(verify, "contraction", lambda *_, samples, **__: results if samples == 20_000 else [])
+    monkeypatch.setattr(verify, "contraction_rows", lambda _: (["a"] * 4, []))
+    monkeypatch.setattr(verify, "read_folder", lambda _: SimpleNamespace(model="model", texts="texts"))
+    monkeypatch.setattr(Console, "write_json", lambda *_: None)
+    assert main(["verify", "d", "--target", "emulated", "--fused"]) == code
+    assert main(["verify", "d", "--target", "emulated", "--fused", "--samples", "9"]) == 1
+
+
+def test_an_image_carries_the_label_key_and_build_that_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    plain = load_model("appendix_a")
+    Path("key").write_text("00112233445566778899aabbccddeeff\n")
+    fits = "".join(f"{word:08x}" for word in structure_digest(plain))
+    assert main(["image", "appendix_a", "-o", "a", "--json", "a.json"]) == 0
+    expected = encode(plain, Label(0, 0, 1), NO_KEY)
+    assert Path("a").read_bytes() == expected
+    assert f"written: a ({len(expected)} bytes; fits firmware with structure {fits})\n" == capsys.readouterr().out
+    told = json.loads(Path("a.json").read_text())
+    assert (told["model"], told["file"], told["bytes"], told["structure"]) == ("appendix_a", "a", len(expected), fits)
+    whole = "image appendix_a -o b --device ffffffffffffffff --counter 4294967295 --flashed appendix_a --key key"
+    assert main(whole.split()) == 0
+    label = Label(0xFFFF_FFFF_FFFF_FFFF, build_id(plain), 0xFFFF_FFFF)
+    assert Path("b").read_bytes() == encode(plain, label, bytes.fromhex("00112233445566778899aabbccddeeff"))
+    for wrong in ("--device 10000000000000000", "--device -1", "--device x", "--counter 0", "--counter 4294967296"):
+        assert main([*["image", "appendix_a", "-o", "c"], *wrong.split()]) == 2
+        assert "--device is a hexadecimal number of up to 16 digits" in capsys.readouterr().err
+    assert main(["image", "appendix_a", "-o", "c", "--flashed", "appendix_b"]) == 2
+    assert "are not those of appendix_b" in capsys.readouterr().err
+    assert not Path("c").exists()
+
+
+def test_firmware_without_the_targets_compiler_writes_its_files_and_says_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def missing(*_: object) -> None:
+        raise BuildError("no compiler")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(firmware, "link_image", missing)
+    monkeypatch.setattr(firmware, "firmware_model", lambda model, aligned: {"model.h": f"hysgen {aligned}"})
+    assert main(["firmware", "appendix_a", "-o", "d", "--json", "r.json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == (
+        "appendix_a: no learner settings in the file; one of the rules' consequents is added\nwritten: 1 files in d\n"
+    )
+    assert captured.err == "warning: sizes and cycles are missing: no compiler\n"
+    assert Path("d/model.h").read_text() == "hysgen False"
+    told = json.loads(Path("r.json").read_text())
+    assert (told["model"], told["target"]) == ("appendix_a", None)
+
+
+def test_the_firmwares_tables_have_a_row_for_each_thing_with_its_unit() -> None:
+    run: Any = SimpleNamespace(
+        interrupt={"TRACK": (1000, 3750)},
+        idle=(10, 75),
+        equal=True,
+        differing=0,
+        samples=9,
+        commits=2,
+        selftest=0,
+        boot=77,
+    )
+    text = firmware.cycles_table(run)
+    assert "interrupt, TRACK  1000 .. 3750   50.0 %" in text
+    assert "idle loop             10 .. 75    1.0 %" in text
+    assert "9 samples, 2 commits: the host's bits; self-test at boot: 0 mismatches, 77 cycles" in text
+    run.equal, run.differing = False, 4
+    assert "9 samples, 2 commits: NOT THE HOST'S BITS in 4;" in firmware.cycles_table(run)
+    result: Any = SimpleNamespace(
+        f_Hz=50.0,
+        controller="inverse",
+        rms_nm=1.234,
+        mean_nm=0.5,
+        spread_nm=2.0,
+        last_nm=3.0,
+        voltage_V=(1.0, 2.25),
+        commits=4,
+    )
+    text = firmware.tracking_table([result], 0.777)
+    assert text.split("\n")[2].split("  ")[0] == "50 Hz, inverse"
+    assert text.split("\n")[2].split()[3:] == ["1.23", "+0.50", "2.00", "3.00", "1.0", "..", "2.2", "4"]
+    assert "sensor: 0.78 nm rms" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "samples", "others"),
+    [
+        ("--samples 1000", 1000, 0),
+        ("--samples 0 --others 1e3", 0, 1000),
+        ("--samples 1e12 --others 1e12", 10**12, 10**12),
+    ],
+)
+def test_endurance_takes_whole_numbers_from_a_thousand_on(
+    words: str, samples: int, others: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[int, int]] = []
+    monkeypatch.setattr(studies, "endurance_tests", lambda *given: asked.append(given) or [])
+    monkeypatch.setattr(studies, "endure", lambda tests, _: [])
+    assert main(["endurance", *words.split()]) == 0
+    assert asked == [(samples, others)]
+
+
+@pytest.mark.parametrize("words", ["--samples 999", "--samples 0", "--others 1", "--samples 1e13", "--samples 1000.5"])
+def test_fewer_samples_than_test_endurance_are_refused(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["endurance", *words.split()]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("complete", "holds", "code"), [(True, True, 0), (True, None, 0), (True, False, 1), (False, False, 130)]
+)
+def test_the_banks_code_is_its_limits_or_that_of_an_interrupt(
+    complete: bool, holds: bool | None, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given: list[Any] = []
+
+    def judged(name: str, category: str, exact: bool) -> Any:
+        return SimpleNamespace(
+            name=name, category=category, exact=exact, named=("a", "b")[: exact + 1], difference=lambda: "creep"
+        )
+
+    def judge(*arguments: Any) -> Any:
+        given.extend(arguments)
+        for place, one in enumerate(
+            (judged("p", "poor", False), judged("q", "good", False), judged("r", "good", True))
+        ):
+            arguments[4]((place + 1) / 4, one)
+        return SimpleNamespace(table=lambda: "table", to_json=dict, complete=complete, judgements=[1, 2], asked=3)
+
+    monkeypatch.setattr(studies, "judge_bank", judge)
+    monkeypatch.setattr(studies, "limits", lambda _: [studies_limit(holds)])
+    monkeypatch.setattr(studies, "limits_table", lambda _: "limits")
+    monkeypatch.setattr(studies.dataclasses, "asdict", vars)
+    monkeypatch.setattr(Console, "write_json", lambda *_: None)
+    assert main(["-v", "bank", "--seeds", "5:8", "--jobs", "2", "--log", "l", "--family", "all"]) == code
+    assert (given[0], given[2], given[3], given[5]) == (range(5, 8), tuple(studies.FAMILIES), 2, Path("l"))
+    captured = capsys.readouterr()
+    assert captured.out == "wrong: q: creep\ntable\n\nlimits\n", "a poor record may be judged wrong"
+    assert "25.0 %  p: a (1 judged, 1 wrong)\n" in captured.err
+    assert "75.0 %  r: a, b (3 judged, 2 wrong)\n" in captured.err
+    assert ("interrupted: 2 of 3 records" in captured.err) == (not complete)
+    for seeds in ("5:5", "6:5", "a:b", "5"):
+        assert main(["bank", "--seeds", seeds]) == 2
+
+
+def studies_limit(holds: bool | None) -> Any:
+    return SimpleNamespace(holds=holds)
+
+
+def test_export_says_its_files_and_a_check_that_differs_is_code_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given: list[Any] = []
+
+    def write(model: Any, target: str, folder: Path, *rest: Any) -> list[Path]:
+        given.append((model.name, target, *rest))
+        for name in ("README.md", "model/a.h", "model/a.c"):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text("12345")
+        return [folder / name for name in ("README.md", "model/a.h", "model/a.c")]
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(export, "write_export", write)
+    for differ, code in ((0, 0), (1, 1)):
+        line = Compared("ctypes", "predict", 1, differ)
+        monkeypatch.setattr(export, "compare", lambda *words, line=line, **_: given.append(words[1:4]) or [line])
+        assert main(["export", "appendix_a", "--to", "shared", "-o", "d", "--check", "1", "--json", "r.json"]) == code
+        assert capsys.readouterr().out == (
+            f"written: d/README.md (5 bytes)\nwritten: d/model (2 files of the generated C)\n{line}\n"
+        )
+        assert given.pop() == ("shared", Path("d"), 1)
+        told = json.loads(Path("r.json").read_text())
+        assert (told["target"], len(told["files"]), told["checked"][0]["differ"]) == ("shared", 3, differ)
+    assert (
+        main(["export", "appendix_a", "--to", "a2l", "-o", "d", "--elf", "e", "--instance", "i", "--learner", "l"]) == 0
+    )
+    target, options, source = given[-1][1:]
+    assert (target, source) == ("a2l", export.A2lSource(Path("e"), "i", "l"))
+    assert options == export.code_options(parser(["generate"]).parse_args(["generate", "m", "-o", "d"]))
+    for wrong in ("a2l --check 1", "shared --check 0", "shared --elf e", "cmake --instance i", "fmu --learner l"):
+        assert main([*["export", "appendix_a", "-o", "x", "--to"], *wrong.split()]) == 2
+    assert not Path("x").exists()
+
+
+def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = SimpleNamespace(
+        interrupt={},
+        idle=(1, 2),
+        equal=True,
+        differing=0,
+        samples=9,
+        commits=0,
+        selftest=0,
+        boot=1,
+        to_json=lambda: "run",
+    )
+    section = SimpleNamespace(name=".text", address=0x11800000, memory="L2", size=77)
+    built = SimpleNamespace(sections=[section], used={"L2": 77}, compiler="gcc 12", to_json=lambda: "built")
+    results: list[Any] = []
+    monkeypatch.setattr(firmware, "MEMORIES", {"L2": (0, 262_144)})
+    monkeypatch.setattr(firmware, "link_image", lambda name, texts: built)
+    monkeypatch.setattr(firmware, "compile_image", lambda texts: "compiled")
+    monkeypatch.setattr(firmware, "firmware_model", lambda model, aligned: {"model.h": model.name})
+    monkeypatch.setattr(firmware, "static_bounds", lambda name, compiled: {"f": (3, 5), "g": None, compiled: (1, 1)})
+    monkeypatch.setattr(firmware, "simulate", lambda model, texts, compiled, samples: run if samples == 9 else 1 / 0)
+    monkeypatch.setattr(firmware, "timings", lambda model, compiled: {compiled: SimpleNamespace(to_json=lambda: "t")})
+    monkeypatch.setattr(firmware, "timing_rows", lambda timed, budget: [[str(budget)] * len(firmware.TIMING_HEADS)])
+    monkeypatch.setattr(Console, "write_json", lambda _, result: results.append(result))
+    assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
+    out = capsys.readouterr().out
+    for line in (
+        r"\.text +0x11800000  L2 +77",
+        r"L2: 77 of 262144 bytes",
+        r"gcc 12",
+        r"f +3 \.\. 5",
+        r"g +not bounded",
+    ):
+        assert re.search(f"^{line}$", out, re.M), line
+    assert "7500" in out.rpartition("nothing ran on silicon")[2], "the timing stands last, with the period's cycles"
+    assert results[-1]["simulated"] == "run"
+    assert results[-1]["timing"] == {"compiled": "t"}
+
+    def lacks(*_: object) -> None:
+        raise TargetError("no such instruction")
+
+    monkeypatch.setattr(firmware, "simulate", lacks)
+    assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
+    assert capsys.readouterr().err == "warning: cycles are missing: no such instruction\n"
+    assert (results[-1]["target"], results[-1]["simulated"], results[-1]["timing"]) == ("built", None, None)
+
+
+def test_a_folder_for_matplotlib_that_the_user_names_stays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HOME", "/proc/nowhere")
+    monkeypatch.setenv("HYSGEN_CACHE", str(tmp_path))
+    monkeypatch.setenv("MPLCONFIGDIR", "mine")
+    assert main(["describe", "appendix_a"]) == 0
+    assert os.environ["MPLCONFIGDIR"] == "mine"

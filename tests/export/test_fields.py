@@ -1,0 +1,286 @@
+"""What an export says of a model, field by field, and what its comparison feeds, counts and refuses."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import sys
+import zipfile
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fixtures.exported_folders import NAME, model
+from hysgen.codegen import Options
+from hysgen.errors import BuildError
+from hysgen.export import a2l, check, export_texts, fmu, write_export
+from hysgen.export.component import MODES, component_facts, exact
+from hysgen.model.file import load_model
+from hysgen.model.intervals import Interval
+from hysgen.model.status import Status
+from hysgen.model.structs import Member
+
+
+def test_the_facts_of_a_component_are_the_models_numbers() -> None:
+    plain = load_model("appendix_a")
+    facts = component_facts(plain, Options(inverse=False))
+    low, high = plain.u_min_V, plain.u_max_V
+    assert (facts["name"], facts["NAME"], facts["learns"], facts["inverse"]) == (
+        "appendix_a",
+        "APPENDIX_A",
+        False,
+        False,
+    )
+    assert float(facts["Ts_us"]) == pytest.approx(1e6 * plain.Ts_s)
+    assert (float(facts["Ts_text"]), float(facts["stop_text"])) == (plain.Ts_s, 1000 * plain.Ts_s)
+    numbers = {"u_min": low, "u_max": high, "middle_V": 0.5 * (low + high), "quarter_V": 0.25 * (high - low)}
+    numbers |= {"y_min": plain.grid.y_min_um, "y_max": plain.grid.y_max_um}
+    numbers |= {"rest_um": 0.5 * (plain.grid.y_min_um + plain.grid.y_max_um)}
+    for name, number in numbers.items():
+        assert np.float32(facts[name]) == np.float32(number), name
+    assert [mode.name for mode in facts["modes"]] == ["predict", "simulate"]
+    assert facts["known"] == "(mode == APPENDIX_A_COMPONENT_PREDICT) || (mode == APPENDIX_A_COMPONENT_SIMULATE)"
+    for number in (22.0, 1e-9, 0.1, 3.3e38, -1234567.0):
+        text = exact(np.float32(number))
+        assert np.float32(text) == np.float32(number)
+        assert "." in text or "e" in text, "C reads it as a floating-point number"
+
+
+def test_the_variables_of_an_fmu_are_those_of_the_component() -> None:
+    options, ours = Options(), model()
+    facts = component_facts(ours, options)
+    found = {variable.name: variable for variable in fmu.fmu_variables(ours, options)}
+    assert [(v.reference, v.index) for v in found.values()] == [(k, k) for k in range(1, len(found) + 1)]
+    by_causality = {
+        kind: [name for name, variable in found.items() if variable.causality == kind]
+        for kind in ("parameter", "input", "output")
+    }
+    assert by_causality["parameter"] == ["mode", "y0_um", "u0_V"]
+    assert by_causality["input"][:4] == ["y_um", "u_V", "y_next_um", "commit"]
+    assert len(by_causality["input"]) == 4 + len(facts["channels"])
+    bits = [str(flag.name).lower() for flag in Status if ours.responds or flag is not Status.INVERSE_RESIDUAL]
+    assert by_causality["output"] == ["y_model_um", "u_command_V", "status", "answer", *bits]
+    mode = found["mode"]
+    assert (mode.start, mode.low, mode.high, mode.variability, mode.kind) == ("1", "0", "3", "fixed", "word")
+    assert mode.about == "0: predict, 1: simulate, 2: inverse, 3: learn"
+    for name, variable in found.items():
+        floats, parameter = variable.kind == "float", variable.causality == "parameter"
+        assert variable.variability == ("fixed" if parameter else "continuous" if floats else "discrete"), name
+        assert variable.settable == (variable.causality != "output")
+        assert variable.initial == {"parameter": "exact", "input": "", "output": "calculated"}[variable.causality]
+        assert variable.type3 == {"float": "Float32", "word": "UInt32", "boolean": "Boolean"}[variable.kind]
+        assert (variable.start is None) == (variable.causality == "output")
+    assert {found[name].start for name in ("y0_um", "y_um", "y_next_um")} == {facts["rest_um"]}
+    assert {found[name].start for name in ("u0_V", "u_V")} == {facts["middle_V"]}
+    assert {found[name].unit for name in ("y0_um", "y_um", "y_next_um", "y_model_um")} == {"um"}
+    assert {found[name].unit for name in ("u0_V", "u_V", "u_command_V")} == {"V"}
+    assert {name: int(found[name].mask.removesuffix("u"), 16) for name in bits} == {
+        str(flag.name).lower(): int(flag) for flag in Status if str(flag.name).lower() in bits
+    }
+    assert {found[name].member for name in bits} == {"status"}
+    assert found["commit"].start == "false"
+    assert (np.float32(found["y0_um"].c_start.removesuffix("f")), mode.c_start) == (np.float32(facts["rest_um"]), "1u")
+    plain = {variable.name for variable in fmu.fmu_variables(load_model("appendix_a"), Options(inverse=False))}
+    assert not plain & {"y_next_um", "commit", "answer"}
+
+
+def test_an_auxiliary_channel_starts_in_the_middle_that_its_term_knows() -> None:
+    """Of two channels one has a middle; a character that no name may hold becomes a line."""
+    terms = [SimpleNamespace(kind="x", channels=["room T", "load"], middle=[21.5])]
+    patched = dataclasses.replace(model(), learner=None)
+    facts = component_facts(model(), Options()) | {"learns": False}
+    monkey = pytest.MonkeyPatch()
+    monkey.setattr(fmu, "channels_of", lambda _: ("room T", "load"))
+    given: Any = SimpleNamespace(terms=terms, responds=patched.responds)
+    found = {variable.name: variable for variable in fmu.variables(given, facts)}
+    monkey.undo()
+    assert (found["aux_room_T"].start, found["aux_room_T"].member) == ("21.5", "aux[0]")
+    assert (found["aux_load"].start, found["aux_load"].member) == ("0.0", "aux[1]")
+
+
+@pytest.mark.parametrize(
+    ("system", "machine", "two", "three"),
+    [
+        ("linux", "x86_64", (".so", "linux64"), (".so", "x86_64-linux")),
+        ("darwin", "arm64", (".dylib", "darwin64"), (".dylib", "aarch64-darwin")),
+        ("win32", "AMD64", (".dll", "win64"), (".dll", "x86_64-windows")),
+    ],
+)
+def test_a_binary_lies_where_the_standard_has_its_platform(
+    system: str, machine: str, two: tuple[str, str], three: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "platform", system)
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    assert (fmu._library(2), fmu._library(3)) == (two, three)
+
+
+@pytest.mark.parametrize("standard", [2, 3])
+def test_an_archive_holds_its_standards_sources_and_no_time(standard: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fmu, "_binary", lambda sources: "\n".join(sources).encode())
+    monkeypatch.setattr(fmu, "_library", lambda _: (".so", "here"))
+    texts = export_texts(model(), "fmu")
+    with zipfile.ZipFile(io.BytesIO(fmu.archive(standard, NAME, texts))) as bundle:
+        entries = {entry.filename: entry for entry in bundle.infolist()}
+        content = {name: bundle.read(name).decode() for name in entries}
+    assert {entry.date_time for entry in entries.values()} == {(1980, 1, 1, 0, 0, 0)}
+    assert {entry.compress_type for entry in entries.values()} == {zipfile.ZIP_DEFLATED}
+    sources = {f"{NAME}_fmi{standard}.c", f"{NAME}_fmu.c", f"{NAME}_component.c", f"{NAME}.c", *fmu.HEADERS[standard]}
+    sources |= {f"{NAME}_params.h", f"{NAME}_fmu.h", f"{NAME}_component.h", f"{NAME}.h"}
+    others = {"modelDescription.xml", f"binaries/here/{NAME}.so"}
+    others |= {"sources/buildDescription.xml"} if standard == 3 else set()
+    assert set(entries) == {f"sources/{name}" for name in sources} | others
+    assert content["modelDescription.xml"] == texts[f"modelDescription{standard}.xml"]
+    listed = texts["buildDescription3.xml"] if standard == 3 else texts["modelDescription2.xml"]
+    for unit in (f"{NAME}_fmi{standard}.c", f"{NAME}_fmu.c", f"{NAME}_component.c", f"{NAME}.c"):
+        assert f'name="{unit}"' in listed
+    for path, text in texts.items():
+        if path.startswith(f"sources{standard}/"):
+            assert content[f"sources/{Path(path).name}"] == text
+
+
+def test_the_identity_of_an_fmu_changes_with_a_name_and_a_text_and_not_with_their_order() -> None:
+    token = fmu.token({"a": "1", "b": "2"})
+    assert [len(part) for part in token.strip("{}").split("-")] == [8, 4, 4, 4, 12]
+    assert (token[0], token[-1], fmu.token({"b": "2", "a": "1"})) == ("{", "}", token)
+    assert len({token, fmu.token({"a": "1", "b": "3"}), fmu.token({"a": "1", "c": "2"}), fmu.token({"a": "1"})}) == 4
+
+
+def test_an_fmu_is_compiled_without_a_change_of_values_and_a_fault_is_one_line() -> None:
+    with pytest.raises(BuildError, match=r"f\.c:.*'missing'|f\.c: In function") as fault:
+        fmu._binary({"f.c": "int f(void) { return missing; }\n"})
+    assert "\n" not in str(fault.value)
+    assert fmu._binary({"f.c": '__attribute__((visibility("default"))) int f(void) { return 1; }\n'})[:4] == b"\x7fELF"
+    assert {"-ffp-contract=off", "-fvisibility=hidden", "-shared"} <= set(fmu._FLAGS)
+
+
+# A2L
+
+
+def test_limits_without_a_proof_are_those_of_the_type_and_others_the_hull_of_all_elements() -> None:
+    assert float(np.finfo(np.float32).max) == a2l.LARGEST
+    assert float(np.iinfo(np.uint32).max) == a2l.LARGEST_WORD
+    limits = a2l.Limits({"a.x[0]": Interval(-1.0, 2.0), "a.x[1]": Interval(0.0, 5.0)}, {"a.n": 7})
+    x, n = Member("x", "float", "", (2,)), Member("n", "uint32_t", "")
+    assert limits.of("a.", x) == (-1.0, 5.0)
+    assert limits.of("b.", x) == (-a2l.LARGEST, a2l.LARGEST)
+    assert limits.of("a.", dataclasses.replace(x, sizes=(3,))) == (-a2l.LARGEST, a2l.LARGEST), "an element has none"
+    assert (limits.of("a.", n), limits.of("b.", n)) == ((0.0, 7.0), (0.0, a2l.LARGEST_WORD))
+
+
+@pytest.mark.parametrize(("value", "low", "high"), [(3.0, 0.0, 3.0), (-2.0, -2.0, 1.0), (0.0, 0.0, 1.0)])
+def test_a_table_of_one_number_has_limits_that_hold_it_and_differ(value: float, low: float, high: float) -> None:
+    given: Any = SimpleNamespace(
+        name="t", values=np.full(3, value), type="float", axis=None, about=SimpleNamespace(meaning="m", unit="um/V")
+    )
+    entry = a2l._table("m", given, a2l.Elf({"m_t": (64, 12)}, True))
+    assert entry == a2l.Entry("m_t", "m", "float", "um/V", 64, 3, low, high)
+    assert (entry.asap, entry.conversion, entry.axis_conversion) == ("FLOAT32_IEEE", "CM_FLOAT32_IEEE_um_V", "")
+    word = dataclasses.replace(entry, type="uint32_t", unit="")
+    assert (word.asap, word.conversion) == ("ULONG", "CM_ULONG_none")
+
+
+# The comparison
+
+
+@pytest.mark.parametrize("mode", MODES, ids=[mode.name for mode in MODES])
+def test_the_inputs_of_a_mode_cover_the_range_and_corrupt_every_column(mode: Any) -> None:
+    n, component = 9000, check.Reference.compile(model(), Options())
+    samples = check.inputs(component, mode, n)
+    assert samples.rows.shape == (n, 3 + samples.aux.shape[1])
+    low, high = model().u_min_V, model().u_max_V
+    assert samples.u0_V == np.float32(0.5 * (low + high))
+    columns = [samples.column(place) for place in range(2 + samples.aux.shape[1])]
+    for place, column in enumerate(columns):
+        every = np.arange(97 * (place + 1), n, 97)
+        wrong = np.flatnonzero(
+            ~np.isfinite(column) | (np.abs(column) > 1e20) | (column == 0) | (np.abs(column) < 1e-38)
+        )
+        assert set(every) == set(wrong), place
+    plain = np.ones(n, bool)
+    for place in range(2):
+        plain[97 * (place + 1) :: 97] = False
+    if mode.name != "inverse":
+        u = columns[1][plain]
+        assert [u.min(), u.max()] == pytest.approx([low + 0.005 * (high - low), high - 0.005 * (high - low)], abs=0.5)
+    else:
+        shifted = columns[0][1:][plain[1:] & plain[:-1]] - columns[1][:-1][plain[1:] & plain[:-1]]
+        assert np.all(shifted == 0.0), "the reference is the next displacement"
+    committed = np.flatnonzero(samples.commit)
+    assert committed.tolist() == ([k * n // 8 for k in range(1, 8)] if mode.name == "learn" else [])
+
+
+@pytest.mark.parametrize(("mode", "scale"), [(MODES[0], 1.0), (MODES[3], 1.002)], ids=["predict", "learn"])
+def test_a_displacement_is_the_free_run_with_little_noise_enlarged_for_a_learner(mode: Any, scale: float) -> None:
+    component = check.Reference.compile(load_model("appendix_a"), Options())
+    samples = check.inputs(component, mode, 97)
+    rows = dataclasses.replace(samples, mode=check.SIMULATE)
+    free = np.concatenate([[samples.y0_um], component.run(rows)[:-1, 0].copy().view(np.float32)])
+    noise = samples.column(0) / scale - free
+    assert noise.std() == pytest.approx(1e-4, rel=0.2)
+    assert abs(noise.mean()) < 4e-5
+
+
+def test_a_comparison_counts_samples_of_another_result_or_status_and_says_how_far_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    component = check.Reference.compile(model(), Options())
+
+    def other(places: list[tuple[int, int]]) -> Any:
+        def run(_: Any, __: Path, samples: check.Samples) -> Any:
+            words = component.run(samples).copy()
+            for row, column in places:
+                words[row, column] ^= 1
+            return words
+
+        return run
+
+    ways = {"equal": other([]), "wrong": other([(0, 0), (3, 1), (7, 0), (7, 1)])}
+    monkeypatch.setitem(check.RUNNERS, "shared", ways)  # type: ignore[arg-type]
+    progress: list[tuple[float, str]] = []
+    found = check.compare(model(), "shared", tmp_path, 20, None, lambda *step: progress.append(step))
+    assert [(line.target, line.mode, line.samples, line.differ) for line in found] == [
+        (way, mode.name, 20, differ) for mode in MODES for way, differ in (("equal", 0), ("wrong", 3))
+    ]
+    assert progress == [
+        ((m + r / 2) / 4, f"{way}, mode {mode.name}") for m, mode in enumerate(MODES) for r, way in enumerate(ways)
+    ]
+    assert str(found[1]) == "wrong          predict   20 samples, 3 differ"
+    monkeypatch.setitem(check.RUNNERS, "shared", {"short": lambda *_: np.zeros((19, 2), np.uint32)})  # type: ignore[arg-type]
+    with pytest.raises(BuildError, match="short, mode predict: 19 of 20 samples came back"):
+        check.compare(model(), "shared", tmp_path, 20)
+    missing = dataclasses.replace(MODES[0], number=9, name="none")
+    with pytest.raises(BuildError, match="has no mode none"):
+        component.run(check.Samples(missing, np.float32(0), np.float32(0), np.zeros((1, 4), np.uint32)))
+
+
+def test_a_tool_that_is_missing_or_fails_is_named_with_its_last_words(tmp_path: Path) -> None:
+    assert check._run(["sh", "-c", "cat; pwd"], tmp_path, b"in ") == f"in {tmp_path}\n".encode()
+    with pytest.raises(BuildError, match="no-such-tool is not installed: this target was not compared"):
+        check._run(["no-such-tool"], tmp_path)
+    with pytest.raises(BuildError, match=r"^sh -c echo a >&2; echo b >&2; echo c; exit 3: b$"):
+        check._run(["sh", "-c", "echo a >&2; echo b >&2; echo c; exit 3"], tmp_path)
+    with pytest.raises(BuildError, match=r"^sh -c exit 3: exit code 3$"):
+        check._run(["sh", "-c", "exit 3"], tmp_path)
+    rows = np.arange(6, dtype=np.uint32)
+    assert check._three(rows.tobytes()).tolist() == [[0, 1], [3, 4]]
+
+
+def test_a_folder_whose_build_fails_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = load_model("appendix_a")
+    written = write_export(plain, "shared", tmp_path, Options(inverse=False))
+    assert sorted(written) == sorted(path for path in tmp_path.rglob("*") if path.is_file())
+    rows = np.zeros((1, 3), np.uint32)
+    with pytest.raises(BuildError, match="the shared library has no mode inverse"):
+        check.run_shared(plain, tmp_path, check.Samples(MODES[2], np.float32(0.0), np.float32(0.0), rows))
+    (tmp_path / "Makefile").write_text("all:\n\t@echo broken >&2; false\n")
+    from hysgen import export
+
+    with pytest.raises(BuildError, match=r"make all: broken$"):
+        export._make(tmp_path, "all")
+    monkeypatch.setattr(export, "default_toolchain", lambda: SimpleNamespace(command="gcc"))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(BuildError, match="make is not installed; install it"):
+        export._make(tmp_path, "all")
