@@ -19,6 +19,8 @@ from fixtures.tools import missing, not_tested
 # As the command line does, before NumPy: its BLAS reads once how many threads it may have.
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
+# Output folds at the width of a terminal, which pytest-xdist states here.
+os.environ.pop("COLUMNS", None)
 # The processes of pytest-xdist use the cores.
 os.environ.setdefault("HYSGEN_PROCESSES", "1")
 

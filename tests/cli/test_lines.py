@@ -25,8 +25,10 @@ from hysgen.cli.outputs import check_device, check_file, check_files, check_writ
 from hysgen.cli.progress import ProgressLine
 from hysgen.cli.verbs import NAMES, export, firmware, studies, verify
 from hysgen.display import table
-from hysgen.errors import HysgenError, RecordError, TargetError
+from hysgen.errors import BuildError, HysgenError, RecordError, TargetError
 from hysgen.export.check import Compared
+from hysgen.firmware.binding import build_id, structure_digest
+from hysgen.firmware.image import NO_KEY, Label, encode
 from hysgen.machine.installed import version
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
@@ -444,6 +446,51 @@ def test_fused_arithmetic_may_change_bits_only_without_the_guard(
     monkeypatch.setattr(Console, "write_json", lambda *_: None)
     assert main(["verify", "d", "--target", "emulated", "--fused"]) == code
     assert main(["verify", "d", "--target", "emulated", "--fused", "--samples", "9"]) == 1
+
+
+def test_an_image_carries_the_label_key_and_build_that_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    plain = load_model("appendix_a")
+    Path("key").write_text("00112233445566778899aabbccddeeff\n")
+    fits = "".join(f"{word:08x}" for word in structure_digest(plain))
+    assert main(["image", "appendix_a", "-o", "a", "--json", "a.json"]) == 0
+    expected = encode(plain, Label(0, 0, 1), NO_KEY)
+    assert Path("a").read_bytes() == expected
+    assert f"written: a ({len(expected)} bytes; fits firmware with structure {fits})\n" == capsys.readouterr().out
+    told = json.loads(Path("a.json").read_text())
+    assert (told["model"], told["file"], told["bytes"], told["structure"]) == ("appendix_a", "a", len(expected), fits)
+    whole = "image appendix_a -o b --device ffffffffffffffff --counter 4294967295 --flashed appendix_a --key key"
+    assert main(whole.split()) == 0
+    label = Label(0xFFFF_FFFF_FFFF_FFFF, build_id(plain), 0xFFFF_FFFF)
+    assert Path("b").read_bytes() == encode(plain, label, bytes.fromhex("00112233445566778899aabbccddeeff"))
+    for wrong in ("--device 10000000000000000", "--device -1", "--device x", "--counter 0", "--counter 4294967296"):
+        assert main([*["image", "appendix_a", "-o", "c"], *wrong.split()]) == 2
+        assert "--device is a hexadecimal number of up to 16 digits" in capsys.readouterr().err
+    assert main(["image", "appendix_a", "-o", "c", "--flashed", "appendix_b"]) == 2
+    assert "are not those of appendix_b" in capsys.readouterr().err
+    assert not Path("c").exists()
+
+
+def test_firmware_without_the_targets_compiler_writes_its_files_and_says_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def missing(*_: object) -> None:
+        raise BuildError("no compiler")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(firmware, "link_image", missing)
+    monkeypatch.setattr(firmware, "firmware_model", lambda model, aligned: {"model.h": f"hysgen {aligned}"})
+    assert main(["firmware", "appendix_a", "-o", "d", "--json", "r.json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == (
+        "appendix_a: no learner settings in the file; one of the rules' consequents is added\nwritten: 1 files in d\n"
+    )
+    assert captured.err == "warning: sizes and cycles are missing: no compiler\n"
+    assert Path("d/model.h").read_text() == "hysgen False"
+    told = json.loads(Path("r.json").read_text())
+    assert (told["model"], told["target"]) == ("appendix_a", None)
 
 
 def test_the_firmwares_tables_have_a_row_for_each_thing_with_its_unit() -> None:

@@ -10,6 +10,9 @@ from typing import Any
 import pytest
 
 from hysgen.cli import main
+from hysgen.firmware.binding import build_id
+from hysgen.firmware.image import Label, decode
+from hysgen.model.file import load_model
 from hysgen.stage.demo_record import bundled_csv
 
 
@@ -42,6 +45,60 @@ class Said:
         rest = iter(self.out.splitlines())
         for pattern in patterns:
             assert any(re.fullmatch(pattern, line) for line in rest), f"{pattern}\n{self.out}"
+
+
+def test_refit_says_scores_changes_verdict_files_and_time(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = Said("refit @m.json @b.csv -o @n.json", folder, capsys)
+    rms = said.json["scores"]["free_run"]["e_rms_um"]
+    gain = next(each for each in said.json["comparison"]["changes"] if each["what"] == "DC gain, mid-range")
+    said.lines(
+        rf"free run +{rms:.5f} .*",
+        rf"DC gain, mid-range \[um/V\] +{gain['old']:.5g}0* +{gain['new']:.5g}0* +{gain['percent']:+.1f} %",
+        "structure: " + re.escape(said.json["why"]),
+        "written: n.json",
+        rf"{said.json['seconds']} s from record to answer",
+    )
+    assert said.code == 0
+    diff = Said("diff @m.json @n.json --records @a.csv @b.csv", folder, capsys)
+    (_, second) = diff.json["free_run_rms_um"]
+    diff.lines("m.json -> n.json +old +new +change")
+    shown = re.findall(r"^free run on b.csv \[um rms\] +(\S+) +(\S+)$", diff.out, re.M)
+    assert [float(number) for number in shown[0]] == pytest.approx([second["old"], second["new"]], rel=1e-3)
+    assert second["new"] == pytest.approx(rms, rel=0.2)
+    # A model of the first record that was fitted far better than today's second one: the structure no longer fits.
+    good = json.loads((folder / "m.json").read_text())
+    good["scores"]["identification"]["free_run"]["of_span_percent"] = 0.01
+    (folder / "good.json").write_text(json.dumps(good))
+    refused = Said("refit @good.json @b.csv -o @never.json --no-diagnosis", folder, capsys)
+    refused.lines("structure: .*", r"nothing is written \(--anyway writes the model all the same\)", r".* to answer")
+    assert (refused.code, (folder / "never.json").exists()) == (1, False)
+
+
+def test_generate_check_and_cost_follow_every_option(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = Said(
+        "generate @m.json -o @o --no-inverse --clock 3e8 --cycles predict=99 --input-range 20 40", folder, capsys
+    )
+    for name, size in said.json["files"].items():
+        assert (folder / "o" / name).stat().st_size == size
+        said.lines(re.escape(f"written: o/{name} ({size} bytes)"))
+    facts = json.loads((folder / "o/MANIFEST.json").read_text())
+    assert facts["options"] == {"inverse": False, "clock_Hz": 3e8}
+    assert facts["cost"]["cycles"]["predict"] == {"value": 99, "measured": True}
+    header = (folder / "o/m.h").read_text()
+    assert ("m_inverse(" in header, "m_predict(" in header) == (False, True)
+    model = json.loads((folder / "o/m.json").read_text())
+    assert sorted(model["input_range_V"] if "input_range_V" in model else [model["u_min_V"], model["u_max_V"]]) == [
+        20,
+        40,
+    ]
+    cost = Said("cost @o", folder, capsys)
+    assert (cost.json["budget"], cost.code) == (6000, 0)
+    stale = Said("generate @m.json -o @o --check", folder, capsys)
+    assert (stale.code, stale.json["up_to_date"]) == (1, False)
+    stale.lines(r"stale: o/m\.h: differs from line \d+ on", rf"o: {len(stale.json['stale'])} of 10 files are stale; .*")
+    fresh = Said("generate @m.json -o @c --check", folder, capsys)
+    fresh.lines("c: all 10 files are up to date")
+    assert (fresh.code, fresh.json["up_to_date"], fresh.json["stale"]) == (0, True, [])
 
 
 def test_verify_says_what_was_compared_and_an_altered_file_is_code_1(
@@ -105,3 +162,16 @@ def test_options_that_do_not_belong_together_are_refused(
     assert (code, error.count("\n")) == (2, 1)
     assert message in error
     assert not (folder / "x").exists()
+
+
+def test_an_image_carries_the_label_that_was_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = Said("image appendix_a -o @i.img --device 1f --counter 7", folder, capsys)
+    data = (folder / "i.img").read_bytes()
+    assert decode(data).label == Label(0x1F, 0, 7)
+    assert said.json["bytes"] == len(data)
+    said.lines(rf"written: i.img \({len(data)} bytes; fits firmware with structure {said.json['structure']}\)")
+    Said("image appendix_a -o @i.img --flashed appendix_a", folder, capsys)
+    assert decode((folder / "i.img").read_bytes()).label == Label(0, build_id(load_model("appendix_a")), 1)
+    for wrong in ("--device xyz", "--device 10000000000000000", "--counter 0", "--counter 4294967296"):
+        assert main(["image", "appendix_a", "-o", f"{folder}/j.img", *wrong.split()]) == 2
+        assert "--counter one of 1 to 4294967295" in capsys.readouterr().err

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import sys
+import zipfile
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,10 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures.exported_folders import model
+from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.errors import BuildError
-from hysgen.export import a2l, check, fmu, write_export
+from hysgen.export import a2l, check, export_texts, fmu, write_export
 from hysgen.export.component import MODES, component_facts, exact
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
@@ -115,11 +117,46 @@ def test_a_binary_lies_where_the_standard_has_its_platform(
     assert (fmu._library(2), fmu._library(3)) == (two, three)
 
 
+@pytest.mark.parametrize("standard", [2, 3])
+def test_an_archive_holds_its_standards_sources_and_no_time(standard: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fmu, "_binary", lambda standard, sources: "\n".join(sources).encode())
+    monkeypatch.setattr(fmu, "_library", lambda _: (".so", "here"))
+    texts = export_texts(model(), "fmu")
+    with zipfile.ZipFile(io.BytesIO(fmu.archive(standard, NAME, texts))) as bundle:
+        entries = {entry.filename: entry for entry in bundle.infolist()}
+        content = {name: bundle.read(name).decode() for name in entries}
+    assert {entry.date_time for entry in entries.values()} == {(1980, 1, 1, 0, 0, 0)}
+    assert {entry.compress_type for entry in entries.values()} == {zipfile.ZIP_DEFLATED}
+    sources = {f"{NAME}_fmi{standard}.c", f"{NAME}_fmu.c", f"{NAME}_component.c", f"{NAME}.c", *fmu.HEADERS[standard]}
+    sources |= {f"{NAME}_params.h", f"{NAME}_fmu.h", f"{NAME}_component.h", f"{NAME}.h"}
+    others = {"modelDescription.xml", f"binaries/here/{NAME}.so"}
+    others |= {"sources/buildDescription.xml"} if standard == 3 else set()
+    assert set(entries) == {f"sources/{name}" for name in sources} | others
+    assert content["modelDescription.xml"] == texts[f"modelDescription{standard}.xml"]
+    listed = texts["buildDescription3.xml"] if standard == 3 else texts["modelDescription2.xml"]
+    for unit in (f"{NAME}_fmi{standard}.c", f"{NAME}_fmu.c", f"{NAME}_component.c", f"{NAME}.c"):
+        assert f'name="{unit}"' in listed
+    for path, text in texts.items():
+        if path.startswith(f"sources{standard}/"):
+            assert content[f"sources/{Path(path).name}"] == text
+
+
 def test_the_identity_of_an_fmu_changes_with_a_name_and_a_text_and_not_with_their_order() -> None:
     token = fmu.token({"a": "1", "b": "2"})
     assert [len(part) for part in token.strip("{}").split("-")] == [8, 4, 4, 4, 12]
     assert (token[0], token[-1], fmu.token({"b": "2", "a": "1"})) == ("{", "}", token)
     assert len({token, fmu.token({"a": "1", "b": "3"}), fmu.token({"a": "1", "c": "2"}), fmu.token({"a": "1"})}) == 4
+
+
+def test_an_fmu_is_compiled_without_a_change_of_values_and_a_fault_is_one_line() -> None:
+    with pytest.raises(BuildError, match=r"f\.c:.*'missing'|f\.c: In function") as fault:
+        fmu._binary(2, {"f.c": "int f(void) { return missing; }\n"})
+    assert "\n" not in str(fault.value)
+    assert (
+        fmu._binary(2, {"f.c": '__attribute__((visibility("default"))) int fmi2F(void) { return 1; }\n'})[:4]
+        == b"\x7fELF"
+    )
+    assert {"-ffp-contract=off", "-fvisibility=hidden", "-shared"} <= set(fmu._FLAGS)
 
 
 # A2L

@@ -98,6 +98,25 @@ def test_the_compiler_is_CC_or_the_first_of_three(monkeypatch: pytest.MonkeyPatc
         native.default_toolchain()
 
 
+def test_the_kernels_library_is_named_by_sources_and_flags_and_built_for_the_processor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.c").write_text("int hysgen_f(void) { return N; }\n")
+    (tmp_path / "a.h").write_text("")
+    first = kernel_build.library_name(tmp_path)
+    monkeypatch.setenv("ARCHFLAGS", "-DN=7 -g")
+    library = kernel_build.build_kernels(tmp_path, native.default_toolchain().command, tmp_path / "new" / "folder")
+    assert library == tmp_path / "new" / "folder" / first
+    from cffi import FFI
+
+    ffi = FFI()
+    ffi.cdef("int hysgen_f(void);")
+    assert ffi.dlopen(str(library)).hysgen_f() == 7
+    (tmp_path / "a.h").write_text("/* changed */")
+    assert kernel_build.library_name(tmp_path) != first
+    assert (len(first), first[:8], first[-3:]) == (43, "kernels-", ".so")
+
+
 def test_the_cache_lies_in_the_users_folders_and_a_trial_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
