@@ -26,8 +26,7 @@ from hysgen.c674x.caches import L1P_LINE, L1P_SETS, program_lines
 from hysgen.c674x.processor import AccessKind, Trace
 from hysgen.c674x.schedule.folder import kernels, with_kernels
 from hysgen.c674x.toolchain import Firmware
-from hysgen.firmware.binding import firmware_model
-from hysgen.firmware.reference_models import with_learner
+from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.firmware.simulated import compile_image
 from hysgen.firmware.target import link_image
 from hysgen.firmware.timing import LEARN, TRIM, periods

@@ -15,12 +15,12 @@ from fixtures.generated_models import diagnosed, everything, hysteresis, learnin
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.c674x import toolchain
-from hysgen.c674x.cost import cost, cost_of_texts
-from hysgen.c674x.cost.budget_file import changes, read
-from hysgen.c674x.cost.formulas import formula_lines, formulas, kernel_formulas
 from hysgen.c674x.cycles import bounds
 from hysgen.c674x.footprint import footprint
+from hysgen.c674x.formulas import formula_lines, formulas, kernel_formulas
 from hysgen.c674x.schedule.folder import kernels
+from hysgen.checking.budget_file import changes, read
+from hysgen.checking.cost import cost, cost_of_texts
 from hysgen.checking.host import Host
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write

@@ -32,7 +32,7 @@ from hysgen.c674x.schedule.selection import select
 from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
 from hysgen.errors import BuildError, TargetError
-from hysgen.firmware.reference_models import with_learner
+from hysgen.firmware.binding import with_learner
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.learner_settings import BIAS, LearnerSettings
 

@@ -11,7 +11,7 @@ import pytest
 
 from fixtures.firmware_bench import ModelStage, booted, image, model, sine, tracking
 from hysgen.errors import ModelError
-from hysgen.firmware.binding import build_id, firmware_model, structure_digest
+from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import (
     SLOT_BYTES,
     BoardFault,
@@ -23,7 +23,7 @@ from hysgen.firmware.host import (
     State,
 )
 from hysgen.firmware.image import ANSWERS, Label, Owner, decode, encode, pack
-from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
+from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
 from hysgen.model.model import Model

@@ -13,9 +13,9 @@ import pytest
 from fixtures.c674x_compiler import need_compiler
 from hysgen.codegen import write
 from hysgen.errors import ModelError
-from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.firmware.host import Settings
-from hysgen.firmware.reference_models import firmware_models, with_learner
+from hysgen.firmware.reference_models import firmware_models
 from hysgen.firmware.simulated import compile_image, simulate, static_bounds
 from hysgen.firmware.target import MEMORIES, link_image
 from hysgen.firmware.tracking import controllers, run_controller

@@ -15,8 +15,7 @@ from hysgen.c674x.packets import Packet
 from hysgen.c674x.processor import AccessKind, Trace
 from hysgen.c674x.schedule.folder import kernels, with_kernels
 from hysgen.firmware import sources
-from hysgen.firmware.binding import firmware_model
-from hysgen.firmware.reference_models import with_learner
+from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.firmware.simulated import compile_image
 from hysgen.firmware.timing import LEARN, TRIM, tracked
 from hysgen.model.file import load_model

@@ -38,7 +38,7 @@ def test_too_few_samples_for_the_rules_are_refused_with_the_number_needed() -> N
 
 @pytest.mark.parametrize("rules", [1, 6, 30])
 def test_bundled_record_is_not_warned_about(rules: int) -> None:
-    with as_file(files("hysgen.stage") / "demo_stage.csv") as path:
+    with as_file(files("hysgen.record") / "demo_stage.csv") as path:
         assert check_for_fit(load_record(path), rules, 3 * rules + 12) == ()
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hysgen.stage.demo_record import TS_S, bundled_csv, demo_csv, demo_measurement, identification_rows
+from hysgen.record.bundled import bundled_csv
+from hysgen.stage.demo_record import TS_S, demo_csv, demo_measurement, identification_rows
 
 
 def test_the_bundled_record_is_what_the_stage_makes() -> None:

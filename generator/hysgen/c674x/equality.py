@@ -25,6 +25,7 @@ from hysgen.checking.bits.functions import LEARNER
 from hysgen.checking.bits.inputs import LEARNING_SHARE, STYLES, chunks
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, LearningResult, compare_learning
 from hysgen.checking.host import Host
+from hysgen.display import table
 from hysgen.model.model import Model
 
 Words = NDArray[np.uint32]
@@ -97,6 +98,10 @@ class TargetReport:
             ]
             for run in self.runs
         ]
+
+    def lines(self) -> list[str]:
+        """The table and the notes below it."""
+        return [table(self.header(), self.rows()), *self.notes()]
 
     def notes(self) -> list[str]:
         """Lines below the table: differences, commits, the verdict and its limits."""

@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.firmware.binding import with_learner
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.machine.files import write_whole
 from hysgen.model.file import dump_model, load_model
-from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
@@ -36,8 +36,6 @@ LOW_V, HIGH_V = 22.0, 56.0
 TRAINS: Final = ((100.0, 10), (50.0, 7), (25.0, 4), (10.0, 3))
 HOLD_S, TRAVEL_S = 0.5, 0.006
 
-LEARNER_ALPHA: Final = 1e-6
-
 
 def laboratory() -> Stage:
     """The laboratory stage with the sensor's zero at SENSOR_ZERO_V: section 4.3's references lie in mid-range."""
@@ -47,16 +45,6 @@ def laboratory() -> Stage:
 def firmware_models() -> tuple[Model, ...]:
     """The models of firmware/models, each with a learner of the rules' consequents."""
     return (with_learner(load_model("appendix_a")), extended())
-
-
-def with_learner(model: Model) -> Model:
-    """The model with a learner of the rules' consequents.
-
-    alpha is small, so the prior holds the parameters near their identified values, and the forgetting factor is 1 until
-    the window is full. One sine does not excite all parameters; without these settings the unexcited ones would drift
-    until commit refuses them.
-    """
-    return replace(model, learner=LearnerSettings(forgetting=1.0, alpha=LEARNER_ALPHA))
 
 
 def extended() -> Model:

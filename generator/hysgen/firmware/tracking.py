@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import HysgenError
-from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
 from hysgen.firmware.reference_models import (
     TS_S,
@@ -26,7 +26,6 @@ from hysgen.firmware.reference_models import (
     identified,
     laboratory,
     measured,
-    with_learner,
 )
 from hysgen.fitting import FitSettings
 from hysgen.model.model import Model

@@ -1,4 +1,4 @@
-"""The bundled record: response of the laboratory stage to a command that excites memory, lag, creep and modes.
+"""The measurement behind the bundled record: the laboratory stage under a command that excites all that it does.
 
 `python -m hysgen.stage.demo_record FILE` writes it again.
 """
@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import sys
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,6 @@ from hysgen.stage.signals import nested_amplitudes, plateaus
 Floats = NDArray[np.float64]
 Trains = tuple[tuple[float, int], ...]
 
-NAME = "demo_stage.csv"
 TS_S = 20e-6  # the paper's 50 kHz
 SEED = 2012
 REST_V = 30.0
@@ -58,11 +56,6 @@ def demo_csv() -> str:
     rows = zip(record.time_s, record.voltage_V, record.displacement_um, strict=True)
     lines = (f"{t_s:.6f},{u_V:.5f},{y_um:.4f}" for t_s, u_V, y_um in rows)
     return "\n".join(("time_s,voltage_V,displacement_um", *lines, ""))
-
-
-def bundled_csv() -> str:
-    """The record as it is shipped with the package."""
-    return resources.files(__package__).joinpath(NAME).read_text(encoding="utf-8")
 
 
 def _drive(amplitude_V: float, trains: Trains, levels_V: tuple[float, ...]) -> Floats:

@@ -12,16 +12,13 @@ from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import add_kernels, scheduled
 from hysgen.codegen import write
 from hysgen.display import table
-from hysgen.errors import BuildError, ModelError, TargetError
-from hysgen.firmware.binding import build_id, firmware_model, structure_digest
+from hysgen.errors import BuildError, ModelError
+from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.image import NO_KEY, Label, encode, read_key
-from hysgen.firmware.reference_models import with_learner
-from hysgen.firmware.simulated import SAMPLES, SimulatedRun, compile_image, simulate, static_bounds
-from hysgen.firmware.target import MEMORIES, LinkedImage, link_image
-from hysgen.firmware.timing import TIMING_HEADS, timing_rows, timings
 from hysgen.firmware.tracking import PAPER_NM, SECONDS, TrackingResult, track
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
+from hysgen.targets import named, targets
 
 FIRMWARE_HELP = """\
 Write what the firmware needs of a model (its C and model.h), and say what the image costs on the C6748.
@@ -32,7 +29,8 @@ Write a model's numbers as a parameter image, which running firmware takes if it
 TRACK_HELP = """\
 Run the complete firmware on the virtual stage through section 4.3 of the paper: tracking error by controller."""
 
-BUDGET = 7500
+SAMPLES = 12_000
+"""Of the run on the simulator."""
 
 
 def firmware_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,57 +49,21 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
         console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
     texts = firmware_model(model, aligned=bool(arguments.kernels))
     if arguments.kernels:
-        texts = scheduled(model.name, texts, console)
+        texts = scheduled(arguments.kernels, model.name, texts, console)
     if arguments.output:
         check_files(Path(arguments.output), list(texts), "-o", arguments.force)
         write(texts, Path(arguments.output))
         console.say(f"written: {len(texts)} files in {arguments.output}")
+    able = named("firmware")
+    result: dict[str, object] = {"model": model.name, "target": None}
     try:
-        built = link_image(model.name, texts)
+        if not able:
+            raise BuildError("no package of a target that the firmware runs on is installed")
+        image_cost = targets()[able[0]].firmware
+        result |= image_cost(model, texts, arguments.samples, console.say, console.warn) if image_cost else {}
     except BuildError as refusal:
         console.warn(f"sizes and cycles are missing: {refusal}")
-        console.write_json({"model": model.name, "target": None})
-        return 0
-    console.say(sections_table(built))
-    compiled = compile_image(texts)
-    cycles = static_bounds(model.name, compiled)
-    rows = [[name, f"{c[0]} .. {c[1]}" if c else "not bounded"] for name, c in cycles.items()]
-    console.say("\n" + table(["static bounds, stall-free", "cycles"], rows))
-    result: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles}
-    result |= {"simulated": None, "timing": None}
-    try:
-        run = simulate(model, texts, compiled, arguments.samples)
-        console.say(cycles_table(run))
-        result["simulated"] = run.to_json()
-        timed = timings(model, compiled)
-        console.say("\n" + table(TIMING_HEADS, timing_rows(timed, BUDGET)))
-        result["timing"] = {name: each.to_json() for name, each in timed.items()}
-    except TargetError as refusal:
-        console.warn(f"cycles are missing: {refusal}")
     return console.finish(result)
-
-
-def sections_table(built: LinkedImage) -> str:
-    """Sections of the image, and bytes used of each memory."""
-    sections = [[s.name, f"0x{s.address:08x}", s.memory, f"{s.size}"] for s in built.sections]
-    used = [f"{name}: {size} of {MEMORIES[name][1]} bytes" for name, size in built.used.items()]
-    return "\n".join([table(["section", "address", "memory", "bytes"], sections, left=3), *used, built.compiler])
-
-
-def cycles_table(run: SimulatedRun) -> str:
-    """Cycles by state of the firmware, and whether the simulator gives the bits of the host."""
-    named = {f"interrupt, {state}": cycles for state, cycles in run.interrupt.items()} | {"idle loop": run.idle}
-    rows = [[name, f"{best} .. {worst}", f"{100 * worst / BUDGET:.1f} %"] for name, (best, worst) in named.items()]
-    verdict = "the host's bits" if run.equal else f"NOT THE HOST'S BITS in {run.differing}"
-    return "\n".join(
-        [
-            "",
-            table(["on the simulator", "cycles", "of 7500"], rows),
-            f"{run.samples} samples, {run.commits} commits: {verdict}; self-test at boot: {run.selftest} mismatches, "
-            f"{run.boot} cycles",
-            "stall-free cycles; nothing ran on silicon",
-        ]
-    )
 
 
 def image_arguments(parser: argparse.ArgumentParser) -> None:

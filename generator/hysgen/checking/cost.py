@@ -14,13 +14,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from hysgen.c674x.cost.formulas import Formula, formula_lines, formulas
 from hysgen.checking.bits.functions import COMPARED_STRUCTS
 from hysgen.checking.bits.inputs import chunks
 from hysgen.checking.host import Host
 from hysgen.codegen.manifest import read_folder
 from hysgen.codegen.operations import Counts, figures
-from hysgen.codegen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample
+from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ, Cycles, Weights, budget, cycles_of, per_sample
 from hysgen.display import Displayed, Summary
 from hysgen.machine.native import compiler_version, default_toolchain
 from hysgen.model.model import Model
@@ -48,8 +47,7 @@ class Cost(Displayed):
 
     functions: the public ones, in the order of the source. struct_bytes: by public struct. constant_bytes: of the
     tables. per_sample: cycles of the most expensive step function, plus learn and commit. budget: cycles of a sample
-    period at clock_Hz. host: compiler of the timed runs. formulas: cycles as formulas in the sizes of the structure,
-    with their values; none for a structure that they do not describe.
+    period at clock_Hz. host: compiler of the timed runs. processor: whose cycles these are.
     """
 
     model: str
@@ -61,7 +59,7 @@ class Cost(Displayed):
     clock_Hz: float
     Ts_s: float
     host: str
-    formulas: Sequence[tuple[Formula, int]] = ()
+    processor: str = C674X.processor
 
     @property
     def share(self) -> float:
@@ -96,7 +94,8 @@ class Cost(Displayed):
 
     def header(self) -> list[str]:
         """Column heads of `rows`."""
-        return ["function", "float +-", "float *", "compare", "integer", "load", "store", "branch", "C674x", "host ns"]
+        kinds = ("float +-", "float *", "compare", "integer", "load", "store", "branch")
+        return ["function", *kinds, self.processor, "host ns"]
 
     def rows(self) -> list[list[str]]:
         """One row of cells per function."""
@@ -111,19 +110,21 @@ class Cost(Displayed):
             f"one sample: {self.per_sample} of {self.budget} at {rate}, {100.0 * self.share:.1f} %",
             "~ before cycles: estimated from the operations, not measured on the target; stalls and caches left out",
             f"host ns: median of repeated runs on this machine ({self.host}); they say nothing about the DSP",
-            *formula_lines("the C by gcc", self.formulas),
         ]
 
 
-def cost(folder: Path, cycles: Mapping[str, int] | None = None, *, timed: bool = True) -> Cost:
+def cost(
+    folder: Path, cycles: Mapping[str, int] | None = None, *, timed: bool = True, weights: Weights = C674X
+) -> Cost:
     """Cost of a folder written by `hysgen generate`.
 
-    cycles: stall-free cycles per function, measured on the target. timed: also run the functions on this machine.
+    cycles: stall-free cycles per function, measured on the target. weights: of the estimates of the others. timed: also
+    run the functions on this machine.
     Raises HysgenError if the folder is incomplete, BuildError if `timed` and no compiler is installed.
     """
     generated = read_folder(folder)
     clock_Hz = float(generated.facts.get("options", {}).get("clock_Hz", CLOCK_HZ))
-    return cost_of_texts(generated.model, generated.texts, cycles, timed=timed, clock_Hz=clock_Hz)
+    return cost_of_texts(generated.model, generated.texts, cycles, timed=timed, clock_Hz=clock_Hz, weights=weights)
 
 
 def cost_of_texts(
@@ -133,10 +134,11 @@ def cost_of_texts(
     *,
     timed: bool = True,
     clock_Hz: float = CLOCK_HZ,
+    weights: Weights = C674X,
 ) -> Cost:
     """`cost` for generated texts in memory."""
     counted = figures(model.name, texts)
-    known = cycles_of(counted.operations, cycles)
+    known = cycles_of(counted.operations, cycles, weights)
     toolchain = default_toolchain() if timed else None
     host_ns = _nanoseconds(Host(model.name, texts, toolchain), model) if timed else {}
     return Cost(
@@ -150,7 +152,7 @@ def cost_of_texts(
         budget=budget(model.Ts_s, clock_Hz),
         clock_Hz=clock_Hz,
         Ts_s=model.Ts_s,
-        formulas=formulas(model),
+        processor=weights.processor,
         host=f"{compiler_version(toolchain.command)}, {' '.join(toolchain.flags)}" if toolchain else "not timed",
     )
 
