@@ -23,6 +23,7 @@ from hysgen.checking.budget_file import changes, read
 from hysgen.checking.cost import cost, cost_of_texts
 from hysgen.checking.host import Host
 from hysgen.cli import main
+from hysgen.cli.verbs.generate import cost_text
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations import figures
@@ -263,7 +264,8 @@ def test_no_formula_describes_an_inverse_of_more_newton_steps() -> None:
 
 
 def test_formulas_stand_beside_the_figures() -> None:
-    text = "\n".join(cost_of_texts(load_model("appendix_a"), generate(load_model("appendix_a")), timed=False).notes())
+    model = load_model("appendix_a")
+    text = cost_text(cost_of_texts(model, generate(model), timed=False), model)
     assert "predict = 120 + 7.6 L = 166 (+-13 %)" in text
     assert formulas(everything()) == []
     lines = formula_lines("the kernels", kernel_formulas(load_model("appendix_a")))

@@ -62,6 +62,27 @@ class Verb:
     examples: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Program:
+    """A command with verbs: `hysgen`, or one beside it that shares its manners.
+
+    groups: as GROUPS. verb: the verb of a name. first: commands to begin with, each with what it does; below: text at
+    the end of the overview.
+    """
+
+    name: str
+    description: str
+    groups: Mapping[str, Mapping[str, tuple[str, str]]]
+    verb: Callable[[str], Verb]
+    first: Mapping[str, str] = field(default_factory=dict)
+    below: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every verb, in the order of the overview."""
+        return tuple(name for verbs in self.groups.values() for name in verbs)
+
+
 def verb(name: str) -> Verb:
     """The verb of this name; imports its module."""
     chosen: Verb = importlib.import_module(f"{__name__}.{MODULES[name]}").VERBS[name]

@@ -13,14 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.extension_forms import with_best_forms
-from hysgen.diagnosis.ladder import fit_ladder
-from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.procedure import Naming, name_causes
-from hysgen.diagnosis.score import present
-from hysgen.fitting import FitSettings, PathSize
+from hysgen.diagnosis.trial import Extension, Naming, free_run_error, name_causes, prepare
+from hysgen.fitting import PathSize
 from hysgen.stage import Preisach, Relays, effect_shares, effects
 from hysgen.stage.effects import UNKNOWN, Tolerance
 from hysgen.stage.effects.memory import Hysteresis
@@ -104,7 +99,7 @@ def judge(hidden: Scenario) -> Judgement:
         over_truth=over_truth,
         family=hidden.family,
         allowed=hidden.allowed,
-        confidence={name: naming.found.confidence[name] for name in present(naming.found.fit.chain)},
+        confidence=naming.confidence,
     )
 
 
@@ -118,11 +113,10 @@ def _error_ratios(hidden: Scenario, naming: Naming, corrupted: NDArray[np.bool_]
         return math.nan, math.nan
     if set(naming.names) != set(hidden.planted):
         return math.nan, math.nan
-    extensions = with_best_forms(prepared, naming.extensions, agreed, FitSettings())
-    extended = rms(fit_ladder(prepared, extensions, agreed, FitSettings()).error_um[held])
+    extended = rms(free_run_error(prepared, naming.extensions, agreed, forms=True)[held])
     fall = math.nan
     if hidden.planted == (Hysteresis.name,) and isinstance(hidden.stage.memory, Preisach | Relays):
-        fall = rms(fit_ladder(prepared, {}, [], FitSettings()).error_um[held]) / extended
+        fall = rms(free_run_error(prepared, {})[held]) / extended
     return fall, math.nan if UNKNOWN in hidden.planted else extended / error_with_truth_known(hidden)
 
 
@@ -131,8 +125,8 @@ def memory_model_rms(hidden: Scenario) -> float:
     bare = memory_only(hidden)
     prepared = prepare(bare.record(bare.measure()))
     extension = Extension(size=PathSize(), lag_s=prepared.record.Ts_s)
-    rung = fit_ladder(prepared, {Hysteresis.name: extension}, [Hysteresis.name], FitSettings())
-    return rms(rung.error_um[prepared.held_rows])
+    error_um = free_run_error(prepared, {Hysteresis.name: extension}, [Hysteresis.name])
+    return rms(error_um[prepared.held_rows])
 
 
 def parameter_errors(hidden: Scenario, parameters: dict[str, float]) -> dict[str, float]:

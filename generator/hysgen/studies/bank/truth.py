@@ -11,11 +11,8 @@ import dataclasses
 import numpy as np
 
 from hysgen.diagnosis.causes import Known, causes
-from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.ladder import fit_ladder
-from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.fitting import FitSettings
+from hysgen.diagnosis.trial import Extension, free_run_error, prepare
 from hysgen.studies.bank.scenario import Scenario
 
 
@@ -25,8 +22,7 @@ def error_with_truth_known(hidden: Scenario) -> float:
     clean = dataclasses.replace(hidden, stage=hidden.stage.with_effects(**dict.fromkeys(treated)))
     prepared = prepare(clean.record(clean.measure()))
     extensions = true_extensions(hidden)
-    rung = fit_ladder(prepared, extensions, list(extensions), FitSettings())
-    return rms(rung.error_um[prepared.held_rows])
+    return rms(free_run_error(prepared, extensions, list(extensions))[prepared.held_rows])
 
 
 def true_extensions(hidden: Scenario) -> dict[str, Extension]:
