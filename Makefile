@@ -39,11 +39,11 @@ $(VENV)/.installed: pyproject.toml
 	@test -x $(PY) || $(PYTHON) -m venv $(VENV) || { \
 		echo "$(PYTHON) cannot make virtual environments: install its venv module (on Debian: apt install python3-venv)"; \
 		rm -rf $(VENV); exit 1; }
-	$(PY) -m pip install --quiet --disable-pip-version-check --editable .
+	$(PY) -m pip install --disable-pip-version-check --no-compile --editable .
 	@touch $@
 
 $(VENV)/.tested: $(VENV)/.installed
-	$(PY) -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	$(PY) -m pip install --disable-pip-version-check --no-compile --editable '.[test]'
 	@touch $@
 
 clean:

@@ -10,7 +10,11 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import hypothesis
+import jsonschema
 import pytest
+
+from fixtures.tools import missing, not_tested
 
 # As the command line does, before NumPy: its BLAS reads once how many threads it may have.
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -19,20 +23,27 @@ for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 os.environ.setdefault("HYSGEN_PROCESSES", "1")
 
 
+# The same examples in every run, and no deadline that a busy machine would miss.
+hypothesis.settings.register_profile("hysgen", deadline=None, derandomize=True)
+hypothesis.settings.load_profile("hysgen")
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="write golden files instead of comparing with them")
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """The last lines of the run: which promises were not tested, and the packages that would test them."""
+    reasons = [report.longrepr[2] for report in terminalreporter.getreports("skipped")]
+    if reasons:
+        terminalreporter.section("not tested here")
+        for line in not_tested(reasons):
+            terminalreporter.write_line(line)
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _every_json_has_its_schema() -> Iterator[None]:
     """The JSON of every verb that a test runs is held to the published schema (`hysgen schema`)."""
-    try:
-        import jsonschema
-    except ImportError:
-        if os.environ.get("HYSGEN_REQUIRE_TOOLS"):
-            raise
-        yield
-        return
     from hysgen.cli.console import Console
     from hysgen.cli.schemas import schema_for
 
@@ -55,7 +66,7 @@ def measured() -> Path:
     """Folder of the measured records, from the environment variable HYSGEN_DATA."""
     folder = os.environ.get("HYSGEN_DATA")
     if not folder:
-        pytest.skip("measured records: set HYSGEN_DATA to their folder to run this test")
+        missing("HYSGEN_DATA")
     return Path(folder)
 
 

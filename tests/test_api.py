@@ -14,6 +14,7 @@ import pytest
 
 import hysgen
 from fixtures.bank_records import record_of
+from fixtures.tools import library
 from hysgen.checking.proof.checks import CheckSettings
 from hysgen.cli.verbs import NAMES
 from hysgen.display import Displayed
@@ -182,7 +183,7 @@ def test_models_are_compared_hashed_and_written_by_name(
 
 
 def test_data_frames_come_in_and_go_out(record: hysgen.Record) -> None:
-    pandas = pytest.importorskip("pandas")
+    pandas = library("pandas")
     frame = pandas.DataFrame({"t": record.time_s, "drive [V]": record.u_V, "sensor [nm]": 1e3 * record.y_um})
     made = hysgen.Record.from_dataframe(frame)
     assert made.Ts_s == pytest.approx(TS_S)
@@ -196,7 +197,7 @@ def test_data_frames_come_in_and_go_out(record: hysgen.Record) -> None:
 def test_every_function_of_a_record_takes_a_frame_or_a_file_and_of_a_model_a_file(
     record: hysgen.Record, model: hysgen.Model, tmp_path: Path
 ) -> None:
-    pytest.importorskip("pandas")
+    library("pandas")
     frame, file = record.to_dataframe(), tmp_path / "stage.json"
     hysgen.save_model(model, file)
     expected = hysgen.score(model, hysgen.Record.from_dataframe(frame)).to_json()
@@ -210,7 +211,8 @@ def test_every_function_of_a_record_takes_a_frame_or_a_file_and_of_a_model_a_fil
 
 
 def test_numbers_as_text_in_a_data_frame_are_numbers(record: hysgen.Record) -> None:
-    frame = pytest.importorskip("pandas") and record.to_dataframe()
+    library("pandas")
+    frame = record.to_dataframe()
     frame["voltage_V"] = frame["voltage_V"].map(repr)
     np.testing.assert_array_equal(hysgen.Record.from_dataframe(frame).u_V, record.u_V)
 
@@ -220,7 +222,7 @@ def test_a_number_as_memory_is_that_of_the_plays(record: hysgen.Record) -> None:
 
 
 def test_a_data_frame_with_dates_as_index_of_any_name_is_a_record(record: hysgen.Record) -> None:
-    pandas = pytest.importorskip("pandas")
+    pandas = library("pandas")
     stamps = pandas.Timestamp("2026-11-23") + pandas.to_timedelta(record.time_s, unit="s").round("us")
     frame = pandas.DataFrame({"voltage": record.u_V, "position": record.y_um}, index=stamps.rename("when"))
     assert hysgen.Record.from_dataframe(frame).Ts_s == pytest.approx(TS_S)
@@ -234,7 +236,7 @@ def test_a_record_is_cut_like_an_array(record: hysgen.Record) -> None:
 
 
 def test_every_error_of_the_interface_is_a_hysgen_error(record: hysgen.Record, model: hysgen.Model) -> None:
-    frame = pytest.importorskip("pandas").DataFrame({"a": record.u_V, "b": record.y_um})
+    frame = library("pandas").DataFrame({"a": record.u_V, "b": record.y_um})
     calls = {
         "rulez: is not known \\(did you mean 'rules'": lambda: hysgen.fit(record, rulez=8),
         "a dict is no record": lambda: hysgen.fit({"u": 1}),

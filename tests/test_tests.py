@@ -1,14 +1,23 @@
-"""The tests themselves: a test file is imported by pytest alone."""
+"""The tests themselves: imported by pytest alone, the same in every run, and green on a slow or bare machine."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
+from fixtures.tools import TOOLS
+
 TESTS = Path(__file__).parent
+COMMANDS = {name for name, tool in TOOLS.items() if tool.source.startswith("apt: ")}
+CLOCKS = {"time.monotonic", "time.perf_counter", "time.time"}
+PATIENCE_S = 60
+"""Least time after which a test may give up: a busy machine can be twenty times slower than an idle one."""
 
 
 def imported_tests(source: str) -> Iterator[str]:
@@ -21,13 +30,107 @@ def imported_tests(source: str) -> Iterator[str]:
                 yield ast.unparse(node)
 
 
-def test_no_test_file_imports_another() -> None:
+def calls(tree: ast.AST) -> Iterator[tuple[str, ast.Call]]:
+    """Every call, with the name of what is called."""
+    return ((ast.unparse(node.func), node) for node in ast.walk(tree) if isinstance(node, ast.Call))
+
+
+def undeclared_tools(source: str) -> Iterator[str]:
+    """Every look at what is installed, and the tool of every command line whose function does not ask for it."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant | ast.Attribute | ast.Name):
+            named = node.value if isinstance(node, ast.Constant) else getattr(node, "attr", getattr(node, "id", ""))
+            if named in ("HYSGEN_REQUIRE_TOOLS", "importorskip", "which"):
+                yield ast.unparse(node)
+    for function in (node for node in tree.body if isinstance(node, ast.FunctionDef)):
+        lines = [node.elts for node in ast.walk(function) if isinstance(node, ast.List | ast.Tuple)]
+        lines += [node.args[1:] for name, node in calls(function) if name == "run"]
+        used = {line[0].value for line in lines if line and isinstance(line[0], ast.Constant)} & COMMANDS
+        asked = [argument for name, node in calls(function) if name in ("need", "exported") for argument in node.args]
+        if all(isinstance(argument, ast.Constant) for argument in asked):
+            yield from sorted(used - {argument.value for argument in asked if isinstance(argument, ast.Constant)})
+        elif not asked:
+            yield from sorted(used)
+
+
+def ids_of_bytes(source: str) -> Iterator[str]:
+    """Every list of cases that holds bytes and has no ids: an id would be made from the bytes."""
+    for name, node in calls(ast.parse(source)):
+        if name.endswith("parametrize") and not any(keyword.arg == "ids" for keyword in node.keywords):
+            cases = [inner for case in node.args[1:] for inner in ast.walk(case)]
+            if any(isinstance(inner, ast.Constant) and isinstance(inner.value, bytes) for inner in cases) or any(
+                called.endswith((".encode", ".compress", "bytes"))
+                for case in node.args[1:]
+                for called, _ in calls(case)
+            ):
+                yield ast.unparse(node.args[0])
+
+
+def deadlines(source: str) -> Iterator[str]:
+    """Every assertion about a time that a clock of the machine measured, and every time-out of a few seconds."""
+    tree = ast.parse(source)
+    for _, node in calls(tree):
+        for keyword in node.keywords:
+            value = keyword.value.value if isinstance(keyword.value, ast.Constant) else None
+            short = isinstance(value, int | float) and value < PATIENCE_S
+            if (keyword.arg == "deadline" and value is not None) or (keyword.arg == "timeout" and short):
+                yield ast.unparse(keyword)
+    for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+        timed = {
+            ast.unparse(target)
+            for node in ast.walk(function)
+            if isinstance(node, ast.Assign) and any(name in CLOCKS for name, _ in calls(node.value))
+            for target in node.targets
+        }
+        for node in ast.walk(function):
+            if isinstance(node, ast.Assert) and (
+                any(name in CLOCKS for name, _ in calls(node.test))
+                or any(isinstance(inner, ast.Name) and inner.id in timed for inner in ast.walk(node.test))
+            ):
+                yield ast.unparse(node)
+
+
+@pytest.mark.parametrize(
+    ("forbidden", "remedy"),
+    [
+        (imported_tests, "what two test files share belongs in tests/fixtures/<what it is>.py"),
+        (undeclared_tools, "a test asks fixtures.tools for a tool: need(...), library(...)"),
+        (ids_of_bytes, "ids=... gives the cases names"),
+        (deadlines, "a busy machine misses a deadline: test what happens, not how soon"),
+    ],
+)
+def test_no_test_file_holds_what_is_forbidden(forbidden: Callable[[str], Iterator[str]], remedy: str) -> None:
     found = {
         str(path.relative_to(TESTS)): found
         for path in sorted(TESTS.rglob("*.py"))
-        if (found := list(imported_tests(path.read_text(encoding="utf-8"))))
+        if path != TESTS / "fixtures" / "tools.py"
+        if path != Path(__file__) or forbidden is imported_tests
+        if (found := list(forbidden(path.read_text(encoding="utf-8"))))
     }
-    assert found == {}, "what two test files share belongs in tests/fixtures/<what it is>.py"
+    assert found == {}, remedy
+
+
+def test_no_id_is_made_from_bytes(request: pytest.FixtureRequest) -> None:
+    assert [item.nodeid for item in request.session.items if "\\x" in item.nodeid] == []
+
+
+@pytest.mark.slow
+def test_two_collections_are_the_same() -> None:
+    """Seconds apart, under two orders of sets."""
+    call = [sys.executable, "-m", "pytest", "--collect-only", "-qq", "-p", "no:cacheprovider", "-o", "addopts="]
+    first, second = (
+        subprocess.run(
+            [*call, "--import-mode=importlib", "-q"],
+            cwd=TESTS.parent,
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2")
+    )
+    assert first == second
 
 
 @pytest.mark.parametrize(
@@ -42,3 +145,24 @@ def test_no_test_file_imports_another() -> None:
 )
 def test_an_import_of_a_test_file_is_found(planted: str) -> None:
     assert len(list(imported_tests(planted))) == 1
+
+
+@pytest.mark.parametrize(
+    ("forbidden", "planted"),
+    [
+        (undeclared_tools, "if shutil.which('frama-c'):\n    pass"),
+        (undeclared_tools, "from shutil import which\nassert which('cc')"),
+        (undeclared_tools, "GTC = pytest.importorskip('GTC')"),
+        (undeclared_tools, "strict = os.environ.get('HYSGEN_REQUIRE_TOOLS')"),
+        (undeclared_tools, "def test_c() -> None:\n    subprocess.run(['clang', '-c', 'a.c'])"),
+        (undeclared_tools, "def test_c() -> None:\n    need('gcc')\n    run(folder, 'clang', '-c', 'a.c')"),
+        (ids_of_bytes, "@pytest.mark.parametrize('data', [b'PK'])\ndef test_a(data: bytes) -> None: ..."),
+        (ids_of_bytes, "@pytest.mark.parametrize('data', [gzip.compress(text)])\ndef test_a(data: bytes) -> None: ..."),
+        (deadlines, "@settings(deadline=200)\ndef test_a(x: int) -> None: ..."),
+        (deadlines, "def test_a() -> None:\n    subprocess.run(call, timeout=5)"),
+        (deadlines, "def test_a() -> None:\n    begun = time.monotonic()\n    assert time.monotonic() - begun < 5"),
+        (deadlines, "def test_a() -> None:\n    spent = time.time() - begun\n    assert spent < 5"),
+    ],
+)
+def test_what_is_forbidden_is_found(forbidden: Callable[[str], Iterator[str]], planted: str) -> None:
+    assert list(forbidden(planted))

@@ -212,6 +212,16 @@ def test_a_predicate_asked_again_answers_the_same_unless_it_was_written(before: 
     assert bounds(bench.image, bench.packets, "start").worst == worst
 
 
+def test_stack_is_the_most_below_the_entry_on_any_way() -> None:
+    """Of the function and of what it calls; it is given back before the end, and the longer way uses less."""
+    call = "addk .S2 -8,b15\nstw .D2T2 b3,*+b15(4)\ncallp .S2 called,b3\nldw .D2T2 *+b15(4),b3\nnop 4\naddk .S2 8,b15"
+    called = "called:\naddk .S2 -24,b15\nnop 1\naddk .S2 24,b15\nb .S2 b3\nnop 5"
+    far = "far:\naddk .S2 -16,b15\nnop 9\naddk .S2 16,b15\nb .S2 b3\nnop 5"
+    text = f"[a1] b .S1 far\nnop 5\n{call}\nb .S2 b3\nnop 5\n{far}\n{called}"
+    bench = Bench(text, interpreted=True)
+    assert [bounds(bench.image, bench.packets, name).stack_bytes for name in ("start", "far", "called")] == [32, 16, 24]
+
+
 @pytest.mark.slow
 def test_the_shape_of_an_update_changes_its_cycles_not_its_bits() -> None:
     need_compiler()

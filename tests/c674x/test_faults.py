@@ -103,6 +103,7 @@ def test_every_instruction_that_is_modelled_has_faults_and_every_fault_is_caught
     assert escaped == []
 
 
+@pytest.mark.golden
 def test_the_table_in_the_docs_is_what_was_planted(planted: list[Planted], request: pytest.FixtureRequest) -> None:
     page = Path(__file__).parents[2] / "docs" / "target.md"
     text = page.read_text(encoding="utf-8")

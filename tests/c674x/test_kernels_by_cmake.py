@@ -15,6 +15,7 @@ from hysgen.codegen import generate, write
 
 def defined_in(folder: Path, texts: Mapping[str, str], *options: str) -> str:
     """The object of the library that defines the prediction."""
+    need("cmake")
     write(dict(texts), folder)
     subprocess.run(["cmake", "-S", folder, "-B", folder / "build", *options], check=True, capture_output=True)
     command = ["cmake", "--build", folder / "build", "--target", "appendix_a"]
@@ -26,7 +27,6 @@ def defined_in(folder: Path, texts: Mapping[str, str], *options: str) -> str:
 
 
 def test_the_kernels_are_part_of_the_library_on_the_c674x_only(tmp_path: Path) -> None:
-    need("cmake")
     need_compiler()
     texts = scheduled_texts("appendix_a")
     cross = (

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import time
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ import pytest
 
 from fixtures.c674x_compiler import firmware, need_compiler
 from fixtures.opcode_table import opcode_table
+from fixtures.tools import missing
 from hysgen.c674x import elf, toolchain
 from hysgen.checking.proof.warnings import BASIC
 from hysgen.errors import BuildError, TargetError
@@ -32,9 +32,9 @@ def build(*arguments: str, **environment: str) -> subprocess.CompletedProcess[st
 
 def test_a_missing_compiler_is_told_with_its_cure(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HYSGEN_C674X", str(tmp_path))
-    with pytest.raises(BuildError, match=r"run firmware/toolchain/build_c674x\.sh") as missing:
+    with pytest.raises(BuildError, match=r"run firmware/toolchain/build_c674x\.sh") as said:
         toolchain.compile([("a.c", "")])
-    assert "\n" not in str(missing.value)
+    assert "\n" not in str(said.value)
 
 
 def test_a_compiler_made_elsewhere_lacks_only_the_opcode_table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -137,6 +137,7 @@ def test_the_flags_keep_the_bits_and_the_bounds() -> None:
         (b"\x7fELF\x02\x01" + bytes(60), "not a little-endian 32-bit ELF"),
         (b"\x7fELF\x01\x01" + bytes(12) + b"\x03\x00" + bytes(60), "is not the C6000"),
     ],
+    ids=["empty", "64 bits", "another processor"],
 )
 def test_what_is_not_a_target_program_is_refused(data: bytes, complaint: str) -> None:
     with pytest.raises(TargetError, match=complaint):
@@ -155,7 +156,7 @@ def test_another_archive_than_the_measured_one_is_refused(tmp_path: Path) -> Non
     archive.write_bytes(b"something else")
     run = build(str(tmp_path / "new"), BINUTILS_TARBALL=str(archive))
     if "missing" in run.stderr:
-        pytest.skip(f"this check did not run: {run.stderr.strip()}")
+        missing("sources of the C674x compiler")
     assert run.returncode == 1
     assert "not the archive that this recipe was measured with" in run.stderr
     assert not (tmp_path / "new").exists()
@@ -175,10 +176,10 @@ def test_a_second_call_returns_at_once(tmp_path: Path) -> None:
     stamp.parent.mkdir(parents=True)
     digest = subprocess.run(["sha256sum", str(SCRIPT)], capture_output=True, text=True, check=True).stdout.split()[0]
     stamp.write_text(f"{digest}\n")
-    start = time.monotonic()
     run = build(str(tmp_path))
-    assert (run.returncode, time.monotonic() - start < 5) == (0, True)
+    assert run.returncode == 0
     assert "is up to date" in run.stdout
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == [stamp.name], "nothing was built"
 
 
 def test_an_interrupted_build_leaves_nothing(tmp_path: Path) -> None:
@@ -190,11 +191,11 @@ def test_an_interrupted_build_leaves_nothing(tmp_path: Path) -> None:
     for line in process.stdout:
         if "missing" in line:
             process.wait()
-            pytest.skip(f"this check did not run: {line.strip()}")
+            missing("sources of the C674x compiler")
         if "unpacking" in line:
             break
     assert any(path.name.startswith("new.building") for path in tmp_path.iterdir())
     process.terminate()
-    process.communicate(timeout=60)
+    process.communicate(timeout=600)
     assert process.returncode == 130
     assert list(tmp_path.iterdir()) == []

@@ -45,7 +45,7 @@ def output(model: Model, y: Any, u: Any) -> Any:
 
 
 @given(seeds, sizes, wildness)
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 def test_no_point_of_the_range_exceeds_the_certified_slope_and_gain(seed: int, rules: int, wild: float) -> None:
     model = random_model(seed, rules, wild)
     y = dense(model)
@@ -62,7 +62,7 @@ def test_no_point_of_the_range_exceeds_the_certified_slope_and_gain(seed: int, r
 
 
 @given(seeds, sizes, wildness)
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 def test_enclosures_are_as_narrow_as_asked_and_met_where_they_say(seed: int, rules: int, wild: float) -> None:
     model = random_model(seed, rules, wild)
     steepest = slope_extremum(model)
@@ -76,7 +76,7 @@ def test_enclosures_are_as_narrow_as_asked_and_met_where_they_say(seed: int, rul
 
 
 @given(seeds, sizes)
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 def test_slope_and_gain_are_the_derivatives_of_the_model(seed: int, rules: int) -> None:
     model = random_model(seed, rules)
     y = dense(model, 50)[1:-1]
@@ -124,7 +124,7 @@ def test_appendix_a_holds_everywhere_and_appendix_b_says_how_far() -> None:
 
 
 @given(seeds, wildness)
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 def test_contraction_holds_for_every_input_that_is_said_to_contract(seed: int, wild: float) -> None:
     model = random_model(seed, wild=wild)
     inputs = certify(model).contracting

@@ -63,7 +63,7 @@ def test_generated_c_equals_reference_in_every_installed_build() -> None:
 
 @pytest.mark.slow
 def test_c_of_drawn_models_equals_its_reference() -> None:
-    report = verify_texts(extended(), generate(extended()), VerifySettings(3000, 3, compilers=["gcc"], levels=["-O2"]))
+    report = verify_texts(extended(), generate(extended()), VerifySettings(3000, 3, compilers=["cc"], levels=["-O2"]))
     assert report.equal, "\n".join(report.lines())
     assert len({run.model for run in report.runs}) == 4
 
@@ -72,7 +72,7 @@ def test_c_of_drawn_models_equals_its_reference() -> None:
 @pytest.mark.slow
 def test_the_c_that_ships_equals_its_reference(name: str) -> None:
     folder = shipped(name)
-    report = verify_texts(folder.model, folder.texts, VerifySettings(SAMPLES, 0, compilers=["gcc"], levels=["-O2"]))
+    report = verify_texts(folder.model, folder.texts, VerifySettings(SAMPLES, 0, compilers=["cc"], levels=["-O2"]))
     assert report.equal, "\n".join(report.lines())
     assert {run.function for run in report.runs} >= {"predict", "simulate", "inverse", "learn", "commit"}
 

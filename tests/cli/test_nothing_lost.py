@@ -130,7 +130,7 @@ def test_a_device_or_a_pipe_that_takes_the_output_gets_it(folder: Path) -> None:
     with ThreadPoolExecutor(1) as beside:
         read = beside.submit(Path("pipe").read_text)
         assert main(["describe", "appendix_a", "--json", "pipe"]) == 0
-        assert '"hysgen-describe"' in read.result(timeout=10)
+        assert '"hysgen-describe"' in read.result(timeout=600)
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is of Linux")
@@ -153,7 +153,7 @@ def test_a_limit_of_the_memory_is_one_line_or_the_result(limit_kB: int, folder: 
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=600,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit_kB * 1024,) * 2),
     )
     if done.returncode == 0:

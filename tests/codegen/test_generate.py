@@ -22,7 +22,8 @@ from hypothesis import strategies as st
 
 from fixtures.generated_models import diagnosed, everything, learning, smooth
 from hysgen.codegen import Options, generate, write
-from hysgen.codegen.manifest import read_folder
+from hysgen.codegen.freshness import stale
+from hysgen.codegen.manifest import MANIFEST, read_folder
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BudgetError, CertificateError, HysgenError
 from hysgen.machine.files import digest
@@ -42,6 +43,7 @@ def files_of(folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     "model", [load_model("appendix_a"), everything(), diagnosed(), smooth(50)], ids=lambda model: model.name
 )
+@pytest.mark.golden
 def test_generated_files_are_the_golden_ones(model: Model, request: pytest.FixtureRequest) -> None:
     """Update with `pytest tests/codegen/test_generate.py --update-golden` and look at the diff."""
     folder = GOLDEN / model.name
@@ -192,3 +194,41 @@ def test_broken_manifest_is_refused_in_one_line(content: str, complaint: str, tm
         read_folder(tmp_path)
     assert "\n" not in str(refused.value)
     assert str(tmp_path) in str(refused.value)
+
+
+def test_the_manifest_is_written_last_and_an_interrupted_write_leaves_none(tmp_path: Path) -> None:
+    """A folder with a manifest is whole, whatever its files are called."""
+    texts = {MANIFEST: "{}", "A.c": "a", "Z.c": "z", "z/z.c": "z"}
+    (tmp_path / "z").write_text("a file where a folder is needed")
+    with pytest.raises(HysgenError):
+        write(texts, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["A.c", "Z.c", "z"]
+    (tmp_path / "z").unlink()
+    write(texts, tmp_path)
+    assert files_of(tmp_path) == texts
+
+
+def test_a_file_of_another_digest_is_named_and_it_alone(tmp_path: Path) -> None:
+    model = load_model("appendix_a")
+    write(generate(model), tmp_path)
+    changed = tmp_path / "appendix_a.h"
+    changed.write_text(changed.read_text() + " ")
+    (message,) = read_folder(tmp_path).altered
+    assert message == f"{changed}: is not what was generated (its digest differs from MANIFEST.json)"
+
+
+LINES = st.lists(st.sampled_from(["", "a", "b"]), max_size=5)
+
+
+@given(old=LINES, new=LINES)
+def test_a_stale_file_is_told_with_its_first_different_line(
+    old: list[str], new: list[str], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("stale")
+    (folder / "b.h").write_text("\n".join(old))
+    found = stale({"c.c": "", "b.h": "\n".join(new), "a.h": ""}, folder)
+    assert [each.name for each in found] == ["a.h", "b.h", "c.c"] if (old or [""]) != (new or [""]) else ["a.h", "c.c"]
+    assert {str(each) for each in found} >= {"a.h: missing", "c.c: missing"}
+    for each in found[1:-1]:
+        line = next(i for i in range(1, 7) if (old or [""])[:i] != (new or [""])[:i])
+        assert str(each) == f"b.h: differs from line {line} on"

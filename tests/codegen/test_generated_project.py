@@ -36,7 +36,6 @@ def run(folder: Path, *call: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.slow
 def test_the_folder_builds_by_cmake_and_its_example_runs(tmp_path: Path) -> None:
     """Without a learner; the export of a CMake package runs an example that learns."""
-    need("cmake")
     name = "everything"
     write(generated(name), tmp_path)
     assert built(tmp_path, "-DCMAKE_C_FLAGS=-Wall -Wextra -Werror") == ""
@@ -50,7 +49,6 @@ def test_the_folder_builds_by_cmake_and_its_example_runs(tmp_path: Path) -> None
 
 
 def test_the_project_fails_its_test_if_the_algorithm_has_a_wrong_bit(tmp_path: Path) -> None:
-    need("cmake")
     texts = generated("learning")
     wrong = texts["learning.c"].replace("12582912.0f;", "12582914.0f;", 1)
     write(texts | {"learning.c": wrong}, tmp_path)
@@ -60,12 +58,13 @@ def test_the_project_fails_its_test_if_the_algorithm_has_a_wrong_bit(tmp_path: P
 
 def built(folder: Path, *options: str) -> str:
     """What CMake complains about while it configures and builds the project in `folder`, "" if nothing."""
+    need("cmake")
     configured = run(folder, "cmake", "-S", ".", "-B", "build", *options)
     return configured.stderr or run(folder, "cmake", "--build", "build").stderr
 
 
 def test_cpp_calls_the_model_without_warnings(tmp_path: Path) -> None:
-    need("g++")
+    need("g++", "gcc")
     write(generated("learning"), tmp_path)
     (tmp_path / "caller.cpp").write_text(
         '#include "learning.h"\n'
@@ -104,7 +103,7 @@ def test_another_layout_does_not_compile(file: str, flag: str, complaint: str, t
 @pytest.mark.parametrize("name", ["everything", "extended"])
 def test_section_macros_place_every_function_and_every_table(name: str, tmp_path: Path) -> None:
     """Without optimisation, so that no function is hidden by inlining."""
-    need("objdump")
+    need("gcc")
     write(generated(name), tmp_path)
     placed = [f'-D{name.upper()}_{macro}=__attribute__((section("{section}")))'
               for macro, section in (("CODE", ".fast_code"), ("TABLE", ".fast_table"))]  # fmt: skip

@@ -8,16 +8,19 @@ from pathlib import Path
 
 import pytest
 
-from fixtures.exported_folders import NAME, exported, model, need_package
+from fixtures.exported_folders import NAME, exported, model
+from fixtures.tools import library
 from hysgen.checking.proof.eva.banks import state_box
+from hysgen.codegen import tables
+from hysgen.codegen.interface import interface
 from hysgen.errors import BuildError
 from hysgen.export import A2lSource, write_export
-from hysgen.export.a2l import read_elf
+from hysgen.export.a2l import LARGEST, Description, Elf, describe, read_elf
 
 
 def test_a2l_reads_back_with_every_word_unit_and_address(folder: Path) -> None:
     """Read by pya2l. Every word of a struct has one entry; a table at its address holds the model's numbers."""
-    need_package("pya2l")
+    library("pya2l")
     from pya2l.parser import A2lParser
 
     here = exported(folder, "a2l")
@@ -94,3 +97,60 @@ def test_an_elf_that_does_not_fit_is_refused(folder: Path, tmp_path: Path) -> No
     (tmp_path / "text").write_text("no ELF")
     with pytest.raises(BuildError, match="is no ELF file"):
         write_export(model(), "a2l", tmp_path, source=A2lSource(tmp_path / "text"))
+
+
+def laid_out(base: int = 0x1000, *, little_endian: bool = True, learner: bool = True) -> tuple[Description, Elf]:
+    """The description of instance, learner and tables that lie one after the other from `base` on."""
+    made, at = interface(model(), inverse=True), base
+    sizes = {
+        f"{NAME}_instance": made.struct(f"{NAME}_t").bytes,
+        f"{NAME}_learner": made.struct(f"{NAME}_learner_t").bytes,
+    }
+    sizes |= {f"{NAME}_{each.name}": 4 * len(each.values) for each in tables(model())}
+    symbols = {}
+    for name, size in sizes.items():
+        symbols[name] = (at, size)
+        at += size
+    elf = Elf(symbols, little_endian)
+    own = f"{NAME}_learner" if learner else None
+    return describe(model(), made, tables(model()), elf, f"{NAME}_instance", own), elf
+
+
+def test_every_word_has_the_address_of_its_place_in_the_struct() -> None:
+    description, elf = laid_out()
+    made = interface(model(), inverse=True)
+    entries = [entry for entry in (*description.characteristics, *description.measurements) if not entry.mask]
+    for variable, owner in ((f"{NAME}_instance", f"{NAME}_t"), (f"{NAME}_learner", f"{NAME}_learner_t")):
+        words = list(made.struct(owner).words())
+        paths = [word.path for word in words]
+        for entry in (entry for entry in entries if entry.name.startswith(f"{variable}.")):
+            first = (entry.address - elf.symbols[variable][0]) // 4
+            member = entry.name.removeprefix(f"{variable}.")
+            assert {
+                path.removeprefix(member).rstrip("[]0123456789") for path in paths[first : first + entry.count]
+            } == {""}
+            assert entry.writable == ("bank[" in member and variable.endswith("instance"))
+            assert entry.type == words[first].type
+        assert sum(entry.count for entry in entries if entry.name.startswith(f"{variable}.")) == len(paths)
+    for table_of_constants in tables(model()):
+        (entry,) = (entry for entry in entries if entry.name == f"{NAME}_{table_of_constants.name}")
+        assert (entry.address, entry.count) == (elf.symbols[entry.name][0], len(table_of_constants.values))
+        inside = (entry.low <= table_of_constants.values) & (table_of_constants.values <= entry.high)
+        assert inside.all()
+        assert -LARGEST <= entry.low < entry.high <= LARGEST
+    masks = {entry.name: int(entry.mask, 16) for entry in description.measurements if entry.mask}
+    assert masks[f"{NAME}_learner.status.RESTARTED"] == 256
+    assert masks[f"{NAME}_instance.status.Y_CLAMPED"] == 1
+    assert len({method.name for method in description.methods}) == len(description.methods)
+    assert {entry.conversion for entry in entries} <= {method.name for method in description.methods}
+    assert not any("learner." in entry.name for entry in laid_out(learner=False)[0].measurements)
+
+
+def test_byte_order_is_the_elfs_and_an_address_fits_into_32_bits() -> None:
+    assert laid_out()[0].byte_order == "MSB_LAST"
+    description, elf = laid_out(little_endian=False)
+    assert description.byte_order == "MSB_FIRST"
+    room = sum(size for _, size in elf.symbols.values())
+    laid_out((1 << 32) - room)
+    with pytest.raises(BuildError, match=r"lies at 0x\w+, beyond the 32 bits of an A2L address"):
+        laid_out((1 << 32) - room + 4)

@@ -42,8 +42,7 @@ def test_a_target_has_the_bits_of_the_generated_c(target: str, folder: Path) -> 
 @pytest.mark.parametrize("name", ["appendix_a", "extended"])
 def test_a_target_has_the_bits_of_the_shipped_models(name: str, target: str, tmp_path: Path) -> None:
     shipped = proof_models.shipped(name).model
-    for tool in TOOLS.get(target, ()):
-        need(tool)
+    need(*TOOLS.get(target, ()))
     write_export(shipped, target, tmp_path)
     found = compare(shipped, target, tmp_path, 20_000)
     assert [line.differ for line in found] == [0] * len(found), "\n".join(map(str, found))

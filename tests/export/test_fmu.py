@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures.exported_folders import NAME, exported, model, need_package
+from fixtures.exported_folders import NAME, exported, model
+from fixtures.tools import library
 from hysgen.codegen import Options
 from hysgen.errors import HysgenError
 from hysgen.export.check import Reference, inputs, run_fmu
@@ -22,7 +23,7 @@ from hysgen.export.fmu import archive
 @pytest.mark.parametrize("standard", [2, 3])
 def test_an_fmu_is_valid_and_holds_nothing_of_python(standard: int, folder: Path) -> None:
     here = exported(folder, "fmu")
-    need_package("fmpy")
+    library("fmpy")
     from fmpy.validation import validate_fmu
 
     path = here / f"{NAME}_fmi{standard}.fmu"
@@ -44,7 +45,7 @@ def _binary(path: Path, here: Path) -> str:
 def test_an_fmu_saves_restores_and_resets_its_state(standard: int, folder: Path) -> None:
     """The same samples after a restore of the state in memory, of its bytes, and after a reset."""
     path = exported(folder, "fmu")
-    need_package("fmpy")
+    library("fmpy")
     fmu, names = opened(standard, path)
     first = stepped(standard, fmu, names, 50)
     state = (fmu.getFMUstate if standard == 2 else fmu.getFMUState)()
@@ -68,7 +69,7 @@ def test_an_fmu_saves_restores_and_resets_its_state(standard: int, folder: Path)
 def test_a_status_bit_of_the_fmu_is_an_event(folder: Path) -> None:
     """FMI 3.0: a step of 100 samples ends early where the voltage leaves its range; outputs follow in event mode."""
     path = exported(folder, "fmu")
-    need_package("fmpy")
+    library("fmpy")
     fmu, names = opened(3, path, events=True)
     fmu.enterStepMode()
     quiet = fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=100 * model().Ts_s)

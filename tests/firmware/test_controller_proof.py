@@ -7,7 +7,9 @@ with stubs of the others. An access that leaves an array but not its struct is n
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -135,17 +137,25 @@ OPTIONS = ("-eva-precision", "0", "-eva-slevel", "20")
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "firmware.md"
 
 
-def proved_as_stated(verdict: Verdict) -> None:
-    """No alarm, at as many operations as docs/firmware.md states."""
-    assert not verdict.alarms
-    assert f"| 0 alarms at {verdict.operations} operations" in PAGE.read_text(encoding="utf-8"), verdict.operations
+@pytest.fixture
+def verdict(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> Callable[[str], Verdict]:
+    """`verdict(name)`: that of one of PROVED."""
+    need("frama-c")
+
+    def analysed(name: str) -> Verdict:
+        entry, options = PROVED[name]
+        found: Verdict = once_per_run(
+            f"eva-{name}", lambda: analyse(eva_sources(entry), "entry.c", "any", options=options)
+        )
+        return found
+
+    return analysed
 
 
 @pytest.mark.slow
-def test_no_settings_and_no_readings_make_the_controller_fail() -> None:
+def test_no_settings_and_no_readings_make_the_controller_fail(verdict: Callable[[str], Verdict]) -> None:
     """Any bits as settings, readings, references, requests: no index out of bounds, nothing uninitialised."""
-    need("frama-c")
-    proved_as_stated(analyse(eva_sources(ENTRY), "entry.c", "any", options=OPTIONS))
+    assert not verdict("controller").alarms
 
 
 @pytest.mark.slow
@@ -158,26 +168,37 @@ def test_an_index_that_goes_too_far_is_an_alarm() -> None:
 
 UNROLLED = ("-eva-precision", "0", "-eva-slevel", "0", "-eva-auto-loop-unroll", "150")
 """frame_make writes at places that grow by one in each turn of its loop of at most 132."""
+PROVED = {
+    "controller": (ENTRY, OPTIONS),
+    "image": (IMAGE_ENTRY, OPTIONS),
+    "frame": (FRAME_ENTRY, UNROLLED),
+    "line": (LINE_ENTRY, OPTIONS),
+}
 
 
 @pytest.mark.slow
-def test_no_image_and_no_content_of_the_store_make_the_image_code_fail() -> None:
-    need("frama-c")
-    proved_as_stated(analyse(eva_sources(IMAGE_ENTRY), "entry.c", "any", options=OPTIONS))
+def test_no_image_and_no_content_of_the_store_make_the_image_code_fail(verdict: Callable[[str], Verdict]) -> None:
+    assert not verdict("image").alarms
 
 
 @pytest.mark.slow
-def test_no_bytes_make_a_frame_leave_its_buffers() -> None:
-    need("frama-c")
-    found = analyse(eva_sources(FRAME_ENTRY), "entry.c", "any", options=UNROLLED)
-    proved_as_stated(found)
+def test_no_bytes_make_a_frame_leave_its_buffers(verdict: Callable[[str], Verdict]) -> None:
+    found = verdict("frame")
+    assert not found.alarms
     assert found.held == found.checks == 2
 
 
 @pytest.mark.proof
-def test_no_command_makes_link_idle_loop_and_interrupt_fail() -> None:
-    need("frama-c")
-    proved_as_stated(analyse(eva_sources(LINE_ENTRY), "entry.c", "any", options=OPTIONS))
+def test_no_command_makes_link_idle_loop_and_interrupt_fail(verdict: Callable[[str], Verdict]) -> None:
+    assert not verdict("line").alarms
+
+
+@pytest.mark.golden
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.proof] * (name == "line")) for name in PROVED])
+def test_the_page_states_the_operations(name: str, verdict: Callable[[str], Verdict]) -> None:
+    operations = verdict(name).operations
+    assert f"| 0 alarms at {operations} operations" in PAGE.read_text(encoding="utf-8"), operations
 
 
 @pytest.mark.slow

@@ -17,6 +17,7 @@ import pytest
 
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import ModelStage, image, model
+from fixtures.tools import library
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest
@@ -107,7 +108,7 @@ def until(
 
 
 def test_the_verb_drives_firmware_over_a_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("serial")
+    library("serial")
     firmware = owned()
     (tmp_path / "key").write_text(OWNER.key.hex())
     softer = replace(model(), consequents=model().consequents * [1.0, 0.98, 1.0])

@@ -33,6 +33,7 @@ def generated(name: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", MODELS)
+@pytest.mark.golden
 @pytest.mark.slow
 def test_the_models_in_the_firmware_are_what_the_templates_make(name: str, request: pytest.FixtureRequest) -> None:
     """Update with `pytest tests/firmware/test_reference_models.py --update-golden` and look at the diff."""
@@ -45,6 +46,11 @@ def test_the_models_in_the_firmware_are_what_the_templates_make(name: str, reque
     for file, text in texts.items():
         change = difflib.unified_diff(kept[file].splitlines(), text.splitlines(), "kept", "generated", lineterm="")
         assert kept[file] == text, f"{file}:\n" + "\n".join(list(change)[:60])
+
+
+linked = functools.cache(lambda name: link_image(name, generated(name)))
+compiled = functools.cache(lambda name: compile_image(generated(name)))
+longest = functools.cache(lambda name: static_bounds(name, compiled(name)))
 
 
 def on_page(row: str, name: str) -> str:
@@ -60,11 +66,9 @@ def on_page(row: str, name: str) -> str:
 @pytest.mark.slow
 def test_the_image_links_into_the_targets_memories(name: str) -> None:
     need_compiler()
-    built = link_image(name, generated(name))
+    built = linked(name)
     assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack"}
     assert all(size <= MEMORIES[memory][1] for memory, size in built.used.items())
-    assert [on_page(each.name, name) for each in built.sections] == [str(each.size) for each in built.sections]
-    assert on_page("of 262144", name) == str(built.used["L2 RAM"])
     symbols = built.firmware.image.symbols
     # No function of the compiler's library: its copy uses a hardware loop, whose counter the interrupt does not save.
     assert not [symbol for symbol in symbols if symbol.startswith("__c6xabi")]
@@ -86,24 +90,32 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
 @pytest.mark.slow
 def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str) -> None:
     need_compiler()
-    compiled = compile_image(generated(name))
     # Long enough for the firmware to learn and commit.
-    run = simulate(MODELS[name], generated(name), compiled, 2500)
+    run = simulate(MODELS[name], generated(name), compiled(name), 2500)
     assert run.equal
     assert run.commits >= 1
     assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
     # The longest path through the interrupt and one call of commit. The static bound contains learn_init and learn, but
     # no sample calls both: learning begins in the sample after learn_init.
-    longest = static_bounds(name, compiled)
     interrupt, commit, begin = (
-        longest[function] for function in ("firmware_interrupt", f"{name}_commit", f"{name}_learn_init")
+        longest(name)[function] for function in ("firmware_interrupt", f"{name}_commit", f"{name}_learn_init")
     )
     assert interrupt is not None
     assert commit is not None
     assert begin is not None
     assert max(most for _, most in run.interrupt.values()) <= interrupt[1]
     assert interrupt[1] - begin[1] + commit[1] < 0.95 * 7500
-    for symbol, cycles in longest.items():
+
+
+@pytest.mark.parametrize("name", [pytest.param("appendix_a", marks=pytest.mark.proof), "extended"])
+@pytest.mark.golden
+@pytest.mark.slow
+def test_the_page_states_sizes_and_cycles(name: str) -> None:
+    need_compiler()
+    built = linked(name)
+    assert [on_page(each.name, name) for each in built.sections] == [str(each.size) for each in built.sections]
+    assert on_page("of 262144", name) == str(built.used["L2 RAM"])
+    for symbol, cycles in longest(name).items():
         assert cycles is not None
         assert on_page(symbol.removeprefix(f"{name}_"), name) == f"{cycles[0]} .. {cycles[1]}"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 
 import pytest
@@ -17,22 +18,34 @@ from hysgen.c674x.schedule.folder import kernels, with_kernels
 from hysgen.firmware import sources
 from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.firmware.simulated import compile_image
-from hysgen.firmware.timing import LEARN, TRIM, tracked
+from hysgen.firmware.timing import LEARN, TRIM, Timing, tracked
 from hysgen.model.file import load_model
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "firmware.md"
 FETCH, LOAD, STORE = AccessKind.FETCH, AccessKind.LOAD, AccessKind.STORE
 
 
+@functools.cache
+def without_and_with_learner() -> tuple[Timing, Timing]:
+    compiled = compile_image(firmware_model(model()))
+    return tracked(model(), compiled.machine(), TRIM), tracked(model(), compiled.machine(), TRIM | LEARN)
+
+
 @pytest.mark.slow
 def test_the_learner_does_not_delay_the_output() -> None:
     """Same cycles from the reading to the voltage, sample by sample; without a commit the voltages are equal."""
     need_compiler()
-    compiled = compile_image(firmware_model(model()))
-    without, learning = (tracked(model(), compiled.machine(), options) for options in (TRIM, TRIM | LEARN))
+    without, learning = without_and_with_learner()
     assert learning.delay == without.delay
     assert min(learning.total) > max(without.total)
     assert learning.cold.lines > without.cold.lines > without.warm.lines
+
+
+@pytest.mark.golden
+@pytest.mark.slow
+def test_the_page_states_the_cycles_to_the_output() -> None:
+    need_compiler()
+    without, learning = without_and_with_learner()
     page = PAGE.read_text(encoding="utf-8")
     for name, each in {"trim": without, "trim, learner": learning}.items():
         row = f"| Appendix A, {name} | {min(each.delay)} .. {max(each.delay)} | {max(each.total)} |"

@@ -114,7 +114,7 @@ def test_the_gain_is_bounded_away_from_zero_where_the_record_shows_none() -> Non
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.3, 0.9, 0.999]))
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=8)
 def test_every_certified_fit_holds_its_certificates(seed: int, limit: float) -> None:
     rng = np.random.default_rng(seed)
     record = narrow_record(seed, noise_um=float(10.0 ** rng.uniform(-3, -0.5)), loops=float(rng.uniform(0, 2)))

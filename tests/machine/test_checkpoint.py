@@ -10,7 +10,7 @@ import pytest
 from hysgen.diagnosis import DiagnoseSettings, Diagnosis, procedure
 from hysgen.diagnosis.probe import solve
 from hysgen.machine import checkpoint
-from hysgen.machine.checkpoint import forget, resumed, steps
+from hysgen.machine.checkpoint import content_digest, forget, resumed, steps
 from hysgen.record import Record
 from hysgen.stage import Stage, run
 from hysgen.stage.signals import nested_amplitudes
@@ -93,3 +93,27 @@ def test_steps_are_kept_by_the_content_of_their_inputs(tmp_path: Path) -> None:
     assert steps(("y",), tmp_path).get(a, compute) == 3
     forget(("x",), tmp_path)
     assert kept.get(a, compute) == 4
+
+
+def test_values_that_differ_in_anything_have_different_digests() -> None:
+    """Type and shape of an array too: its bytes alone may be those of another."""
+    zeros = np.zeros(4)
+    different = [
+        zeros, zeros.reshape(2, 2), zeros.astype(np.int64), zeros.astype(np.float32), zeros[:2], np.full(4, -0.0),
+        [0.0] * 4, (0.0,) * 4, [[0.0] * 2, [0.0] * 2], {"a": 0.0}, {"b": 0.0}, {"a": 0}, 0.0, "0.0", None,
+        ["a", 0.0], DiagnoseSettings(), DiagnoseSettings(resume=True), [DiagnoseSettings()],
+    ]  # fmt: skip
+    digests = [content_digest(value) for value in different]
+    assert len(set(digests)) == len(different)
+    assert {len(digest) for digest in digests} == {32}
+    strided = np.arange(8.0)[::2]
+    assert content_digest(strided) == content_digest(strided.copy())
+
+
+def test_a_step_that_cannot_be_read_is_computed_again(cache: Path, tmp_path: Path) -> None:
+    assert resumed(("x",), tmp_path, lambda: 1) == 1
+    (path,) = cache.glob("step-*.pickle")
+    path.write_bytes(path.read_bytes()[:-1])
+    assert [resumed(("x",), tmp_path, lambda: 2), resumed(("x",), tmp_path, lambda: 3)] == [2, 2]
+    (tmp_path / "notes.txt").write_text("not code")
+    assert resumed(("x",), tmp_path, lambda: 4) == 2

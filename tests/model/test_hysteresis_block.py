@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import shutil
 from typing import Any
 
 import numpy as np
@@ -82,8 +81,7 @@ def test_float64_agrees_with_the_equations_in_plain_python(block: Hysteresis) ->
 @by_block
 @pytest.mark.parametrize("toolchain", TOOLCHAINS, ids=str)
 def test_c_equals_the_mirror_bit_for_bit(block: Hysteresis, toolchain: Toolchain) -> None:
-    if shutil.which(toolchain.command) is None:
-        need(toolchain.command)
+    need(toolchain.command)
     v, wanted, rest, ahead, back = mirrored(block)
     compiled = Compiled(block, float(v[0]), toolchain)
     assert rest.tobytes() == np.float32(compiled.rest).tobytes()

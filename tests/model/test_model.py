@@ -25,7 +25,7 @@ GRIDS = st.builds(
 
 
 @given(GRIDS, st.floats(-1, 2))
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=100)
 def test_memberships_are_the_normalised_gaussians_of_equations_2_and_3(grid: Grid, place: float) -> None:
     y = grid.y_min_um + place * (grid.y_max_um - grid.y_min_um)
     clamped = min(max(y, grid.y_min_um), grid.y_max_um)
@@ -39,7 +39,7 @@ def test_memberships_are_the_normalised_gaussians_of_equations_2_and_3(grid: Gri
 
 
 @given(GRIDS, st.floats(0.01, 0.99))
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=100)
 def test_membership_slopes_are_the_derivatives(grid: Grid, place: float) -> None:
     y = np.array([grid.y_min_um + place * (grid.y_max_um - grid.y_min_um)])
     step = 1e-4 * grid.step_um

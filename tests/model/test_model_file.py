@@ -36,7 +36,7 @@ def same(one: Model, other: Model) -> bool:
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 20), st.booleans())
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 def test_model_file_keeps_every_bit(seed: int, rules: int, extended: bool) -> None:
     model = random_model(seed, rules, terms=TERMS if extended else ())
     read = parse_model(dump_model(model), "m.json")

@@ -84,17 +84,6 @@ def test_json_round_trip_is_exact_and_reaches_the_model_file(block: InputBlock) 
     assert parse_model(dump_model(model), "test").blocks == (block,)
 
 
-@by_kind
-def test_shape_parameters_come_back_and_lie_within_their_bounds(block: InputBlock) -> None:
-    shape = block.shape()
-    assert np.allclose(block.with_shape(shape).shape(), shape, rtol=0, atol=1e-12)
-    if block.responds:
-        return
-    low, high = block.shape_bounds(commands(5000), TS_S)
-    assert (low < high).all()
-    assert block.with_shape(low).kind == block.with_shape(high).kind == block.kind
-
-
 def test_a_limiter_passes_its_own_output_unchanged() -> None:
     u = commands(4000).astype(np.float32)
     first, second = (ChainMirror(LIMITERS, u[:1], TS_S, limits()) for _ in range(2))

@@ -59,7 +59,7 @@ def made_by(model: Model, samples: int, seed: int, noise_um: float = 0.0) -> Rec
 
 
 @given(st.integers(0, 10_000), st.integers(2, 40), st.booleans())
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25)
 def test_free_run_kernel_is_the_loop_over_the_equations(seed: int, rules: int, disturbed: bool) -> None:
     model = random_model(seed, rules, wild=0.05, terms=DISTURBED if disturbed else ())
     record = made_by(model, 300, seed)
@@ -69,7 +69,7 @@ def test_free_run_kernel_is_the_loop_over_the_equations(seed: int, rules: int, d
 
 
 @given(st.integers(0, 10_000), st.integers(2, 40), st.booleans())
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25)
 def test_one_step_kernel_is_the_loop_over_the_equations(seed: int, rules: int, disturbed: bool) -> None:
     model = random_model(seed, rules, terms=DISTURBED if disturbed else ())
     u = random_drive(200, seed)

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 import scipy.io
 
-from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, K, N, check, library
+from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, K, N, check
+from fixtures.tools import library
 from hysgen.errors import RecordError
 from hysgen.record import load_record
 

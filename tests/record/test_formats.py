@@ -97,7 +97,7 @@ def records(draw: st.DrawFn) -> Record:
 
 
 @pytest.mark.parametrize("form", WRITERS)
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(record=records())
 def test_record_written_and_read_back_is_the_same_in_every_format(form: str, record: Record) -> None:
     with tempfile.TemporaryDirectory() as folder:

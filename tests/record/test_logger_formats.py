@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, check, library
+from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, check
+from fixtures.tools import library
 from hysgen.errors import RecordError
 from hysgen.record import load_record
 

@@ -8,7 +8,6 @@ import json
 import math
 import pickle
 import re
-import shutil
 import subprocess
 from collections.abc import Callable
 from html.parser import HTMLParser
@@ -19,6 +18,7 @@ import numpy as np
 import pytest
 
 from fixtures.bank_records import hum_study
+from fixtures.tools import need
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
 from hysgen.diagnosis.bootstrap import Gain
@@ -173,10 +173,8 @@ def test_every_picture_says_in_words_what_it_shows(page: str) -> None:
 
 @pytest.mark.parametrize("width", [390, 1280])
 def test_browser_shows_the_page_without_scrolling_sideways(page: str, width: int, tmp_path: Path) -> None:
-    """The page in a frame as wide as a phone or a desktop screen. Skipped without a browser, as in CI."""
-    browser = shutil.which("chromium") or shutil.which("google-chrome")
-    if browser is None:
-        pytest.skip("chromium is not installed: nothing looked at the page")
+    """The page in a frame as wide as a phone or a desktop screen."""
+    need("chromium")
     tell = "<script>onload=()=>parent.postMessage([document.documentElement.scrollWidth,innerWidth,loaded()],'*');"
     tell += "function loaded(){return [...document.images].filter(i=>i.naturalWidth>0).length}</script>"
     (tmp_path / "page.html").write_text(page.replace("</body>", tell + "</body>"))
@@ -185,7 +183,7 @@ def test_browser_shows_the_page_without_scrolling_sideways(page: str, width: int
         "<script>onmessage=e=>document.body.innerHTML='<p>told '+e.data.join(' ')+' end</p>'</script></body>"
     )
     options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    call = [browser, *options, "--virtual-time-budget=20000", "--dump-dom", (tmp_path / "frame.html").as_uri()]
+    call = ["chromium", *options, "--virtual-time-budget=20000", "--dump-dom", (tmp_path / "frame.html").as_uri()]
     dom = subprocess.run(call, capture_output=True, text=True, check=False, timeout=120).stdout
     told = re.search(r"told (\d+) (\d+) (\d+) end", dom)
     assert told is not None, dom[-300:]

@@ -1,16 +1,16 @@
-"""Uncertainty: the budget against GTC and Monte Carlo, the sensor's statement, positions, coverage, history."""
+"""Uncertainty: the budget against GTC and Monte Carlo, the sensor's statement, repeatability, coverage, history."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import math
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fixtures.tools import library
 from hysgen.cli import main
 from hysgen.errors import HysgenError, ModelError
 from hysgen.model.file import load_model, save_model
@@ -19,7 +19,7 @@ from hysgen.record.noise import NoiseFloor
 from hysgen.studies.coverage import coverage
 from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
 from hysgen.uncertainty.history import history
-from hysgen.uncertainty.positions import positions
+from hysgen.uncertainty.repeatability import Repeatability, repeatability
 from hysgen.uncertainty.sensor import SensorUncertainty, sensor_uncertainty
 from hysgen.uncertainty.simulated import Evidence, budget
 
@@ -35,8 +35,7 @@ EXAMPLE = Budget(
 
 
 def test_worked_example_agrees_with_gtc() -> None:
-    if not os.environ.get("HYSGEN_REQUIRE_TOOLS"):
-        pytest.importorskip("GTC")
+    library("GTC")
     from GTC import dof, uncertainty, ureal
     from GTC.reporting import k_factor
 
@@ -86,7 +85,7 @@ def test_power_of_the_residual_is_split_without_counting_twice() -> None:
         4000,
         20,
         SensorUncertainty(0.01, 2.0, ""),
-        positions(cycle),
+        repeatability(cycle),
         0.003,
     )
     parts = {c.name: c.contribution_um for c in budget(evidence).contributions}
@@ -132,47 +131,6 @@ def test_sensor_uncertainty_that_is_none_is_refused(text: str, complaint: str) -
         sensor_uncertainty(text)
 
 
-REAL = {
-    1: "<si:expandedUnc><si:uncertainty>{U}</si:uncertainty>"
-    "<si:coverageFactor>{k}</si:coverageFactor></si:expandedUnc>",
-    2: "<si:measurementUncertaintyUnivariate><si:expandedMU><si:valueExpandedMU>{U}</si:valueExpandedMU>"
-    "<si:coverageFactor>{k}</si:coverageFactor></si:expandedMU></si:measurementUncertaintyUnivariate>",
-}
-"""Uncertainty of a real number in D-SI 1 and 2."""
-
-
-def certificate(generation: int, reals: list[tuple[str, str, str]]) -> str:
-    """A certificate with one quantity per (unit, U, k)."""
-    quantities = "".join(
-        f"<dcc:quantity><si:real><si:value>1</si:value><si:unit>{unit}</si:unit>{REAL[generation].format(U=U, k=k)}"
-        "</si:real></dcc:quantity>"
-        for unit, U, k in reals
-    )
-    return (
-        '<dcc:digitalCalibrationCertificate xmlns:dcc="https://ptb.de/dcc" xmlns:si="https://ptb.de/si">'
-        "<dcc:administrativeData><dcc:coreData><dcc:uniqueIdentifier>C-17</dcc:uniqueIdentifier></dcc:coreData>"
-        f"</dcc:administrativeData>{quantities}</dcc:digitalCalibrationCertificate>"
-    )
-
-
-@pytest.mark.parametrize("generation", [1, 2])
-def test_sensor_uncertainty_from_a_certificate(generation: int, tmp_path: Path) -> None:
-    path = tmp_path / "sensor.xml"
-    values = [
-        (r"\micro\metre", "0.004", "2"),
-        (r"\nano\metre", "6", "2"),
-        (r"\volt", "1", "2"),
-        (r"\metre", "1e-9", "1"),
-    ]
-    path.write_text(certificate(generation, values))
-    found = sensor_uncertainty(str(path))
-    assert (found.expanded_um, found.k) == (pytest.approx(0.006), 2.0)
-    assert found.source == "certificate C-17, largest of 3 uncertainties of length"
-    path.write_text(certificate(generation, [(r"\volt", "1", "2")]))
-    with pytest.raises(HysgenError, match="states no expanded uncertainty of a length"):
-        sensor_uncertainty(str(path))
-
-
 def record_of_cycles(spread_um: float, noise_um: float, cycles: int, reversal_um: float = 0.0) -> Record:
     """Levels 0, 10, 20, 30 V up and down; positions 0.05 um/V, less `reversal_um` on the way up."""
     random = np.random.default_rng(3)
@@ -186,56 +144,28 @@ def record_of_cycles(spread_um: float, noise_um: float, cycles: int, reversal_um
     return Record.from_arrays(np.concatenate(u), np.concatenate(y), 1e-3, accept=("constant",))
 
 
-def test_positions_of_a_record_with_repeated_levels() -> None:
-    found = positions(record_of_cycles(spread_um=0.002, noise_um=0.001, cycles=40, reversal_um=0.03))
-    assert (found.levels, found.holds) == (4, 241)
-    assert found.hysteresis_um == pytest.approx(0.03, abs=0.002)
-    assert found.spread_um == pytest.approx(0.002, rel=0.1)
-    assert found.repeatability_um == pytest.approx(0.03 + 4 * 0.002, rel=0.2)
-    assert found.noise_band_um == pytest.approx(0.004, rel=0.1)
-    assert found.positioning_um is not None
-    assert 0.03 < found.positioning_um < 0.05
-    assert found.accuracy_um == pytest.approx(found.positioning_um + 4 * 0.002, rel=0.2)
-    assert found.approaches == 40
-    few = positions(record_of_cycles(spread_um=0.002, noise_um=0.001, cycles=4))
-    assert {row[0]: row[2] for row in few.rows()}["bidirectional repeatability"] == (
-        "from 4 approaches; ISO 230-2 asks for 5"
-    )
-    none = positions(Record.from_arrays(np.arange(500.0), np.arange(500.0), 1e-3))
-    assert (none.repeatability_um, none.noise_band_um, none.holds) == (None, None, 0)
-    assert all(row[2].startswith("needs ") for row in none.rows())
+def test_repeatability_of_repeated_levels() -> None:
+    """What a level differs by from below and from above is no spread; a level that is visited once says nothing."""
+    cycles = repeatability(record_of_cycles(spread_um=0.002, noise_um=0.001, cycles=40, reversal_um=0.03))
+    assert cycles.spread_um == pytest.approx(0.002, rel=0.1)
+    assert (cycles.holds, cycles.freedom) == (241, 240 - 6)
+    once = repeatability(record_of_cycles(spread_um=0.002, noise_um=0.001, cycles=1))
+    assert (once.spread_um, once.freedom, once.holds) == (None, 0, 7)
+    moving = Record.from_arrays(np.arange(500.0), np.arange(500.0), 1e-3)
+    assert repeatability(moving) == Repeatability(None, 0, 0)
 
 
-AXIS_MM = {
-    -4.0: (
-        [-3.99861, -3.98366, -3.98366, -3.95012, -3.95335],
-        [-4.10205, -4.01598, -3.99861, -3.99254, -3.96143],
-    ),
-    -2.0: (
-        [-2.00655, -1.98836, -1.98109, -1.9419, -1.93341],
-        [-2.11969, -2.02392, -2.00251, -1.99968, -1.9617],
-    ),
-    0.0: ([-0.02782, -0.00802, -0.01005, 0.01986, 0.0344], [-0.13005, -0.02904, -0.01489, -0.01126, 0.01622]),
-    2.0: ([1.97474, 1.99616, 2.00181, 2.03495, 2.04909], [1.94767, 1.97191, 1.98848, 2.00949, 2.02323]),
-    4.0: ([4.00316, 4.00397, 4.00963, 4.03024, 4.05165], [3.94983, 3.98054, 3.98538, 4.01731, 4.03024]),
-}
-"""Readings at five targets, five approaches from below and from above: a published test of an axis after ISO 230-2
-(github.com/anderssandstrom/ecmc_target_muts_logger, target_x_report_8A.md)."""
+def test_repeatability_of_two_levels_by_hand() -> None:
+    """1 V is reached from 0 V at 2.0, 2.2 and 2.4 um, 0 V from 1 V at 0.1 and 0.3 um: s^2 = (0.08 + 0.02) / (2 + 1).
 
-
-def test_repeatability_and_reversal_agree_with_a_published_test_after_iso_230_2() -> None:
-    """B = 0.05124 mm and R = 0.23715 mm in the report of that test, written with five decimals."""
-    steps: list[tuple[float, float]] = []
-    for cycle in range(5):
-        steps.append((-5.0, -5.0))
-        steps += [(target, up[cycle]) for target, (up, _) in AXIS_MM.items()]
-        steps.append((5.0, 5.0))
-        steps += [(target, down[cycle]) for target, (_, down) in reversed(AXIS_MM.items())]
-    u, y = (np.repeat(column, 40) for column in np.array(steps).T)
-    found = positions(Record.from_arrays(u, y, 1e-3, accept=("constant",)))
-    assert found.hysteresis_um == pytest.approx(0.05124, abs=2e-5)
-    assert found.repeatability_um == pytest.approx(0.23715, abs=2e-5)
-    assert found.approaches == 5
+    The first half of a hold is no part of its position.
+    """
+    places = [(0.0, 7.0), (1.0, 2.0), (0.0, 0.1), (1.0, 2.2), (0.0, 0.3), (1.0, 2.4)]
+    u = np.repeat([volts for volts, _ in places], 40)
+    y = np.concatenate([np.r_[np.full(20, 9.0), np.full(20, place)] for _, place in places])
+    levels = repeatability(Record.from_arrays(u, y, 1e-3, accept=("constant",)))
+    assert levels.spread_um == pytest.approx(math.sqrt(0.1 / 3.0))
+    assert (levels.freedom, levels.holds) == (3, 6)
 
 
 def test_model_error_is_split_by_cause_and_its_sum_is_kept() -> None:

@@ -26,14 +26,6 @@ class ModelPart(abc.ABC):
     quantities: ClassVar[Mapping[str, Quantity]] = {}
     """Meaning and unit of every array of `constants`, by its name."""
 
-    def shape(self) -> Floats:
-        """The parameters for an optimiser: positive ones as logarithms; (0,) if there are none."""
-        return np.zeros(0)
-
-    def with_shape(self, shape: Floats) -> Self:
-        """The same part with these parameters. Raises ValueError outside their domain."""
-        return self
-
     def members(self) -> tuple[Member, ...]:
         """The members of the C struct that keeps the state, in its order, with units; () without a state.
 

@@ -41,7 +41,7 @@ def diagnosis_page(
 ) -> Page:
     """The report.
 
-    characterisation: uncertainty and positions, as a section of their own. proof: comparison and cost of the extended
+    characterisation: uncertainty, as a section of their own. proof: comparison and cost of the extended
     model's C; by default, both are made here. command: the command line that repeats the report, if there is one.
     """
     drawn = {picture.name: picture for picture in pictures(study)}

@@ -122,9 +122,6 @@ def uncertainty_section(found: Characterisation) -> PageSection:
     removed = [[name, f"{size_um:.3g}"] for name, size_um in found.removed]
     tables = [
         PageTable(head, budget.rows(), f"Budget: {budget.measurand}", left=2, right=1),
-        PageTable(
-            ["quantity", "um", ""], found.positions.rows(), "Positions of the levels that the record holds", right=1
-        ),
     ]
     if removed:
         tables.append(
@@ -142,7 +139,6 @@ def uncertainty_section(found: Characterisation) -> PageSection:
         notes=[
             *(f"Not known: {name}." for name in found.missing),
             "This page is a characterisation report, not a calibration certificate.",
-            "Names of the positions follow ASME B5.64, formulas ISO 230-2 (docs/uncertainty.md).",
         ],
     )
 

@@ -1,1 +1,1 @@
-"""Measurement uncertainty after the GUM: sensor, budget of a simulated displacement, positions, history of a stage."""
+"""Measurement uncertainty after the GUM: sensor, repeatability, simulated displacement, history of a stage."""

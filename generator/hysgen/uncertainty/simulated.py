@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.evaluation import Study
 from hysgen.record.noise import NoiseFloor
 from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
-from hysgen.uncertainty.positions import Positions, positions
+from hysgen.uncertainty.repeatability import Repeatability, repeatability
 from hysgen.uncertainty.sensor import SensorUncertainty
 
 MEASURAND = "displacement that the model states for a sample (free run)"
@@ -50,7 +50,7 @@ class Evidence:
     fitted: int
     parameters: int
     sensor: SensorUncertainty
-    positions: Positions | None = None
+    repeatability: Repeatability | None = None
     drift_um: float | None = None
     actions_um: tuple[tuple[str, NDArray[np.float64]], ...] = ()
     left_um: tuple[tuple[str, float], ...] = ()
@@ -58,10 +58,10 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Characterisation:
-    """Budget, positions, and error that each extension removes. missing: contributions that are not known."""
+    """Budget, repeatability, and error that each extension removes. missing: contributions that are not known."""
 
     budget: Budget
-    positions: Positions
+    repeatability: Repeatability
     removed: tuple[tuple[str, float], ...]
     missing: tuple[str, ...]
 
@@ -69,7 +69,7 @@ class Characterisation:
         """Plain JSON values."""
         return {
             "budget": self.budget.to_json(),
-            "positions": self.positions.to_json(),
+            "repeatability": self.repeatability.to_json(),
             "removed_by_extension_um": dict(self.removed),
             "missing": list(self.missing),
         }
@@ -92,7 +92,7 @@ def budget(evidence: Evidence) -> Budget:
     e = evidence.residual_um
     power = float(np.mean(e**2))
     noise2 = min(evidence.noise.rms_um**2, power)
-    seen = evidence.positions
+    seen = evidence.repeatability
     spread = seen.spread_um if seen is not None and seen.spread_um is not None else 0.0
     repeat2 = min(spread**2, power - noise2)
     fit_um = evidence.noise.rms_um * math.sqrt(evidence.parameters / max(1, evidence.fitted))
@@ -106,7 +106,7 @@ def budget(evidence: Evidence) -> Budget:
     ]  # fmt: skip
     if repeat2 > 0.0 and seen is not None:
         about = f"levels that the record visits again, {seen.holds} holds"
-        contributions.append(Contribution("repeatability", math.sqrt(repeat2), "A", about, max(1.0, seen.freedom)))
+        contributions.append(Contribution("repeatability", math.sqrt(repeat2), "A", about, float(max(1, seen.freedom))))
     contributions += _model_error(evidence, max(power - noise2 - repeat2, 0.0))
     if evidence.drift_um is not None:
         about = f"at most {evidence.drift_um:.3g} um since the record"
@@ -154,9 +154,9 @@ def error_by_cause(
 
 
 def characterise(study: Study, sensor: SensorUncertainty, drift_um: float | None = None) -> Characterisation:
-    """The budget and the positions of a diagnosed record, for its extended model."""
+    """The budget of a diagnosed record, for its extended model."""
     diagnosis = study.diagnosis
-    seen = positions(study.record)
+    seen = repeatability(study.record)
     rows = diagnosis.held_rows
     model = diagnosis.model
     evidence = Evidence(
@@ -165,7 +165,7 @@ def characterise(study: Study, sensor: SensorUncertainty, drift_um: float | None
         fitted=study.cut,
         parameters=model.consequents.size + model.weights.size,
         sensor=sensor,
-        positions=seen,
+        repeatability=seen,
         drift_um=drift_um,
         actions_um=_actions(study, rows),
         left_um=_left(study),

@@ -49,7 +49,7 @@ def diagnose_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sensor-uncertainty",
         metavar="U,k=K",
-        help="expanded uncertainty of the sensor, as 5nm,k=2, or its Digital Calibration Certificate (.xml)",
+        help="expanded uncertainty of the sensor, as 5nm,k=2",
     )
     parser.add_argument("--drift-since", metavar="LENGTH", help="largest change of the stage since the record, as 3nm")
     add_record_options(parser)

@@ -143,10 +143,6 @@ class InputBlock(ModelPart):
         """
         raise ModelError(f"blocks: {self.kind}: gives no box of its state; write box() in the file of the block")
 
-    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
-        """Lower and upper bounds of `shape` that a record with these commands can identify."""
-        return np.zeros(0), np.zeros(0)
-
     @abc.abstractmethod
     def mirror(self, u_V: Floats32, Ts_s: float) -> BlockMirror:
         """The float32 reference, at rest under u_V (lanes,), as the generated `_init` leaves it."""

@@ -92,16 +92,6 @@ class Delay(InputBlock):
             floats["wanted_V"] = u_V
         return BlockBox(floats, commands.outwards(part * commands.width), commands, {"newest": self.ring - 1})
 
-    def shape(self) -> Floats:
-        """(1,) samples."""
-        return np.array([self.samples])
-
-    def with_shape(self, shape: Floats) -> Self:
-        return type(self)(float(shape[0]))
-
-    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
-        return np.zeros(1), np.array([float(min(MOST_SAMPLES, u_V.size // 4))])
-
     def members(self) -> tuple[Member, ...]:
         ring = (
             Member("ring", "float", "past inputs, a ring", (self.ring,), unit="V"),

@@ -51,19 +51,6 @@ class Saturation(InputBlock):
         through = Interval(min(max(u_V.low, low), high), max(min(u_V.high, high), low))
         return BlockBox({}, through, through)
 
-    def shape(self) -> Floats:
-        """(2,) the levels in V."""
-        return np.array([self.low_V, self.high_V])
-
-    def with_shape(self, shape: Floats) -> Self:
-        return type(self)(float(shape[0]), float(shape[1]))
-
-    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
-        """Each level on its own side of the middle of the commands, no further out than they went."""
-        low, high = float(np.min(u_V)), float(np.max(u_V))
-        middle, gap = 0.5 * (low + high), 1e-3 * (high - low)
-        return np.array([low, middle + gap]), np.array([middle - gap, high])
-
     def members(self) -> tuple[Member, ...]:
         return ()
 

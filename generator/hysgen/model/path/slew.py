@@ -49,19 +49,6 @@ class Slew(InputBlock):
         """last_V = v(k) lies between v(k-1) and u(k) [V]: both start in u_V, so v never leaves u_V."""
         return BlockBox({"last_V": u_V}, u_V, u_V)
 
-    def shape(self) -> Floats:
-        """(2,) natural logarithms of the rates up and down in V/s."""
-        return np.array([np.log(self.rise_V_s), np.log(self.fall_V_s)])
-
-    def with_shape(self, shape: Floats) -> Self:
-        return type(self)(float(np.exp(shape[0])), float(np.exp(shape[1])))
-
-    def shape_bounds(self, u_V: Floats, Ts_s: float) -> tuple[Floats, Floats]:
-        """Between a thousandth of the steepest command and the steepest command, up and down."""
-        steps = np.diff(u_V) / Ts_s
-        steepest = np.maximum([np.max(steps), np.max(-steps)], np.finfo(np.float64).tiny)
-        return np.log(1e-3 * steepest), np.log(steepest)
-
     def members(self) -> tuple[Member, ...]:
         return (Member("last_V", "float", "last output of the limiter", unit="V"),)
 
