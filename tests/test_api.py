@@ -20,8 +20,8 @@ from hysgen.cli.verbs import NAMES
 from hysgen.display import Displayed
 from hysgen.firmware.image import Label
 from hysgen.report.plots.results import Drawing
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 TS_S = 1e-4
 

@@ -205,7 +205,7 @@ def test_help_lists_the_verbs_in_groups_and_loads_no_library() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.index("  diagnose") < done.stdout.index("  generate") < done.stdout.index("  endurance")
+    assert done.stdout.index("  diagnose") < done.stdout.index("  generate") < done.stdout.index("  demo")
 
 
 def test_a_home_that_cannot_be_written_gives_the_pictures_another_folder(

@@ -11,8 +11,8 @@ import pytest
 from hysgen.errors import RecordError
 from hysgen.record import Record, check_for_fit, check_validation, load_record
 from hysgen.record.series import turning_rows
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import fig5, fig11_sine
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import fig5, fig11_sine
 
 TS_S = 20e-6
 LAB = Stage.laboratory()

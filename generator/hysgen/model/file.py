@@ -249,4 +249,4 @@ def _text(value: Any, indent: int = 0) -> str:
 
 def _shipped() -> Traversable:
     """The folder of the models that ship with hysgen."""
-    return resources.files("hysgen.model") / "shipped"
+    return resources.files(__package__) / "shipped"

@@ -34,12 +34,8 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "schema": ("schema", "the JSON Schema of the result of a verb, of a model file, of a manifest"),
         "link": ("link", "commands to running firmware: state, start, stop, reference, parameter images"),
     },
-    "examples and studies": {
+    "an example": {
         "demo": ("demo", "the whole way on the bundled record"),
-        "experiments": ("studies", "the paper's experiments on the virtual stage"),
-        "track": ("firmware", "the complete firmware on the virtual stage"),
-        "bank": ("studies", "how often a diagnosis of hidden effects is right"),
-        "endurance": ("studies", "the learner for hours of poor and broken excitation"),
     },
 }
 """Module and summary of each verb, by group, in the order of the work and of `hysgen --help`."""

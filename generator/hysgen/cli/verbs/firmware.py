@@ -1,4 +1,4 @@
-"""The complete firmware: sizes and cycles of its image, parameter images, tracking on the virtual stage."""
+"""The complete firmware: sizes and cycles of its image, parameter images."""
 
 from __future__ import annotations
 
@@ -11,11 +11,9 @@ from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import add_kernels, scheduled
 from hysgen.codegen import write
-from hysgen.display import table
 from hysgen.errors import BuildError, ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.image import NO_KEY, Label, encode, read_key
-from hysgen.firmware.tracking import PAPER_NM, SECONDS, TrackingResult, track
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
 from hysgen.targets import named, targets
@@ -26,8 +24,6 @@ Write what the firmware needs of a model (its C and model.h), and say what the i
 The firmware itself, which calls it, is in firmware/ of the sources; docs/firmware.md says how to put both together."""
 IMAGE_HELP = """\
 Write a model's numbers as a parameter image, which running firmware takes if it is whole, right and certified."""
-TRACK_HELP = """\
-Run the complete firmware on the virtual stage through section 4.3 of the paper: tracking error by controller."""
 
 SAMPLES = 12_000
 """Of the run on the simulator."""
@@ -114,39 +110,7 @@ def _key(arguments: argparse.Namespace) -> bytes:
     return read_key(Path(arguments.key)) if arguments.key else NO_KEY
 
 
-def track_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--seconds", type=float, default=SECONDS, metavar="S", help=f"of reference (default {SECONDS:g})"
-    )
-
-
-def run_track(arguments: argparse.Namespace, console: Console) -> int:
-    results, noise_nm = track(arguments.seconds, console.progress)
-    console.say(tracking_table(results, noise_nm))
-    return console.finish({"sensor_noise_nm": noise_nm, "tracking": [result.to_json() for result in results]})
-
-
-def tracking_table(results: list[TrackingResult], noise_nm: float) -> str:
-    """Tracking errors by controller, with the sensor's noise and the paper's errors below."""
-    rows = [
-        [
-            f"{result.f_Hz:g} Hz, {result.controller}",
-            f"{result.rms_nm:.2f}",
-            f"{result.mean_nm:+.2f}",
-            f"{result.spread_nm:.2f}",
-            f"{result.last_nm:.2f}",
-            f"{result.voltage_V[0]:.1f} .. {result.voltage_V[1]:.1f}",
-            f"{result.commits}",
-        ]
-        for result in results
-    ]
-    header = ["reading minus reference", "rms nm", "mean nm", "spread nm", "last second nm", "voltage V", "commits"]
-    paper = ", ".join(f"{nm:g} nm at {f_Hz:g} Hz" for f_Hz, nm in PAPER_NM.items())
-    return table(header, rows) + f"\nsensor: {noise_nm:.2f} nm rms; the paper's own stage, by its inverse: {paper}"
-
-
 VERBS = {
     "firmware": Verb(FIRMWARE_HELP, firmware_arguments, run_firmware, {"output": Output("-o", folder=True)}),
     "image": Verb(IMAGE_HELP, image_arguments, run_image, {"output": Output("-o")}),
-    "track": Verb(TRACK_HELP, track_arguments, run_track),
 }

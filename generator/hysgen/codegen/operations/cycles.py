@@ -5,11 +5,11 @@
     cycles = 60 + 0.8 (+-, *, loads, stores)             for a call of commit, of learn_init
 
 Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules, with and without terms and input
-blocks, compiled as in hysgen.c674x) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
+blocks, compiled for the C674x) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
 constant is the latency of exponential, sums and reciprocal in sequence; a branch costs its jump and the overlap of
 operations that it prevents. The loops of learner and commit are unrolled on the target: indices and branches cost
 nothing there.
-tests/c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
+tests/hysgen_c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
 """
 
 from __future__ import annotations
